@@ -1,0 +1,246 @@
+//! A whole file at once: an index of its packets, then each message's packets as rows of a table.
+//!
+//! Indexing on several threads gives exactly what one thread gives. The scanner's state between two packets
+//! is its position alone, so a thread that reaches a later thread's starting point exactly proves that
+//! thread's work right; where it does not (a false start inside junk), it goes on through that stretch
+//! itself, and the later thread's work is thrown away.
+
+use crate::header::Header;
+use crate::layout::{Dialect, FieldType, Layout};
+use crate::parser::Packet;
+use crate::scan::{Found, Scanner, TIMESTAMP, timestamp_microseconds};
+use crate::sequence::Sources;
+use crate::statistics::Statistics;
+use std::collections::BTreeMap;
+use std::thread;
+
+/// Bytes of a row before the payload: time in microseconds (8), system, component, sequence, version.
+pub const ROW_HEADER: usize = 12;
+/// Time of a row whose packet has none: numpy's "not a time".
+pub const NO_TIME: i64 = i64::MIN;
+/// A stretch of a file shorter than this is not worth a thread.
+const MIN_STRETCH: usize = 1 << 20;
+const MIN_ROWS: usize = 16_384;
+/// How far into a stretch its first packet is sought.
+const MAX_SPLIT_SEARCH: usize = 1 << 16;
+const STAMPED: u64 = 1 << 63;
+
+/// Where every packet of a file is, by message.
+#[derive(Debug, Default)]
+pub struct Index {
+    /// Per layout slot, the offsets of its packets; the top bit says that a timestamp precedes.
+    offsets: Vec<Vec<u64>>,
+    unknown: BTreeMap<u32, u64>,
+    statistics: Statistics,
+    sources: Sources,
+    first_time: Option<u64>,
+    last_time: Option<u64>,
+}
+
+/// Bytes of a row of `layout`'s table, a multiple of four so that rows stay aligned.
+#[must_use]
+pub fn row_size(layout: &Layout) -> usize {
+    (ROW_HEADER + usize::from(layout.length)).next_multiple_of(4)
+}
+
+/// One thread's part: `start..end` of the file, packets that begin before `end` included whole.
+struct Stretch {
+    index: Index,
+    start: usize,
+    /// The boundary at which the scan stopped: at or behind the end.
+    stopped: usize,
+}
+
+impl Index {
+    /// Indexes `data` on up to `threads` threads.
+    #[must_use]
+    pub fn build(data: &[u8], dialect: &Dialect, timestamped: bool, threads: usize) -> Self {
+        let starts = split_points(data, dialect, timestamped, threads);
+        let stretches: Vec<Stretch> = thread::scope(|scope| {
+            let ends = starts.iter().skip(1).copied().chain([data.len()]);
+            let running: Vec<_> = starts
+                .iter()
+                .zip(ends)
+                .map(|(&start, end)| scope.spawn(move || scan_stretch(data, dialect, timestamped, start, end)))
+                .collect();
+            running.into_iter().map(|thread| thread.join().expect("a scan does not panic")).collect()
+        });
+        let mut whole = Self::default();
+        let mut reached = 0;
+        for stretch in stretches {
+            // A stretch that was entered in the middle of a packet is scanned again from where that ended.
+            let stretch = if stretch.start == reached {
+                stretch
+            } else {
+                scan_stretch(data, dialect, timestamped, reached, stretch.stopped.max(reached))
+            };
+            reached = stretch.stopped;
+            whole.append(stretch.index);
+        }
+        whole
+    }
+
+    #[inline]
+    fn record(&mut self, data: &[u8], found: &Found) {
+        let Header { system, component, sequence, message_id, .. } = found.header;
+        self.sources.record(system, component, sequence, found.range().len());
+        match found.slot {
+            Some(slot) => {
+                let stamped = if found.timestamped { STAMPED } else { 0 };
+                self.offsets[usize::from(slot)].push(found.start as u64 | stamped);
+            }
+            None => *self.unknown.entry(message_id).or_default() += 1,
+        }
+        if found.timestamped {
+            self.last_time = Packet::new(data, found).timestamp;
+            self.first_time = self.first_time.or(self.last_time);
+        }
+    }
+
+    fn append(&mut self, next: Self) {
+        if self.offsets.is_empty() {
+            *self = next;
+            return;
+        }
+        for (offsets, more) in self.offsets.iter_mut().zip(next.offsets) {
+            offsets.extend_from_slice(&more);
+        }
+        for (id, count) in next.unknown {
+            *self.unknown.entry(id).or_default() += count;
+        }
+        self.statistics.add(&next.statistics);
+        self.sources.append(&next.sources);
+        self.first_time = self.first_time.or(next.first_time);
+        self.last_time = next.last_time.or(self.last_time);
+    }
+
+    /// Number of packets of the layout in `slot`.
+    #[must_use]
+    pub fn rows(&self, slot: usize) -> usize {
+        self.offsets.get(slot).map_or(0, Vec::len)
+    }
+
+    /// Packets of ids that the dialect does not have, by id.
+    #[must_use]
+    pub fn unknown(&self) -> &BTreeMap<u32, u64> {
+        &self.unknown
+    }
+
+    #[must_use]
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    #[must_use]
+    pub fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
+    /// Times of the first and the last packet, in microseconds since 1970.
+    #[must_use]
+    pub fn time_span(&self) -> Option<(u64, u64)> {
+        self.first_time.zip(self.last_time)
+    }
+
+    /// Writes the rows of the layout in `slot` to `out`, which must be exactly as long as they are.
+    ///
+    /// `data` must be what was indexed; packets that are no longer there become rows of zeros.
+    pub fn decode(&self, data: &[u8], dialect: &Dialect, slot: usize, out: &mut [u8], threads: usize) {
+        let (Some(offsets), Some(layout)) = (self.offsets.get(slot), dialect.layouts().get(slot)) else {
+            return;
+        };
+        let size = row_size(layout);
+        let threads = threads.min(offsets.len() / MIN_ROWS).max(1);
+        let share = offsets.len().div_ceil(threads).max(1);
+        thread::scope(|scope| {
+            let mut parts = offsets.chunks(share).zip(out.chunks_mut(share * size));
+            let first = parts.next();
+            for (offsets, rows) in parts {
+                scope.spawn(move || decode_rows(data, layout, offsets, rows));
+            }
+            if let Some((offsets, rows)) = first {
+                decode_rows(data, layout, offsets, rows);
+            }
+        });
+    }
+}
+
+/// Starting points for the threads: 0, and ends of packets that another packet follows at once.
+fn split_points(data: &[u8], dialect: &Dialect, timestamped: bool, threads: usize) -> Vec<usize> {
+    let stretches = threads.min(data.len() / MIN_STRETCH).max(1);
+    let mut starts = vec![0];
+    for nominal in (1..stretches).map(|number| data.len() / stretches * number) {
+        let window = &data[nominal..data.len().min(nominal + MAX_SPLIT_SEARCH)];
+        let mut scanner = Scanner::resume(window, dialect, timestamped, 1, 0);
+        let mut ignored = Statistics::default();
+        while let Some(found) = scanner.next_packet(&mut ignored) {
+            let end = found.range().end;
+            let follower = scanner.next_packet(&mut ignored);
+            let gap = if timestamped { TIMESTAMP } else { 0 };
+            if found.slot.is_some() && follower.is_some_and(|follower| follower.start == end + gap) {
+                starts.push(nominal + end);
+                break;
+            }
+        }
+    }
+    starts
+}
+
+fn scan_stretch(data: &[u8], dialect: &Dialect, timestamped: bool, start: usize, end: usize) -> Stretch {
+    let mut index = Index { offsets: vec![Vec::new(); dialect.layouts().len()], ..Index::default() };
+    let mut statistics = Statistics::default();
+    let mut scanner = Scanner::resume(data, dialect, timestamped, start, start);
+    while scanner.boundary() < end {
+        let Some(found) = scanner.next_packet_at_end(&mut statistics) else {
+            break;
+        };
+        index.record(data, &found);
+    }
+    index.statistics = statistics;
+    Stretch { index, start, stopped: scanner.boundary() }
+}
+
+fn decode_rows(data: &[u8], layout: &Layout, offsets: &[u64], rows: &mut [u8]) {
+    let texts: Vec<_> = layout
+        .fields
+        .iter()
+        .filter(|field| field.kind == FieldType::Char && field.array_length > 0)
+        .map(crate::layout::Field::range)
+        .collect();
+    for (&offset, row) in offsets.iter().zip(rows.chunks_exact_mut(row_size(layout))) {
+        decode_row(data, offset, row, usize::from(layout.length));
+        for text in &texts {
+            clear_behind_nul(&mut row[ROW_HEADER..][text.clone()]);
+        }
+    }
+}
+
+#[inline]
+fn decode_row(data: &[u8], offset: u64, row: &mut [u8], length: usize) {
+    let start = (offset & !STAMPED) as usize;
+    let Some(header) = data.get(start..).and_then(Header::parse) else {
+        row.fill(0);
+        return;
+    };
+    let time = match data[..start].last_chunk::<TIMESTAMP>() {
+        Some(&stamp) if offset & STAMPED != 0 => timestamp_microseconds(stamp) as i64,
+        _ => NO_TIME,
+    };
+    row[..TIMESTAMP].copy_from_slice(&time.to_le_bytes());
+    row[TIMESTAMP..ROW_HEADER].copy_from_slice(&[header.system, header.component, header.sequence, header.version]);
+    let payload = data.get(start..).and_then(|packet| packet.get(header.payload())).unwrap_or(&[]);
+    let known = payload.len().min(length);
+    row[ROW_HEADER..ROW_HEADER + known].copy_from_slice(&payload[..known]);
+    row[ROW_HEADER + known..].fill(0);
+}
+
+/// Blanks what follows the NUL of a text: junk by definition.
+fn clear_behind_nul(text: &mut [u8]) {
+    if let Some(end) = memchr::memchr(0, text) {
+        text[end..].fill(0);
+    }
+}
+
+#[cfg(test)]
+#[path = "bulk_tests.rs"]
+mod tests;

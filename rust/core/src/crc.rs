@@ -1,0 +1,113 @@
+//! CRC-16/MCRF4XX: reflected polynomial 0x1021, initial value 0xFFFF, no final xor.
+//!
+//! Sixteen bytes are folded at a time: `TABLES[k][b]` is the CRC of byte `b` followed by `k` zero bytes,
+//! so the sixteen look-ups of a block do not wait for one another.
+
+pub const INITIAL: u16 = 0xFFFF;
+
+const BLOCK: usize = 16;
+const TABLES: [[u16; 256]; BLOCK] = tables();
+
+const fn tables() -> [[u16; 256]; BLOCK] {
+    let mut tables = [[0u16; 256]; BLOCK];
+    let mut byte = 0;
+    while byte < 256 {
+        let mut crc = byte as u16;
+        let mut bit = 0;
+        while bit < 8 {
+            crc = if crc & 1 == 1 { (crc >> 1) ^ 0x8408 } else { crc >> 1 };
+            bit += 1;
+        }
+        tables[0][byte] = crc;
+        byte += 1;
+    }
+    let mut zeros = 1;
+    while zeros < BLOCK {
+        let mut byte = 0;
+        while byte < 256 {
+            let previous = tables[zeros - 1][byte];
+            tables[zeros][byte] = (previous >> 8) ^ tables[0][(previous & 0xFF) as usize];
+            byte += 1;
+        }
+        zeros += 1;
+    }
+    tables
+}
+
+/// Continues `crc` over one more byte.
+#[inline]
+#[must_use]
+pub fn accumulate(crc: u16, byte: u8) -> u16 {
+    (crc >> 8) ^ TABLES[0][usize::from((crc as u8) ^ byte)]
+}
+
+/// Continues `crc` over `data`.
+#[inline]
+#[must_use]
+pub fn update(mut crc: u16, data: &[u8]) -> u16 {
+    let (blocks, rest) = data.as_chunks::<BLOCK>();
+    for block in blocks {
+        crc = fold(crc, block);
+    }
+    let (eights, rest) = rest.as_chunks::<8>();
+    for eight in eights {
+        crc = fold(crc, eight);
+    }
+    for &byte in rest {
+        crc = accumulate(crc, byte);
+    }
+    crc
+}
+
+#[inline]
+fn fold<const N: usize>(crc: u16, block: &[u8; N]) -> u16 {
+    let [low, high] = crc.to_le_bytes();
+    let mut next = TABLES[N - 1][usize::from(block[0] ^ low)] ^ TABLES[N - 2][usize::from(block[1] ^ high)];
+    for (index, &byte) in block.iter().enumerate().skip(2) {
+        next ^= TABLES[N - 1 - index][usize::from(byte)];
+    }
+    next
+}
+
+/// Finds the `CRC_EXTRA` that leads from `before` to `after`, or `None` if no byte does.
+///
+/// A packet of unknown id cannot be checked in full, but only 1 in 256 damaged ones has any solution.
+#[must_use]
+pub fn solve_extra(before: u16, after: u16) -> Option<u8> {
+    let wanted = after ^ (before >> 8);
+    let index = TABLES[0].iter().position(|&entry| entry == wanted)?;
+    Some((index as u8) ^ (before as u8))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn bitwise(mut crc: u16, data: &[u8]) -> u16 {
+        for &byte in data {
+            crc ^= u16::from(byte);
+            for _ in 0..8 {
+                crc = if crc & 1 == 1 { (crc >> 1) ^ 0x8408 } else { crc >> 1 };
+            }
+        }
+        crc
+    }
+
+    #[test]
+    fn check_value_of_the_catalogue() {
+        assert_eq!(update(INITIAL, b"123456789"), 0x6F91);
+    }
+
+    proptest! {
+        #[test]
+        fn equals_the_bitwise_definition(data in prop::collection::vec(any::<u8>(), 0..300), start: u16) {
+            prop_assert_eq!(update(start, &data), bitwise(start, &data));
+        }
+
+        #[test]
+        fn extra_is_solved(before: u16, extra: u8) {
+            prop_assert_eq!(solve_extra(before, accumulate(before, extra)), Some(extra));
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! Finding packets in bytes.
+//!
+//! A packet begins at a magic byte, and what follows decides whether it is one:
+//!
+//! - *known id*: the CRC, with the message's `CRC_EXTRA`, must match. The length is not checked against the
+//!   definition in version 2 (zeros are trimmed, newer extensions are longer); a version 1 packet may not
+//!   be shorter than its message.
+//! - *unknown id*: its `CRC_EXTRA` is not known, but some byte must be able to play that part (1 in 256
+//!   damaged packets passes), and no whole good packet of a known id may lie inside: garbage that looks
+//!   like the start of an unknown packet does not hide good ones.
+//! - *unknown incompatibility flag*: refused at once, its length cannot be trusted.
+//!
+//! After a refusal the search goes on one byte behind the false magic. All decisions depend on the bytes
+//! from the magic to the packet's end only, so the result is the same however the stream is cut in chunks.
+//!
+//! A *timestamped* stream (a tlog) has 8 bytes before each packet: big-endian microseconds since 1970.
+//! Behind a packet the next is first sought 8 bytes on, then anywhere: junk, missing stamps and a start out
+//! of step cost only themselves.
+
+use crate::crc;
+use crate::header::{CHECKSUM, FLAG_SIGNED, Header, MAGIC_V1, MAGIC_V2};
+use crate::layout::Dialect;
+use crate::statistics::{Reject, Statistics};
+use memchr::memchr2;
+
+pub const TIMESTAMP: usize = 8;
+
+/// One packet found: `start..start + header.packet_length()` of the scanned bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Found {
+    pub start: usize,
+    pub header: Header,
+    /// Index of the message's layout, `None` if the dialect lacks the id.
+    pub slot: Option<u16>,
+    /// Whether the 8 bytes before the packet are its timestamp.
+    pub timestamped: bool,
+}
+
+impl Found {
+    /// The bytes of the packet in the scanned bytes.
+    #[inline]
+    #[must_use]
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.start..self.start + self.header.packet_length()
+    }
+}
+
+/// What the bytes at a magic are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    Packet(Header, Option<u16>),
+    Rejected(Reject),
+    Incomplete,
+}
+
+#[inline]
+fn examine(data: &[u8], dialect: &Dialect) -> Verdict {
+    if let [MAGIC_V2, _, flags, ..] = data
+        && flags & !FLAG_SIGNED != 0
+    {
+        return Verdict::Rejected(Reject::IncompatFlags);
+    }
+    let Some(header) = Header::parse(data) else {
+        return Verdict::Incomplete;
+    };
+    let entry = dialect.entry(header.message_id);
+    if let Some(entry) = entry
+        && header.version == 1
+        && header.payload_length < entry.base_length
+    {
+        return Verdict::Rejected(Reject::Length);
+    }
+    let Some(packet) = data.get(..header.packet_length()) else {
+        return Verdict::Incomplete;
+    };
+    let (calculated, received) = checksums(packet, &header);
+    let Some(entry) = entry else {
+        return examine_unknown(packet, header, calculated, received, dialect);
+    };
+    if crc::accumulate(calculated, entry.crc_extra) == received {
+        Verdict::Packet(header, Some(entry.slot))
+    } else {
+        Verdict::Rejected(Reject::Checksum)
+    }
+}
+
+#[inline]
+fn checksums(packet: &[u8], header: &Header) -> (u16, u16) {
+    let end = header.payload().end;
+    let received = u16::from_le_bytes([packet[end], packet[end + CHECKSUM - 1]]);
+    (crc::update(crc::INITIAL, &packet[1..end]), received)
+}
+
+#[cold]
+fn examine_unknown(packet: &[u8], header: Header, calculated: u16, received: u16, dialect: &Dialect) -> Verdict {
+    if crc::solve_extra(calculated, received).is_none() || holds_known_packet(&packet[1..], dialect) {
+        return Verdict::Rejected(Reject::Checksum);
+    }
+    Verdict::Packet(header, None)
+}
+
+fn holds_known_packet(data: &[u8], dialect: &Dialect) -> bool {
+    memchr::memchr2_iter(MAGIC_V1, MAGIC_V2, data).any(|start| {
+        let Some(header) = Header::parse(&data[start..]) else {
+            return false;
+        };
+        let Some(entry) = dialect.entry(header.message_id) else {
+            return false;
+        };
+        let Some(packet) = data.get(start..start + header.packet_length()) else {
+            return false;
+        };
+        let (calculated, received) = checksums(packet, &header);
+        header.incompat_flags & !FLAG_SIGNED == 0 && crc::accumulate(calculated, entry.crc_extra) == received
+    })
+}
+
+/// Walks `data` from packet to packet.
+#[derive(Debug)]
+pub struct Scanner<'a> {
+    data: &'a [u8],
+    dialect: &'a Dialect,
+    timestamped: bool,
+    /// Where the search goes on.
+    position: usize,
+    /// First byte that is not yet accounted for as packet or bad.
+    boundary: usize,
+}
+
+impl<'a> Scanner<'a> {
+    /// A scanner of `data`.
+    #[must_use]
+    pub fn new(data: &'a [u8], dialect: &'a Dialect, timestamped: bool) -> Self {
+        Self::resume(data, dialect, timestamped, 0, 0)
+    }
+
+    /// A scanner that goes on at `position`, the bytes from `boundary` on not yet accounted for.
+    #[must_use]
+    pub fn resume(data: &'a [u8], dialect: &'a Dialect, timestamped: bool, position: usize, boundary: usize) -> Self {
+        Self { data, dialect, timestamped, position, boundary }
+    }
+
+    /// Where the search goes on when more bytes come.
+    #[must_use]
+    pub fn position(&self) -> usize {
+        self.position
+    }
+
+    /// First byte that is not yet accounted for.
+    #[must_use]
+    pub fn boundary(&self) -> usize {
+        self.boundary
+    }
+
+    /// The next packet, or `None` when more bytes are needed to tell.
+    #[inline]
+    pub fn next_packet(&mut self, statistics: &mut Statistics) -> Option<Found> {
+        if self.timestamped && self.position == self.boundary {
+            match self.examine_behind_timestamp() {
+                Verdict::Packet(header, slot) => {
+                    return Some(self.accept(self.boundary + TIMESTAMP, header, slot, statistics));
+                }
+                Verdict::Incomplete => return None,
+                Verdict::Rejected(_) => {}
+            }
+        }
+        self.search(statistics)
+    }
+
+    /// Ends the stream: what is left can no longer become a packet, except ones that it holds whole.
+    pub fn next_packet_at_end(&mut self, statistics: &mut Statistics) -> Option<Found> {
+        loop {
+            if let Some(found) = self.next_packet(statistics) {
+                return Some(found);
+            }
+            if let Some(found) = self.search(statistics) {
+                return Some(found);
+            }
+            if self.position >= self.data.len() {
+                statistics.bad_bytes += (self.data.len() - self.boundary) as u64;
+                self.boundary = self.data.len();
+                return None;
+            }
+            self.position += 1;
+        }
+    }
+
+    #[inline]
+    fn examine_behind_timestamp(&self) -> Verdict {
+        match self.data.get(self.boundary + TIMESTAMP..) {
+            None | Some([]) => Verdict::Incomplete,
+            Some(behind @ [MAGIC_V1 | MAGIC_V2, ..]) => examine(behind, self.dialect),
+            Some(_) => Verdict::Rejected(Reject::Checksum),
+        }
+    }
+
+    #[inline]
+    fn search(&mut self, statistics: &mut Statistics) -> Option<Found> {
+        loop {
+            let rest = self.data.get(self.position..)?;
+            let Some(skipped) = memchr2(MAGIC_V1, MAGIC_V2, rest) else {
+                self.position = self.data.len();
+                return None;
+            };
+            self.position += skipped;
+            match examine(&rest[skipped..], self.dialect) {
+                Verdict::Packet(header, slot) => return Some(self.accept(self.position, header, slot, statistics)),
+                Verdict::Incomplete => return None,
+                Verdict::Rejected(reason) => {
+                    statistics.reject(reason);
+                    self.position += 1;
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn accept(&mut self, start: usize, header: Header, slot: Option<u16>, statistics: &mut Statistics) -> Found {
+        let unaccounted = start - self.boundary;
+        let timestamped = self.timestamped && unaccounted >= TIMESTAMP;
+        let found = Found { start, header, slot, timestamped };
+        let end = found.range().end;
+        statistics.bad_bytes += (unaccounted - if timestamped { TIMESTAMP } else { 0 }) as u64;
+        statistics.packets += 1;
+        statistics.packet_bytes += (end - start) as u64;
+        statistics.unknown += u64::from(slot.is_none());
+        statistics.signed += u64::from(header.signed());
+        statistics.version_1 += u64::from(header.version == 1);
+        statistics.version_2 += u64::from(header.version == 2);
+        self.position = end;
+        self.boundary = end;
+        found
+    }
+}
+
+/// The microseconds since 1970 that stand in `stamp`; little-endian stamps of old recorders are recognised.
+#[inline]
+#[must_use]
+pub fn timestamp_microseconds(stamp: [u8; TIMESTAMP]) -> u64 {
+    let big = u64::from_be_bytes(stamp);
+    let little = u64::from_le_bytes(stamp);
+    // Microseconds leave the top byte empty until the year 4253.
+    if big >> 56 != 0 && little >> 56 == 0 { little } else { big }
+}
+
+/// Whether a file that begins with `head` has a timestamp before each packet.
+#[must_use]
+pub fn looks_timestamped(head: &[u8], dialect: &Dialect) -> bool {
+    let mut scanner = Scanner::new(head, dialect, false);
+    let mut ignored = Statistics::default();
+    let (mut previous, mut apart, mut adjacent) = (0, 0u32, 0u32);
+    while let Some(found) = scanner.next_packet(&mut ignored) {
+        match found.start - previous {
+            0 => adjacent += 1,
+            TIMESTAMP => apart += 1,
+            _ => {}
+        }
+        previous = found.range().end;
+    }
+    apart > adjacent
+}
+
+#[cfg(test)]
+#[path = "scan_tests.rs"]
+mod tests;

@@ -1,0 +1,53 @@
+//! Counters of what came in: nothing that arrives is dropped without being counted here.
+
+/// Why bytes that began with a magic were not a packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reject {
+    Checksum,
+    /// A flag that changes how the packet must be read, and that this reader does not know.
+    IncompatFlags,
+    /// A version 1 packet shorter than its message.
+    Length,
+}
+
+/// Totals of one byte stream.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    pub packets: u64,
+    /// Bytes of the packets.
+    pub packet_bytes: u64,
+    pub version_1: u64,
+    pub version_2: u64,
+    pub signed: u64,
+    /// Packets whose id the dialect does not have.
+    pub unknown: u64,
+    /// Bytes that belong to no packet.
+    pub bad_bytes: u64,
+    pub bad_checksum: u64,
+    pub bad_flags: u64,
+    pub bad_length: u64,
+}
+
+impl Statistics {
+    pub(crate) fn reject(&mut self, reason: Reject) {
+        match reason {
+            Reject::Checksum => self.bad_checksum += 1,
+            Reject::IncompatFlags => self.bad_flags += 1,
+            Reject::Length => self.bad_length += 1,
+        }
+    }
+
+    /// Adds the totals of another stretch of the same stream.
+    pub fn add(&mut self, other: &Self) {
+        self.packets += other.packets;
+        self.packet_bytes += other.packet_bytes;
+        self.version_1 += other.version_1;
+        self.version_2 += other.version_2;
+        self.signed += other.signed;
+        self.unknown += other.unknown;
+        self.bad_bytes += other.bad_bytes;
+        self.bad_checksum += other.bad_checksum;
+        self.bad_flags += other.bad_flags;
+        self.bad_length += other.bad_length;
+    }
+}

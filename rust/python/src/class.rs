@@ -1,0 +1,191 @@
+//! Message classes: how Python's own `type` is extended so that each class carries its layout.
+//!
+//! A class is made by [`MessageMeta`](metaclass), a subclass of `type` whose objects (the classes) have one
+//! [`Slot`] behind what `type` itself stores. It holds the class's [`ClassData`], and the entry point that
+//! makes `Attitude(roll=0.1)` one call without a dictionary for the keywords. A class that a user derives
+//! from a message class has an empty slot and goes the ordinary way, through `tp_new`.
+
+use crate::dialect::{LayoutTuple, layout_from_tuple};
+use crate::fields::FieldAccess;
+use crate::message;
+use mavstack_core::layout::Layout;
+use pyo3::exceptions::PyTypeError;
+use pyo3::ffi;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyTuple, PyType};
+use std::ffi::{c_int, c_uint, c_ulong, c_void};
+use std::ptr;
+
+/// Py_TPFLAGS_HAVE_VECTORCALL: part of the stable ABI by number, though its name came later.
+const HAVE_VECTORCALL: c_ulong = 1 << 11;
+
+type VectorCall = unsafe extern "C" fn(
+    *mut ffi::PyObject,
+    *const *mut ffi::PyObject,
+    usize,
+    *mut ffi::PyObject,
+) -> *mut ffi::PyObject;
+
+/// What a message class stores behind Python's own part of a class object.
+#[repr(C)]
+struct Slot {
+    vectorcall: Option<VectorCall>,
+    data: *mut ClassData,
+}
+
+/// A class's layout, and what its field descriptors point to.
+pub struct ClassData {
+    pub layout: Layout,
+    pub class_name: String,
+    /// One for each field, in definition order; boxed, because descriptors point into it.
+    pub fields: Box<[FieldAccess]>,
+}
+
+struct Meta {
+    class: Py<PyType>,
+    /// Where the slot stands in a class object: the size of a plain class object.
+    slot_offset: usize,
+}
+
+static META: PyOnceLock<Meta> = PyOnceLock::new();
+
+fn meta(py: Python<'_>) -> PyResult<&Meta> {
+    META.get_or_try_init(py, || make_metaclass(py))
+}
+
+/// The class of message classes.
+pub fn metaclass(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
+    Ok(meta(py)?.class.bind(py))
+}
+
+fn make_metaclass(py: Python<'_>) -> PyResult<Meta> {
+    let slot_offset: usize = py.get_type::<PyType>().getattr("__basicsize__")?.extract()?;
+    let members = Box::leak(Box::new([
+        ffi::PyMemberDef {
+            name: c"__vectorcalloffset__".as_ptr(),
+            type_code: ffi::Py_T_PYSSIZET,
+            offset: slot_offset as isize,
+            flags: ffi::Py_READONLY,
+            doc: ptr::null(),
+        },
+        // SAFETY: an all-zero member is the documented end of the table.
+        unsafe { std::mem::zeroed() },
+    ]));
+    let mut slots = [
+        slot(ffi::Py_tp_base, (&raw mut ffi::PyType_Type).cast()),
+        slot(ffi::Py_tp_call, call_class as *mut c_void),
+        slot(ffi::Py_tp_dealloc, dealloc_class as *mut c_void),
+        slot(ffi::Py_tp_members, members.as_mut_ptr().cast()),
+        slot(0, ptr::null_mut()),
+    ];
+    let mut spec = ffi::PyType_Spec {
+        name: c"mavstack._core.MessageMeta".as_ptr(),
+        basicsize: (slot_offset + size_of::<Slot>()) as c_int,
+        itemsize: 0,
+        flags: (ffi::Py_TPFLAGS_DEFAULT | ffi::Py_TPFLAGS_BASETYPE | HAVE_VECTORCALL) as c_uint,
+        slots: slots.as_mut_ptr(),
+    };
+    // SAFETY: the spec and its slots live through the call; the members table is leaked. The basic size grows
+    // that of `type` by the slot, and the vectorcall offset names the slot's first member.
+    let class = unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_FromSpec(&raw mut spec)) }?;
+    Ok(Meta { class: class.cast_into::<PyType>()?.unbind(), slot_offset })
+}
+
+pub fn slot(number: c_int, value: *mut c_void) -> ffi::PyType_Slot {
+    ffi::PyType_Slot { slot: number, pfunc: value }
+}
+
+unsafe extern "C" fn call_class(
+    class: *mut ffi::PyObject,
+    args: *mut ffi::PyObject,
+    kwargs: *mut ffi::PyObject,
+) -> *mut ffi::PyObject {
+    // SAFETY: `type` has a tp_call of exactly this type, and the arguments are passed on as they came.
+    unsafe {
+        let call: ffi::ternaryfunc =
+            std::mem::transmute(ffi::PyType_GetSlot(&raw mut ffi::PyType_Type, ffi::Py_tp_call));
+        call(class, args, kwargs)
+    }
+}
+
+/// Frees a class, and behind it its data: no instance and no descriptor can be left, they hold the class.
+unsafe extern "C" fn dealloc_class(class: *mut ffi::PyObject) {
+    // SAFETY: Python calls this once, with a class of the metaclass; the data pointer is null or from
+    // `Box::into_raw`, and nothing that could follow it outlives the class.
+    unsafe {
+        let py = Python::assume_attached();
+        let data = META.get(py).map(|meta| (*slot_of(class, meta)).data);
+        let metatype = ffi::Py_TYPE(class);
+        let dealloc: ffi::destructor =
+            std::mem::transmute(ffi::PyType_GetSlot(&raw mut ffi::PyType_Type, ffi::Py_tp_dealloc));
+        dealloc(class);
+        ffi::Py_DECREF(metatype.cast());
+        if let Some(data) = data.filter(|data| !data.is_null()) {
+            drop(Box::from_raw(data));
+        }
+    }
+}
+
+fn slot_of(class: *mut ffi::PyObject, meta: &Meta) -> *mut Slot {
+    class.wrapping_byte_add(meta.slot_offset).cast()
+}
+
+/// The data of a message class or of the message class that it derives from.
+pub fn class_data<'a>(py: Python<'a>, class: *mut ffi::PyTypeObject) -> Option<&'a ClassData> {
+    let meta = META.get(py)?;
+    let mut class = class;
+    while !class.is_null() {
+        // SAFETY: `class` is a live class; only objects of the metaclass have the slot that is read, and a
+        // class's data lives as long as the class, which its caller holds.
+        unsafe {
+            if ffi::PyObject_TypeCheck(class.cast(), meta.class.as_ptr().cast()) != 0 {
+                let data = (*slot_of(class.cast(), meta)).data;
+                if !data.is_null() {
+                    return Some(&*data);
+                }
+            }
+            class = ffi::PyType_GetSlot(class, ffi::Py_tp_base).cast();
+        }
+    }
+    None
+}
+
+/// Makes a message class whose fields read and write the payload bytes.
+#[pyfunction]
+pub fn new_message_class<'py>(
+    py: Python<'py>,
+    name: &str,
+    bases: Bound<'py, PyTuple>,
+    namespace: Bound<'py, PyDict>,
+    layout: LayoutTuple,
+) -> PyResult<Bound<'py, PyType>> {
+    let layout = layout_from_tuple(layout)?;
+    let meta = meta(py)?;
+    if !namespace.contains("__slots__")? {
+        namespace.set_item("__slots__", PyTuple::empty(py))?;
+    }
+    let class = meta.class.bind(py).call1((name, bases, namespace))?.cast_into::<PyType>()?;
+    if !class.is_subclass(message::base_class(py)?)? {
+        return Err(PyTypeError::new_err("a message class must derive from MessageBase"));
+    }
+    let fields =
+        layout.fields.iter().map(|field| FieldAccess::new(py, field, name, &class)).collect::<PyResult<_>>()?;
+    let data = Box::into_raw(Box::new(ClassData { layout, class_name: name.into(), fields }));
+    // SAFETY: the class was just made by the metaclass, so it has the slot; it owns the data from here on.
+    unsafe { *slot_of(class.as_ptr(), meta) = Slot { vectorcall: Some(message::vectorcall), data } };
+    // SAFETY: the data is alive, the class is held, and no one else refers to the data yet.
+    for field in unsafe { &mut (*data).fields } {
+        field.install(&class)?;
+    }
+    Ok(class)
+}
+
+/// The data of the class that a vectorcall came in for.
+///
+/// # Safety
+/// `class` must be an object of the metaclass whose slot is filled.
+pub unsafe fn own_data<'a>(py: Python<'a>, class: *mut ffi::PyObject) -> Option<&'a ClassData> {
+    // SAFETY: by the caller's promise the slot is there and its data lives as long as the class.
+    META.get(py).map(|meta| unsafe { &*(*slot_of(class, meta)).data })
+}

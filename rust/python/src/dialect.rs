@@ -1,0 +1,125 @@
+//! A dialect's layout tables, and the message classes made from them on first use.
+
+use crate::errors::DialectError;
+use mavstack_core::layout::{self, Field, FieldType, Layout};
+use pyo3::PyTraverseError;
+use pyo3::gc::PyVisit;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyType;
+
+/// (name, type, array length or 0, offset, read as enum)
+type FieldTuple = (String, String, u8, u8, bool);
+/// (id, name, CRC_EXTRA, length without extensions, length with them, fields in definition order)
+pub type LayoutTuple = (u32, String, u8, u8, u8, Vec<FieldTuple>);
+
+/// Layout tables of one dialect.
+#[pyclass(frozen, module = "mavstack._core")]
+pub struct Dialect {
+    #[pyo3(get)]
+    name: String,
+    pub core: layout::Dialect,
+    make_class: PyOnceLock<Py<PyAny>>,
+    classes: Vec<PyOnceLock<Py<PyType>>>,
+}
+
+/// The layout that a tuple describes.
+pub fn layout_from_tuple((id, name, crc_extra, base_length, length, fields): LayoutTuple) -> PyResult<Layout> {
+    let fields = fields
+        .into_iter()
+        .map(|(field, kind, array_length, offset, enumerated)| {
+            let kind = FieldType::from_name(&kind)
+                .ok_or_else(|| DialectError::new_err(format!("{name}.{field}: there is no type {kind}")))?;
+            Ok(Field { name: field, kind, array_length, offset, enumerated })
+        })
+        .collect::<PyResult<_>>()?;
+    let layout = Layout { id, name, crc_extra, base_length, length, fields };
+    layout.validate().map_err(|error| DialectError::new_err(error.0))?;
+    Ok(layout)
+}
+
+#[pymethods]
+impl Dialect {
+    #[new]
+    fn new(name: String, messages: Vec<LayoutTuple>, make_class: Py<PyAny>) -> PyResult<Self> {
+        let layouts = messages.into_iter().map(layout_from_tuple).collect::<PyResult<Vec<_>>>()?;
+        let classes = layouts.iter().map(|_| PyOnceLock::new()).collect();
+        let core = layout::Dialect::new(layouts).map_err(|error| DialectError::new_err(error.0))?;
+        let once = PyOnceLock::new();
+        Python::attach(|py| once.set(py, make_class)).map_err(|_| DialectError::new_err("no class maker"))?;
+        Ok(Self { name, core, make_class: once, classes })
+    }
+
+    /// Itself, so that a core dialect may stand where a dialect is asked for.
+    #[getter]
+    fn core_dialect(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __len__(&self) -> usize {
+        self.core.layouts().len()
+    }
+
+    fn __contains__(&self, message_id: u32) -> bool {
+        self.core.entry(message_id).is_some()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<core dialect {}: {} messages>", self.name, self.core.layouts().len())
+    }
+
+    // The maker of classes is usually a method of the Python dialect that owns this one: a cycle.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        // SAFETY-free: only immutable cells are read; `get` needs an attached interpreter, so visit through it.
+        Python::try_attach(|py| -> Result<(), PyTraverseError> {
+            if let Some(maker) = self.make_class.get(py) {
+                visit.call(maker)?;
+            }
+            for class in &self.classes {
+                if let Some(class) = class.get(py) {
+                    visit.call(class)?;
+                }
+            }
+            Ok(())
+        })
+        .unwrap_or(Ok(()))
+    }
+}
+
+impl Dialect {
+    /// The class of the message in `slot`, made on first use.
+    #[inline]
+    pub fn class<'py>(&self, py: Python<'py>, slot: u16) -> PyResult<&Bound<'py, PyType>> {
+        let once = &self.classes[usize::from(slot)];
+        let class = once.get_or_try_init(py, || self.make(py, slot))?;
+        Ok(class.bind(py))
+    }
+
+    /// The Python dialect that this belongs to: whose method makes the classes.
+    pub fn owner<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let maker = self.make_class.get(py).ok_or_else(|| DialectError::new_err("the dialect is gone"))?;
+        maker.bind(py).getattr("__self__")
+    }
+
+    #[cold]
+    fn make(&self, py: Python<'_>, slot: u16) -> PyResult<Py<PyType>> {
+        let id = self.core.layouts()[usize::from(slot)].id;
+        let maker = self.make_class.get(py).ok_or_else(|| DialectError::new_err("the dialect is gone"))?;
+        Ok(maker.bind(py).call1((id,))?.cast_into::<PyType>()?.unbind())
+    }
+}
+
+/// Whatever names a dialect: a `mavstack.Dialect`, a dialect module, or a core dialect.
+pub struct AnyDialect(pub Py<Dialect>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for AnyDialect {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(dialect) = object.cast::<Dialect>() {
+            return Ok(Self(dialect.to_owned().unbind()));
+        }
+        let core = object.getattr("core_dialect")?;
+        Ok(Self(core.cast_into::<Dialect>()?.unbind()))
+    }
+}

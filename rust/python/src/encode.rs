@@ -1,0 +1,92 @@
+//! Packets from messages, as Python sees it.
+
+use crate::errors::EncodeError;
+use crate::message;
+use crate::signing::{self, Signing};
+use mavstack_core::encode::{self as core, Sender, Version};
+use mavstack_core::header::MAX_PACKET;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+fn version(number: u8) -> PyResult<Version> {
+    match number {
+        1 => Ok(Version::V1),
+        2 => Ok(Version::V2),
+        _ => Err(EncodeError::new_err(format!("there is no MAVLink version {number}"))),
+    }
+}
+
+fn encode_message<'py>(
+    message: &Bound<'py, PyAny>,
+    version: Version,
+    sender: Sender,
+    signing: Option<&Py<Signing>>,
+    now: Option<f64>,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let py = message.py();
+    if version == Version::V1 && signing.is_some() {
+        return Err(EncodeError::new_err("MAVLink 1 cannot be signed"));
+    }
+    let (data, payload) = message::open(message)?;
+    let mut signing = signing.map(|signing| signing.bind(py).borrow_mut());
+    let signing = signing.as_mut().map(|signing| (&mut signing.core, now.map(signing::timestamp)));
+    let mut packet = Vec::with_capacity(MAX_PACKET);
+    core::encode(&mut packet, version, &data.layout, payload, sender, signing)
+        .map_err(|error| EncodeError::new_err(format!("{}: {error}", data.class_name)))?;
+    Ok(PyBytes::new(py, &packet))
+}
+
+/// The packet that carries `message`.
+#[pyfunction]
+#[pyo3(signature = (message, *, system, component, sequence = 0, version = 2, signing = None, now = None))]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+pub fn encode<'py>(
+    message: &Bound<'py, PyAny>,
+    system: u8,
+    component: u8,
+    sequence: u8,
+    version: u8,
+    signing: Option<Py<Signing>>,
+    now: Option<f64>,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let sender = Sender { system, component, sequence };
+    encode_message(message, self::version(version)?, sender, signing.as_ref(), now)
+}
+
+/// Encodes the messages of one component for one link, and counts their sequence.
+#[pyclass(module = "mavstack._core")]
+pub struct Encoder {
+    #[pyo3(get)]
+    system: u8,
+    #[pyo3(get)]
+    component: u8,
+    /// Sequence number of the next packet.
+    #[pyo3(get, set)]
+    sequence: u8,
+    version: Version,
+    #[pyo3(get)]
+    signing: Option<Py<Signing>>,
+}
+
+#[pymethods]
+impl Encoder {
+    #[new]
+    #[pyo3(signature = (system, component, *, version = 2, signing = None))]
+    fn new(system: u8, component: u8, version: u8, signing: Option<Py<Signing>>) -> PyResult<Self> {
+        Ok(Self { system, component, sequence: 0, version: self::version(version)?, signing })
+    }
+
+    #[getter]
+    fn version(&self) -> u8 {
+        if self.version == Version::V1 { 1 } else { 2 }
+    }
+
+    /// The packet that carries `message`; `now` is the Unix time in seconds, needed for signing only.
+    #[pyo3(signature = (message, now = None))]
+    fn encode<'py>(&mut self, message: &Bound<'py, PyAny>, now: Option<f64>) -> PyResult<Bound<'py, PyBytes>> {
+        let sender = Sender { system: self.system, component: self.component, sequence: self.sequence };
+        let packet = encode_message(message, self.version, sender, self.signing.as_ref(), now)?;
+        self.sequence = self.sequence.wrapping_add(1);
+        Ok(packet)
+    }
+}

@@ -1,0 +1,10 @@
+//! The package's own exceptions, raised from here.
+
+use pyo3::import_exception;
+
+import_exception!(mavstack.errors, DialectError);
+import_exception!(mavstack.errors, EncodeError);
+import_exception!(mavstack.errors, FieldNameError);
+import_exception!(mavstack.errors, FieldRangeError);
+import_exception!(mavstack.errors, FieldTypeError);
+import_exception!(mavstack.errors, SigningError);

@@ -1,0 +1,172 @@
+//! Field descriptors: plain getters and setters, each with a pointer to its field's layout.
+
+use crate::message;
+use crate::values::{self, Place};
+use mavstack_core::layout::Field;
+use pyo3::ffi;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyString, PyType};
+use std::ffi::{CString, c_int, c_void};
+use std::ptr;
+
+/// Members of the enum that a field reads as: those known by value, and a maker for others, or `None`.
+struct EnumValues {
+    members: Py<PyDict>,
+    fallback: Option<Py<PyAny>>,
+}
+
+/// What a field's descriptor needs; the class's data owns it.
+pub struct FieldAccess {
+    pub field: Field,
+    /// The name as an interned string, so that keywords are matched by identity.
+    pub name: Py<PyString>,
+    class_name: String,
+    /// The class that owns this; borrowed, because it outlives its descriptors' data.
+    class: *mut ffi::PyObject,
+    enum_values: PyOnceLock<EnumValues>,
+    c_name: CString,
+    definition: ffi::PyGetSetDef,
+}
+
+impl FieldAccess {
+    pub fn new(py: Python<'_>, field: &Field, class_name: &str, class: &Bound<'_, PyType>) -> PyResult<Self> {
+        Ok(Self {
+            name: PyString::intern(py, &field.name).unbind(),
+            c_name: CString::new(field.name.as_str())?,
+            field: field.clone(),
+            class_name: class_name.into(),
+            class: class.as_ptr(),
+            enum_values: PyOnceLock::new(),
+            definition: ffi::PyGetSetDef {
+                name: ptr::null(),
+                get: Some(get),
+                set: Some(set),
+                doc: ptr::null(),
+                closure: ptr::null_mut(),
+            },
+        })
+    }
+
+    /// Puts the descriptor into the class; `self` must not move afterwards.
+    pub fn install(&mut self, class: &Bound<'_, PyType>) -> PyResult<()> {
+        self.definition.name = self.c_name.as_ptr();
+        self.definition.closure = ptr::from_mut(self).cast();
+        let py = class.py();
+        // SAFETY: the definition and the name it points to stay where they are for the life of the class, and
+        // the descriptor holds the class.
+        let descriptor = unsafe {
+            let definition = &raw mut self.definition;
+            Bound::from_owned_ptr_or_err(py, ffi::PyDescr_NewGetSet(class.as_ptr().cast(), definition))
+        }?;
+        class.setattr(self.name.bind(py), descriptor)
+    }
+
+    /// How error texts name the field.
+    pub fn place(&self) -> Place<'_> {
+        Place { class: &self.class_name, field: &self.field }
+    }
+
+    /// Reads the field from a full payload.
+    #[inline]
+    pub fn read<'py>(&self, py: Python<'py>, payload: &[u8]) -> PyResult<Bound<'py, PyAny>> {
+        let Some(bytes) = payload.get(self.field.range()) else {
+            return Err(message::foreign_object());
+        };
+        let value = values::read(py, &self.field, bytes)?;
+        if self.field.enumerated { self.as_member(value) } else { Ok(value) }
+    }
+
+    /// Writes the field into a full payload.
+    #[inline]
+    pub fn write(&self, payload: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+        match payload.get_mut(self.field.range()) {
+            Some(bytes) => values::write(&self.place(), bytes, value),
+            None => Err(message::foreign_object()),
+        }
+    }
+
+    fn as_member<'py>(&self, value: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = value.py();
+        let known = self.enum_values.get_or_try_init(py, || self.ask_enum_values(py))?;
+        if self.field.array_length > 0 {
+            let members = value.try_iter()?.map(|element| known.member(element?));
+            let members = members.collect::<PyResult<Vec<_>>>()?;
+            return Ok(pyo3::types::PyTuple::new(py, members)?.into_any());
+        }
+        known.member(value)
+    }
+
+    #[cold]
+    fn ask_enum_values(&self, py: Python<'_>) -> PyResult<EnumValues> {
+        // SAFETY: a field is read through its class or an instance of it, so the class is alive.
+        let class = unsafe { Bound::from_borrowed_ptr(py, self.class) };
+        let (members, fallback) = class.call_method1("_enum_values", (self.name.bind(py),))?.extract()?;
+        Ok(EnumValues { members, fallback })
+    }
+}
+
+impl EnumValues {
+    #[inline]
+    fn member<'py>(&self, value: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let py = value.py();
+        if let Some(member) = self.members.bind(py).get_item(&value)? {
+            return Ok(member);
+        }
+        match &self.fallback {
+            Some(fallback) => fallback.bind(py).call1((value,)),
+            None => Ok(value),
+        }
+    }
+}
+
+unsafe extern "C" fn get(object: *mut ffi::PyObject, closure: *mut c_void) -> *mut ffi::PyObject {
+    // SAFETY: Python checked that the object is of the descriptor's class, so it is a message, and the closure
+    // is the access that `install` gave.
+    unsafe {
+        let py = Python::assume_attached();
+        let access = &*closure.cast::<FieldAccess>();
+        message::give(py, access.read(py, message::payload(object)))
+    }
+}
+
+unsafe extern "C" fn set(object: *mut ffi::PyObject, value: *mut ffi::PyObject, closure: *mut c_void) -> c_int {
+    // SAFETY: as in `get`; a null value means deletion.
+    unsafe {
+        let py = Python::assume_attached();
+        let access = &*closure.cast::<FieldAccess>();
+        let result = if value.is_null() {
+            Err(pyo3::exceptions::PyAttributeError::new_err("a message field cannot be deleted"))
+        } else {
+            access.write_to_object(object, &Bound::from_borrowed_ptr(py, value))
+        };
+        match result {
+            Ok(()) => 0,
+            Err(error) => {
+                error.restore(py);
+                -1
+            }
+        }
+    }
+}
+
+impl FieldAccess {
+    /// Writes through a copy of the field's bytes: converting `value` may run Python code that reads the message.
+    ///
+    /// # Safety
+    /// `object` must be a message.
+    unsafe fn write_to_object(&self, object: *mut ffi::PyObject, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let mut scratch = [0u8; mavstack_core::layout::MAX_PAYLOAD];
+        let range = self.field.range();
+        let bytes = &mut scratch[..range.len()];
+        values::write(&self.place(), bytes, value)?;
+        // SAFETY: by the caller's promise; no other reference to the payload exists while this one does.
+        match unsafe { message::payload_mut(object) }.get_mut(range) {
+            Some(target) => {
+                target.copy_from_slice(bytes);
+                Ok(())
+            }
+            None => Err(message::foreign_object()),
+        }
+    }
+}

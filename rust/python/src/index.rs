@@ -1,0 +1,124 @@
+//! The index of a whole file and its tables, as Python sees it.
+
+use crate::dialect::{AnyDialect, Dialect};
+use crate::statistics::{Statistics, sources_to_dict};
+use mavstack_core::{bulk, scan};
+use pyo3::buffer::PyBuffer;
+use pyo3::exceptions::{PyBufferError, PyKeyError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::collections::BTreeMap;
+
+/// Bytes looked at to tell whether a file is timestamped.
+const HEAD: usize = 1 << 18;
+
+/// The bytes of a buffer, for use without the interpreter lock.
+///
+/// # Safety
+/// No one may write to the buffer as long as the result is used.
+unsafe fn shared<'a>(buffer: &'a PyBuffer<u8>) -> PyResult<&'a [u8]> {
+    if !buffer.is_c_contiguous() {
+        return Err(PyBufferError::new_err("the bytes must be contiguous"));
+    }
+    // SAFETY: the buffer is held for 'a and contiguous; that no one writes is the caller's promise.
+    Ok(unsafe { std::slice::from_raw_parts(buffer.buf_ptr().cast(), buffer.len_bytes()) })
+}
+
+/// Whether a file that begins with `head` has a timestamp before each packet.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+pub fn looks_timestamped(head: PyBuffer<u8>, dialect: AnyDialect) -> PyResult<bool> {
+    // SAFETY: the interpreter lock is held throughout, so no Python code writes meanwhile.
+    let bytes = unsafe { shared(&head) }?;
+    Ok(scan::looks_timestamped(&bytes[..bytes.len().min(HEAD)], &dialect.0.get().core))
+}
+
+/// Where every packet of a buffer is, by message.
+#[pyclass(frozen, module = "mavstack._core")]
+pub struct Index {
+    core: bulk::Index,
+    dialect: Py<Dialect>,
+    data: PyBuffer<u8>,
+}
+
+#[pymethods]
+impl Index {
+    #[new]
+    #[pyo3(signature = (data, dialect, *, timestamped, threads = 1))]
+    fn new(
+        py: Python<'_>,
+        data: PyBuffer<u8>,
+        dialect: AnyDialect,
+        timestamped: bool,
+        threads: usize,
+    ) -> PyResult<Self> {
+        if !data.readonly() {
+            return Err(PyBufferError::new_err("a read-only buffer is needed: bytes, or a map opened for reading"));
+        }
+        let dialect = dialect.0;
+        // SAFETY: the buffer is read-only for Python. Another process may still write to a mapped file; the core
+        // then reads old or new bytes, and checks every index it derives from them.
+        let bytes = unsafe { shared(&data) }?;
+        let layouts = &dialect.get().core;
+        let core = py.detach(|| bulk::Index::build(bytes, layouts, timestamped, threads));
+        Ok(Self { core, dialect, data })
+    }
+
+    /// Number of packets of each message that occurs, by id.
+    #[getter]
+    fn counts(&self) -> BTreeMap<u32, usize> {
+        let layouts = self.dialect.get().core.layouts().iter().enumerate();
+        layouts.map(|(slot, layout)| (layout.id, self.core.rows(slot))).filter(|&(_, rows)| rows > 0).collect()
+    }
+
+    /// Number of packets of each id that the dialect does not have.
+    #[getter]
+    fn unknown(&self) -> BTreeMap<u32, u64> {
+        self.core.unknown().clone()
+    }
+
+    #[getter]
+    fn statistics(&self) -> Statistics {
+        self.core.statistics().into()
+    }
+
+    #[getter]
+    fn sources<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        sources_to_dict(py, self.core.sources())
+    }
+
+    /// Times of the first and the last packet in microseconds since 1970, or `None`.
+    #[getter]
+    fn time_span(&self) -> Option<(u64, u64)> {
+        self.core.time_span()
+    }
+
+    /// Bytes of one row of a message's table.
+    fn row_size(&self, message_id: u32) -> PyResult<usize> {
+        Ok(bulk::row_size(&self.dialect.get().core.layouts()[self.slot(message_id)?]))
+    }
+
+    /// Fills `table`, a writable buffer of exactly the rows' bytes.
+    #[pyo3(signature = (message_id, table, *, threads = 1))]
+    fn decode(&self, py: Python<'_>, message_id: u32, table: PyBuffer<u8>, threads: usize) -> PyResult<()> {
+        let slot = self.slot(message_id)?;
+        let expected = self.core.rows(slot) * self.row_size(message_id)?;
+        if table.readonly() || !table.is_c_contiguous() || table.len_bytes() != expected {
+            return Err(PyValueError::new_err(format!("a writable buffer of {expected} bytes is needed")));
+        }
+        // SAFETY: as in `new` for the data. The table is contiguous, writable and held; the caller made it for
+        // this call, as the only one that knows it.
+        let (data, rows) =
+            unsafe { (shared(&self.data)?, std::slice::from_raw_parts_mut(table.buf_ptr().cast(), expected)) };
+        let layouts = &self.dialect.get().core;
+        py.detach(|| self.core.decode(data, layouts, slot, rows, threads));
+        Ok(())
+    }
+}
+
+impl Index {
+    fn slot(&self, message_id: u32) -> PyResult<usize> {
+        let entry = self.dialect.get().core.entry(message_id);
+        entry.map(|entry| usize::from(entry.slot)).ok_or_else(|| PyKeyError::new_err(message_id))
+    }
+}

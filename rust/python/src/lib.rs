@@ -1,0 +1,49 @@
+//! `mavstack._core`: the thin layer between `mavstack-core` and Python.
+//!
+//! Everything is safe PyO3 but for [`message`], whose objects are laid out by hand: a message is one
+//! allocation, its object header followed by its payload, and its fields are plain descriptors over it.
+
+mod buffers;
+mod class;
+mod dialect;
+mod encode;
+mod errors;
+mod fields;
+mod index;
+mod message;
+mod packet;
+mod parser;
+mod signing;
+mod statistics;
+mod values;
+
+use buffers::Bytes;
+use pyo3::prelude::*;
+
+/// CRC-16/MCRF4XX of `data`, continued from `crc`.
+#[pyfunction]
+#[pyo3(signature = (data, crc = mavstack_core::crc::INITIAL))]
+fn crc16(data: Bytes<'_>, crc: u16) -> u16 {
+    mavstack_core::crc::update(crc, &data)
+}
+
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add_class::<dialect::Dialect>()?;
+    module.add_class::<packet::Packet>()?;
+    module.add_class::<parser::Parser>()?;
+    module.add_class::<encode::Encoder>()?;
+    module.add_class::<signing::Signing>()?;
+    module.add_class::<statistics::Statistics>()?;
+    module.add_class::<statistics::SourceStatistics>()?;
+    module.add_class::<statistics::Refusals>()?;
+    module.add_class::<index::Index>()?;
+    module.add("MessageMeta", class::metaclass(py)?)?;
+    module.add("MessageBase", message::base_class(py)?)?;
+    module.add_function(wrap_pyfunction!(crc16, module)?)?;
+    module.add_function(wrap_pyfunction!(class::new_message_class, module)?)?;
+    module.add_function(wrap_pyfunction!(encode::encode, module)?)?;
+    module.add_function(wrap_pyfunction!(index::looks_timestamped, module)?)?;
+    Ok(())
+}

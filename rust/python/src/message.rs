@@ -1,0 +1,335 @@
+//! Message objects: an object header followed by the payload, in one allocation.
+//!
+//! The payload always has the full length of the message's class, zero-filled, so that a field is read
+//! where its layout says. Nothing in a message refers to another Python object but its class.
+
+use crate::buffers::Bytes;
+use crate::class::{self, ClassData, slot};
+use crate::errors::FieldNameError;
+use mavstack_core::encode::trimmed;
+use mavstack_core::layout::{FieldType, Layout};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::ffi;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
+use std::ffi::{c_int, c_uint, c_void};
+use std::ptr;
+
+/// A message in memory; Python allocates the payload behind it.
+#[repr(C)]
+struct Object {
+    header: ffi::PyVarObject,
+    payload: [u8; 0],
+}
+
+static BASE: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+
+/// The base class of all message classes.
+pub fn base_class(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
+    Ok(BASE.get_or_try_init(py, || make_base_class(py))?.bind(py))
+}
+
+fn make_base_class(py: Python<'_>) -> PyResult<Py<PyType>> {
+    let methods = Box::leak(Box::new([
+        method(c"to_payload", to_payload, ffi::METH_VARARGS, c"The payload as the given protocol version sends it."),
+        method(c"from_payload", from_payload, ffi::METH_O | ffi::METH_CLASS, c"A message over a payload."),
+        ffi::PyMethodDef::zeroed(),
+    ]));
+    let mut slots = [
+        slot(ffi::Py_tp_new, new as *mut c_void),
+        slot(ffi::Py_tp_richcompare, compare as *mut c_void),
+        slot(ffi::Py_tp_hash, ffi::PyObject_HashNotImplemented as *mut c_void),
+        slot(ffi::Py_tp_methods, methods.as_mut_ptr().cast()),
+        slot(ffi::Py_tp_doc, c"Base of message classes: a typed view over a payload.".as_ptr().cast_mut().cast()),
+        slot(0, ptr::null_mut()),
+    ];
+    let mut spec = ffi::PyType_Spec {
+        name: c"mavstack._core.MessageBase".as_ptr(),
+        basicsize: size_of::<Object>() as c_int,
+        itemsize: 1,
+        flags: (ffi::Py_TPFLAGS_DEFAULT | ffi::Py_TPFLAGS_BASETYPE) as c_uint,
+        slots: slots.as_mut_ptr(),
+    };
+    // SAFETY: the spec and its slots live through the call, the methods table for ever.
+    let class = unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_FromSpec(&raw mut spec)) }?;
+    Ok(class.cast_into::<PyType>()?.unbind())
+}
+
+fn method(
+    name: &'static std::ffi::CStr,
+    function: ffi::PyCFunction,
+    flags: c_int,
+    doc: &'static std::ffi::CStr,
+) -> ffi::PyMethodDef {
+    let ml_meth = ffi::PyMethodDefPointer { PyCFunction: function };
+    ffi::PyMethodDef { ml_name: name.as_ptr(), ml_meth, ml_flags: flags, ml_doc: doc.as_ptr() }
+}
+
+/// The payload of a message.
+///
+/// # Safety
+/// `object` must be an instance of a class derived from `MessageBase`, and live as long as the result is used.
+#[inline]
+pub unsafe fn payload<'a>(object: *mut ffi::PyObject) -> &'a [u8] {
+    // SAFETY: such an object is laid out as `Object`, with as many bytes behind it as its size says.
+    unsafe { std::slice::from_raw_parts((&raw const (*object.cast::<Object>()).payload).cast(), size(object)) }
+}
+
+/// The payload of a message, to be written.
+///
+/// # Safety
+/// As [`payload`]; and no other reference to the payload may exist.
+#[inline]
+pub unsafe fn payload_mut<'a>(object: *mut ffi::PyObject) -> &'a mut [u8] {
+    // SAFETY: as in `payload`; the caller holds the interpreter, so no one else writes.
+    unsafe { std::slice::from_raw_parts_mut((&raw mut (*object.cast::<Object>()).payload).cast(), size(object)) }
+}
+
+#[inline]
+unsafe fn size(object: *mut ffi::PyObject) -> usize {
+    // SAFETY: by the callers' promise the object begins with a variable-size header.
+    unsafe { (*object.cast::<ffi::PyVarObject>()).ob_size as usize }
+}
+
+/// The error for an object whose payload is not that of the class (after an assignment to `__class__`).
+#[cold]
+pub fn foreign_object() -> PyErr {
+    PyTypeError::new_err("this object's payload is not that of its class")
+}
+
+/// Hands a result to Python, as a new reference or a raised error.
+#[inline]
+pub fn give(py: Python<'_>, result: PyResult<Bound<'_, PyAny>>) -> *mut ffi::PyObject {
+    match result {
+        Ok(value) => value.into_ptr(),
+        Err(error) => {
+            error.restore(py);
+            ptr::null_mut()
+        }
+    }
+}
+
+/// A new message of `class` over `payload`, zero-filled if short, cut if longer than known.
+///
+/// # Safety
+/// `class` must be a class for which `data` is the class data.
+#[inline]
+pub unsafe fn allocate<'py>(
+    py: Python<'py>,
+    class: *mut ffi::PyTypeObject,
+    data: &ClassData,
+    payload: &[u8],
+) -> PyResult<Bound<'py, PyAny>> {
+    let length = usize::from(data.layout.length);
+    // SAFETY: the class derives from `MessageBase`, whose instances are allocated generically and zeroed.
+    let object = unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length as isize)) }?;
+    let known = payload.len().min(length);
+    // SAFETY: the object was just made and no one else has it.
+    unsafe { payload_mut(object.as_ptr())[..known].copy_from_slice(&payload[..known]) };
+    Ok(object)
+}
+
+/// The class data and the payload of any object that is a message.
+pub fn open<'a>(object: &'a Bound<'_, PyAny>) -> PyResult<(&'a ClassData, &'a [u8])> {
+    let py = object.py();
+    let Some(data) = class::class_data(py, object.get_type_ptr()) else {
+        let name = object.get_type().name()?;
+        return Err(PyTypeError::new_err(format!("a MAVLink message is needed, not {name}")));
+    };
+    // SAFETY: only classes that derive from `MessageBase` have class data.
+    let payload = unsafe { payload(object.as_ptr()) };
+    if payload.len() < usize::from(data.layout.length) {
+        return Err(foreign_object());
+    }
+    // SAFETY: the class, and with it the data, lives as long as the object, which the caller holds for 'a.
+    Ok((unsafe { &*ptr::from_ref(data) }, payload))
+}
+
+/// `Attitude(...)`, called by Python with its arguments in an array and the keywords' names in a tuple.
+///
+/// # Safety
+/// To be called by Python only, for a class that `new_message_class` made.
+pub unsafe extern "C" fn vectorcall(
+    class: *mut ffi::PyObject,
+    args: *const *mut ffi::PyObject,
+    flagged_count: usize,
+    keyword_names: *mut ffi::PyObject,
+) -> *mut ffi::PyObject {
+    // SAFETY: Python's calling convention: positional arguments first, then one value for each keyword name,
+    // the top bit of the count being a flag of its own; the class has its data.
+    unsafe {
+        let py = Python::assume_attached();
+        let Some(data) = class::own_data(py, class) else {
+            return give(py, Err(foreign_object()));
+        };
+        let positional = flagged_count & (usize::MAX >> 1);
+        let keywords = if keyword_names.is_null() { 0 } else { ffi::PyTuple_Size(keyword_names) as usize };
+        let values = if args.is_null() { &[] } else { std::slice::from_raw_parts(args, positional + keywords) };
+        give(py, construct(py, class.cast(), data, values, positional, keyword_names))
+    }
+}
+
+unsafe fn construct<'py>(
+    py: Python<'py>,
+    class: *mut ffi::PyTypeObject,
+    data: &ClassData,
+    values: &[*mut ffi::PyObject],
+    positional: usize,
+    keyword_names: *mut ffi::PyObject,
+) -> PyResult<Bound<'py, PyAny>> {
+    let mut scratch = [0u8; mavstack_core::layout::MAX_PAYLOAD];
+    let payload = &mut scratch[..usize::from(data.layout.length)];
+    if positional > data.fields.len() {
+        return Err(too_many(data, positional));
+    }
+    for (access, &value) in data.fields.iter().zip(&values[..positional]) {
+        // SAFETY: Python holds the arguments through the call.
+        let value = unsafe { Bound::from_borrowed_ptr(py, value) };
+        access.write(payload, &value)?;
+    }
+    let mut next = positional;
+    for (index, &value) in values[positional..].iter().enumerate() {
+        // SAFETY: the tuple of names has one for each keyword value.
+        let name = unsafe { ffi::PyTuple_GetItem(keyword_names, index as isize) };
+        // SAFETY: the name and the value are held by Python through the call.
+        let (name, value) = unsafe { (Bound::from_borrowed_ptr(py, name), Bound::from_borrowed_ptr(py, value)) };
+        let place = find_field(data, next, &name)?;
+        if place < positional {
+            return Err(FieldNameError::new_err(format!("{} got {name} twice", data.class_name)));
+        }
+        data.fields[place].write(payload, &value)?;
+        next = place + 1;
+    }
+    // SAFETY: the class's data was looked up by the caller.
+    unsafe { allocate(py, class, data, payload) }
+}
+
+/// The field of that name, tried first at `guess`: keywords usually come in the order of the definition.
+#[inline]
+fn find_field(data: &ClassData, guess: usize, name: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let same = |access: &crate::fields::FieldAccess| access.name.as_ptr() == name.as_ptr();
+    if data.fields.get(guess).is_some_and(same) {
+        return Ok(guess);
+    }
+    if let Some(place) = data.fields.iter().position(same) {
+        return Ok(place);
+    }
+    for (place, access) in data.fields.iter().enumerate() {
+        if access.name.bind(name.py()).as_any().eq(name)? {
+            return Ok(place);
+        }
+    }
+    let fields: Vec<_> = data.fields.iter().map(|access| access.field.name.as_str()).collect();
+    Err(FieldNameError::new_err(format!("{} has no field {name}; it has {}", data.class_name, fields.join(", "))))
+}
+
+#[cold]
+fn too_many(data: &ClassData, given: usize) -> PyErr {
+    FieldNameError::new_err(format!("{} has {} fields, not {given}", data.class_name, data.fields.len()))
+}
+
+unsafe extern "C" fn new(
+    class: *mut ffi::PyTypeObject,
+    args: *mut ffi::PyObject,
+    kwargs: *mut ffi::PyObject,
+) -> *mut ffi::PyObject {
+    // SAFETY: Python calls `tp_new` with a class that derives from `MessageBase`, a tuple, and a dictionary or null.
+    unsafe {
+        let py = Python::assume_attached();
+        let args = Bound::from_borrowed_ptr(py, args);
+        let kwargs = Bound::from_borrowed_ptr_or_opt(py, kwargs);
+        give(py, new_from_collections(py, class, &args, kwargs.as_ref()))
+    }
+}
+
+unsafe fn new_from_collections<'py>(
+    py: Python<'py>,
+    class: *mut ffi::PyTypeObject,
+    args: &Bound<'py, PyAny>,
+    kwargs: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let Some(data) = class::class_data(py, class) else {
+        return Err(PyTypeError::new_err("messages are made by their classes, such as common.Attitude"));
+    };
+    let args = args.cast::<PyTuple>()?;
+    let mut values: Vec<Bound<'py, PyAny>> = args.iter().collect();
+    let mut names = Vec::new();
+    if let Some(kwargs) = kwargs {
+        for (name, value) in kwargs.cast::<PyDict>()?.iter() {
+            names.push(name);
+            values.push(value);
+        }
+    }
+    let names = PyTuple::new(py, names)?;
+    let pointers: Vec<_> = values.iter().map(Bound::as_ptr).collect();
+    // SAFETY: `values` and `names` are held here, and there is one name for each value behind the positional ones.
+    unsafe { construct(py, class, data, &pointers, args.len(), names.as_ptr()) }
+}
+
+unsafe extern "C" fn compare(
+    left: *mut ffi::PyObject,
+    right: *mut ffi::PyObject,
+    operator: c_int,
+) -> *mut ffi::PyObject {
+    // SAFETY: Python holds both objects through the call.
+    unsafe {
+        let py = Python::assume_attached();
+        let (left, right) = (Bound::from_borrowed_ptr(py, left), Bound::from_borrowed_ptr(py, right));
+        let (Ok((data, left)), Ok((other, right))) = (open(&left), open(&right)) else {
+            return py.NotImplemented().into_ptr();
+        };
+        let equal = data.layout == other.layout && same_fields(&data.layout, left, right);
+        let answer = match operator {
+            ffi::Py_EQ => equal,
+            ffi::Py_NE => !equal,
+            _ => return py.NotImplemented().into_ptr(),
+        };
+        give(py, answer.into_pyobject(py).map(|answer| answer.to_owned().into_any()).map_err(Into::into))
+    }
+}
+
+/// Whether two payloads hold the same: byte for byte, but for the junk behind the NUL of a text.
+fn same_fields(layout: &Layout, left: &[u8], right: &[u8]) -> bool {
+    layout.fields.iter().all(|field| {
+        let (left, right) = (&left[field.range()], &right[field.range()]);
+        let text = |bytes: &[u8]| bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+        left == right || (field.kind == FieldType::Char && left[..text(left)] == right[..text(right)])
+    })
+}
+
+unsafe extern "C" fn to_payload(object: *mut ffi::PyObject, args: *mut ffi::PyObject) -> *mut ffi::PyObject {
+    // SAFETY: Python calls the method with a message and a tuple of arguments.
+    unsafe {
+        let py = Python::assume_attached();
+        let object = Bound::from_borrowed_ptr(py, object);
+        give(py, payload_of_version(&object, &Bound::from_borrowed_ptr(py, args)))
+    }
+}
+
+fn payload_of_version<'py>(object: &Bound<'py, PyAny>, args: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let version = if args.len()? == 0 { 2 } else { args.extract::<(u8,)>()?.0 };
+    let (data, payload) = open(object)?;
+    let sent = match version {
+        1 => &payload[..usize::from(data.layout.base_length)],
+        2 => trimmed(payload),
+        _ => return Err(PyValueError::new_err(format!("there is no MAVLink version {version}"))),
+    };
+    Ok(PyBytes::new(object.py(), sent).into_any())
+}
+
+unsafe extern "C" fn from_payload(class: *mut ffi::PyObject, argument: *mut ffi::PyObject) -> *mut ffi::PyObject {
+    // SAFETY: Python calls the class method with the class, which derives from `MessageBase`, and one argument.
+    unsafe {
+        let py = Python::assume_attached();
+        let argument = Bound::from_borrowed_ptr(py, argument);
+        let Some(data) = class::class_data(py, class.cast()) else {
+            return give(
+                py,
+                Err(PyTypeError::new_err("payloads are read by a message's class, such as common.Attitude")),
+            );
+        };
+        let result = argument.extract::<Bytes<'_>>().and_then(|payload| allocate(py, class.cast(), data, &payload));
+        give(py, result)
+    }
+}

@@ -1,0 +1,217 @@
+//! One field's bytes to a Python value and back.
+//!
+//! Reading: integers, floats, `str` for `char[n]` (up to its NUL), `bytes` for `uint8_t[n]`, tuples for other
+//! arrays. Writing takes what a Python user would expect to fit, and refuses the rest with the range.
+
+use crate::errors::{FieldRangeError, FieldTypeError};
+use mavstack_core::layout::{Field, FieldType};
+use pyo3::buffer::PyBuffer;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyFloat, PyInt, PyString, PyTuple};
+
+/// The value of `field` in the bytes that it takes.
+pub fn read<'py>(py: Python<'py>, field: &Field, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
+    match field.kind {
+        FieldType::Char => Ok(read_text(py, bytes).into_any()),
+        _ if field.array_length == 0 => read_number(py, field.kind, bytes),
+        FieldType::U8 => Ok(PyBytes::new(py, bytes).into_any()),
+        kind => {
+            let elements: PyResult<Vec<_>> =
+                bytes.chunks_exact(kind.size()).map(|element| read_number(py, kind, element)).collect();
+            Ok(PyTuple::new(py, elements?)?.into_any())
+        }
+    }
+}
+
+fn read_text<'py>(py: Python<'py>, bytes: &[u8]) -> Bound<'py, PyString> {
+    let text = bytes.split(|&byte| byte == 0).next().unwrap_or(&[]);
+    PyString::new(py, &String::from_utf8_lossy(text))
+}
+
+/// The number in `bytes`, which are as long as `kind` is.
+#[inline]
+pub fn read_number<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
+    macro_rules! number {
+        ($type:ty) => {
+            Ok(<$type>::from_le_bytes(bytes.try_into()?).into_pyobject(py)?.into_any())
+        };
+    }
+    match kind {
+        FieldType::U8 | FieldType::Char => number!(u8),
+        FieldType::I8 => number!(i8),
+        FieldType::U16 => number!(u16),
+        FieldType::I16 => number!(i16),
+        FieldType::U32 => number!(u32),
+        FieldType::I32 => number!(i32),
+        FieldType::U64 => number!(u64),
+        FieldType::I64 => number!(i64),
+        FieldType::F32 => Ok(PyFloat::new(py, f64::from(f32::from_le_bytes(bytes.try_into()?))).into_any()),
+        FieldType::F64 => Ok(PyFloat::new(py, f64::from_le_bytes(bytes.try_into()?)).into_any()),
+    }
+}
+
+/// A field as error texts name it: `Attitude.roll`.
+pub struct Place<'a> {
+    pub class: &'a str,
+    pub field: &'a Field,
+}
+
+impl Place<'_> {
+    fn name(&self) -> String {
+        format!("{}.{}", self.class, self.field.name)
+    }
+
+    fn wrong_type(&self, wanted: &str, value: &Bound<'_, PyAny>) -> PyErr {
+        let got = value.get_type().name().map_or_else(|_| "?".into(), |name| name.to_string());
+        FieldTypeError::new_err(format!("{} takes {wanted}, not {got}", self.name()))
+    }
+
+    fn too_long(&self, unit: &str, length: usize) -> PyErr {
+        let most = self.field.array_length.max(1);
+        FieldRangeError::new_err(format!("{} holds at most {most} {unit}, not {length}", self.name()))
+    }
+
+    #[cold]
+    fn out_of_range(&self, kind: FieldType, value: &Bound<'_, PyAny>) -> PyErr {
+        let (low, high, name) = range_text(kind);
+        let value = value.repr().map_or_else(|_| "the value".into(), |text| text.to_string());
+        FieldRangeError::new_err(format!("{}: {value} is outside {low}..{high} ({name})", self.name()))
+    }
+}
+
+fn range_text(kind: FieldType) -> (String, String, &'static str) {
+    macro_rules! range {
+        ($type:ty, $name:literal) => {
+            (<$type>::MIN.to_string(), <$type>::MAX.to_string(), $name)
+        };
+    }
+    match kind {
+        FieldType::U8 | FieldType::Char => range!(u8, "uint8_t"),
+        FieldType::I8 => range!(i8, "int8_t"),
+        FieldType::U16 => range!(u16, "uint16_t"),
+        FieldType::I16 => range!(i16, "int16_t"),
+        FieldType::U32 => range!(u32, "uint32_t"),
+        FieldType::I32 => range!(i32, "int32_t"),
+        FieldType::U64 => range!(u64, "uint64_t"),
+        FieldType::I64 => range!(i64, "int64_t"),
+        FieldType::F32 => ("-3.4028235e38".into(), "3.4028235e38".into(), "float"),
+        FieldType::F64 => ("-1.7976931348623157e308".into(), "1.7976931348623157e308".into(), "double"),
+    }
+}
+
+/// Writes `value` to the bytes that the field takes; they are left as they were if it does not fit.
+pub fn write(place: &Place<'_>, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+    let field = place.field;
+    match field.kind {
+        FieldType::Char => write_text(place, bytes, value),
+        kind if field.array_length == 0 => write_number(place, kind, bytes, value),
+        kind => write_array(place, kind, bytes, value),
+    }
+}
+
+fn write_text(place: &Place<'_>, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+    let text = if let Ok(text) = value.cast::<PyString>() {
+        text.to_cow()?.as_bytes().to_vec()
+    } else if let Ok(raw) = value.cast::<PyBytes>() {
+        raw.as_bytes().to_vec()
+    } else {
+        return Err(place.wrong_type("a string", value));
+    };
+    write_padded(place, "bytes", bytes, &text)
+}
+
+fn write_padded(place: &Place<'_>, unit: &str, bytes: &mut [u8], content: &[u8]) -> PyResult<()> {
+    let Some((start, rest)) = bytes.split_at_mut_checked(content.len()) else {
+        return Err(place.too_long(unit, content.len()));
+    };
+    start.copy_from_slice(content);
+    rest.fill(0);
+    Ok(())
+}
+
+fn write_array(place: &Place<'_>, kind: FieldType, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+    if kind == FieldType::U8
+        && let Ok(buffer) = PyBuffer::<u8>::get(value)
+    {
+        return write_padded(place, "elements", bytes, &buffer.to_vec(value.py())?);
+    }
+    if value.cast::<PyString>().is_ok() {
+        return Err(place.wrong_type("a sequence of numbers", value));
+    }
+    let Ok(elements) = value.try_iter() else {
+        return Err(place.wrong_type("a sequence of numbers", value));
+    };
+    let elements = elements.collect::<PyResult<Vec<_>>>()?;
+    let mut content = vec![0; elements.len() * kind.size()];
+    for (element, encoded) in elements.iter().zip(content.chunks_exact_mut(kind.size())) {
+        write_number(place, kind, encoded, element)?;
+    }
+    if content.len() > bytes.len() {
+        return Err(place.too_long("elements", elements.len()));
+    }
+    write_padded(place, "elements", bytes, &content)
+}
+
+#[inline]
+fn write_number(place: &Place<'_>, kind: FieldType, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+    match kind {
+        FieldType::F32 => {
+            let number = float(place, value)?;
+            if number.is_finite() && (number as f32).is_infinite() {
+                return Err(place.out_of_range(kind, value));
+            }
+            bytes.copy_from_slice(&(number as f32).to_le_bytes());
+        }
+        FieldType::F64 => bytes.copy_from_slice(&float(place, value)?.to_le_bytes()),
+        FieldType::U64 => {
+            let number = integer::<u64>(place, kind, value)?;
+            bytes.copy_from_slice(&number.to_le_bytes());
+        }
+        _ => {
+            let number = integer::<i64>(place, kind, value)?;
+            if !holds(kind, number) {
+                return Err(place.out_of_range(kind, value));
+            }
+            bytes.copy_from_slice(&number.to_le_bytes()[..kind.size()]);
+        }
+    }
+    Ok(())
+}
+
+#[inline]
+fn holds(kind: FieldType, number: i64) -> bool {
+    match kind {
+        FieldType::U8 | FieldType::Char => u8::try_from(number).is_ok(),
+        FieldType::I8 => i8::try_from(number).is_ok(),
+        FieldType::U16 => u16::try_from(number).is_ok(),
+        FieldType::I16 => i16::try_from(number).is_ok(),
+        FieldType::U32 => u32::try_from(number).is_ok(),
+        FieldType::I32 => i32::try_from(number).is_ok(),
+        _ => true,
+    }
+}
+
+#[inline]
+fn float(place: &Place<'_>, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    if let Ok(float) = value.cast_exact::<PyFloat>() {
+        return Ok(float.value());
+    }
+    if value.cast::<PyString>().is_ok() {
+        return Err(place.wrong_type("a number", value));
+    }
+    value.extract::<f64>().map_err(|_| place.wrong_type("a number", value))
+}
+
+#[inline]
+fn integer<'py, T>(place: &Place<'_>, kind: FieldType, value: &Bound<'py, PyAny>) -> PyResult<T>
+where
+    T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
+{
+    value.extract::<T>().map_err(|error| {
+        if value.cast::<PyInt>().is_ok() || error.is_instance_of::<pyo3::exceptions::PyOverflowError>(value.py()) {
+            place.out_of_range(kind, value)
+        } else {
+            place.wrong_type("an integer", value)
+        }
+    })
+}
