@@ -1,1 +1,121 @@
+use super::*;
+use crate::encode::{Sender, Version, encode};
+use crate::layout::tests::dialect;
+use proptest::prelude::*;
 
+fn text(sequence: u8, text: &[u8], version: Version) -> Vec<u8> {
+    let dialect = dialect();
+    let mut payload = [0; 54];
+    payload[1..=text.len()].copy_from_slice(text);
+    let mut out = Vec::new();
+    let sender = Sender { system: 1, component: 1, sequence };
+    encode(&mut out, version, &dialect.layouts()[1], &payload, sender, None).expect("encodes");
+    out
+}
+
+/// A log larger than two stretches, with garbage and embedded packets that mislead whoever starts inside.
+fn log(seed: u64) -> Vec<u8> {
+    let mut data = Vec::new();
+    let mut state = seed | 1;
+    let mut sequence = 0u8;
+    while data.len() < 3 * MIN_STRETCH {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let choice = state >> 56;
+        sequence = sequence.wrapping_add(1);
+        if choice < 6 {
+            data.extend_from_slice(&state.to_le_bytes());
+            continue;
+        }
+        data.extend_from_slice(&(1_700_000_000_000_000 + u64::from(sequence)).to_be_bytes());
+        if choice < 128 {
+            data.extend(crate::scan::tests::heartbeat(Version::V2, sequence));
+        } else {
+            // A whole packet as text inside another: a scan that begins inside believes the inner one.
+            let inner = crate::scan::tests::heartbeat(Version::V1, sequence);
+            data.extend(text(sequence, &[&inner[..], &inner[..]].concat(), Version::V2));
+        }
+    }
+    data
+}
+
+fn flat(index: &Index) -> (Vec<Vec<u64>>, Statistics, Option<(u64, u64)>) {
+    (index.offsets.clone(), index.statistics, index.time_span())
+}
+
+#[test]
+fn threads_give_exactly_what_one_gives() {
+    let dialect = dialect();
+    for seed in 0..6 {
+        let data = log(seed);
+        let one = Index::build(&data, &dialect, true, 1);
+        assert!(one.rows(0) > 1000 && one.rows(1) > 1000 && one.statistics().bad_bytes > 0);
+        for threads in [2, 3] {
+            assert_eq!(flat(&Index::build(&data, &dialect, true, threads)), flat(&one), "seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn a_misled_thread_is_overruled() {
+    // The middle of the file is one long run of packets inside packets: starts found there are false.
+    let dialect = dialect();
+    let inner: Vec<u8> = crate::scan::tests::heartbeat(Version::V1, 1);
+    let packet = text(1, &[&inner[..], &inner[..]].concat(), Version::V2);
+    let data: Vec<u8> = packet.iter().copied().cycle().take(packet.len() * (3 * MIN_STRETCH / packet.len())).collect();
+    let one = Index::build(&data, &dialect, false, 1);
+    assert_eq!(flat(&Index::build(&data, &dialect, false, 2)), flat(&one));
+    assert_eq!(one.rows(0), 0, "no inner packet is believed");
+}
+
+#[test]
+fn rows_hold_time_source_and_payload() {
+    let dialect = dialect();
+    let mut data = 5u64.to_be_bytes().to_vec();
+    data.extend(text(7, b"hi\0junk", Version::V2));
+    data.extend(text(8, b"no time", Version::V2));
+    let index = Index::build(&data, &dialect, true, 1);
+    let size = row_size(&dialect.layouts()[1]);
+    let mut rows = vec![0xAA; 2 * size];
+    index.decode(&data, &dialect, 1, &mut rows, 4);
+    assert_eq!(&rows[..12], &[5, 0, 0, 0, 0, 0, 0, 0, 1, 1, 7, 2]);
+    assert_eq!(&rows[13..20], b"hi\0\0\0\0\0", "junk behind the NUL is gone");
+    assert!(rows[20..size].iter().all(|&byte| byte == 0), "zero-filled to the full length");
+    assert_eq!(i64::from_le_bytes(rows[size..size + 8].try_into().expect("eight")), NO_TIME);
+}
+
+#[test]
+fn longer_payloads_are_cut_to_what_is_known() {
+    let dialect = dialect();
+    let mut packet = vec![0xFD, 12, 0, 0, 0, 1, 1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
+    let checksum = crate::crc::accumulate(crate::crc::update(0xFFFF, &packet[1..]), 50);
+    packet.extend_from_slice(&checksum.to_le_bytes());
+    let index = Index::build(&packet, &dialect, false, 1);
+    let mut row = vec![0; row_size(&dialect.layouts()[0])];
+    index.decode(&packet, &dialect, 0, &mut row, 1);
+    assert_eq!(&row[ROW_HEADER..], &[1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0]);
+}
+
+#[test]
+fn data_that_changed_under_the_index_is_survived() {
+    let dialect = dialect();
+    let mut data = crate::scan::tests::heartbeat(Version::V2, 0);
+    let index = Index::build(&data, &dialect, false, 1);
+    data.truncate(3);
+    let mut row = vec![0xAA; row_size(&dialect.layouts()[0])];
+    index.decode(&data, &dialect, 0, &mut row, 1);
+    assert!(row.iter().all(|&byte| byte == 0));
+}
+
+proptest! {
+    #[test]
+    fn nothing_panics_on_garbage(data in prop::collection::vec(any::<u8>(), 0..2000), timestamped: bool) {
+        let dialect = dialect();
+        let index = Index::build(&data, &dialect, timestamped, 2);
+        let totals = index.statistics();
+        prop_assert!(totals.packet_bytes + totals.bad_bytes <= data.len() as u64);
+        for (slot, layout) in dialect.layouts().iter().enumerate() {
+            let mut rows = vec![0; index.rows(slot) * row_size(layout)];
+            index.decode(&data, &dialect, slot, &mut rows, 2);
+        }
+    }
+}

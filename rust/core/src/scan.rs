@@ -25,6 +25,9 @@ use memchr::memchr2;
 
 pub const TIMESTAMP: usize = 8;
 
+/// Microseconds since 1970 of the years 2000 to 2099.
+const THIS_CENTURY: std::ops::Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
+
 /// One packet found: `start..start + header.packet_length()` of the scanned bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Found {
@@ -237,10 +240,8 @@ impl<'a> Scanner<'a> {
 #[inline]
 #[must_use]
 pub fn timestamp_microseconds(stamp: [u8; TIMESTAMP]) -> u64 {
-    let big = u64::from_be_bytes(stamp);
-    let little = u64::from_le_bytes(stamp);
-    // Microseconds leave the top byte empty until the year 4253.
-    if big >> 56 != 0 && little >> 56 == 0 { little } else { big }
+    let (big, little) = (u64::from_be_bytes(stamp), u64::from_le_bytes(stamp));
+    if !THIS_CENTURY.contains(&big) && THIS_CENTURY.contains(&little) { little } else { big }
 }
 
 /// Whether a file that begins with `head` has a timestamp before each packet.
@@ -262,4 +263,4 @@ pub fn looks_timestamped(head: &[u8], dialect: &Dialect) -> bool {
 
 #[cfg(test)]
 #[path = "scan_tests.rs"]
-mod tests;
+pub(crate) mod tests;

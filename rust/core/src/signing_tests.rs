@@ -1,1 +1,148 @@
+use super::*;
+use crate::encode::{Sender, Version, encode};
+use crate::layout::tests::dialect;
+use crate::parser::Parser;
 
+const SECOND: u64 = UNITS_PER_SECOND;
+const NOW: u64 = 1_000_000 * SECOND;
+
+fn key() -> Key {
+    Key::new([7; 32])
+}
+
+fn signing(policy: Policy) -> Signing {
+    Signing::new(key(), 3, NOW, policy)
+}
+
+fn packet_at(timestamp: u64) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut signer = Signing::new(key(), 9, timestamp - 1, Policy::default());
+    let sender = Sender { system: 1, component: 1, sequence: 0 };
+    let dialect = dialect();
+    encode(&mut out, Version::V2, &dialect.layouts()[0], &[2; 9], sender, Some((&mut signer, None))).expect("encodes");
+    out
+}
+
+fn check(signing: &mut Signing, raw: &[u8]) -> Result<(), Refusal> {
+    check_at(signing, raw, NOW)
+}
+
+fn check_at(signing: &mut Signing, raw: &[u8], now: u64) -> Result<(), Refusal> {
+    let mut verdict = None;
+    Parser::default().feed(&dialect(), raw, |packet| verdict = Some(signing.check(&packet, Some(now))));
+    verdict.expect("a packet")
+}
+
+fn forged(timestamp: u64) -> Vec<u8> {
+    let mut raw = packet_at(timestamp);
+    let last = raw.len() - 1;
+    raw[last] ^= 1;
+    raw
+}
+
+#[test]
+fn a_replay_is_refused() {
+    let mut signing = signing(Policy::default());
+    assert_eq!(check(&mut signing, &packet_at(NOW)), Ok(()));
+    assert_eq!(check(&mut signing, &packet_at(NOW)), Err(Refusal::Replayed));
+    assert_eq!(check(&mut signing, &packet_at(NOW - 1)), Err(Refusal::Replayed));
+    assert_eq!(check(&mut signing, &packet_at(NOW + 1)), Ok(()));
+    assert_eq!(signing.refusals().replayed, 2);
+}
+
+#[test]
+fn a_forged_packet_from_the_far_future_silences_nothing() {
+    let mut signing = signing(Policy::default());
+    assert_eq!(check(&mut signing, &packet_at(NOW)), Ok(()));
+    assert_eq!(check(&mut signing, &forged(MAX_TIMESTAMP)), Err(Refusal::Forged));
+    assert_eq!(check(&mut signing, &packet_at(NOW + 1)), Ok(()));
+    assert_eq!(signing.clock(), NOW + 1, "nor does it move the clock");
+}
+
+#[test]
+fn a_rightly_signed_packet_from_the_far_future_does_not_either() {
+    let mut signing = signing(Policy::default());
+    assert_eq!(check(&mut signing, &packet_at(MAX_TIMESTAMP)), Err(Refusal::Future));
+    assert_eq!(check(&mut signing, &packet_at(NOW)), Ok(()));
+    assert_eq!(signing.clock(), NOW);
+}
+
+#[test]
+fn a_new_stream_may_begin_a_minute_behind_and_no_more() {
+    let mut late = signing(Policy::default());
+    assert_eq!(check(&mut late, &packet_at(NOW - 6_000_001)), Err(Refusal::Stale));
+    assert_eq!(check(&mut late, &packet_at(NOW - 6_000_000)), Ok(()));
+}
+
+#[test]
+fn a_forged_packet_makes_no_stream() {
+    let mut signing = signing(Policy::default());
+    assert_eq!(check(&mut signing, &forged(NOW)), Err(Refusal::Forged));
+    assert_eq!(signing.streams(), 0);
+}
+
+#[test]
+fn the_table_of_streams_is_bounded() {
+    let mut signing = signing(Policy { max_streams: 0, ..Policy::default() });
+    assert_eq!(check(&mut signing, &packet_at(NOW)), Err(Refusal::TooManyStreams));
+}
+
+#[test]
+fn unsigned_packets_are_refused_unless_allowed() {
+    let raw = crate::scan::tests::heartbeat(Version::V2, 0);
+    let version_1 = crate::scan::tests::heartbeat(Version::V1, 0);
+    assert_eq!(check(&mut signing(Policy::default()), &raw), Err(Refusal::Unsigned));
+    assert_eq!(check(&mut signing(Policy::default()), &version_1), Err(Refusal::Unsigned), "no downgrade");
+    let allowed = Policy { unsigned_ids: vec![0], ..Policy::default() };
+    assert_eq!(check(&mut signing(allowed), &raw), Ok(()));
+    let open = Policy { accept_unsigned: true, ..Policy::default() };
+    assert_eq!(check(&mut signing(open), &raw), Ok(()));
+}
+
+#[test]
+fn slack_admits_reordering_and_no_replay() {
+    let mut strict = signing(Policy::default());
+    let mut slack = signing(Policy { reorder_slack: 10, ..Policy::default() });
+    for signing in [&mut strict, &mut slack] {
+        assert_eq!(check(signing, &packet_at(NOW + 5)), Ok(()));
+    }
+    assert_eq!(check(&mut strict, &packet_at(NOW + 3)), Err(Refusal::Replayed));
+    assert_eq!(check(&mut slack, &packet_at(NOW + 3)), Ok(()));
+    assert_eq!(check(&mut slack, &packet_at(NOW + 3)), Err(Refusal::Replayed));
+    assert_eq!(check(&mut slack, &packet_at(NOW + 5)), Err(Refusal::Replayed));
+    assert_eq!(check(&mut slack, &packet_at(NOW - 6)), Err(Refusal::Replayed), "older than the slack");
+}
+
+#[test]
+fn slack_stays_safe_when_its_memory_is_full() {
+    let mut signing = signing(Policy { reorder_slack: SECOND, ..Policy::default() });
+    for step in (0..2 * MAX_RECENT as u64).map(|step| step * 2) {
+        assert_eq!(check(&mut signing, &packet_at(NOW + step)), Ok(()));
+    }
+    assert_eq!(check(&mut signing, &packet_at(NOW + 2)), Err(Refusal::Replayed), "forgotten, so refused");
+    assert_eq!(check(&mut signing, &packet_at(NOW + 1001)), Ok(()), "remembered as not seen");
+}
+
+#[test]
+fn the_clock_only_moves_forward_when_signing() {
+    let mut signer = signing(Policy::default());
+    let (mut first, mut second) = (vec![0xFD; 12], vec![0xFD; 12]);
+    signer.sign(&mut first, Some(NOW + 50));
+    signer.sign(&mut second, Some(NOW));
+    assert_eq!(link_and_timestamp(&first), (3, NOW + 50));
+    assert_eq!(link_and_timestamp(&second), (3, NOW + 51));
+}
+
+#[test]
+fn without_a_clock_the_first_packet_sets_it() {
+    let mut signing = Signing::new(key(), 0, 0, Policy::default());
+    let mut verdict = None;
+    Parser::default().feed(&dialect(), &packet_at(NOW * 5), |packet| verdict = Some(signing.check(&packet, None)));
+    assert_eq!(verdict, Some(Ok(())));
+    assert_eq!(signing.clock(), NOW * 5);
+}
+
+#[test]
+fn keys_are_not_printed() {
+    assert_eq!(format!("{:?}", Key::new([0x41; 32])), "Key(…)");
+}

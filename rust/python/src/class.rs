@@ -38,6 +38,9 @@ struct Slot {
 pub struct ClassData {
     pub layout: Layout,
     pub class_name: String,
+    /// The class itself, if its instances are allocated for the cycle collector and need not be: a message of
+    /// this very class refers to nothing. Only compared, never followed.
+    pub uncollected: *mut ffi::PyTypeObject,
     /// One for each field, in definition order; boxed, because descriptors point into it.
     pub fields: Box<[FieldAccess]>,
 }
@@ -132,7 +135,7 @@ fn slot_of(class: *mut ffi::PyObject, meta: &Meta) -> *mut Slot {
 }
 
 /// The data of a message class or of the message class that it derives from.
-pub fn class_data<'a>(py: Python<'a>, class: *mut ffi::PyTypeObject) -> Option<&'a ClassData> {
+pub fn class_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&ClassData> {
     let meta = META.get(py)?;
     let mut class = class;
     while !class.is_null() {
@@ -171,7 +174,10 @@ pub fn new_message_class<'py>(
     }
     let fields =
         layout.fields.iter().map(|field| FieldAccess::new(py, field, name, &class)).collect::<PyResult<_>>()?;
-    let data = Box::into_raw(Box::new(ClassData { layout, class_name: name.into(), fields }));
+    // SAFETY: the class is a live class.
+    let collected = unsafe { ffi::PyType_GetFlags(class.as_type_ptr()) } & ffi::Py_TPFLAGS_HAVE_GC != 0;
+    let uncollected = if collected { class.as_type_ptr() } else { ptr::null_mut() };
+    let data = Box::into_raw(Box::new(ClassData { layout, class_name: name.into(), uncollected, fields }));
     // SAFETY: the class was just made by the metaclass, so it has the slot; it owns the data from here on.
     unsafe { *slot_of(class.as_ptr(), meta) = Slot { vectorcall: Some(message::vectorcall), data } };
     // SAFETY: the data is alive, the class is held, and no one else refers to the data yet.
@@ -185,7 +191,7 @@ pub fn new_message_class<'py>(
 ///
 /// # Safety
 /// `class` must be an object of the metaclass whose slot is filled.
-pub unsafe fn own_data<'a>(py: Python<'a>, class: *mut ffi::PyObject) -> Option<&'a ClassData> {
+pub unsafe fn own_data(py: Python<'_>, class: *mut ffi::PyObject) -> Option<&ClassData> {
     // SAFETY: by the caller's promise the slot is there and its data lives as long as the class.
     META.get(py).map(|meta| unsafe { &*(*slot_of(class, meta)).data })
 }

@@ -39,7 +39,6 @@ fn encode_message<'py>(
 /// The packet that carries `message`.
 #[pyfunction]
 #[pyo3(signature = (message, *, system, component, sequence = 0, version = 2, signing = None, now = None))]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 pub fn encode<'py>(
     message: &Bound<'py, PyAny>,
     system: u8,

@@ -16,7 +16,7 @@ const HEAD: usize = 1 << 18;
 ///
 /// # Safety
 /// No one may write to the buffer as long as the result is used.
-unsafe fn shared<'a>(buffer: &'a PyBuffer<u8>) -> PyResult<&'a [u8]> {
+unsafe fn shared(buffer: &PyBuffer<u8>) -> PyResult<&[u8]> {
     if !buffer.is_c_contiguous() {
         return Err(PyBufferError::new_err("the bytes must be contiguous"));
     }
@@ -26,7 +26,6 @@ unsafe fn shared<'a>(buffer: &'a PyBuffer<u8>) -> PyResult<&'a [u8]> {
 
 /// Whether a file that begins with `head` has a timestamp before each packet.
 #[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 pub fn looks_timestamped(head: PyBuffer<u8>, dialect: AnyDialect) -> PyResult<bool> {
     // SAFETY: the interpreter lock is held throughout, so no Python code writes meanwhile.
     let bytes = unsafe { shared(&head) }?;

@@ -124,6 +124,10 @@ pub unsafe fn allocate<'py>(
     let length = usize::from(data.layout.length);
     // SAFETY: the class derives from `MessageBase`, whose instances are allocated generically and zeroed.
     let object = unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length as isize)) }?;
+    if class == data.uncollected {
+        // SAFETY: a new object, with a collector's header as the class data says, that refers to nothing.
+        unsafe { ffi::PyObject_GC_UnTrack(object.as_ptr().cast()) };
+    }
     let known = payload.len().min(length);
     // SAFETY: the object was just made and no one else has it.
     unsafe { payload_mut(object.as_ptr())[..known].copy_from_slice(&payload[..known]) };

@@ -4,55 +4,59 @@ use crate::buffers::Bytes;
 use crate::class;
 use crate::dialect::{AnyDialect, Dialect};
 use crate::message;
-use mavstack_core::header::{CHECKSUM, Header, MAX_PACKET, SIGNATURE};
+use mavstack_core::header::{CHECKSUM, Header, SIGNATURE};
 use mavstack_core::parser::{self, Parser};
 use mavstack_core::signing::link_and_timestamp;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyTuple, PyType};
+use std::sync::OnceLock;
 
 /// A packet, byte for byte as it came.
 #[pyclass(frozen, module = "mavstack._core")]
 pub struct Packet {
     header: Header,
-    length: u16,
     slot: Option<u16>,
     timestamp: Option<u64>,
     dialect: Py<Dialect>,
-    message: PyOnceLock<Py<PyAny>>,
-    /// Inline, because one allocation a packet is what a packet costs.
-    raw: [u8; MAX_PACKET],
+    message: OnceLock<Py<PyAny>>,
+    raw: Py<PyBytes>,
 }
 
 impl Packet {
+    /// A new Python object for `packet`.
     #[inline]
-    pub fn new(py: Python<'_>, packet: &parser::Packet<'_>, dialect: &Py<Dialect>) -> Self {
-        let mut raw = [0; MAX_PACKET];
-        raw[..packet.raw.len()].copy_from_slice(packet.raw);
+    pub fn create(py: Python<'_>, packet: &parser::Packet<'_>, dialect: &Py<Dialect>) -> PyResult<Py<Self>> {
+        let object = Py::new(py, Self::new(py, packet, dialect))?;
+        // SAFETY: a new, fully made object that no one else has. A packet refers to its bytes, its dialect and its
+        // message, none of which can refer back to it, so the cycle collector need not look at it.
+        unsafe { pyo3::ffi::PyObject_GC_UnTrack(object.as_ptr().cast()) };
+        Ok(object)
+    }
+
+    #[inline]
+    fn new(py: Python<'_>, packet: &parser::Packet<'_>, dialect: &Py<Dialect>) -> Self {
         Self {
             header: packet.header,
-            length: packet.raw.len() as u16,
             slot: packet.slot,
             timestamp: packet.timestamp,
             dialect: dialect.clone_ref(py),
-            message: PyOnceLock::new(),
-            raw,
+            message: OnceLock::new(),
+            raw: PyBytes::new(py, packet.raw).unbind(),
         }
     }
 
-    fn bytes(&self) -> &[u8] {
-        &self.raw[..usize::from(self.length)]
+    fn bytes<'a>(&'a self, py: Python<'a>) -> &'a [u8] {
+        self.raw.as_bytes(py)
     }
 
-    #[cold]
     fn make_message<'py>(&self, py: Python<'py>, slot: u16) -> PyResult<Bound<'py, PyAny>> {
         let class = self.dialect.get().class(py, slot)?;
         let Some(data) = class::class_data(py, class.as_type_ptr()) else {
             return Err(message::foreign_object());
         };
         // SAFETY: the data is that of the class.
-        unsafe { message::allocate(py, class.as_type_ptr(), data, &self.raw[self.header.payload()]) }
+        unsafe { message::allocate(py, class.as_type_ptr(), data, &self.bytes(py)[self.header.payload()]) }
     }
 }
 
@@ -68,7 +72,7 @@ impl Packet {
             found = Some(Self::new(py, &parser::Packet { timestamp, ..packet }, &dialect));
         });
         found
-            .filter(|packet| packet.bytes().len() == raw.len())
+            .filter(|packet| packet.bytes(py).len() == raw.len())
             .ok_or_else(|| PyValueError::new_err("these bytes are not one whole MAVLink packet"))
     }
 
@@ -78,8 +82,11 @@ impl Packet {
         let Some(slot) = self.slot else {
             return Ok(None);
         };
-        let message = self.message.get_or_try_init(py, || self.make_message(py, slot).map(Bound::unbind))?;
-        Ok(Some(message.clone_ref(py)))
+        if let Some(message) = self.message.get() {
+            return Ok(Some(message.clone_ref(py)));
+        }
+        let message = self.make_message(py, slot)?.unbind();
+        Ok(Some(self.message.get_or_init(|| message).clone_ref(py)))
     }
 
     /// Official name of the message, or `None` if the dialect does not have its id.
@@ -131,14 +138,14 @@ impl Packet {
 
     /// Link id of the signature, or `None`.
     #[getter]
-    fn link_id(&self) -> Option<u8> {
-        self.signed().then(|| link_and_timestamp(self.bytes()).0)
+    fn link_id(&self, py: Python<'_>) -> Option<u8> {
+        self.signed().then(|| link_and_timestamp(self.bytes(py)).0)
     }
 
     /// Timestamp of the signature in 10 µs since 2015, or `None`.
     #[getter]
-    fn signature_timestamp(&self) -> Option<u64> {
-        self.signed().then(|| link_and_timestamp(self.bytes()).1)
+    fn signature_timestamp(&self, py: Python<'_>) -> Option<u64> {
+        self.signed().then(|| link_and_timestamp(self.bytes(py)).1)
     }
 
     /// Microseconds since 1970 recorded before the packet, or `None` outside a timestamped stream.
@@ -148,39 +155,40 @@ impl Packet {
     }
 
     #[getter]
-    fn checksum(&self) -> u16 {
-        let end = self.header.payload().end;
-        u16::from_le_bytes([self.raw[end], self.raw[end + CHECKSUM - 1]])
+    fn checksum(&self, py: Python<'_>) -> u16 {
+        let (raw, end) = (self.bytes(py), self.header.payload().end);
+        u16::from_le_bytes([raw[end], raw[end + CHECKSUM - 1]])
     }
 
     /// The 13 bytes of the signature, or `None`.
     #[getter]
     fn signature<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
-        self.signed().then(|| PyBytes::new(py, &self.bytes()[self.bytes().len() - SIGNATURE..]))
+        self.signed().then(|| PyBytes::new(py, &self.bytes(py)[self.header.packet_length() - SIGNATURE..]))
     }
 
     /// The payload as it came: trimmed, whole, or longer than known.
     #[getter]
     fn payload<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &self.raw[self.header.payload()])
+        PyBytes::new(py, &self.bytes(py)[self.header.payload()])
     }
 
     /// The whole packet as it came.
     #[getter]
-    fn raw<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, self.bytes())
+    fn raw(&self, py: Python<'_>) -> Py<PyBytes> {
+        self.raw.clone_ref(py)
     }
 
     fn __len__(&self) -> usize {
-        usize::from(self.length)
+        self.header.packet_length()
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().bytes() == self.bytes())
+        let py = other.py();
+        other.cast::<Self>().is_ok_and(|other| other.get().bytes(py) == self.bytes(py))
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.raw(py).hash()
+        self.raw.bind(py).hash()
     }
 
     fn __repr__(&self) -> String {

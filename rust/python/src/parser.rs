@@ -85,7 +85,7 @@ impl<'py, 'a> Sink<'py, 'a> {
         {
             return;
         }
-        match Py::new(self.py, Packet::new(self.py, packet, self.dialect)) {
+        match Packet::create(self.py, packet, self.dialect) {
             Ok(packet) => self.packets.push(packet),
             Err(error) => self.error = Some(error),
         }
