@@ -53,6 +53,10 @@ pub fn update(mut crc: u16, data: &[u8]) -> u16 {
     for eight in eights {
         crc = fold(crc, eight);
     }
+    let (fours, rest) = rest.as_chunks::<4>();
+    for four in fours {
+        crc = fold(crc, four);
+    }
     for &byte in rest {
         crc = accumulate(crc, byte);
     }

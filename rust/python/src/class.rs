@@ -38,9 +38,11 @@ struct Slot {
 pub struct ClassData {
     pub layout: Layout,
     pub class_name: String,
-    /// The class itself, if its instances are allocated for the cycle collector and need not be: a message of
-    /// this very class refers to nothing. Only compared, never followed.
-    pub uncollected: *mut ffi::PyTypeObject,
+    /// The class itself; only compared, never followed.
+    pub class: *mut ffi::PyTypeObject,
+    /// Whether instances are allocated with a header for the cycle collector. A message of this very class refers
+    /// to nothing, so it is not tracked; one of a class that a user derives may.
+    pub collected: bool,
     /// One for each field, in definition order; boxed, because descriptors point into it.
     pub fields: Box<[FieldAccess]>,
 }
@@ -176,8 +178,13 @@ pub fn new_message_class<'py>(
         layout.fields.iter().map(|field| FieldAccess::new(py, field, name, &class)).collect::<PyResult<_>>()?;
     // SAFETY: the class is a live class.
     let collected = unsafe { ffi::PyType_GetFlags(class.as_type_ptr()) } & ffi::Py_TPFLAGS_HAVE_GC != 0;
-    let uncollected = if collected { class.as_type_ptr() } else { ptr::null_mut() };
-    let data = Box::into_raw(Box::new(ClassData { layout, class_name: name.into(), uncollected, fields }));
+    let data = Box::into_raw(Box::new(ClassData {
+        layout,
+        class_name: name.into(),
+        class: class.as_type_ptr(),
+        collected,
+        fields,
+    }));
     // SAFETY: the class was just made by the metaclass, so it has the slot; it owns the data from here on.
     unsafe { *slot_of(class.as_ptr(), meta) = Slot { vectorcall: Some(message::vectorcall), data } };
     // SAFETY: the data is alive, the class is held, and no one else refers to the data yet.

@@ -22,6 +22,7 @@ fn encode_message<'py>(
     sender: Sender,
     signing: Option<&Py<Signing>>,
     now: Option<f64>,
+    packet: &mut Vec<u8>,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let py = message.py();
     if version == Version::V1 && signing.is_some() {
@@ -30,10 +31,9 @@ fn encode_message<'py>(
     let (data, payload) = message::open(message)?;
     let mut signing = signing.map(|signing| signing.bind(py).borrow_mut());
     let signing = signing.as_mut().map(|signing| (&mut signing.core, now.map(signing::timestamp)));
-    let mut packet = Vec::with_capacity(MAX_PACKET);
-    core::encode(&mut packet, version, &data.layout, payload, sender, signing)
+    core::encode(packet, version, &data.layout, payload, sender, signing)
         .map_err(|error| EncodeError::new_err(format!("{}: {error}", data.class_name)))?;
-    Ok(PyBytes::new(py, &packet))
+    Ok(PyBytes::new(py, packet))
 }
 
 /// The packet that carries `message`.
@@ -49,7 +49,7 @@ pub fn encode<'py>(
     now: Option<f64>,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let sender = Sender { system, component, sequence };
-    encode_message(message, self::version(version)?, sender, signing.as_ref(), now)
+    encode_message(message, self::version(version)?, sender, signing.as_ref(), now, &mut Vec::with_capacity(MAX_PACKET))
 }
 
 /// Encodes the messages of one component for one link, and counts their sequence.
@@ -65,6 +65,8 @@ pub struct Encoder {
     version: Version,
     #[pyo3(get)]
     signing: Option<Py<Signing>>,
+    /// Room for the packet being made.
+    packet: Vec<u8>,
 }
 
 #[pymethods]
@@ -72,7 +74,8 @@ impl Encoder {
     #[new]
     #[pyo3(signature = (system, component, *, version = 2, signing = None))]
     fn new(system: u8, component: u8, version: u8, signing: Option<Py<Signing>>) -> PyResult<Self> {
-        Ok(Self { system, component, sequence: 0, version: self::version(version)?, signing })
+        let packet = Vec::with_capacity(MAX_PACKET);
+        Ok(Self { system, component, sequence: 0, version: self::version(version)?, signing, packet })
     }
 
     #[getter]
@@ -84,7 +87,7 @@ impl Encoder {
     #[pyo3(signature = (message, now = None))]
     fn encode<'py>(&mut self, message: &Bound<'py, PyAny>, now: Option<f64>) -> PyResult<Bound<'py, PyBytes>> {
         let sender = Sender { system: self.system, component: self.component, sequence: self.sequence };
-        let packet = encode_message(message, self.version, sender, self.signing.as_ref(), now)?;
+        let packet = encode_message(message, self.version, sender, self.signing.as_ref(), now, &mut self.packet)?;
         self.sequence = self.sequence.wrapping_add(1);
         Ok(packet)
     }

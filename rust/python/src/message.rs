@@ -110,6 +110,39 @@ pub fn give(py: Python<'_>, result: PyResult<Bound<'_, PyAny>>) -> *mut ffi::PyO
     }
 }
 
+/// A new message of `class`, all zero, not yet known to the cycle collector.
+///
+/// # Safety
+/// `class` must be a class for which `data` is the class data.
+#[inline]
+unsafe fn allocate_zeroed<'py>(
+    py: Python<'py>,
+    class: *mut ffi::PyTypeObject,
+    data: &ClassData,
+) -> PyResult<Bound<'py, PyAny>> {
+    // SAFETY: the class derives from `MessageBase`, whose instances are allocated generically and zeroed.
+    let object =
+        unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, data.layout.length.into())) }?;
+    if data.collected {
+        // SAFETY: a new object with a collector's header: the class and all that derive from it have one.
+        unsafe { ffi::PyObject_GC_UnTrack(object.as_ptr().cast()) };
+    }
+    Ok(object)
+}
+
+/// Gives a finished message to the cycle collector if it may refer to other objects: if it is of a user's class.
+///
+/// # Safety
+/// `object` must come from `allocate_zeroed` with the same class and data.
+#[inline]
+unsafe fn finish<'py>(object: Bound<'py, PyAny>, class: *mut ffi::PyTypeObject, data: &ClassData) -> Bound<'py, PyAny> {
+    if data.collected && class != data.class {
+        // SAFETY: the object has a collector's header and is not tracked.
+        unsafe { ffi::PyObject_GC_Track(object.as_ptr().cast()) };
+    }
+    object
+}
+
 /// A new message of `class` over `payload`, zero-filled if short, cut if longer than known.
 ///
 /// # Safety
@@ -121,17 +154,13 @@ pub unsafe fn allocate<'py>(
     data: &ClassData,
     payload: &[u8],
 ) -> PyResult<Bound<'py, PyAny>> {
-    let length = usize::from(data.layout.length);
-    // SAFETY: the class derives from `MessageBase`, whose instances are allocated generically and zeroed.
-    let object = unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length as isize)) }?;
-    if class == data.uncollected {
-        // SAFETY: a new object, with a collector's header as the class data says, that refers to nothing.
-        unsafe { ffi::PyObject_GC_UnTrack(object.as_ptr().cast()) };
+    let known = payload.len().min(usize::from(data.layout.length));
+    // SAFETY: by the caller's promise; the object was just made and no one else has it.
+    unsafe {
+        let object = allocate_zeroed(py, class, data)?;
+        payload_mut(object.as_ptr())[..known].copy_from_slice(&payload[..known]);
+        Ok(finish(object, class, data))
     }
-    let known = payload.len().min(length);
-    // SAFETY: the object was just made and no one else has it.
-    unsafe { payload_mut(object.as_ptr())[..known].copy_from_slice(&payload[..known]) };
-    Ok(object)
 }
 
 /// The class data and the payload of any object that is a message.
@@ -182,11 +211,13 @@ unsafe fn construct<'py>(
     positional: usize,
     keyword_names: *mut ffi::PyObject,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let mut scratch = [0u8; mavstack_core::layout::MAX_PAYLOAD];
-    let payload = &mut scratch[..usize::from(data.layout.length)];
     if positional > data.fields.len() {
         return Err(too_many(data, positional));
     }
+    // SAFETY: the class's data was looked up by the caller.
+    let object = unsafe { allocate_zeroed(py, class, data) }?;
+    // SAFETY: no Python code can reach the object before it is finished, whatever converting a value runs.
+    let payload = unsafe { payload_mut(object.as_ptr()) };
     for (access, &value) in data.fields.iter().zip(&values[..positional]) {
         // SAFETY: Python holds the arguments through the call.
         let value = unsafe { Bound::from_borrowed_ptr(py, value) };
@@ -205,8 +236,8 @@ unsafe fn construct<'py>(
         data.fields[place].write(payload, &value)?;
         next = place + 1;
     }
-    // SAFETY: the class's data was looked up by the caller.
-    unsafe { allocate(py, class, data, payload) }
+    // SAFETY: the object was allocated above.
+    Ok(unsafe { finish(object, class, data) })
 }
 
 /// The field of that name, tried first at `guess`: keywords usually come in the order of the definition.

@@ -1,0 +1,27 @@
+//! The bulk decoder finds what the push parser finds, and survives data that changes under its index.
+#![no_main]
+
+use fuzz_dialect::{dialect, stream};
+use libfuzzer_sys::fuzz_target;
+use mavstack_core::bulk::{Index, row_size};
+use mavstack_core::parser::Parser;
+use mavstack_core::scan::looks_timestamped;
+
+fuzz_target!(|data: &[u8]| {
+    let [choice, plan @ ..] = data else { return };
+    let dialect = dialect();
+    let composed = if choice & 4 == 4 { stream(plan, &dialect) } else { plan.to_vec() };
+    let stream = composed.as_slice();
+    let timestamped = if choice & 2 == 2 { looks_timestamped(stream, &dialect) } else { choice & 1 == 1 };
+    let index = Index::build(stream, &dialect, timestamped, 2);
+    let mut parser = Parser::new(timestamped);
+    parser.feed(&dialect, stream, |_| {});
+    parser.flush(&dialect, |_| {});
+    assert_eq!(index.statistics(), parser.statistics());
+    let changed = &stream[..stream.len() - stream.len().min(usize::from(*choice))];
+    for (slot, layout) in dialect.layouts().iter().enumerate() {
+        let mut rows = vec![0; index.rows(slot) * row_size(layout)];
+        index.decode(stream, &dialect, slot, &mut rows, 2);
+        index.decode(changed, &dialect, slot, &mut rows, 2);
+    }
+});

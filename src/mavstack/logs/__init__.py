@@ -1,0 +1,8 @@
+"""Files on disk to columns in memory."""
+
+from __future__ import annotations
+
+from mavstack.logs.packet_log import LogFile, open_log
+from mavstack.logs.tables import HEADER_COLUMNS, table_dtype
+
+__all__ = ["HEADER_COLUMNS", "LogFile", "open_log", "table_dtype"]
