@@ -34,9 +34,15 @@ class Dialect:
     def __contains__(self, message_id: int) -> bool: ...
 
 def new_message_class(
-    name: str, bases: tuple[type, ...], namespace: dict[str, Any], layout: MessageLayout
+    name: str,
+    bases: tuple[type, ...],
+    namespace: dict[str, Any],
+    layout: MessageLayout,
+    template: Buffer | None = None,
 ) -> type[MessageBase]:
     """Make a message class whose fields read and write the payload bytes.
+
+    `template` is the payload of a message made without arguments, zero where it ends.
 
     The class must offer `_enum_values(field_name) -> (dict[int, member], fallback or None)` as a class method:
     asked once per enum field, on first read; `fallback(int)` is called for values the dict lacks.

@@ -201,7 +201,12 @@ impl<'a> Scanner<'a> {
     fn search(&mut self, statistics: &mut Statistics) -> Option<Found> {
         loop {
             let rest = self.data.get(self.position..)?;
-            let Some(skipped) = memchr2(MAGIC_V1, MAGIC_V2, rest) else {
+            // In step, a magic is the next byte, and a search not worth its call.
+            let skipped = if let [MAGIC_V1 | MAGIC_V2, ..] = rest {
+                0
+            } else if let Some(skipped) = memchr2(MAGIC_V1, MAGIC_V2, rest) {
+                skipped
+            } else {
                 self.position = self.data.len();
                 return None;
             };

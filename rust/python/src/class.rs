@@ -5,10 +5,11 @@
 //! makes `Attitude(roll=0.1)` one call without a dictionary for the keywords. A class that a user derives
 //! from a message class has an empty slot and goes the ordinary way, through `tp_new`.
 
+use crate::buffers::Bytes;
 use crate::dialect::{LayoutTuple, layout_from_tuple};
 use crate::fields::FieldAccess;
 use crate::message;
-use mavstack_core::layout::Layout;
+use mavstack_core::layout::{FieldType, Layout};
 use pyo3::exceptions::PyTypeError;
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -43,8 +44,70 @@ pub struct ClassData {
     /// Whether instances are allocated with a header for the cycle collector. A message of this very class refers
     /// to nothing, so it is not tracked; one of a class that a user derives may.
     pub collected: bool,
+    /// Payload of a message made without arguments.
+    pub template: Vec<u8>,
+    /// Fields by the address of their interned names, an open-addressed table with room to spare.
+    by_name: Box<[Named]>,
     /// One for each field, in definition order; boxed, because descriptors point into it.
     pub fields: Box<[FieldAccess]>,
+}
+
+/// A place in the table of names: all that reading a plain number needs is in it.
+#[derive(Clone, Copy)]
+pub struct Named {
+    /// Null if the place is free.
+    name: *mut ffi::PyObject,
+    pub field: u16,
+    pub offset: u8,
+    /// The type of a single number that reads as itself, or nothing.
+    pub plain: Option<FieldType>,
+}
+
+impl ClassData {
+    /// The field of that name, if `name` is the interned string: as it is wherever code names an attribute.
+    #[inline]
+    pub fn field(&self, name: *mut ffi::PyObject) -> Option<&Named> {
+        let mask = self.by_name.len() - 1;
+        let mut place = hash(name);
+        loop {
+            let named = &self.by_name[place & mask];
+            if named.name == name {
+                return Some(named);
+            }
+            if named.name.is_null() {
+                return None;
+            }
+            place += 1;
+        }
+    }
+}
+
+/// Spreads addresses, whose low bits are all alike.
+#[inline]
+fn hash(name: *mut ffi::PyObject) -> usize {
+    let address = name as usize;
+    (address >> 4) ^ (address >> 11)
+}
+
+fn name_table(fields: &[FieldAccess]) -> Box<[Named]> {
+    let free = Named { name: ptr::null_mut(), field: 0, offset: 0, plain: None };
+    let mut table = vec![free; (fields.len() * 2 + 1).next_power_of_two()].into_boxed_slice();
+    let mask = table.len() - 1;
+    for (number, access) in fields.iter().enumerate() {
+        let mut place = hash(access.name.as_ptr()) & mask;
+        while !table[place].name.is_null() {
+            place = (place + 1) & mask;
+        }
+        let field = &access.field;
+        let plain = field.array_length == 0 && !field.enumerated && field.kind != FieldType::Char;
+        table[place] = Named {
+            name: access.name.as_ptr(),
+            field: number as u16,
+            offset: field.offset,
+            plain: plain.then_some(field.kind),
+        };
+    }
+    table
 }
 
 struct Meta {
@@ -156,16 +219,21 @@ pub fn class_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&Clas
     None
 }
 
-/// Makes a message class whose fields read and write the payload bytes.
+/// Makes a message class whose fields read and write the payload bytes; `template` is the payload of a message
+/// made without arguments, zero where it ends.
 #[pyfunction]
+#[pyo3(signature = (name, bases, namespace, layout, template = None))]
 pub fn new_message_class<'py>(
     py: Python<'py>,
     name: &str,
     bases: Bound<'py, PyTuple>,
     namespace: Bound<'py, PyDict>,
     layout: LayoutTuple,
+    template: Option<Bytes<'py>>,
 ) -> PyResult<Bound<'py, PyType>> {
     let layout = layout_from_tuple(layout)?;
+    let mut default = template.map_or_else(Vec::new, |template| template.to_vec());
+    default.resize(layout.length.into(), 0);
     let meta = meta(py)?;
     if !namespace.contains("__slots__")? {
         namespace.set_item("__slots__", PyTuple::empty(py))?;
@@ -174,7 +242,7 @@ pub fn new_message_class<'py>(
     if !class.is_subclass(message::base_class(py)?)? {
         return Err(PyTypeError::new_err("a message class must derive from MessageBase"));
     }
-    let fields =
+    let fields: Box<[FieldAccess]> =
         layout.fields.iter().map(|field| FieldAccess::new(py, field, name, &class)).collect::<PyResult<_>>()?;
     // SAFETY: the class is a live class.
     let collected = unsafe { ffi::PyType_GetFlags(class.as_type_ptr()) } & ffi::Py_TPFLAGS_HAVE_GC != 0;
@@ -183,6 +251,8 @@ pub fn new_message_class<'py>(
         class_name: name.into(),
         class: class.as_type_ptr(),
         collected,
+        template: default,
+        by_name: name_table(&fields),
         fields,
     }));
     // SAFETY: the class was just made by the metaclass, so it has the slot; it owns the data from here on.
@@ -192,6 +262,20 @@ pub fn new_message_class<'py>(
         field.install(&class)?;
     }
     Ok(class)
+}
+
+/// The data of a class, if it is a message class itself and not derived from one by a user.
+///
+/// # Safety
+/// `class` must be a live class, held by the caller for as long as the result is used.
+#[inline]
+pub unsafe fn direct_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&ClassData> {
+    let meta = META.get(py)?;
+    // SAFETY: objects of the metaclass have the slot, whose data is null or lives as long as the class.
+    unsafe {
+        let is_ours = ptr::eq(ffi::Py_TYPE(class.cast()), meta.class.as_ptr().cast());
+        if is_ours { (*slot_of(class.cast(), meta)).data.as_ref() } else { None }
+    }
 }
 
 /// The data of the class that a vectorcall came in for.

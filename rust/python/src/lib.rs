@@ -1,7 +1,7 @@
 //! `mavstack._core`: the thin layer between `mavstack-core` and Python.
 //!
-//! Everything is safe PyO3 but for [`message`], whose objects are laid out by hand: a message is one
-//! allocation, its object header followed by its payload, and its fields are plain descriptors over it.
+//! Everything is safe PyO3 but for [`packet`] and [`message`] (with [`class`] and [`fields`]), whose objects are
+//! laid out by hand: each is one allocation, an object header followed by its bytes.
 
 mod buffers;
 mod class;
@@ -31,7 +31,7 @@ fn crc16(data: Bytes<'_>, crc: u16) -> u16 {
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add_class::<dialect::Dialect>()?;
-    module.add_class::<packet::Packet>()?;
+    module.add("Packet", packet::packet_class(py)?)?;
     module.add_class::<parser::Parser>()?;
     module.add_class::<encode::Encoder>()?;
     module.add_class::<signing::Signing>()?;

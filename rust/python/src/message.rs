@@ -6,6 +6,7 @@
 use crate::buffers::Bytes;
 use crate::class::{self, ClassData, slot};
 use crate::errors::FieldNameError;
+use crate::values;
 use mavstack_core::encode::trimmed;
 use mavstack_core::layout::{FieldType, Layout};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -38,6 +39,7 @@ fn make_base_class(py: Python<'_>) -> PyResult<Py<PyType>> {
     ]));
     let mut slots = [
         slot(ffi::Py_tp_new, new as *mut c_void),
+        slot(ffi::Py_tp_getattro, get_attribute as *mut c_void),
         slot(ffi::Py_tp_richcompare, compare as *mut c_void),
         slot(ffi::Py_tp_hash, ffi::PyObject_HashNotImplemented as *mut c_void),
         slot(ffi::Py_tp_methods, methods.as_mut_ptr().cast()),
@@ -56,7 +58,7 @@ fn make_base_class(py: Python<'_>) -> PyResult<Py<PyType>> {
     Ok(class.cast_into::<PyType>()?.unbind())
 }
 
-fn method(
+pub fn method(
     name: &'static std::ffi::CStr,
     function: ffi::PyCFunction,
     flags: c_int,
@@ -218,6 +220,7 @@ unsafe fn construct<'py>(
     let object = unsafe { allocate_zeroed(py, class, data) }?;
     // SAFETY: no Python code can reach the object before it is finished, whatever converting a value runs.
     let payload = unsafe { payload_mut(object.as_ptr()) };
+    payload.copy_from_slice(&data.template);
     for (access, &value) in data.fields.iter().zip(&values[..positional]) {
         // SAFETY: Python holds the arguments through the call.
         let value = unsafe { Bound::from_borrowed_ptr(py, value) };
@@ -300,6 +303,38 @@ unsafe fn new_from_collections<'py>(
     let pointers: Vec<_> = values.iter().map(Bound::as_ptr).collect();
     // SAFETY: `values` and `names` are held here, and there is one name for each value behind the positional ones.
     unsafe { construct(py, class, data, &pointers, args.len(), names.as_ptr()) }
+}
+
+#[inline]
+fn read_field<'py>(
+    py: Python<'py>,
+    data: &ClassData,
+    named: &class::Named,
+    payload: &[u8],
+) -> PyResult<Bound<'py, PyAny>> {
+    let Some(kind) = named.plain else {
+        return data.fields[usize::from(named.field)].read(py, payload);
+    };
+    let start = usize::from(named.offset);
+    match payload.get(start..start + kind.size()) {
+        Some(bytes) => values::read_number(py, kind, bytes),
+        None => Err(foreign_object()),
+    }
+}
+
+/// Attributes: the fields of the object's own class at once, all else the ordinary way.
+unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::PyObject) -> *mut ffi::PyObject {
+    // SAFETY: Python calls the slot with a message, which holds its class and with it the class's data.
+    unsafe {
+        let py = Python::assume_attached();
+        let Some(data) = class::direct_data(py, ffi::Py_TYPE(object)) else {
+            return ffi::PyObject_GenericGetAttr(object, name);
+        };
+        match data.field(name) {
+            Some(named) => give(py, read_field(py, data, named, payload(object))),
+            None => ffi::PyObject_GenericGetAttr(object, name),
+        }
+    }
 }
 
 unsafe extern "C" fn compare(

@@ -2,7 +2,7 @@
 
 use crate::buffers::Bytes;
 use crate::dialect::{AnyDialect, Dialect};
-use crate::packet::Packet;
+use crate::packet;
 use crate::signing::{self, Signing};
 use crate::statistics::{Statistics, sources_to_dict};
 use mavstack_core::parser as core;
@@ -68,7 +68,7 @@ struct Sink<'py, 'a> {
     dialect: &'a Py<Dialect>,
     signing: Option<PyRefMut<'py, Signing>>,
     now: Option<u64>,
-    packets: Vec<Py<Packet>>,
+    packets: Vec<Bound<'py, PyAny>>,
     error: Option<PyErr>,
 }
 
@@ -85,7 +85,7 @@ impl<'py, 'a> Sink<'py, 'a> {
         {
             return;
         }
-        match Packet::create(self.py, packet, self.dialect) {
+        match packet::create(self.py, packet, self.dialect) {
             Ok(packet) => self.packets.push(packet),
             Err(error) => self.error = Some(error),
         }

@@ -30,12 +30,17 @@ _HEAD = 1 << 18
 class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
     """A log as a mapping from message name to table (a numpy structured array, one row a packet).
 
-    Columns: `_time` (datetime64 in µs UTC, NaT where not recorded), `_system`, `_component`, `_sequence`,
-    `_version`, and the message's fields, raw as on the wire: scale them by `dialect[name].definition`.
+    Columns: `_time` (datetime64 in µs UTC, NaT where not recorded), `_system`, `_component`,
+    `_sequence`, `_version`, and the message's fields, raw as on the wire.
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], dialect: Dialect, *, timestamped: bool | None = None, threads: int = 0
+        self,
+        path: str | os.PathLike[str],
+        dialect: Dialect,
+        *,
+        timestamped: bool | None = None,
+        threads: int = 0,
     ) -> None:
         self.path = Path(path)
         self.dialect = dialect
@@ -95,7 +100,7 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         return 0.0 if span is None else (span[1] - span[0]) / 1e6
 
     def forget(self, name: str | None = None) -> None:
-        """Drop the decoded table of `name`, or all of them, from memory; they are decoded anew when asked for."""
+        """Drop the decoded table of `name`, or all tables; they are decoded anew when asked for."""
         if name is None:
             self._tables.clear()
         else:

@@ -1,18 +1,18 @@
 """The numpy type of a message's table: the row that the core writes, under the definition's names.
 
-A row is a header (time, system, component, sequence, protocol version) and the payload as it lies on the wire,
-extensions included, so that a packet becomes a row by copying. The header's names begin with an underscore,
-which no field of a definition does.
+A row is a header (time, system, component, sequence, protocol version) and the payload as it lies on the
+wire, extensions included, so that a packet becomes a row by copying. The header's names begin with an
+underscore, which no field of a definition does.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from mavstack.dialects import FieldDefinition, MessageDefinition
+    from mavstack.dialects.model import FieldDefinition, MessageDefinition
 
 HEADER_COLUMNS: tuple[tuple[str, str, int], ...] = (
     ("_time", "<M8[us]", 0),
@@ -38,7 +38,7 @@ _FORMATS = {
 }
 
 
-def _format(field: FieldDefinition) -> Any:
+def _format(field: FieldDefinition) -> str | tuple[str, tuple[int]]:
     if field.type == "char":
         return f"S{field.array_length or 1}"
     scalar = _FORMATS[field.type]

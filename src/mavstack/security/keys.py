@@ -1,7 +1,7 @@
 """Signing keys: 32 secret bytes that never show in a text.
 
-A key from a passphrase is its SHA-256, as ground stations make it. A key file holds the key in hexadecimal and
-is readable by its owner only.
+A key from a passphrase is its SHA-256, as ground stations make it. A key file holds the key in hexadecimal
+and is readable by its owner only.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import hmac
 import os
 import secrets
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from mavstack.errors import SigningError
 from mavstack.wire import Signing
@@ -76,7 +76,7 @@ class SigningKey:
         """The key itself, for SETUP_SIGNING."""
         return self._secret
 
-    def signing(self, link_id: int = 0, **policy: Any) -> Signing:
+    def signing(self, link_id: int = 0, **policy: Any) -> Signing:  # noqa: ANN401 (Signing's own keywords)
         """Make the signing state of one link; `policy` as for `mavstack.Signing`."""
         return Signing(self._secret, link_id, **policy)
 
@@ -90,5 +90,5 @@ class SigningKey:
     def __repr__(self) -> str:
         return "SigningKey(…)"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> NoReturn:
         raise SigningError("signing keys are not pickled; save them to a key file")

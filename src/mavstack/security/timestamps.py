@@ -29,7 +29,7 @@ class TimestampStore:
         self.path = Path(path)
 
     def load(self) -> int:
-        """The stored timestamp, 0 if none was ever stored; raises SigningError if the file is damaged."""
+        """The stored timestamp, 0 if there is none yet; raises SigningError if the file is damaged."""
         try:
             text = self.path.read_text("ascii").strip()
         except FileNotFoundError:
@@ -37,7 +37,9 @@ class TimestampStore:
         except (OSError, UnicodeDecodeError) as error:
             raise SigningError(f"{self.path}: cannot be read ({type(error).__name__})") from None
         if not text.isdecimal() or int(text) > MAX_TIMESTAMP:
-            raise SigningError(f"{self.path}: is not a signing timestamp; remove it if its links use new keys")
+            raise SigningError(
+                f"{self.path}: is not a signing timestamp; remove it if its links use new keys"
+            )
         return int(text)
 
     def store(self, timestamp: int) -> None:

@@ -1,0 +1,118 @@
+"""What is wrong or doubtful in a definition file, as a list with lines.
+
+An error is what keeps the file from loading; there is at most one, the first that is met. Warnings are what
+loads but is likely not meant, or what other readers of these files stumble over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from mavstack.dialects.includes import collect, in_order, merge_enums
+from mavstack.dialects.names import class_name
+from mavstack.dialects.xml_reader import Element, read_bytes, read_tree
+from mavstack.errors import DialectError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.dialects.model import DialectDefinition, EnumDefinition, MessageDefinition
+
+_MARKS = frozenset({"wip", "deprecated", "superseded", "description"})
+_CHILDREN = {
+    "mavlink": frozenset({"include", "version", "dialect", "enums", "messages"}),
+    "enums": frozenset({"enum"}),
+    "enum": _MARKS | {"entry"},
+    "entry": _MARKS | {"param"},
+    "messages": frozenset({"message"}),
+    "message": _MARKS | {"field", "extensions"},
+    "field": frozenset({"description"}),
+    "wip": frozenset({"description"}),
+    "deprecated": frozenset({"description"}),
+    "superseded": frozenset({"description"}),
+}
+_PLAN_MARKS = {"mission", "fence", "rally", "command", "missionOnly"}
+_LIMITS = {"units", "multiplier", "instance", "enum", "increment", "minValue", "maxValue", "default"}
+_ATTRIBUTES = {
+    "enum": frozenset({"name", "bitmask"}),
+    "entry": frozenset({"name", "value", "hasLocation", "hasAltitudeOnly", "isDestination"} | _PLAN_MARKS),
+    "param": frozenset({"index", "label", "decimalPlaces", "reserved"} | _LIMITS),
+    "message": frozenset({"id", "name"}),
+    "field": frozenset({"type", "name", "print_format", "display", "invalid"} | _LIMITS),
+    "wip": frozenset({"since"}),
+    "deprecated": frozenset({"since", "replaced_by", "remove_on_date"}),
+    "superseded": frozenset({"since", "replaced_by"}),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong or doubtful in a file."""
+
+    severity: Literal["error", "warning"]
+    text: str
+    path: str
+    line: int | None = None
+
+    def __str__(self) -> str:
+        where = self.path if self.line is None else f"{self.path}:{self.line}"
+        return f"{where}: {self.severity}: {self.text}"
+
+
+def check_file(path: str) -> list[Problem]:
+    """All that is found in the file at `path`; its includes are read, but only their errors are told."""
+    try:
+        source = collect(path)
+        tree = read_tree(read_bytes(path), path)
+    except DialectError as error:
+        return [Problem("error", error.problem, error.path or path, error.line)]
+    enums = merge_enums([item.definition for item in in_order(source)])
+    found = [*_unknown(tree), *_messages(source.definition), *_enums(source.definition, enums)]
+    return [Problem("warning", text, path, line or None) for line, text in sorted(found)]
+
+
+def _unknown(element: Element) -> Iterator[tuple[int, str]]:
+    """Elements and attributes that the schema does not have."""
+    known = _ATTRIBUTES.get(element.tag, frozenset())
+    for name in element.attributes:
+        if name not in known and ":" not in name:
+            yield element.line, f"<{element.tag}> has an unknown attribute {name!r}"
+    for child in element.children:
+        if child.tag in _CHILDREN.get(element.tag, frozenset()):
+            yield from _unknown(child)
+        else:
+            yield child.line, f"unknown element <{child.tag}> in <{element.tag}>"
+
+
+def _messages(definition: DialectDefinition) -> Iterator[tuple[int, str]]:
+    classes: dict[str, str] = {}
+    for message in definition.messages:
+        other = classes.setdefault(class_name(message.name), message.name)
+        if other != message.name:
+            yield message.line, f"{message.name} and {other} make the same class name"
+        if not message.description:
+            yield message.line, f"message {message.name} has no description"
+        yield from _fields(message)
+
+
+def _fields(message: MessageDefinition) -> Iterator[tuple[int, str]]:
+    for item in message.fields:
+        if item.enum and not item.is_integer:
+            yield item.line, f"{message.name}.{item.name} is a {item.type} and cannot hold enum {item.enum}"
+        if item.minimum is not None and item.maximum is not None and item.minimum > item.maximum:
+            yield item.line, f"{message.name}.{item.name} has a minimum above its maximum"
+
+
+def _enums(definition: DialectDefinition, known: dict[str, EnumDefinition]) -> Iterator[tuple[int, str]]:
+    for enum in definition.enums:
+        if not enum.entries:
+            yield enum.line, f"enum {enum.name} has no entries"
+        for entry in enum.entries:
+            if entry.automatic:
+                yield entry.line, f"{entry.name} has no value; {entry.value} was assumed"
+            if enum.bitmask and entry.value.bit_count() > 1:
+                yield entry.line, f"{entry.name} is in a bitmask, but {entry.value} is not a single bit"
+            for param in entry.params:
+                if param.enum and param.enum not in known:
+                    yield entry.line, f"{entry.name} refers to enum {param.enum}, which is not defined"

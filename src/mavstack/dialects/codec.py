@@ -1,0 +1,151 @@
+"""Definitions to table lines and back, without loss.
+
+A message's row is `[id, name, CRC_EXTRA, base length, length, fields]` with `[name, type, array length,
+offset, enum]` a field, in the order of the definition; its facts are `[message facts, {field: facts}]`. Facts
+are objects that hold only what differs from the default, so a line stays short and a change shows as one
+changed line. Whether a field is an extension follows from its offset.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import MISSING, fields
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from mavstack.dialects.model import (
+    DialectDefinition,
+    EnumDefinition,
+    EnumEntry,
+    EnumParam,
+    FieldDefinition,
+    MessageDefinition,
+    Replacement,
+)
+from mavstack.dialects.tables import MessageRow, Table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_IN_MESSAGE_ROW = frozenset({"id", "name", "fields", "crc_extra", "base_length", "length", "origin", "line"})
+_IN_FIELD_ROW = frozenset({"name", "type", "array_length", "offset", "enum", "extension", "line"})
+_IN_ENUM_ROW = frozenset({"name", "entries", "line"})
+_IN_ENTRY_ROW = frozenset({"name", "value", "line"})
+
+_Value = TypeVar(
+    "_Value", MessageDefinition, FieldDefinition, EnumDefinition, EnumEntry, EnumParam, Replacement
+)
+
+
+def _facts(value: object, leave_out: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """The attributes of a definition that differ from their default."""
+    found: dict[str, Any] = {}
+    for item in fields(value):  # type: ignore[arg-type]
+        content = getattr(value, item.name)
+        if item.name in leave_out or (item.default is not MISSING and content == item.default):
+            continue
+        if isinstance(content, Replacement):
+            content = _facts(content)
+        elif isinstance(content, tuple):
+            content = [_facts(param) for param in content]
+        found[item.name] = content
+    return found
+
+
+def _revive(kind: type[_Value], facts: dict[str, Any], given: dict[str, Any]) -> _Value:
+    """The definition that `_facts` was made of."""
+    for mark in ("deprecated", "superseded"):
+        if mark in facts:
+            given[mark] = Replacement(**facts[mark])
+    if "params" in facts:
+        given["params"] = tuple(EnumParam(**param) for param in facts["params"])
+    return kind(**{**facts, **given})
+
+
+def _line(*values: object) -> str:
+    return "\t".join(json.dumps(value, ensure_ascii=False, separators=(",", ":")) for value in values)
+
+
+def message_row(message: MessageDefinition) -> MessageRow:
+    """The part of a message that every program needs at once."""
+    rows = [[item.name, item.type, item.array_length, item.offset, item.enum] for item in message.fields]
+    return [message.id, message.name, message.crc_extra, message.base_length, message.length, rows]
+
+
+def table_lines(definition: DialectDefinition) -> Iterator[str]:
+    """The lines of the table of one definition file."""
+    header = {
+        "name": definition.name,
+        "version": definition.version,
+        "number": definition.number,
+        "includes": definition.includes,
+        "messages": len(definition.messages),
+    }
+    yield _line(header)
+    for message in definition.messages:
+        field_facts = {item.name: _facts(item, _IN_FIELD_ROW) for item in message.fields}
+        kept = {name: facts for name, facts in field_facts.items() if facts}
+        yield _line(message_row(message), [_facts(message, _IN_MESSAGE_ROW), kept])
+    for enum in definition.enums:
+        entries = [[entry.value, entry.name, _facts(entry, _IN_ENTRY_ROW)] for entry in enum.entries]
+        yield f"{enum.name}\t{_line([_facts(enum, _IN_ENUM_ROW), entries])}"
+
+
+def encode_table(definition: DialectDefinition) -> Table:
+    """The table of one definition file, kept in memory."""
+    return Table(table_lines(definition), definition.path)
+
+
+def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
+    """A message of a table."""
+    number, name, crc_extra, base_length, length, field_rows = row
+    facts, field_facts = table.message_facts(name)
+    found = tuple(
+        _revive(
+            FieldDefinition,
+            field_facts.get(field_name, {}),
+            {
+                "name": field_name,
+                "type": kind,
+                "array_length": array_length,
+                "offset": offset,
+                "enum": enum,
+                "extension": offset >= base_length,
+            },
+        )
+        for field_name, kind, array_length, offset, enum in field_rows
+    )
+    return _revive(
+        MessageDefinition,
+        facts,
+        {
+            "id": number,
+            "name": name,
+            "fields": found,
+            "crc_extra": crc_extra,
+            "base_length": base_length,
+            "length": length,
+            "origin": table.name,
+        },
+    )
+
+
+def decode_enum(name: str, table: Table) -> EnumDefinition:
+    """An enum of a table, with the entries of this file only."""
+    facts, entry_rows = table.enum_row(name)
+    entries = tuple(
+        _revive(EnumEntry, more, {"value": value, "name": entry}) for value, entry, more in entry_rows
+    )
+    return _revive(EnumDefinition, facts, {"name": name, "entries": entries})
+
+
+def decode_table(table: Table) -> DialectDefinition:
+    """The definition that a table was made of."""
+    return DialectDefinition(
+        name=table.name,
+        version=table.header["version"],
+        number=table.header["number"],
+        includes=table.includes,
+        messages=tuple(decode_message(row, table) for row in table.rows),
+        enums=tuple(decode_enum(name, table) for name in table.enum_names),
+        path=table.path,
+    )

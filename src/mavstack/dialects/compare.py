@@ -1,0 +1,163 @@
+"""The differences between two dialects, and which of them peers would notice on the wire.
+
+A message whose CRC_EXTRA, id or base length differs cannot be read by a peer with the other definition;
+an added extension field, or a new entry of an enum, can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar
+
+from mavstack.dialects.model import (
+    EnumParam,
+    Replacement,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from mavstack.dialects.model import (
+        DialectDefinition,
+        EnumDefinition,
+        EnumEntry,
+        FieldDefinition,
+        MessageDefinition,
+    )
+
+Kind: TypeAlias = Literal["added", "removed", "changed"]
+_Value = TypeVar("_Value")
+
+_NOT_COMPARED = frozenset(
+    {"fields", "entries", "crc_extra", "base_length", "length", "origin", "offset", "line"}
+)
+_PROSE = frozenset({"description"})
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One difference: `what` as in `message ATTITUDE`, with old and new in words."""
+
+    kind: Kind
+    what: str
+    detail: str = ""
+    breaks_wire: bool = False
+
+    def __str__(self) -> str:
+        detail = f": {self.detail}" if self.detail else ""
+        return f"{self.kind} {self.what}{detail}{' (breaks the wire)' if self.breaks_wire else ''}"
+
+
+def compare(old: DialectDefinition, new: DialectDefinition, *, prose: bool = False) -> list[Change]:
+    """What `new` adds, removes and changes; descriptions only if `prose` is asked for."""
+    ignored = _NOT_COMPARED if prose else _NOT_COMPARED | _PROSE
+    return [*_messages(old, new, ignored), *_enums(old, new, ignored)]
+
+
+def _pairs(
+    what: str, old: Mapping[str, _Value], new: Mapping[str, _Value]
+) -> Iterator[Change | tuple[_Value, _Value]]:
+    """Changes for what only one side has, pairs for what both have, in the order of names."""
+    for name in sorted(old.keys() | new.keys()):
+        if name not in new:
+            yield Change("removed", f"{what}{name}")
+        elif name not in old:
+            yield Change("added", f"{what}{name}")
+        else:
+            yield old[name], new[name]
+
+
+def _facts(what: str, old: object, new: object, ignored: frozenset[str]) -> Iterator[Change]:
+    """Changes of the attributes of one thing."""
+    for item in fields(old):  # type: ignore[arg-type]
+        before, after = getattr(old, item.name), getattr(new, item.name)
+        if "description" in ignored:
+            before, after = _without_prose(before), _without_prose(after)
+        if item.name not in ignored and before != after:
+            yield Change("changed", what, f"{item.name} {_words(before)} -> {_words(after)}")
+
+
+def _without_prose(value: object) -> object:
+    """A mark or a command's parameters without their descriptions; anything else as it is."""
+    if isinstance(value, Replacement | EnumParam):
+        return replace(value, description="")
+    return tuple(map(_without_prose, value)) if isinstance(value, tuple) else value
+
+
+def _words(value: object) -> str:
+    """A value as a reader of differences wants it."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_words, value))})"
+    if isinstance(value, Replacement | EnumParam):
+        kept = (getattr(value, item.name) for item in fields(value))
+        return " ".join(str(part) for part in kept if part not in ("", None, False))
+    return "nothing" if value in ("", None) else str(value)
+
+
+def _messages(old: DialectDefinition, new: DialectDefinition, ignored: frozenset[str]) -> Iterator[Change]:
+    for pair in _pairs("message ", old.messages_by_name, new.messages_by_name):
+        if isinstance(pair, Change):
+            yield pair
+        else:
+            yield from _message(*pair, ignored)
+
+
+def _message(old: MessageDefinition, new: MessageDefinition, ignored: frozenset[str]) -> Iterator[Change]:
+    what = f"message {old.name}"
+    if old.id != new.id:
+        yield Change("changed", what, f"id {old.id} -> {new.id}", breaks_wire=True)
+    if (old.crc_extra, old.base_length) != (new.crc_extra, new.base_length):
+        detail = f"CRC_EXTRA {old.crc_extra} -> {new.crc_extra}"
+        yield Change("changed", what, detail, breaks_wire=True)
+    yield from _facts(what, old, new, ignored | {"id"})
+    for pair in _pairs(f"field {old.name}.", old.by_name, new.by_name):
+        if isinstance(pair, Change):
+            yield pair
+        else:
+            yield from _field(old.name, *pair, ignored)
+            yield from _place(old, new, *pair)
+
+
+def _field(
+    message: str, old: FieldDefinition, new: FieldDefinition, ignored: frozenset[str]
+) -> Iterator[Change]:
+    what = f"field {message}.{old.name}"
+    for change in _facts(what, old, new, ignored):
+        moved = change.detail.startswith(("type ", "array_length ", "extension "))
+        yield Change("changed", what, change.detail, breaks_wire=moved)
+
+
+def _place(
+    old: MessageDefinition, new: MessageDefinition, before: FieldDefinition, after: FieldDefinition
+) -> Iterator[Change]:
+    """Whether an extension lies elsewhere among the extensions; CRC_EXTRA does not tell."""
+    was, now = before.offset - old.base_length, after.offset - new.base_length
+    if before.extension and after.extension and was != now:
+        yield Change(
+            "changed",
+            f"field {old.name}.{before.name}",
+            f"place {was} -> {now} in the extensions",
+            breaks_wire=True,
+        )
+
+
+def _enums(old: DialectDefinition, new: DialectDefinition, ignored: frozenset[str]) -> Iterator[Change]:
+    for pair in _pairs("enum ", old.enums_by_name, new.enums_by_name):
+        if isinstance(pair, Change):
+            yield pair
+        else:
+            yield from _enum(*pair, ignored)
+
+
+def _enum(old: EnumDefinition, new: EnumDefinition, ignored: frozenset[str]) -> Iterator[Change]:
+    yield from _facts(f"enum {old.name}", old, new, ignored)
+    for pair in _pairs(f"entry {old.name}.", _by_name(old), _by_name(new)):
+        if isinstance(pair, Change):
+            yield pair
+        else:
+            before, after = pair
+            yield from _facts(f"entry {old.name}.{before.name}", before, after, ignored)
+
+
+def _by_name(enum: EnumDefinition) -> dict[str, EnumEntry]:
+    return {entry.name: entry for entry in enum.entries}

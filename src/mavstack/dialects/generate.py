@@ -1,0 +1,71 @@
+"""Writes what is made from our definitions: tables, dialect modules and stubs.
+
+Run `python -m mavstack.dialects.generate` after changing a definition, and with `--check` to learn whether
+anything is out of date.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mavstack.dialects.codec import table_lines
+from mavstack.dialects.dialect import Dialect
+from mavstack.dialects.importer import read_file
+from mavstack.dialects.stubs import module_text, stub_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_HERE = Path(__file__).parent
+
+
+def tables(folder: Path = _HERE) -> Iterator[tuple[Path, str]]:
+    """The tables that the definitions in `folder` give."""
+    for path in sorted((folder / "definitions").glob("*.xml")):
+        definition = read_file(str(path))
+        yield folder / "tables" / f"{definition.name}.jsonl", "\n".join(table_lines(definition)) + "\n"
+
+
+def modules(folder: Path = _HERE) -> Iterator[tuple[Path, str]]:
+    """The modules and stubs that the installed tables give."""
+    for path in sorted((folder / "definitions").glob("*.xml")):
+        dialect = Dialect.load(path.stem)
+        module = folder / f"{path.stem.lower()}.py"
+        yield module, module_text(dialect.name)
+        yield module.with_suffix(".pyi"), stub_text(dialect)
+
+
+def out_of_date() -> list[Path]:
+    """The generated files that differ from what would be generated now."""
+    wanted = [*tables(), *modules()]
+    stale = [path for path, text in wanted if not path.exists() or path.read_text(encoding="utf-8") != text]
+    known = {path for path, _ in wanted}
+    return stale + [path for path in (_HERE / "tables").glob("*.jsonl") if path not in known]
+
+
+def generate() -> None:
+    """Write all generated files; tables first, because modules and stubs are made from them."""
+    for making in (tables, modules):
+        for path, text in making():
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def main(arguments: list[str]) -> int:
+    """The command: 0 if all is well, 1 if `--check` found something out of date, 2 for wrong usage."""
+    if arguments not in ([], ["--check"]):
+        sys.stderr.write("usage: python -m mavstack.dialects.generate [--check]\n")
+        return 2
+    if not arguments:
+        generate()
+        return 0
+    stale = out_of_date()
+    for path in stale:
+        sys.stderr.write(f"out of date: {path}\n")
+    return 1 if stale else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

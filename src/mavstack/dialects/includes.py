@@ -1,0 +1,203 @@
+"""A definition file with all that it includes, found, ordered and checked against each other.
+
+An include is looked for beside the file that names it, and if there is none, among the official
+definitions, so that a small file of one's own needs no copies. Files come out with the included ones
+first, each once, however many ways lead to it; a circle is an error. Enums of the same name grow from file
+to file; a message id, a message name, an entry's name or an entry's value may mean only one thing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mavstack.dialects.codec import decode_table
+from mavstack.dialects.tables import load_table, official_names
+from mavstack.dialects.xml_definitions import parse_definition, with_values
+from mavstack.dialects.xml_reader import read_bytes
+from mavstack.errors import DialectError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from mavstack.dialects.model import DialectDefinition, EnumDefinition, EnumEntry, MessageDefinition
+
+MAX_FILES = 100
+MAX_INCLUDE_DEPTH = 20
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Source:
+    """One file of the set and the sources it includes directly; `official` when it is one of ours."""
+
+    definition: DialectDefinition
+    includes: tuple[Source, ...]
+    official: bool
+
+
+@lru_cache(maxsize=64)
+def official_definition(name: str) -> DialectDefinition:
+    """What the official file of that name says itself."""
+    return decode_table(load_table(name))
+
+
+class _Collector:
+    """Follows includes depth first; `chain` holds the files on the way to the one at hand."""
+
+    def __init__(self) -> None:
+        self.done: dict[str, Source] = {}
+        self.chain: list[str] = []
+
+    def file(self, path: str) -> Source:
+        key = str(Path(path).resolve())
+        if key not in self.done:
+            definition = parse_definition(read_bytes(path), path, file_stem(path))
+            self.chain.append(key)
+            lines = definition.include_lines
+            sources = tuple(map(self.include, [definition] * len(lines), definition.includes, lines))
+            self.chain.pop()
+            self.done[key] = Source(definition, sources, official=False)
+        return self.done[key]
+
+    def include(self, definition: DialectDefinition, name: str, line: int) -> Source:
+        path = str(Path(definition.path).parent / name)
+        if not Path(path).is_file():
+            if file_stem(name) in official_names():
+                return self.official(file_stem(name))
+            raise DialectError(f"includes {name}, which is not there", definition.path, line)
+        key = str(Path(path).resolve())
+        if key in self.chain:
+            names = [Path(item).name for item in (*self.chain[self.chain.index(key) :], key)]
+            raise DialectError(f"includes go in a circle: {' -> '.join(names)}", definition.path, line)
+        if len(self.chain) >= MAX_INCLUDE_DEPTH:
+            raise DialectError(f"includes are nested deeper than {MAX_INCLUDE_DEPTH}", definition.path, line)
+        if len(self.done) + len(self.chain) >= MAX_FILES:
+            raise DialectError(f"more than {MAX_FILES} files are included", definition.path, line)
+        return self.file(path)
+
+    def official(self, name: str) -> Source:
+        if name not in self.done:
+            definition = official_definition(name)
+            sources = tuple(self.official(file_stem(item)) for item in definition.includes)
+            self.done[name] = Source(definition, sources, official=True)
+        return self.done[name]
+
+
+def file_stem(path: str) -> str:
+    """`common` for `some/where/common.xml`."""
+    name = Path(path).name
+    return name[:-4] if name.lower().endswith(".xml") else name
+
+
+def collect(path: str) -> Source:
+    """The file at `path` and all that it includes, checked; raises one `DialectError`."""
+    source = _Collector().file(path)
+    check_set([item.definition for item in in_order(source)])
+    return source
+
+
+def collect_official(name: str) -> Source:
+    """An official definition and all that it includes."""
+    return _Collector().official(name)
+
+
+def in_order(source: Source) -> list[Source]:
+    """All sources of a set, the included ones first, each once."""
+    found: dict[int, Source] = {}
+
+    def visit(item: Source) -> None:
+        for child in item.includes:
+            if id(child) not in found:
+                visit(child)
+        found.setdefault(id(item), item)
+
+    visit(source)
+    return list(found.values())
+
+
+def check_set(definitions: Iterable[DialectDefinition]) -> None:
+    """Raise for what one file says against another, or for an enum that none of them has."""
+    definitions = tuple(definitions)
+    _check_messages(definitions)
+    enums = merge_enums(definitions)
+    for definition in definitions:
+        for message in definition.messages:
+            for item in message.fields:
+                if item.enum and item.enum not in enums:
+                    problem = f"{message.name}.{item.name} refers to enum {item.enum}, which is not defined"
+                    raise DialectError(problem, definition.path or definition.name, item.line or None)
+
+
+def _check_messages(definitions: Iterable[DialectDefinition]) -> None:
+    ids: dict[int, tuple[MessageDefinition, DialectDefinition]] = {}
+    names: dict[str, tuple[MessageDefinition, DialectDefinition]] = {}
+    for definition in definitions:
+        for message in definition.messages:
+            where = definition.path or definition.name, message.line or None
+            other, file = ids.setdefault(message.id, (message, definition))
+            if file is not definition:
+                raise DialectError(
+                    f"message id {message.id} was already given to {other.name} of {file.name}", *where
+                )
+            _, file = names.setdefault(message.name, (message, definition))
+            if file is not definition:
+                raise DialectError(f"message {message.name} was already defined in {file.name}", *where)
+
+
+def merge_enums(definitions: Iterable[DialectDefinition]) -> dict[str, EnumDefinition]:
+    """The enums of several files by name, entries in the order of the files."""
+    merged: dict[str, EnumDefinition] = {}
+    for definition in definitions:
+        for enum in definition.enums:
+            known = merged.get(enum.name)
+            merged[enum.name] = (
+                enum if known is None else merge_enum(known, enum, definition.path or definition.name)
+            )
+    return merged
+
+
+def merge_enum(known: EnumDefinition, more: EnumDefinition, path: str) -> EnumDefinition:
+    """`known` with the entries that another file adds to it."""
+    highest = max((entry.value for entry in known.entries), default=0)
+    added = tuple(_new_entries(known, with_values(more, highest), path))
+    return replace(known, entries=known.entries + added, bitmask=known.bitmask or more.bitmask)
+
+
+def _new_entries(known: EnumDefinition, more: EnumDefinition, path: str) -> Iterator[EnumEntry]:
+    by_name = {entry.name: entry for entry in known.entries}
+    by_value = {entry.value: entry for entry in known.entries}
+    for entry in more.entries:
+        same = by_name.get(entry.name)
+        if same is not None and same.value == entry.value:
+            continue
+        if same is not None:
+            problem = (
+                f"{entry.name} of enum {more.name} is {same.value} in a file before and {entry.value} here"
+            )
+            raise DialectError(problem, path, entry.line or None)
+        if entry.value in by_value:
+            other = by_value[entry.value].name
+            raise DialectError(
+                f"enum {more.name} gives {entry.value} to {other} and {entry.name}", path, entry.line or None
+            )
+        yield entry
+
+
+def with_settled_values(definition: DialectDefinition, highest: Mapping[str, int]) -> DialectDefinition:
+    """The definition with its unnumbered entries moved past the highest values of the included files."""
+    enums = tuple(with_values(enum, highest.get(enum.name, 0)) for enum in definition.enums)
+    return replace(definition, enums=enums)
+
+
+def merge_definitions(definitions: Sequence[DialectDefinition]) -> DialectDefinition:
+    """The last of some definitions, with all messages and enums of those before it."""
+    messages = [message for definition in definitions for message in definition.messages]
+    enums = tuple(merge_enums(definitions).values())
+    return replace(definitions[-1], messages=tuple(sorted(messages, key=lambda item: item.id)), enums=enums)
+
+
+def merged_definition(source: Source) -> DialectDefinition:
+    """One definition with all messages and enums of a set."""
+    return merge_definitions([item.definition for item in in_order(source)])

@@ -1,0 +1,58 @@
+"""Where the fields of a message lie on the wire, and the CRC_EXTRA that tells two definitions apart.
+
+Base fields lie sorted by the size of their element, largest first, equal ones in the order of the
+definition; extension fields follow as written. CRC_EXTRA is a CRC-16/MCRF4XX over `NAME ` and, for each
+base field in wire order, `type name ` and an array's length as one byte, folded to eight bits. Extensions
+stay out of it, so that adding one keeps old and new peers talking.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from mavstack._core import crc16
+from mavstack.dialects.model import TYPE_SIZES, FieldDefinition
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+MAX_PAYLOAD = 255
+MAX_FIELDS = 64
+MAX_MESSAGE_ID = 0xFFFFFF
+
+
+def wire_order(fields: Sequence[FieldDefinition]) -> list[FieldDefinition]:
+    """The fields in the order of the payload."""
+    base = [item for item in fields if not item.extension]
+    extensions = [item for item in fields if item.extension]
+    return sorted(base, key=lambda item: -TYPE_SIZES[item.type]) + extensions
+
+
+def lay_out(fields: Sequence[FieldDefinition]) -> tuple[FieldDefinition, ...]:
+    """The same fields in the same order, with their payload offsets filled in."""
+    offsets = {}
+    position = 0
+    for item in wire_order(fields):
+        offsets[item.name] = position
+        position += item.size
+    return tuple(replace(item, offset=offsets[item.name]) for item in fields)
+
+
+def lengths(fields: Iterable[FieldDefinition]) -> tuple[int, int]:
+    """Payload length without and with extensions."""
+    base = total = 0
+    for item in fields:
+        total += item.size
+        base += 0 if item.extension else item.size
+    return base, total
+
+
+def crc_extra(name: str, fields: Sequence[FieldDefinition]) -> int:
+    """The byte that both ends of a link add to the checksum."""
+    crc = crc16(f"{name} ".encode())
+    for item in wire_order(fields):
+        if not item.extension:
+            crc = crc16(f"{item.type} {item.name} ".encode(), crc)
+            crc = crc16(bytes([item.array_length]), crc) if item.array_length else crc
+    return (crc & 0xFF) ^ (crc >> 8)

@@ -1,0 +1,45 @@
+"""What makes a dialect a module: its classes appear as attributes when they are first asked for."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from mavstack.dialects.dialect import Dialect
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+def module_attributes(module: str, name: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """`__getattr__` and `__dir__` of the module of an official dialect."""
+
+    def get(attribute: str) -> object:
+        dialect = Dialect.load(name)
+        value = _attribute(dialect, attribute)
+        if value is None:
+            raise AttributeError(f"dialect {dialect.name} has nothing called {attribute!r}", name=attribute)
+        setattr(sys.modules[module], attribute, value)
+        return value
+
+    def names() -> list[str]:
+        return sorted([*_class_names(Dialect.load(name)), "core_dialect", "dialect"])
+
+    return get, names
+
+
+def _attribute(dialect: Dialect, attribute: str) -> object:
+    if attribute == "core_dialect":
+        return dialect.core_dialect
+    if attribute == "dialect":
+        return dialect
+    if attribute == "__all__":
+        return sorted(_class_names(dialect))
+    if attribute in dialect.messages_by_class:
+        return dialect[dialect.messages_by_class[attribute]]
+    official = dialect.enums_by_class.get(attribute)
+    return None if official is None else dialect.enums[official]
+
+
+def _class_names(dialect: Dialect) -> set[str]:
+    return dialect.messages_by_class.keys() | dialect.enums_by_class.keys()
