@@ -6,9 +6,12 @@ Names are imported on first use, so that `import mavstack` costs next to nothing
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+
+TYPE_CHECKING = False
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from mavstack.dialects import Dialect, Message
     from mavstack.errors import MavstackError
     from mavstack.links import open_link
@@ -49,7 +52,7 @@ _HOMES = {
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> Any:  # noqa: ANN401 (any of the names above)
     home = _HOMES.get(name)
     if home is None:
         raise AttributeError(f"module 'mavstack' has no attribute {name!r}")

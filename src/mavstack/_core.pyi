@@ -1,7 +1,7 @@
 """The compiled core: everything that touches every byte or packet. Policy lives above it, in Python."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, Self, TypeAlias, final
+from typing import Any, Protocol, Self, TypeAlias, dataclass_transform, final
 
 from typing_extensions import Buffer
 
@@ -48,6 +48,7 @@ def new_message_class(
     asked once per enum field, on first read; `fallback(int)` is called for values the dict lacks.
     """
 
+@dataclass_transform(eq_default=False)
 class MessageMeta(type): ...
 
 class MessageBase(metaclass=MessageMeta):
@@ -294,4 +295,5 @@ class Index:
     @property
     def time_span(self) -> tuple[int, int] | None: ...
     def row_size(self, message_id: int) -> int: ...
-    def decode(self, message_id: int, table: Buffer, *, threads: int = 1) -> None: ...
+    def decode(self, tables: Sequence[tuple[int, Buffer]], *, threads: int = 1) -> None:
+        """Fill tables, given as (message id, writable buffer of exactly the rows' bytes), all in one go."""

@@ -12,6 +12,7 @@ use crate::scan::{Found, Scanner, TIMESTAMP, timestamp_microseconds};
 use crate::sequence::Sources;
 use crate::statistics::Statistics;
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 use std::thread;
 
 /// Bytes of a row before the payload: time in microseconds (8), system, component, sequence, version.
@@ -20,7 +21,10 @@ pub const ROW_HEADER: usize = 12;
 pub const NO_TIME: i64 = i64::MIN;
 /// A stretch of a file shorter than this is not worth a thread.
 const MIN_STRETCH: usize = 1 << 20;
-const MIN_ROWS: usize = 16_384;
+/// Rows that a thread decodes at a time.
+const JOB: usize = 16_384;
+/// Rows whose memory is asked for together.
+const BATCH: usize = 64;
 /// How far into a stretch its first packet is sought.
 const MAX_SPLIT_SEARCH: usize = 1 << 16;
 const STAMPED: u64 = 1 << 63;
@@ -35,6 +39,8 @@ pub struct Index {
     sources: Sources,
     first_time: Option<u64>,
     last_time: Option<u64>,
+    /// The packet that `last_time` is read from when its stretch ends.
+    last_stamped: Option<Found>,
 }
 
 /// Bytes of a row of `layout`'s table, a multiple of four so that rows stay aligned.
@@ -92,8 +98,10 @@ impl Index {
             None => *self.unknown.entry(message_id).or_default() += 1,
         }
         if found.timestamped {
-            self.last_time = Packet::new(data, found).timestamp;
-            self.first_time = self.first_time.or(self.last_time);
+            if self.first_time.is_none() {
+                self.first_time = Packet::new(data, found).timestamp;
+            }
+            self.last_stamped = Some(*found);
         }
     }
 
@@ -142,25 +150,30 @@ impl Index {
         self.first_time.zip(self.last_time)
     }
 
-    /// Writes the rows of the layout in `slot` to `out`, which must be exactly as long as they are.
+    /// Writes the rows of each slot's layout to the bytes beside it, which must be exactly as long as they are.
     ///
     /// `data` must be what was indexed; packets that are no longer there become rows of zeros.
-    pub fn decode(&self, data: &[u8], dialect: &Dialect, slot: usize, out: &mut [u8], threads: usize) {
-        let (Some(offsets), Some(layout)) = (self.offsets.get(slot), dialect.layouts().get(slot)) else {
-            return;
-        };
-        let size = row_size(layout);
-        let threads = threads.min(offsets.len() / MIN_ROWS).max(1);
-        let share = offsets.len().div_ceil(threads).max(1);
-        thread::scope(|scope| {
-            let mut parts = offsets.chunks(share).zip(out.chunks_mut(share * size));
-            let first = parts.next();
-            for (offsets, rows) in parts {
-                scope.spawn(move || decode_rows(data, layout, offsets, rows));
+    pub fn decode(&self, data: &[u8], dialect: &Dialect, tables: Vec<(usize, &mut [u8])>, threads: usize) {
+        let mut jobs = Vec::new();
+        for (slot, table) in tables {
+            if let (Some(offsets), Some(layout)) = (self.offsets.get(slot), dialect.layouts().get(slot)) {
+                let parts = offsets.chunks(JOB).zip(table.chunks_mut(JOB * row_size(layout)));
+                jobs.extend(parts.map(|(offsets, rows)| (layout, offsets, rows)));
             }
-            if let Some((offsets, rows)) = first {
+        }
+        let threads = threads.min(jobs.len());
+        let jobs = Mutex::new(jobs.into_iter());
+        let next = || jobs.lock().ok()?.next();
+        let work = || {
+            while let Some((layout, offsets, rows)) = next() {
                 decode_rows(data, layout, offsets, rows);
             }
+        };
+        thread::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(work);
+            }
+            work();
         });
     }
 }
@@ -197,6 +210,7 @@ fn scan_stretch(data: &[u8], dialect: &Dialect, timestamped: bool, start: usize,
         index.record(data, &found);
     }
     index.statistics = statistics;
+    index.last_time = index.last_stamped.and_then(|found| Packet::new(data, &found).timestamp);
     Stretch { index, start, stopped: scanner.boundary() }
 }
 
@@ -207,12 +221,28 @@ fn decode_rows(data: &[u8], layout: &Layout, offsets: &[u64], rows: &mut [u8]) {
         .filter(|field| field.kind == FieldType::Char && field.array_length > 0)
         .map(crate::layout::Field::range)
         .collect();
-    for (&offset, row) in offsets.iter().zip(rows.chunks_exact_mut(row_size(layout))) {
-        decode_row(data, offset, row, usize::from(layout.length));
-        for text in &texts {
-            clear_behind_nul(&mut row[ROW_HEADER..][text.clone()]);
+    let size = row_size(layout);
+    for (batch, rows) in offsets.chunks(BATCH).zip(rows.chunks_mut(BATCH * size)) {
+        touch(data, batch, usize::from(layout.length));
+        for (&offset, row) in batch.iter().zip(rows.chunks_exact_mut(size)) {
+            decode_row(data, offset, row, usize::from(layout.length));
+            for text in &texts {
+                clear_behind_nul(&mut row[ROW_HEADER..][text.clone()]);
+            }
         }
     }
+}
+
+/// Reads a byte at both ends of each packet, so that the memory fetches them side by side: a message's packets
+/// are far apart in the file, and one at a time each would be waited for.
+#[inline]
+fn touch(data: &[u8], batch: &[u64], length: usize) {
+    let touched = batch.iter().fold(0, |sum, &offset| {
+        let start = (offset & !STAMPED) as usize;
+        let end = start + length;
+        sum ^ data.get(start).copied().unwrap_or(0) ^ data.get(end).copied().unwrap_or(0)
+    });
+    std::hint::black_box(touched);
 }
 
 #[inline]

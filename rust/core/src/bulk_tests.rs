@@ -76,7 +76,7 @@ fn rows_hold_time_source_and_payload() {
     let index = Index::build(&data, &dialect, true, 1);
     let size = row_size(&dialect.layouts()[1]);
     let mut rows = vec![0xAA; 2 * size];
-    index.decode(&data, &dialect, 1, &mut rows, 4);
+    index.decode(&data, &dialect, vec![(1, &mut rows)], 4);
     assert_eq!(&rows[..12], &[5, 0, 0, 0, 0, 0, 0, 0, 1, 1, 7, 2]);
     assert_eq!(&rows[13..20], b"hi\0\0\0\0\0", "junk behind the NUL is gone");
     assert!(rows[20..size].iter().all(|&byte| byte == 0), "zero-filled to the full length");
@@ -91,7 +91,7 @@ fn longer_payloads_are_cut_to_what_is_known() {
     packet.extend_from_slice(&checksum.to_le_bytes());
     let index = Index::build(&packet, &dialect, false, 1);
     let mut row = vec![0; row_size(&dialect.layouts()[0])];
-    index.decode(&packet, &dialect, 0, &mut row, 1);
+    index.decode(&packet, &dialect, vec![(0, &mut row)], 1);
     assert_eq!(&row[ROW_HEADER..], &[1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0]);
 }
 
@@ -102,8 +102,23 @@ fn data_that_changed_under_the_index_is_survived() {
     let index = Index::build(&data, &dialect, false, 1);
     data.truncate(3);
     let mut row = vec![0xAA; row_size(&dialect.layouts()[0])];
-    index.decode(&data, &dialect, 0, &mut row, 1);
+    index.decode(&data, &dialect, vec![(0, &mut row)], 1);
     assert!(row.iter().all(|&byte| byte == 0));
+}
+
+#[test]
+fn many_tables_at_once_are_the_same_as_each_alone() {
+    let dialect = dialect();
+    let data = log(3);
+    let index = Index::build(&data, &dialect, true, 2);
+    let table = |slot: usize| vec![0xAA; index.rows(slot) * row_size(&dialect.layouts()[slot])];
+    let (mut first, mut second) = (table(0), table(1));
+    index.decode(&data, &dialect, vec![(0, &mut first), (1, &mut second)], 3);
+    for (slot, together) in [(0, first), (1, second)] {
+        let mut alone = table(slot);
+        index.decode(&data, &dialect, vec![(slot, &mut alone)], 1);
+        assert!(alone == together);
+    }
 }
 
 proptest! {
@@ -115,7 +130,7 @@ proptest! {
         prop_assert!(totals.packet_bytes + totals.bad_bytes <= data.len() as u64);
         for (slot, layout) in dialect.layouts().iter().enumerate() {
             let mut rows = vec![0; index.rows(slot) * row_size(layout)];
-            index.decode(&data, &dialect, slot, &mut rows, 2);
+            index.decode(&data, &dialect, vec![(slot, &mut rows)], 2);
         }
     }
 }

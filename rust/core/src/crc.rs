@@ -1,7 +1,9 @@
 //! CRC-16/MCRF4XX: reflected polynomial 0x1021, initial value 0xFFFF, no final xor.
 //!
 //! Sixteen bytes are folded at a time: `TABLES[k][b]` is the CRC of byte `b` followed by `k` zero bytes,
-//! so the sixteen look-ups of a block do not wait for one another.
+//! so the sixteen look-ups of a block do not wait for one another. What does not fill a block comes first,
+//! behind zero bytes: the state is mixed into its first two bytes and starts at zero, and zero bytes leave a
+//! zero state as it is. So there is no tail to walk byte by byte.
 
 pub const INITIAL: u16 = 0xFFFF;
 
@@ -45,30 +47,28 @@ pub fn accumulate(crc: u16, byte: u8) -> u16 {
 #[inline]
 #[must_use]
 pub fn update(mut crc: u16, data: &[u8]) -> u16 {
-    let (blocks, rest) = data.as_chunks::<BLOCK>();
+    let Some(&first) = data.first_chunk::<BLOCK>() else {
+        return data.iter().fold(crc, |crc, &byte| accumulate(crc, byte));
+    };
+    let (rest, blocks) = data.as_rchunks::<BLOCK>();
+    if rest.len() >= 2 {
+        let mixed = u128::from_le_bytes(first) ^ u128::from(crc);
+        crc = fold(0, &(mixed << (8 * (BLOCK - rest.len()))).to_le_bytes());
+    } else if let [byte] = rest {
+        crc = accumulate(crc, *byte);
+    }
     for block in blocks {
         crc = fold(crc, block);
-    }
-    let (eights, rest) = rest.as_chunks::<8>();
-    for eight in eights {
-        crc = fold(crc, eight);
-    }
-    let (fours, rest) = rest.as_chunks::<4>();
-    for four in fours {
-        crc = fold(crc, four);
-    }
-    for &byte in rest {
-        crc = accumulate(crc, byte);
     }
     crc
 }
 
 #[inline]
-fn fold<const N: usize>(crc: u16, block: &[u8; N]) -> u16 {
+fn fold(crc: u16, block: &[u8; BLOCK]) -> u16 {
     let [low, high] = crc.to_le_bytes();
-    let mut next = TABLES[N - 1][usize::from(block[0] ^ low)] ^ TABLES[N - 2][usize::from(block[1] ^ high)];
+    let mut next = TABLES[BLOCK - 1][usize::from(block[0] ^ low)] ^ TABLES[BLOCK - 2][usize::from(block[1] ^ high)];
     for (index, &byte) in block.iter().enumerate().skip(2) {
-        next ^= TABLES[N - 1 - index][usize::from(byte)];
+        next ^= TABLES[BLOCK - 1 - index][usize::from(byte)];
     }
     next
 }

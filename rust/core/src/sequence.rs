@@ -27,6 +27,14 @@ impl Source {
         Self { received: 1, bytes, lost: 0, late: 0, first: sequence, last: sequence }
     }
 
+    #[inline]
+    fn hear(&mut self, sequence: u8, bytes: u64) {
+        self.received += 1;
+        self.bytes += bytes;
+        self.step(sequence);
+    }
+
+    #[inline]
     fn step(&mut self, sequence: u8) {
         let gap = sequence.wrapping_sub(self.last).wrapping_sub(1);
         if gap < 128 {
@@ -64,7 +72,10 @@ impl Hasher for SourceHasher {
 /// Sequence statistics of all sources heard on one link.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
-    sources: HashMap<u16, Source, BuildHasherDefault<SourceHasher>>,
+    heard: Vec<(u16, Source)>,
+    places: HashMap<u16, usize, BuildHasherDefault<SourceHasher>>,
+    /// Place of the source heard last: most packets come from the one before.
+    current: usize,
 }
 
 impl Sources {
@@ -72,26 +83,36 @@ impl Sources {
     #[inline]
     pub fn record(&mut self, system: u8, component: u8, sequence: u8, bytes: usize) {
         let key = u16::from_be_bytes([system, component]);
-        let bytes = bytes as u64;
-        match self.sources.get_mut(&key) {
-            Some(source) => {
-                source.received += 1;
-                source.bytes += bytes;
-                source.step(sequence);
-            }
-            None => {
-                self.sources.insert(key, Source::new(sequence, bytes));
-            }
+        match self.heard.get_mut(self.current) {
+            Some((current, source)) if *current == key => source.hear(sequence, bytes as u64),
+            _ => self.change(key, sequence, bytes as u64),
         }
+    }
+
+    fn change(&mut self, key: u16, sequence: u8, bytes: u64) {
+        if let Some(&place) = self.places.get(&key) {
+            self.current = place;
+            self.heard[place].1.hear(sequence, bytes);
+        } else {
+            self.current = self.insert(key, Source::new(sequence, bytes));
+        }
+    }
+
+    fn insert(&mut self, key: u16, source: Source) -> usize {
+        let place = self.heard.len();
+        self.places.insert(key, place);
+        self.heard.push((key, source));
+        place
     }
 
     /// Appends what was recorded of the stretch of the stream right behind this one.
     pub fn append(&mut self, next: &Self) {
-        for (&key, after) in &next.sources {
-            let Some(source) = self.sources.get_mut(&key) else {
-                self.sources.insert(key, *after);
+        for &(key, after) in &next.heard {
+            let Some(&place) = self.places.get(&key) else {
+                self.insert(key, after);
                 continue;
             };
+            let source = &mut self.heard[place].1;
             source.step(after.first);
             source.received += after.received;
             source.bytes += after.bytes;
@@ -105,9 +126,9 @@ impl Sources {
     #[must_use]
     pub fn all(&self) -> Vec<(u8, u8, Source)> {
         let mut all: Vec<_> = self
-            .sources
+            .heard
             .iter()
-            .map(|(key, &source)| {
+            .map(|&(key, source)| {
                 let [system, component] = key.to_be_bytes();
                 (system, component, source)
             })

@@ -21,7 +21,7 @@ fuzz_target!(|data: &[u8]| {
     let changed = &stream[..stream.len() - stream.len().min(usize::from(*choice))];
     for (slot, layout) in dialect.layouts().iter().enumerate() {
         let mut rows = vec![0; index.rows(slot) * row_size(layout)];
-        index.decode(stream, &dialect, slot, &mut rows, 2);
-        index.decode(changed, &dialect, slot, &mut rows, 2);
+        index.decode(stream, &dialect, vec![(slot, &mut rows)], 2);
+        index.decode(changed, &dialect, vec![(slot, &mut rows)], 2);
     }
 });

@@ -97,22 +97,39 @@ impl Index {
         Ok(bulk::row_size(&self.dialect.get().core.layouts()[self.slot(message_id)?]))
     }
 
-    /// Fills `table`, a writable buffer of exactly the rows' bytes.
-    #[pyo3(signature = (message_id, table, *, threads = 1))]
-    fn decode(&self, py: Python<'_>, message_id: u32, table: PyBuffer<u8>, threads: usize) -> PyResult<()> {
-        let slot = self.slot(message_id)?;
-        let expected = self.core.rows(slot) * self.row_size(message_id)?;
-        if table.readonly() || !table.is_c_contiguous() || table.len_bytes() != expected {
-            return Err(PyValueError::new_err(format!("a writable buffer of {expected} bytes is needed")));
+    /// Fills tables, given as `(message id, writable buffer of exactly the rows' bytes)`, all in one go.
+    #[pyo3(signature = (tables, *, threads = 1))]
+    fn decode(&self, py: Python<'_>, tables: Vec<(u32, PyBuffer<u8>)>, threads: usize) -> PyResult<()> {
+        let mut rows = Vec::with_capacity(tables.len());
+        for (message_id, table) in &tables {
+            let slot = self.slot(*message_id)?;
+            let expected = self.core.rows(slot) * self.row_size(*message_id)?;
+            if table.readonly() || !table.is_c_contiguous() || table.len_bytes() != expected {
+                return Err(PyValueError::new_err(format!("a writable buffer of {expected} bytes is needed")));
+            }
+            rows.push((slot, table.buf_ptr().cast::<u8>(), expected));
         }
-        // SAFETY: as in `new` for the data. The table is contiguous, writable and held; the caller made it for
-        // this call, as the only one that knows it.
-        let (data, rows) =
-            unsafe { (shared(&self.data)?, std::slice::from_raw_parts_mut(table.buf_ptr().cast(), expected)) };
+        if overlap(&rows) {
+            return Err(PyValueError::new_err("the tables must not share memory"));
+        }
+        // SAFETY: the buffers are held to the end, contiguous, writable and apart from one another, and Python's
+        // part of the package made them for this call alone.
+        let rows = rows
+            .into_iter()
+            .map(|(slot, start, length)| (slot, unsafe { std::slice::from_raw_parts_mut(start, length) }));
+        let rows: Vec<_> = rows.collect();
+        // SAFETY: as in `new`.
+        let data = unsafe { shared(&self.data) }?;
         let layouts = &self.dialect.get().core;
-        py.detach(|| self.core.decode(data, layouts, slot, rows, threads));
+        py.detach(|| self.core.decode(data, layouts, rows, threads));
         Ok(())
     }
+}
+
+fn overlap(rows: &[(usize, *mut u8, usize)]) -> bool {
+    let mut spans: Vec<_> = rows.iter().map(|&(_, start, length)| (start.addr(), length)).collect();
+    spans.sort_unstable();
+    spans.windows(2).any(|pair| pair[0].0 + pair[0].1 > pair[1].0)
 }
 
 impl Index {

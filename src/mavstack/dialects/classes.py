@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 from mavstack._core import MessageMeta, new_message_class
 from mavstack.dialects.message import Message
 from mavstack.dialects.names import class_name, usable
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+    from typing import Any
 
     from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.tables import MessageRow, Table

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
 
 from mavstack._core import Dialect as CoreDialect
 from mavstack.dialects.classes import attribute_names, counterpart, make_class
@@ -20,8 +19,10 @@ from mavstack.dialects.names import class_name, member_names
 from mavstack.dialects.tables import MessageRow, Table, load_table, official_name, official_names
 from mavstack.errors import UnknownMessageError
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from os import PathLike
+    from typing import Any
 
     from mavstack._core import FieldLayout, MessageLayout
     from mavstack.dialects.includes import Source

@@ -7,12 +7,14 @@ random masks could fill the memory, and `_missing_` here makes them without keep
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from enum import IntEnum, IntFlag
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, TypeAlias
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from typing import Any, TypeAlias
+
     from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.model import EnumDefinition
 
@@ -21,7 +23,7 @@ _KEPT_COMBINATIONS = 256
 
 EnumClass: TypeAlias = "type[MavEnum | MavFlag]"
 #: Members by value, and what to call for a value that has none.
-EnumReader: TypeAlias = tuple[dict[int, int], Callable[[int], int] | None]
+EnumReader: TypeAlias = "tuple[dict[int, int], Callable[[int], int] | None]"
 
 
 class MavEnum(IntEnum):

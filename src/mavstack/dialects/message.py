@@ -12,21 +12,22 @@ from __future__ import annotations
 import json
 from math import isfinite, isnan
 from struct import pack, unpack
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias, dataclass_transform
 
 from mavstack._core import MessageBase
 from mavstack.dialects.enums import EnumReader, MavEnum, MavFlag, enum_reader
 from mavstack.errors import FieldNameError, FieldTypeError
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from typing import Any, ClassVar, Literal, Self, TypeAlias
 
     from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.model import MessageDefinition
     from mavstack.dialects.tables import MessageRow
 
 #: How enum values come out: as members, as integers, or by their official names.
-EnumForm: TypeAlias = Literal["member", "value", "name"]
+EnumForm: TypeAlias = 'Literal["member", "value", "name"]'
 
 #: Fields whose content a message's text never shows: SETUP_SIGNING's key.
 _SECRETS = frozenset({"secret_key"})
@@ -39,7 +40,6 @@ class _LazyDefinition:
         return owner.__mavlink_dialect__.message_definition(owner.__mavlink_row__[0])
 
 
-@dataclass_transform(eq_default=False)
 class Message(MessageBase):
     """A MAVLink message; its class says which."""
 

@@ -11,8 +11,8 @@ class needs for itself, gets a trailing `_`.
 from __future__ import annotations
 
 from keyword import iskeyword
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 

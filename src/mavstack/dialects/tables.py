@@ -3,7 +3,8 @@
 A table is one line of header, then one line a message and one line an enum, each two JSON values with a
 tab between: first the little that every program needs at once (the layout on the wire), then the rest,
 which stays text until someone asks. `codec` turns definitions into such lines and back; this file is all
-that an ordinary program loads, so it imports next to nothing.
+that an ordinary program loads, so it imports next to nothing: not even `typing`, which takes longer than
+loading a table (type checkers know `TYPE_CHECKING` by its name).
 """
 
 # ruff: noqa: PTH118, PTH120, PTH123, PTH208
@@ -13,15 +14,16 @@ from __future__ import annotations
 import json
 import os
 from functools import cache
-from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mavstack.errors import UnknownDialectError
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from typing import Any, TypeAlias
 
 #: id, name, CRC_EXTRA, base length, length, and [name, type, array length, offset, enum] a field.
-MessageRow: TypeAlias = list[Any]
+MessageRow: TypeAlias = "list[Any]"
 
 _TABLES = os.path.join(os.path.dirname(__file__), "tables")
 

@@ -28,7 +28,7 @@ _HEAD = 1 << 18
 
 
 class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
-    """A log as a mapping from message name to table (a numpy structured array, one row a packet).
+    """A log as a mapping from message name to table: a numpy structured array, one row a packet.
 
     Columns: `_time` (datetime64 in µs UTC, NaT where not recorded), `_system`, `_component`,
     `_sequence`, `_version`, and the message's fields, raw as on the wire.
@@ -46,6 +46,7 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         self.dialect = dialect
         self._threads = threads or os.cpu_count() or 1
         data = _map(self.path)
+        self._data = data
         self.size = len(data)
         self.timestamped = looks_timestamped(data[:_HEAD], dialect) if timestamped is None else timestamped
         self._index = Index(data, dialect, timestamped=self.timestamped, threads=self._threads)
@@ -55,19 +56,32 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         self._tables: dict[str, np.ndarray[tuple[int], np.dtype[np.void]]] = {}
 
     def __getitem__(self, name: str) -> np.ndarray[tuple[int], np.dtype[np.void]]:
-        table = self._tables.get(name)
-        if table is None:
-            table = self._tables[name] = self._decode(name)
-        return table
+        if name not in self._tables:
+            self.load(name)
+        return self._tables[name]
 
-    def _decode(self, name: str) -> np.ndarray[tuple[int], np.dtype[np.void]]:
+    def load(self, *names: str) -> None:
+        """Decode the tables of `names`, or all tables, in one go: faster than one after the other."""
+        wanted = [name for name in dict.fromkeys(names or self) if name not in self._tables]
+        dtypes = [self._dtype(name) for name in wanted]
+        # One block for all: large blocks come in large pages, and each page costs a fault.
+        sizes = [dtype.itemsize * self.counts[name] for name, dtype in zip(wanted, dtypes, strict=True)]
+        ends = np.cumsum(sizes, dtype=np.intp)
+        block = np.empty(sum(sizes), np.uint8)
+        parts = [block[end - size : end] for end, size in zip(ends, sizes, strict=True)]
+        rows = [(self._ids[name], part.data) for name, part in zip(wanted, parts, strict=True)]
+        # A map of bytes that the file no longer has ends the whole process where it is read.
+        if isinstance(self._data, mmap.mmap) and self._data.size() < self.size:
+            raise LogError(f"{self.path}: was made shorter since it was opened; open it again")
+        self._index.decode(rows, threads=self._threads)
+        for name, part, dtype in zip(wanted, parts, dtypes, strict=True):
+            self._tables[name] = part.view(dtype)
+
+    def _dtype(self, name: str) -> np.dtype[np.void]:
         message_id = self._ids.get(name)
         if message_id is None:
             raise UnknownMessageError(f"{self.path} has no {name}; it has {', '.join(self)}")
-        dtype = table_dtype(self.dialect[name].definition, self._index.row_size(message_id))
-        table = np.empty(self.counts[name], dtype)
-        self._index.decode(message_id, table.view(np.uint8), threads=self._threads)
-        return table
+        return table_dtype(self.dialect[name].definition, self._index.row_size(message_id))
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._ids)

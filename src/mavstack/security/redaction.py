@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.dialects import Dialect
 from mavstack.wire import encode
 
 if TYPE_CHECKING:
@@ -17,12 +18,22 @@ SECRET_MESSAGES = frozenset({"SETUP_SIGNING"})
 
 def redacted(packet: Packet) -> bytes:
     """The bytes to record for `packet`: as they came, or blanked and unsigned if they hold a secret."""
-    if packet.name not in SECRET_MESSAGES:
+    secret = _secret_name(packet)
+    if secret is None:
         return packet.raw
+    blank = Dialect.load("common")[secret] if packet.message is None else type(packet.message)
     return encode(
-        type(packet.message)(),
+        blank(),
         system=packet.system,
         component=packet.component,
         sequence=packet.sequence,
         version=packet.version,
     )
+
+
+def _secret_name(packet: Packet) -> str | None:
+    """The name of the secret message in `packet`; a dialect that lacks the message hides no secret."""
+    if packet.name is not None:
+        return packet.name if packet.name in SECRET_MESSAGES else None
+    common = Dialect.load("common")
+    return next((name for name in SECRET_MESSAGES if common[name].definition.id == packet.message_id), None)

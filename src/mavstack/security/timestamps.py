@@ -13,6 +13,7 @@ from pathlib import Path
 from mavstack.errors import SigningError
 
 MAX_TIMESTAMP = 2**48 - 1
+_MAX_DIGITS = 15
 EPOCH = 1_420_070_400
 UNITS_PER_SECOND = 100_000
 
@@ -36,7 +37,7 @@ class TimestampStore:
             return 0
         except (OSError, UnicodeDecodeError) as error:
             raise SigningError(f"{self.path}: cannot be read ({type(error).__name__})") from None
-        if not text.isdecimal() or int(text) > MAX_TIMESTAMP:
+        if not text.isdecimal() or len(text) > _MAX_DIGITS or int(text) > MAX_TIMESTAMP:
             raise SigningError(
                 f"{self.path}: is not a signing timestamp; remove it if its links use new keys"
             )
@@ -44,11 +45,19 @@ class TimestampStore:
 
     def store(self, timestamp: int) -> None:
         """Store `timestamp`, unless the file already holds a newer one."""
+        if not 0 <= timestamp <= MAX_TIMESTAMP:
+            raise SigningError(f"{timestamp} is not a signing timestamp: it has 48 bits")
         if timestamp <= self.load():
             return
+        try:
+            self._replace(f"{timestamp}\n")
+        except OSError as error:
+            raise SigningError(f"{self.path}: cannot be written ({error.strerror or error})") from None
+
+    def _replace(self, text: str) -> None:
         new = self.path.with_name(self.path.name + ".new")
         with new.open("w", encoding="ascii") as file:
-            file.write(f"{timestamp}\n")
+            file.write(text)
             file.flush()
             os.fsync(file.fileno())
         new.replace(self.path)

@@ -9,8 +9,6 @@ encoder; time is an argument.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from mavstack._core import (
     Encoder,
     Packet,
@@ -23,6 +21,7 @@ from mavstack._core import (
     encode,
 )
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     # Known to type checkers only: the core takes whatever has the attribute.
     from mavstack._core import HasCoreDialect as HasCoreDialect

@@ -1,0 +1,1 @@
+"""Measurements of Mavstack against its peers; `python -m benchmarks`, read README.md first."""

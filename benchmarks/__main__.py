@@ -1,0 +1,77 @@
+"""`python -m benchmarks [--quick] [--json] [--only ROW …] [--definitions DIR]`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import c_library, report, rows, workload
+from .measure import pinned
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from .measure import Row
+
+ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
+    "live": lambda bench: iter([rows.live(bench)]),
+    "single": lambda bench: iter([rows.single(bench)]),
+    "encode": lambda bench: iter([rows.encode(bench)]),
+    "verify": lambda bench: iter([rows.verify(bench)]),
+    "tlog": lambda bench: iter([rows.tlog(bench)]),
+    "tlog-1": lambda bench: iter([rows.tlog(bench, threads=1)]),
+    "import": rows.first_message,
+    "memory": lambda bench: iter([rows.log_memory(bench)]),
+}
+ON_ALL_CORES = ("tlog", "memory")
+
+
+def main() -> None:
+    """Measure, and print one table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure against the peers.")
+    parser.add_argument("--quick", action="store_true", help="fewer messages and turns: about a minute")
+    parser.add_argument("--json", action="store_true", help="every turn of every ratio, for a script")
+    parser.add_argument("--only", nargs="+", choices=list(ROWS), help="some rows only")
+    parser.add_argument(
+        "--definitions",
+        type=Path,
+        default=c_library.DEFINITIONS,
+        help="where the C headers are generated from (default: the project's own)",
+    )
+    options = parser.parse_args()
+    amounts = rows.QUICK if options.quick else rows.WHOLE
+    _say("building the workload and the C library …")
+    try:
+        program = c_library.build(options.definitions)
+        compiler = program.compiler
+    except c_library.PeerMissingError as problem:
+        program, compiler = None, f"not measured: {problem}"
+    flight = workload.build(amounts.log)
+    with tempfile.TemporaryDirectory(prefix="mavstack-bench-") as folder:
+        bench = rows.Bench(flight, program, amounts, Path(folder))
+        measured = _measure(bench, options.only or list(ROWS))
+    told = f"{len(flight):,} messages, {flight.mean_size:.1f} B a packet, seed {workload.SEED}"
+    conditions = report.Conditions(told, compiler, amounts.turns)
+    print((report.as_json if options.json else report.table)(measured, conditions))
+
+
+def _measure(bench: rows.Bench, wanted: list[str]) -> list[Row]:
+    measured: list[Row] = []
+    for name in (name for name in ROWS if name in wanted):
+        _say(f"measuring {name} …")
+        with nullcontext() if name in ON_ALL_CORES else pinned():
+            measured += ROWS[name](bench)
+    return measured
+
+
+def _say(what: str) -> None:
+    if sys.stderr.isatty():
+        print(what, file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

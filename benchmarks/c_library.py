@@ -1,0 +1,133 @@
+"""The C peer: headers that pymavlink's mavgen generates from our definitions, and `peer.c` on top.
+
+Everything lands in `benchmarks/.build`, which git ignores, and is made anew when a definition or the
+program changed. Without gcc (or with definitions that mavgen refuses) the C column says so.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib
+import io
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import workload
+from .mix import FLOWS
+
+HERE = Path(__file__).parent
+BUILD = HERE / ".build"
+DEFINITIONS = HERE.parent / "src" / "mavstack" / "dialects" / "definitions"
+DIALECT = "ardupilotmega"
+FLAGS = ("-O2", "-std=gnu11", "-w")
+
+
+class PeerMissingError(Exception):
+    """The C peer cannot be built here; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class CProgram:
+    """The compiled peer."""
+
+    path: Path
+    compiler: str
+
+    def seconds(self, mode: str, count: int, file: Path | None = None) -> float:
+        """Run one mode and give the seconds per message that it measured itself."""
+        where = [] if file is None else [str(file)]
+        done = subprocess.run(
+            [str(self.path), mode, *where, str(count)], check=True, capture_output=True, text=True
+        )
+        messages, took, _ = done.stdout.split()
+        if int(messages) != count:
+            raise RuntimeError(f"the C library saw {messages} of {count} messages")
+        return float(took) / count
+
+
+def build(definitions: Path) -> CProgram:
+    """Generate the headers, write `decode.h`, compile."""
+    compiler = shutil.which("gcc")
+    if compiler is None:
+        raise PeerMissingError("no gcc")
+    main = definitions / f"{DIALECT}.xml"
+    if not main.exists():
+        raise PeerMissingError(f"no {main.name} in {definitions}")
+    digest = _digest(definitions)
+    target = BUILD / f"c-{digest}"
+    program = target / "peer"
+    if not program.exists():
+        _generate(main, target)
+        (target / DIALECT / "decode.h").write_text(_decode_header(target))
+        _compile(compiler, target, program)
+    version = subprocess.run([compiler, "-dumpfullversion"], check=True, capture_output=True, text=True)
+    return CProgram(program, f"gcc {version.stdout.strip()} {FLAGS[0]}")
+
+
+def _digest(definitions: Path) -> str:
+    digest = hashlib.sha256()
+    sources = [*sorted(definitions.glob("*.xml")), HERE / "peer.c", HERE / "c_library.py", HERE / "mix.py"]
+    for source in sources:
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def _generate(main: Path, target: Path) -> None:
+    for old in BUILD.glob("c-*"):
+        shutil.rmtree(old)
+    mavgen = importlib.import_module("pymavlink.generator.mavgen")
+    options = mavgen.Opts(str(target), wire_protocol="2.0", language="C", validate=False)
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        good = mavgen.mavgen(options, [str(main)])
+    if not good:
+        raise PeerMissingError(f"mavgen refused {main.name}: {said.getvalue().strip().splitlines()[-1:]}")
+
+
+def _compile(compiler: str, target: Path, program: Path) -> None:
+    command = [compiler, *FLAGS, "-I", str(target / DIALECT), str(HERE / "peer.c"), "-o", str(program)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise PeerMissingError(f"gcc failed: {done.stderr.strip().splitlines()[:1]}")
+
+
+def _decode_header(target: Path) -> str:
+    key = ", ".join(str(byte) for byte in workload.SIGNING_KEY)
+    return "\n".join(
+        (
+            f"static const uint8_t signing_key[32] = {{{key}}};",
+            *_read_three(),
+            *_decode_all(target),
+            "",
+        )
+    )
+
+
+def _read_three() -> list[str]:
+    lines = ["static inline double read_three(const mavlink_message_t *message) {"]
+    lines.append("switch (message->msgid) {")
+    for name, fields in {flow.name: flow.three for flow in FLOWS}.items():
+        lower = name.lower()
+        terms = " + ".join(_term(name, field) for field in fields)
+        lines.append(f"case MAVLINK_MSG_ID_{name}: {{ mavlink_{lower}_t m;")
+        lines.append(f"mavlink_msg_{lower}_decode(message, &m); return {terms}; }}")
+    return [*lines, "default: return 0.0;", "}", "}"]
+
+
+def _term(name: str, field: str) -> str:
+    message = workload.layout(name)
+    is_array = message.array_lengths[message.ordered_fieldnames.index(field)] > 0
+    return f"(double)m.{field}" + ("[0]" if is_array else "")
+
+
+def _decode_all(target: Path) -> list[str]:
+    lines = ["static inline void decode_all(const mavlink_message_t *message) {", "switch (message->msgid) {"]
+    for header in sorted(target.glob("*/mavlink_msg_*.h")):
+        lower = header.stem.removeprefix("mavlink_msg_")
+        lines.append(f"case MAVLINK_MSG_ID_{lower.upper()}: {{ mavlink_{lower}_t m;")
+        lines.append(f"mavlink_msg_{lower}_decode(message, &m);")
+        lines.append('__asm__ volatile("" : : "r"(&m) : "memory"); return; }')
+    return [*lines, "}", "}"]

@@ -1,0 +1,69 @@
+"""Runs the probes in processes of their own and watches their memory from outside."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from .probe import status
+
+HERE = Path(__file__).parent
+SAMPLE_SECONDS = 0.0005
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """What a piece of work added to a process: at its peak, and without mapped files."""
+
+    peak: int
+    anonymous: int
+    columns: int
+
+
+def first_message(who: str) -> tuple[float, float]:
+    """Seconds and bytes of an import and a first message, in a fresh interpreter."""
+    name = who.rpartition(".")[2]
+    done = subprocess.run(
+        [sys.executable, str(HERE / "probe_import.py"), name], check=True, capture_output=True, text=True
+    )
+    seconds, size, _ = done.stdout.split()
+    return float(seconds), float(size)
+
+
+def growth(what: str, who: str, warm: Path, path: Path) -> Growth:
+    """Run one memory probe and sample its anonymous memory while it works."""
+    command = [sys.executable, "-m", "benchmarks.probe", what, who, str(warm), str(path)]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=HERE.parent
+    ) as child:
+        send, receive = _pipes(child)
+        before = int(json.loads(receive.readline())["anonymous"])
+        finished, seen = threading.Event(), [before]
+        watcher = threading.Thread(target=_watch, args=(child.pid, finished, seen))
+        watcher.start()
+        send.write("go\n")
+        send.flush()
+        answer = json.loads(receive.readline())
+        finished.set()
+        watcher.join()
+    highest = max(*seen, int(answer["anonymous"]))
+    return Growth(int(answer["peak"]), highest - before, int(answer["columns"]))
+
+
+def _pipes(child: subprocess.Popen[str]) -> tuple[IO[str], IO[str]]:
+    if child.stdin is None or child.stdout is None:
+        raise RuntimeError("the probe has no pipes")
+    return child.stdin, child.stdout
+
+
+def _watch(process: int, finished: threading.Event, seen: list[int]) -> None:
+    while not finished.wait(SAMPLE_SECONDS):
+        try:
+            seen.append(status(process)["RssAnon"])
+        except (OSError, KeyError):
+            return

@@ -1,0 +1,104 @@
+"""The table, and the same as JSON."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .measure import OURS, PYMAVLINK, C, Ratio, Row
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+HEAD = ("work", OURS, PYMAVLINK, C, "ratio", "least … greatest", "must reach", "reached")
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """Under what the run was made."""
+
+    workload: str
+    compiler: str
+    turns: int
+
+
+def machine() -> str:
+    """The processor, the cores, the versions."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        model = next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        model = platform.processor() or platform.machine()
+    return (
+        f"{model}, {os.cpu_count()} cores, {platform.system()}, Python {platform.python_version()}, "
+        f"pymavlink {version('pymavlink')}, mavstack {version('mavstack')}"
+    )
+
+
+def table(rows: Iterable[Row], conditions: Conditions) -> str:
+    """Everything that was measured, for a terminal."""
+    lines = [HEAD, *(line for row in rows for line in _lines(row))]
+    widths = [max(len(line[place]) for line in lines) for place in range(len(HEAD))]
+    told = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
+    told.insert(1, "  ".join("-" * width for width in widths))
+    facts = (
+        f"machine     {machine()}",
+        f"C library   {conditions.compiler}",
+        f"workload    {conditions.workload}",
+        f"turns       {conditions.turns}, interleaved; the ratio is the median of the turns' ratios",
+        f"load        {' '.join(f'{load:.2f}' for load in os.getloadavg())} (1, 5, 15 minutes)",
+    )
+    return "\n".join((*(line.rstrip() for line in told), "", *facts))
+
+
+def as_json(rows: Iterable[Row], conditions: Conditions) -> str:
+    """Everything that was measured, every turn of it, for a script."""
+    return json.dumps(
+        {
+            "machine": machine(),
+            "compiler": conditions.compiler,
+            "workload": conditions.workload,
+            "turns": conditions.turns,
+            "rows": [
+                {"work": row.work, "figures": dict(row.figures), "ratios": [_ratio(r) for r in row.ratios]}
+                for row in rows
+            ],
+        },
+        indent=2,
+        ensure_ascii=False,
+    )
+
+
+def _ratio(ratio: Ratio) -> dict[str, object]:
+    return {
+        "ratio": ratio.label,
+        "median": ratio.median,
+        "seen": list(ratio.seen),
+        "limit": ratio.limit,
+        "sense": "at least" if ratio.at_least else "at most",
+        "reached": ratio.reached,
+    }
+
+
+def _lines(row: Row) -> list[Sequence[str]]:
+    names = (row.work, *(row.figures.get(name, "-") for name in (OURS, PYMAVLINK, C)))
+    blank = ("", "", "", "")
+    return [(*(blank if place else names), *_verdict(ratio)) for place, ratio in enumerate(row.ratios)]
+
+
+def _verdict(ratio: Ratio) -> tuple[str, str, str, str]:
+    figure = f"{_short(ratio.median)} {ratio.label}"
+    spread = f"{_short(min(ratio.seen))} … {_short(max(ratio.seen))}"
+    if ratio.limit is None:
+        return figure, spread, "", ""
+    sign = "≥" if ratio.at_least else "≤"
+    return figure, spread, f"{sign} {ratio.limit:g}", "yes" if ratio.reached else "NO"
+
+
+def _short(value: float) -> str:
+    return f"{value:.0f}" if value >= 100 else f"{value:.1f}" if value >= 10 else f"{value:.2f}"

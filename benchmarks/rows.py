@@ -1,0 +1,195 @@
+"""The rows of the table: what each one runs, how much of it, and what it must reach.
+
+A peer that is slow gets fewer messages than one that is fast: all figures are per message, and every
+amount takes long enough to measure. `Amounts` holds them, whole and quick.
+"""
+
+from __future__ import annotations
+
+import statistics
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from . import memory, ours, peers_pymavlink
+from .measure import MAVUTIL, OURS, PYMAVLINK, C, Ratio, Row, rates, take_turns, times_better
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from .c_library import CProgram
+    from .workload import Workload
+
+CHUNK = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class Amounts:
+    """How many messages each side gets, and how many turns are taken."""
+
+    log: int
+    fast: int
+    slow: int
+    turns: int
+    starts: int
+
+
+WHOLE = Amounts(log=1_000_000, fast=500_000, slow=100_000, turns=11, starts=15)
+QUICK = Amounts(log=1_000_000, fast=100_000, slow=20_000, turns=5, starts=7)
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """What every row works on."""
+
+    flight: Workload
+    program: CProgram | None
+    amounts: Amounts
+    folder: Path
+
+    def file(self, name: str, content: Callable[[], bytes]) -> Path:
+        """A file of the workload, written anew."""
+        path = self.folder / name
+        path.write_bytes(content())
+        return path
+
+    def c(self, mode: str, count: int, file: Path | None = None) -> dict[str, Callable[[], float]]:
+        """The C library's runner, if there is one."""
+        return {} if self.program is None else {C: partial(self.program.seconds, mode, count, file)}
+
+    def versus(
+        self, title: str, work: dict[str, Callable[[], float]], pymavlink: float | None, c: float | None
+    ) -> Row:
+        """Take turns, and compare."""
+        seen = take_turns(work, self.amounts.turns)
+        limits = {PYMAVLINK: pymavlink, C: c}
+        peers = [name for name in work if name != OURS]
+        figures = {C: "-" if self.program else "not built"} | rates(seen)
+        return Row(title, figures, tuple(times_better(seen, peer, limits[peer]) for peer in peers))
+
+
+def live(bench: Bench) -> Row:
+    """A live stream to typed messages, three fields read from each."""
+    many, few = bench.amounts.fast, bench.amounts.slow
+    flight = bench.flight
+    file = bench.file("flight.bin", lambda: flight.stream)
+    work: dict[str, Callable[[], float]] = {
+        PYMAVLINK: partial(peers_pymavlink.live, flight.chunks(CHUNK, few), few),
+        **bench.c("live", many, file),
+        OURS: partial(ours.live, flight.chunks(CHUNK, many), many),
+    }
+    return bench.versus("live stream to messages, three fields of each", work, 30, None)
+
+
+def single(bench: Bench) -> Row:
+    """The same with one call a packet."""
+    many, few = bench.amounts.fast // 2, bench.amounts.slow
+    packets = bench.flight.packets(many)
+    work: dict[str, Callable[[], float]] = {
+        PYMAVLINK: partial(peers_pymavlink.single, packets[:few]),
+        OURS: partial(ours.single, packets),
+    }
+    return bench.versus("the same from one call a packet", work, 10, None)
+
+
+def encode(bench: Bench) -> Row:
+    """Fields to a packet."""
+    many = bench.amounts.fast
+    values: list[tuple[Any, ...]] = [
+        (index, *((index % 4096) * 0.0007 + 0.1 + offset for offset in range(6))) for index in range(many)
+    ]
+    work: dict[str, Callable[[], float]] = {
+        PYMAVLINK: partial(peers_pymavlink.encode, values[: bench.amounts.slow]),
+        **bench.c("encode", many * 4),
+        OURS: partial(ours.encode, values),
+    }
+    return bench.versus("fields to packet (ATTITUDE)", work, 12, None)
+
+
+def verify(bench: Bench) -> Row:
+    """Signatures checked, no message objects."""
+    many, few = bench.amounts.fast // 2, bench.amounts.slow
+    packets = bench.flight.signed(many)
+    stream = b"".join(packets)
+    end = sum(map(len, packets[:few]))
+    file = bench.file("signed.bin", lambda: stream)
+    work: dict[str, Callable[[], float]] = {
+        PYMAVLINK: partial(peers_pymavlink.verify, _cut(stream[:end]), few),
+        **bench.c("signed", many, file),
+        OURS: partial(ours.verify, _cut(stream), many),
+    }
+    return bench.versus("verify signed packets", work, None, 2)
+
+
+def _cut(stream: bytes) -> list[bytes]:
+    return [stream[at : at + CHUNK] for at in range(0, len(stream), CHUNK)]
+
+
+def tlog(bench: Bench, threads: int = 0) -> Row:
+    """A telemetry log to columns: all messages, all fields; on all cores unless told otherwise."""
+    many, few = bench.amounts.log, bench.amounts.slow
+    whole = bench.file("flight.tlog", partial(bench.flight.tlog, many))
+    slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
+    _agree(ours.columns(slice_, threads), peers_pymavlink.columns(slice_))
+    work: dict[str, Callable[[], float]] = {
+        PYMAVLINK: partial(peers_pymavlink.tlog, slice_, few),
+        **bench.c("tlog", many, whole),
+        OURS: partial(ours.tlog, whole, many, threads),
+    }
+    if threads:
+        return bench.versus("the same on one core", work, None, None)
+    return bench.versus("tlog to columns, CRC checked", work, 400, 4)
+
+
+def _agree(mine: dict[str, Any], theirs: dict[str, Any]) -> None:
+    """Refuse to time two readers that read different things."""
+    if set(mine) != set(theirs):
+        raise RuntimeError(f"tables differ: {sorted(set(mine) ^ set(theirs))}")
+    for name, table in theirs.items():
+        for field, column in table.items():
+            if field != "_timestamp" and column.dtype.kind in "iuf":
+                same = (mine[name][field].astype(column.dtype) == column).all()
+                if not same:
+                    raise RuntimeError(f"{name}.{field} differs")
+
+
+def log_memory(bench: Bench) -> Row:
+    """The peak of memory for a log, against the size of its columns."""
+    many, few = bench.amounts.log, bench.amounts.slow
+    warm = bench.file("warm.tlog", partial(bench.flight.tlog, few // 10))
+    slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
+    whole = bench.file("flight.tlog", partial(bench.flight.tlog, many))
+    mine = [memory.growth("columns", OURS, warm, whole) for _ in range(bench.amounts.turns)]
+    theirs = memory.growth("columns", PYMAVLINK, warm, slice_)
+    streamed = memory.growth("stream", OURS, warm, whole)
+    size = mine[0].columns
+    figures = {
+        OURS: f"{statistics.median(one.anonymous for one in mine) / 1e6:.0f} MB",
+        PYMAVLINK: f"{theirs.anonymous * many / few / 1e6:.0f} MB",
+    }
+    return Row(
+        f"memory of a log, {size / 1e6:.0f} MB of columns",
+        figures,
+        (
+            Ratio("times its columns", tuple(one.anonymous / size for one in mine), 1.5, at_least=False),
+            Ratio("with the mapped file's pages", tuple(one.peak / size for one in mine), None),
+            Ratio("streamed, nothing kept", (streamed.peak / size,), None),
+        ),
+    )
+
+
+def first_message(bench: Bench) -> Iterator[Row]:
+    """Import, and the first message of a dialect: time, then memory."""
+    names = (PYMAVLINK, MAVUTIL, OURS)
+    starts = take_turns({who: partial(memory.first_message, who) for who in names}, bench.amounts.starts)
+    for place, title, unit, scale in ((0, "time", "ms", 1e3), (1, "memory", "MB", 1e-6)):
+        values = {who: [start[place] for start in seen] for who, seen in starts.items()}
+        figures = {who: f"{statistics.median(seen) * scale:.1f} {unit}" for who, seen in values.items()}
+        shares = (_share(values, PYMAVLINK, 0.5), _share(values, MAVUTIL, None))
+        yield Row(f"import and first message, {title}", figures, shares)
+
+
+def _share(seen: dict[str, list[float]], peer: str, limit: float | None) -> Ratio:
+    shares = tuple(mine / theirs for mine, theirs in zip(seen[OURS], seen[peer], strict=True))
+    return Ratio(f"of {peer}", shares, limit, at_least=False)

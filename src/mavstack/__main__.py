@@ -1,0 +1,10 @@
+"""`python -m mavstack` is `mav`."""
+
+from __future__ import annotations
+
+import sys
+
+from mavstack.cli.main import main
+
+if __name__ == "__main__":
+    sys.exit(main())

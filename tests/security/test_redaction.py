@@ -1,0 +1,51 @@
+"""What is recorded of packets that carry a secret."""
+
+from __future__ import annotations
+
+import pytest
+
+import mavstack
+from mavstack.dialects import ardupilotmega, common, minimal
+from mavstack.security import SECRET_MESSAGES, redacted
+
+SECRET = b"K" * 32
+SETUP = common.SetupSigning(target_system=1, target_component=2, secret_key=SECRET, initial_timestamp=99)
+
+
+def packet_of(message, dialect=common, **header):
+    raw = mavstack.encode(message, **{"system": 255, "component": 190, "sequence": 5, **header})
+    (packet,) = mavstack.Parser(dialect).feed(raw)
+    return packet
+
+
+def test_packets_without_secrets_stay_as_they_came():
+    for packet in (packet_of(common.Heartbeat()), packet_of(common.Attitude(), minimal)):
+        assert redacted(packet) == packet.raw
+
+
+# `minimal` does not have the message: what it cannot name is a secret all the same.
+@pytest.mark.parametrize("dialect", [common, ardupilotmega, minimal])
+@pytest.mark.parametrize("signing", [None, mavstack.Signing(bytes(32))])
+def test_a_key_is_blanked_whatever_the_dialect_and_the_signature(dialect, signing):
+    packet = packet_of(SETUP, dialect, signing=signing)
+    recorded = redacted(packet)
+    assert SECRET[:2] not in recorded
+    (again,) = mavstack.Parser(common).feed(recorded)
+    assert again.message == common.SetupSigning()
+    assert (again.system, again.component, again.sequence, again.signed) == (255, 190, 5, False)
+    assert packet.raw != recorded, "what is to be acted on keeps it"
+
+
+def test_an_id_that_a_users_dialect_gives_to_another_message_is_no_secret(tmp_path):
+    path = tmp_path / "mine.xml"
+    path.write_text(
+        '<mavlink><messages><message id="256" name="MINE"><field type="uint8_t[32]" name="a"/></message>'
+        "</messages></mavlink>"
+    )
+    dialect = mavstack.Dialect.from_xml(path)
+    packet = packet_of(dialect["MINE"](a=SECRET), dialect)
+    assert redacted(packet) == packet.raw
+
+
+def test_secret_messages_are_known_to_common():
+    assert all(name in common.dialect for name in SECRET_MESSAGES)

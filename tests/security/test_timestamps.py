@@ -1,0 +1,113 @@
+"""The signing clock on disk."""
+
+from __future__ import annotations
+
+import os
+import threading
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import mavstack
+from mavstack.dialects import common
+from mavstack.errors import SigningError
+from mavstack.security import TimestampStore, timestamps
+from mavstack.security.timestamps import MAX_TIMESTAMP, timestamp_at
+
+
+@pytest.fixture
+def store(tmp_path):
+    return TimestampStore(tmp_path / "clock")
+
+
+def test_nothing_stored_is_zero(store):
+    assert store.load() == 0
+    assert not store.path.exists()
+
+
+def test_it_only_moves_forward(store):
+    for timestamp, stored in ((5, 5), (3, 5), (5, 5), (6, 6), (0, 6), (MAX_TIMESTAMP, MAX_TIMESTAMP), (7, MAX_TIMESTAMP)):
+        store.store(timestamp)
+        assert store.load() == TimestampStore(str(store.path)).load() == stored
+    assert list(store.path.parent.iterdir()) == [store.path]
+
+
+@pytest.mark.parametrize("damage", [b"", b"x", b"-1", b"1.5", b"12\n34", b"\xff", b"0" * 99, b"9" * 5000, b"281474976710656"])
+def test_a_damaged_file_is_told_and_kept(store, damage):
+    store.path.write_bytes(damage)
+    for action in (store.load, lambda: store.store(5)):
+        with pytest.raises(SigningError, match="clock"):
+            action()
+    assert store.path.read_bytes() == damage
+
+
+@pytest.mark.parametrize("wrong", [-1, MAX_TIMESTAMP + 1])
+def test_what_is_no_timestamp_is_not_stored(store, wrong):
+    with pytest.raises(SigningError, match="48 bits"):
+        store.store(wrong)
+    assert store.load() == 0
+
+
+def test_a_file_that_cannot_be_read_or_written_is_told(tmp_path):
+    with pytest.raises(SigningError):
+        TimestampStore(tmp_path).load()
+    with pytest.raises(SigningError, match="cannot be written"):
+        TimestampStore(tmp_path / "no" / "folder").store(5)
+
+
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+def test_a_failure_half_way_leaves_the_old_value(store, monkeypatch, step):
+    store.store(5)
+
+    def fail(*_arguments):
+        raise OSError("power cut")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(timestamps.os if step == "fsync" else type(store.path), step, fail)
+        with pytest.raises(SigningError, match="power cut"):
+            store.store(6)
+    assert store.load() == 5
+    store.store(7)
+    assert store.load() == 7
+
+
+def test_a_reader_never_sees_half_a_value(store):
+    store.store(1)
+    seen, done = set(), threading.Event()
+
+    def read():
+        while not done.is_set():
+            seen.add(store.load())
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    for number in range(2, 60):
+        store.store(number * 10**12)
+    done.set()
+    reader.join()
+    assert seen <= {1, *(number * 10**12 for number in range(2, 60))}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions")
+def test_the_clock_is_no_secret_but_nobody_else_writes_it(store):
+    store.store(5)
+    assert store.path.stat().st_mode & 0o022 == 0
+
+
+def test_a_link_that_starts_again_goes_on_where_it_was(store):
+    now = 1_750_000_000.0
+    first = mavstack.Signing(bytes(32), timestamp=store.load())
+    mavstack.encode(common.Heartbeat(), system=1, component=1, signing=first, now=now)
+    store.store(first.timestamp)
+    # After the restart the clock of the machine is an hour behind.
+    second = mavstack.Signing(bytes(32), timestamp=store.load())
+    raw = mavstack.encode(common.Heartbeat(), system=1, component=1, signing=second, now=now - 3600)
+    assert int.from_bytes(raw[-12:-6], "little") == timestamp_at(now) + 1
+
+
+@given(st.floats(0, 4e9))
+def test_python_and_the_core_count_time_alike(now):
+    signing = mavstack.Signing(bytes(32))
+    mavstack.encode(common.Heartbeat(), system=1, component=1, signing=signing, now=now)
+    assert signing.timestamp == max(1, timestamp_at(now))
