@@ -1,0 +1,29 @@
+"""Links move bytes: one URL names where they come from and go to, whatever is underneath."""
+
+from mavstack.links.base import Link
+from mavstack.links.channel import Channel, Counters
+from mavstack.links.events import BytesReceived, ChannelClosed, ChannelOpened, LinkDown, LinkEvent
+from mavstack.links.impaired import impair
+from mavstack.links.impairment import Flow, Impairment
+from mavstack.links.memory import MemoryNetwork, memory_pair
+from mavstack.links.registry import open_link
+from mavstack.links.url import LinkURL, parse_url
+
+__all__ = [
+    "BytesReceived",
+    "Channel",
+    "ChannelClosed",
+    "ChannelOpened",
+    "Counters",
+    "Flow",
+    "Impairment",
+    "Link",
+    "LinkDown",
+    "LinkEvent",
+    "LinkURL",
+    "MemoryNetwork",
+    "impair",
+    "memory_pair",
+    "open_link",
+    "parse_url",
+]

@@ -1,0 +1,157 @@
+"""Any link made worse on purpose: `udpout://host:port?loss=0.1&latency=200ms&seed=7`, or `impair(link, …)`.
+
+Both directions of each channel go through a flow of their own (see `impairment`), so a latency is there
+twice in a round trip. What the bandwidth's queue refuses counts as a drop of the channel; what is lost on
+the way is only in `stats`, since a real radio does not tell either. The channel that the inner link yields
+and the one seen outside are two: its counters tell what the program wrote and what reached it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from itertools import count
+from typing import TYPE_CHECKING
+
+from mavstack.errors import LinkClosedError
+from mavstack.links.base import Link
+from mavstack.links.channel import Channel, Counters, Data
+from mavstack.links.events import BytesReceived, ChannelClosed, ChannelOpened, LinkDown, LinkEvent
+from mavstack.links.impairment import Flow, FlowStats, Impairment
+from mavstack.links.options import Options
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.links.inbox import Inbox
+
+
+class FlowDriver:
+    """Runs a flow by the event loop's clock and hands over what arrives."""
+
+    def __init__(self, flow: Flow, deliver: Callable[[bytes], object]) -> None:
+        self.flow = flow
+        self._deliver = deliver
+        self._loop = asyncio.get_running_loop()
+        self._timer: asyncio.TimerHandle | None = None
+
+    def send(self, data: bytes) -> bool:
+        """Send a chunk through the flow; without a delay it arrives at once."""
+        accepted = self.flow.send(data, self._loop.time())
+        self._run()
+        return accepted
+
+    def stop(self) -> None:
+        """Let what is on the way be lost."""
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _run(self) -> None:
+        self.stop()
+        for data in self.flow.receive(self._loop.time()):
+            self._deliver(data)
+        due = self.flow.next_timeout()
+        self._timer = None if due is None else self._loop.call_at(due, self._run)
+
+
+class ImpairedChannel(Channel):
+    """A channel with a flow in each direction."""
+
+    def __init__(self, inner: Channel, inbox: Inbox, outgoing: Flow, incoming: Flow) -> None:
+        super().__init__(inner.name, inner.peer, inbox.closed)
+        self._inner = inner
+        self._inbox = inbox
+        self._outgoing = FlowDriver(outgoing, self._forward)
+        self._incoming = FlowDriver(incoming, self._arrive)
+        self._clock_offset = 0.0
+
+    @property
+    def stats(self) -> tuple[FlowStats, FlowStats]:
+        """What happened to the chunks on their way out, and in."""
+        return self._outgoing.flow.stats, self._incoming.flow.stats
+
+    def receive(self, event: BytesReceived) -> None:
+        """Take what the inner channel received; its time is kept, later by the delay."""
+        self._clock_offset = event.time - asyncio.get_running_loop().time()
+        if not self._incoming.send(event.data):
+            self.counters.dropped_in += 1
+
+    async def drain(self) -> None:
+        """Wait until the inner channel has room."""
+        await self._inner.drain()
+
+    def _send(self, data: Data) -> bool:
+        return self._outgoing.send(bytes(data))
+
+    def _forward(self, data: bytes) -> None:
+        with suppress(LinkClosedError):
+            self._inner.write(data)
+
+    def _arrive(self, data: bytes) -> None:
+        self._inbox.offer(self, data, self._clock_offset + asyncio.get_running_loop().time())
+
+    def _shut(self) -> None:
+        self._outgoing.stop()
+        self._incoming.stop()
+        self._inner.close()
+
+
+class ImpairedLink(Link):
+    """A link around another one, which it opens and closes."""
+
+    def __init__(self, inner: Link, outgoing: Impairment, incoming: Impairment) -> None:
+        super().__init__(inner.url, Options(inner.url))
+        self._inner = inner
+        self._models = outgoing, incoming
+        self._numbers = count()
+        self._channels: dict[Channel, ImpairedChannel] = {}
+
+    @property
+    def address(self) -> tuple[str, int] | None:
+        """The address of the inner link."""
+        return self._inner.address
+
+    @property
+    def counters(self) -> Counters:
+        """The sum over all channels, with what the inner link dropped."""
+        inner = self._inner.counters
+        return super().counters + Counters(dropped_in=inner.dropped_in, dropped_out=inner.dropped_out)
+
+    async def _open(self) -> None:
+        await self._inner.open()
+        self._spawn(self._follow())
+
+    async def _follow(self) -> None:
+        async for event in self._inner:
+            self._handle(event)
+            await self._inbox.room()
+        self._inbox.end()
+
+    def _handle(self, event: LinkEvent) -> None:
+        match event:
+            case BytesReceived(channel):
+                if channel in self._channels:
+                    self._channels[channel].receive(event)
+            case ChannelOpened(channel):
+                self._wrap(channel)
+            case ChannelClosed(channel, reason):
+                self._channels.pop(channel).close(reason)
+            case LinkDown(reason, retry_in):
+                self._inbox.down(reason, retry_in)
+
+    def _wrap(self, inner: Channel) -> None:
+        number = next(self._numbers)
+        outgoing, incoming = self._models
+        wrapper = ImpairedChannel(
+            inner, self._inbox, Flow(outgoing, f"{number} out"), Flow(incoming, f"{number} in")
+        )
+        self._channels[inner] = wrapper
+        self._inbox.opened(wrapper)
+
+    async def _stop(self) -> None:
+        await self._inner.close()
+
+
+def impair(link: Link, impairment: Impairment, incoming: Impairment | None = None) -> Link:
+    """Wrap a link that is not open yet; `incoming` is for the other direction, the same if not given."""
+    return ImpairedLink(link, impairment, incoming or impairment)

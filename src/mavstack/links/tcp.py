@@ -1,0 +1,90 @@
+"""TCP: `tcpin://host:port` accepts peers, a channel each; `tcpout://host:port` connects."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from typing import TYPE_CHECKING
+
+from mavstack.links.address import format_address, resolve
+from mavstack.links.connection import ClientLink, Connection, ServerLink
+from mavstack.links.explain import explain
+from mavstack.links.stream import StreamConnection, keep_alive, stop_accepting
+
+if TYPE_CHECKING:
+    import ssl
+
+    from mavstack.links.options import Options
+    from mavstack.links.url import LinkURL
+
+
+class TcpServer(ServerLink):
+    """Listens; every connection is a channel."""
+
+    def __init__(self, url: LinkURL, options: Options) -> None:
+        super().__init__(url, options)
+        self._server: asyncio.Server | None = None
+        self._ssl: ssl.SSLContext | None = None
+
+    @property
+    def address(self) -> tuple[str, int] | None:
+        """The host and port that it listens on."""
+        return self._server.sockets[0].getsockname()[:2] if self._server and self._server.sockets else None
+
+    async def _open(self) -> None:
+        try:
+            self._server = await asyncio.start_server(
+                self._accept, self.url.host, self.url.port, ssl=self._ssl
+            )
+        except OSError as error:
+            raise explain(self.url, error) from error
+
+    def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        keep_alive(writer)
+        peer = format_address(writer.get_extra_info("peername"))
+        name = f"{self.url.scheme} {peer}"
+        connection = StreamConnection(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+        if self._admit(connection):
+            self._spawn(self._serve_task(connection))
+
+    async def _stop(self) -> None:
+        if self._server is not None:
+            await stop_accepting(self._server.sockets)
+            self._server.close()
+
+    async def _release(self) -> None:
+        if self._server is not None:
+            await self._server.wait_closed()
+
+
+class TcpClient(ClientLink):
+    """Connects to a server; the option `timeout` bounds each attempt."""
+
+    def __init__(self, url: LinkURL, options: Options) -> None:
+        super().__init__(url, options)
+        self._timeout = options.seconds("timeout", 5.0)
+        self._ssl: ssl.SSLContext | None = None
+        self._server_name = url.host
+
+    async def _connect(self) -> Connection:
+        async with asyncio.timeout(self._timeout):
+            reader, writer = await self._connect_any()
+        keep_alive(writer)
+        peer = format_address(writer.get_extra_info("peername"))
+        name = f"{self.url.scheme} {peer}"
+        return StreamConnection(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+
+    async def _connect_any(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        """Try the host's addresses in turn; the last failure is the one told."""
+        failure: OSError | None = None
+        for _, address in await resolve(self.url.host, self.url.port, socket.SOCK_STREAM):
+            try:
+                return await asyncio.open_connection(
+                    address[0],
+                    address[1],
+                    ssl=self._ssl,
+                    server_hostname=self._server_name if self._ssl else None,
+                )
+            except OSError as error:
+                failure = error
+        raise failure or OSError("the host has no address")

@@ -1,0 +1,86 @@
+"""TLS: `tls://host:port` and `tlsin://host:port`, TCP links inside TLS.
+
+A client checks the server's certificate against the system's authorities, or against `ca=file.pem`, and the
+name in it against the host or `server_name=…`; `insecure=yes` checks nothing and is for trying out only.
+`cert=` and `key=` are its own certificate. A server needs `cert=` and `key=`; with `ca=` it asks every
+client for a certificate of that authority, and refuses those that have none.
+"""
+
+from __future__ import annotations
+
+import ssl
+from typing import TYPE_CHECKING
+
+from mavstack.errors import LinkError, LinkURLError
+from mavstack.links.tcp import TcpClient, TcpServer
+
+if TYPE_CHECKING:
+    from mavstack.links.options import Options
+    from mavstack.links.url import LinkURL
+
+
+class TlsServer(TcpServer):
+    """Listens for TLS; every connection is a channel."""
+
+    def __init__(self, url: LinkURL, options: Options) -> None:
+        super().__init__(url, options)
+        self._ssl = server_context(url, options)
+
+
+class TlsClient(TcpClient):
+    """Connects to a TLS server."""
+
+    def __init__(self, url: LinkURL, options: Options) -> None:
+        super().__init__(url, options)
+        self._ssl = client_context(url, options)
+        self._server_name = options.text("server_name", url.host)
+
+
+def client_context(url: LinkURL, options: Options) -> ssl.SSLContext:
+    """What a client checks and shows, by the URL's options."""
+    ca, insecure = options.text("ca"), options.flag("insecure", default=False)
+    context = ssl.create_default_context()
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    if ca:
+        _load_authority(url, context, ca)
+    if insecure:
+        context.check_hostname = False
+        context.verify_mode = ssl.CERT_NONE
+    _load_own(url, context, options)
+    return context
+
+
+def server_context(url: LinkURL, options: Options) -> ssl.SSLContext:
+    """What a server checks and shows, by the URL's options."""
+    ca = options.text("ca")
+    if not options.text("cert"):
+        raise LinkURLError(f"{url} has no certificate: add ?cert=cert.pem&key=key.pem")
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    if ca:
+        _load_authority(url, context, ca)
+        context.verify_mode = ssl.CERT_REQUIRED
+    _load_own(url, context, options)
+    return context
+
+
+def _load_authority(url: LinkURL, context: ssl.SSLContext, ca: str) -> None:
+    try:
+        context.load_verify_locations(ca)
+    except OSError as error:
+        raise LinkError(f"{url}: cannot read the authority {ca}: {error.strerror or error}") from error
+
+
+def _load_own(url: LinkURL, context: ssl.SSLContext, options: Options) -> None:
+    cert, key = options.text("cert"), options.text("key")
+    if not cert:
+        return
+    try:
+        context.load_cert_chain(cert, key or None, password=_no_password)
+    except (OSError, ValueError) as error:
+        raise LinkError(f"{url}: cannot use the certificate {cert} with its key: {error}") from error
+
+
+def _no_password() -> str:
+    """Refuse an encrypted key, where OpenSSL would otherwise ask on the terminal."""
+    raise ValueError("the key is encrypted; store it without a password")

@@ -1,0 +1,88 @@
+"""Unix sockets: `unix://path` connects, `unixin://path` listens. Not on Windows."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import stat
+import sys
+from itertools import count
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mavstack.errors import LinkError
+from mavstack.links.connection import ClientLink, Connection, ServerLink
+from mavstack.links.explain import explain
+from mavstack.links.stream import StreamConnection, stop_accepting
+
+if TYPE_CHECKING:
+    from mavstack.links.options import Options
+    from mavstack.links.url import LinkURL
+
+
+def _require_posix(url: LinkURL) -> None:
+    if sys.platform == "win32":
+        raise LinkError(
+            f"{url}: unix sockets do not exist on Windows; use tcpin:// and tcpout:// on 127.0.0.1"
+        )
+
+
+class UnixServer(ServerLink):
+    """Listens on a path; every connection is a channel."""
+
+    def __init__(self, url: LinkURL, options: Options) -> None:
+        super().__init__(url, options)
+        self._server: asyncio.Server | None = None
+        self._numbers = count(1)
+
+    async def _open(self) -> None:
+        _require_posix(self.url)
+        path = Path(self.url.path)
+        try:
+            _remove_stale(path)
+            self._server = await asyncio.start_unix_server(self._accept, path)
+        except OSError as error:
+            raise explain(self.url, error) from error
+
+    def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        peer = f"{self.url.path}#{next(self._numbers)}"
+        name = f"unixin {peer}"
+        connection = StreamConnection(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+        if self._admit(connection):
+            self._spawn(self._serve_task(connection))
+
+    async def _stop(self) -> None:
+        if self._server is not None:
+            await stop_accepting(self._server.sockets)
+            self._server.close()
+            self._remove()
+
+    def _remove(self) -> None:
+        Path(self.url.path).unlink(missing_ok=True)
+
+    async def _release(self) -> None:
+        if self._server is not None:
+            await self._server.wait_closed()
+
+
+class UnixClient(ClientLink):
+    """Connects to a listening path."""
+
+    async def _connect(self) -> Connection:
+        _require_posix(self.url)
+        streams = await asyncio.open_unix_connection(self.url.path)
+        name = f"unix {self.url.path}"
+        return StreamConnection(name, self.url.path, self._inbox.closed, streams, self._send_queue)
+
+
+def _remove_stale(path: Path) -> None:
+    """Remove the socket of a dead server, and raise if the server is alive: asyncio would take its place."""
+    if not path.exists() or not stat.S_ISSOCK(path.stat().st_mode):
+        return
+    with socket.socket(socket.AF_UNIX) as probe:
+        try:
+            probe.connect(str(path))
+        except ConnectionRefusedError:
+            path.unlink()
+        else:
+            raise LinkError(f"cannot open unixin://{path}: another program listens there: close it first")

@@ -1,0 +1,196 @@
+"""What every link must do: a backend's test class inherits this and says how to make a pair of ends."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import random
+from contextlib import asynccontextmanager
+
+import pytest
+
+from mavstack.errors import LinkClosedError, LinkError
+from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened
+
+PATIENCE = 20  # seconds after which a test that hangs fails
+
+
+class Conformance:
+    """`pair` yields an unopened link and a coroutine function that gives its peer once the link is open."""
+
+    datagrams = False  # whether chunks keep their bounds, and may be lost
+    greeting = b""  # what the peer has to send first to become a channel
+    notices_hang_up = True  # whether the link learns that its peer is gone
+    small = "receive_queue=4096&send_queue=4096"
+
+    def pair(self, query: str = ""):
+        raise NotImplementedError
+
+    @asynccontextmanager
+    async def connected(self, query: str = ""):
+        async with asyncio.timeout(PATIENCE), self.pair(query) as (link, make_peer), link:
+            peer = await make_peer()
+            if self.greeting:
+                await peer.send(self.greeting)
+            event = await anext(link)
+            assert isinstance(event, ChannelOpened)
+            if self.greeting:
+                assert (await anext(link)).data == self.greeting
+            try:
+                yield link, event.channel, peer
+            finally:
+                await peer.close()
+
+    @pytest.fixture(autouse=True)
+    async def _nothing_is_left(self):
+        yield
+        left = asyncio.all_tasks() - {asyncio.current_task()}
+        if left:  # a peer's own tasks may need one more turn to end
+            await asyncio.wait(left, timeout=1)
+        assert not asyncio.all_tasks() - {asyncio.current_task()}
+        gc.collect()  # a forgotten socket or transport warns now, and a warning is an error
+
+    async def test_opening_yields_one_channel(self):
+        async with self.connected() as (link, channel, _):
+            assert list(link.channels) == [channel]
+            assert channel.name
+            assert channel.peer
+            assert not channel.closed
+            assert await link.open() is link
+
+    async def test_bytes_go_both_ways_unchanged(self):
+        dice = random.Random(1)
+        async with self.connected() as (link, channel, peer):
+            for size in [1, 2, 255, *(dice.randrange(1, 1400) for _ in range(40))]:
+                data = dice.randbytes(size)
+                assert channel.write(data)
+                assert await peer.receive(size) == data
+                await peer.send(data)
+                assert await receive(link, size) == data
+
+    async def test_counters_tell_what_went_through(self):
+        async with self.connected() as (link, channel, peer):
+            channel.write(b"12345")
+            channel.write(memoryview(b"67"))
+            await peer.receive(7)
+            await peer.send(b"abc")
+            await receive(link, 3)
+            counters = channel.counters
+            assert (counters.bytes_out, counters.chunks_out, counters.dropped_out) == (7, 2, 0)
+            assert (counters.bytes_in, counters.dropped_in) == (3 + len(self.greeting), 0)
+            assert link.counters == counters
+            channel.close()
+            assert link.counters == counters
+
+    async def test_closing_ends_the_iteration_after_telling(self):
+        async with self.connected() as (link, channel, _):
+            await link.close()
+            await link.close()
+            assert link.closed
+            assert [event async for event in link] == [ChannelClosed(channel, "link closed")]
+            assert not link.channels
+
+    async def test_a_closed_channel_refuses_bytes(self):
+        async with self.connected() as (link, channel, _):
+            channel.close()
+            channel.close()
+            with pytest.raises(LinkClosedError, match="is closed"):
+                channel.write(b"x")
+            assert isinstance(await anext(link), ChannelClosed)
+
+    async def test_a_link_opens_only_once(self):
+        async with self.connected() as (link, *_):
+            await link.close()
+            with pytest.raises(LinkClosedError, match="open a new link"):
+                await link.open()
+
+    async def test_reading_before_opening_is_a_mistake(self):
+        async with self.pair() as (link, _):
+            with pytest.raises(LinkError, match="not open yet"):
+                aiter(link)
+            await link.close()
+
+    async def test_a_cancelled_reader_loses_nothing(self):
+        async with self.connected() as (link, _, peer):
+            reader = asyncio.create_task(anext(link))
+            await asyncio.sleep(0)
+            reader.cancel()
+            await asyncio.gather(reader, return_exceptions=True)
+            await peer.send(b"still there")
+            assert await receive(link, 11) == b"still there"
+
+    async def test_only_one_task_may_read(self):
+        async with self.connected() as (link, *_):
+            reader = asyncio.create_task(anext(link))
+            await asyncio.sleep(0)
+            with pytest.raises(LinkError, match="two tasks"):
+                await anext(link)
+            reader.cancel()
+            await asyncio.gather(reader, return_exceptions=True)
+
+    async def test_batches_give_the_same_bytes(self):
+        async with self.connected() as (link, channel, peer):
+            await peer.send(b"a" * 100)
+            await peer.send(b"b" * 100)
+            data = b""
+            async for batch in link.batches():
+                data += b"".join(event.data for event in batch if isinstance(event, BytesReceived))
+                assert all(event.channel is channel for event in batch)
+                if len(data) == 200:
+                    break
+            assert data == b"a" * 100 + b"b" * 100
+
+    async def test_what_cannot_be_sent_is_dropped_and_counted(self):
+        async with self.connected(self.small) as (_, channel, _):
+            accepted = [channel.write(bytes(1000)) for _ in range(2000)]
+            counters = channel.counters
+            assert counters.chunks_out == sum(accepted)
+            assert counters.dropped_out == len(accepted) - sum(accepted)
+
+    async def test_what_nobody_reads_is_bounded(self):
+        total, waiting = 200, 10  # where links are wrapped a few chunks wait between them
+        async with self.connected(self.small) as (link, channel, peer):
+            sending = asyncio.create_task(send_many(peer, total))
+            if self.datagrams:
+                await sending
+                await settle(lambda: link.counters.chunks_in + link.counters.dropped_in >= total - waiting)
+                assert link.counters.dropped_in > 0
+                assert channel.counters.bytes_in < 8192
+            else:
+                await asyncio.sleep(0.01)
+                assert channel.counters.bytes_in < (1 << 18)
+                assert len(await receive(link, total * 1000)) == total * 1000
+                await sending
+                assert channel.counters.dropped_in == 0
+
+    async def test_a_peer_that_hangs_up_is_told(self):
+        if not self.notices_hang_up:
+            pytest.skip("has no connection")
+        async with self.connected() as (link, channel, peer):
+            await peer.close()
+            event = await anext(link)
+            assert isinstance(event, ChannelClosed)
+            assert event.channel is channel
+            assert event.reason
+            assert channel.closed
+
+
+async def receive(link, count: int) -> bytes:
+    """So many bytes from the link's only channel."""
+    data = b""
+    while len(data) < count:
+        event = await anext(link)
+        assert isinstance(event, BytesReceived), event
+        data += event.data
+    return data
+
+
+async def send_many(peer, count: int) -> None:
+    for _ in range(count):
+        await peer.send(bytes(1000))
+
+
+async def settle(condition) -> None:
+    """Give the event loop turns until the condition holds; the test's timeout bounds it."""
+    while not condition():  # noqa: ASYNC110 - what it waits for has no event
+        await asyncio.sleep(0.001)

@@ -1,0 +1,146 @@
+from __future__ import annotations
+
+import asyncio
+import sys
+
+import pytest
+
+from mavstack.errors import LinkError, LinkURLError
+from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, open_link
+
+from .tlogs import packet, tlog
+from .virtual import run_virtually
+
+START = 1_700_000_000.0
+
+
+@pytest.fixture
+def flight(tmp_path):
+    path = tmp_path / "flight.tlog"
+    path.write_bytes(tlog([START, START + 0.001, START + 1, START + 1.5, START + 3]))
+    return path
+
+
+def replay(url: str) -> list[tuple[float, object]]:
+    """All events, each with the time of the event loop at which it came."""
+
+    async def follow():
+        loop = asyncio.get_running_loop()
+        begin = loop.time()
+        async with open_link(url) as link:
+            return [(loop.time() - begin, event) async for event in link]
+
+    return run_virtually(follow())
+
+
+@pytest.mark.parametrize("speed", [1, 2, 10, 0.5])
+def test_a_replay_keeps_the_rhythm_of_the_flight(flight, speed):
+    events = replay(f"file://{flight}?speed={speed}")
+    assert isinstance(events[0][1], ChannelOpened)
+    assert events[-1][1] == ChannelClosed(events[0][1].channel, "end of file")
+    moments = [(at, event.time) for at, event in events if isinstance(event, BytesReceived)]
+    for at, recorded in moments:
+        assert at * speed == pytest.approx(recorded - START, abs=1e-3)
+    assert [recorded - START for _, recorded in moments][-1] == pytest.approx(3)
+
+
+def test_packets_of_one_moment_come_together_and_without_times(flight):
+    chunks = [event for _, event in replay(str(flight)) if isinstance(event, BytesReceived)]
+    one = packet(b"x" * 20)
+    assert [chunk.data for chunk in chunks] == [one * 2, one, one, one]
+
+
+@pytest.mark.parametrize("speed", ["max", "0"])
+def test_full_speed_takes_no_time_and_large_chunks(tmp_path, speed):
+    path = tmp_path / "long.tlog"
+    path.write_bytes(tlog(START + n for n in range(20_000)))
+    events = replay(f"file://{path}?speed={speed}")
+    assert events[-1][0] == 0
+    chunks = [event.data for _, event in events if isinstance(event, BytesReceived)]
+    assert b"".join(chunks) == packet(b"x" * 20) * 20_000
+    assert len(chunks) <= 10
+    times = [event.time for _, event in events if isinstance(event, BytesReceived)]
+    assert times == sorted(times)
+    assert times[0] == START
+
+
+def test_a_clock_that_was_set_does_not_stop_the_replay(tmp_path):
+    path = tmp_path / "set.tlog"
+    path.write_bytes(tlog([5.0, 6.0, START, START + 1, START - 100, START - 99]))
+    events = replay(str(path))
+    at = [at for at, event in events if isinstance(event, BytesReceived)]
+    assert at == pytest.approx([0, 1, 61, 62, 62, 63])
+
+
+def test_other_files_come_as_they_are(tmp_path):
+    path = tmp_path / "stream.raw"
+    path.write_bytes(packet(b"abc") * 50_000)
+    events = replay(f"{path}?speed=1")
+    assert (
+        b"".join(event.data for _, event in events if isinstance(event, BytesReceived)) == path.read_bytes()
+    )
+    assert events[-1][0] == 0
+
+
+def test_an_empty_file_ends_at_once(tmp_path):
+    path = tmp_path / "empty.tlog"
+    path.touch()
+    assert [type(event) for _, event in replay(str(path))] == [ChannelOpened, ChannelClosed]
+
+
+async def test_a_recorded_peer_cannot_hear(flight):
+    async with open_link(flight.as_posix()) as link:
+        channel = (await anext(link)).channel
+        assert not channel.write(b"turn left")
+        assert channel.counters.dropped_out == 1
+        await channel.drain()
+
+
+async def test_a_slow_reader_holds_the_replay_back(tmp_path):
+    path = tmp_path / "big.raw"
+    path.write_bytes(bytes(4 << 20))
+    async with open_link(f"{path}?receive_queue=64k") as link:
+        await asyncio.sleep(0.02)
+        assert link.counters.bytes_in <= 1 << 18
+        total = 0
+        async for event in link:
+            total += len(event.data) if isinstance(event, BytesReceived) else 0
+        assert total == 4 << 20
+        assert link.counters.dropped_in == 0
+
+
+async def test_closing_in_the_middle_ends_at_once(flight):
+    async with open_link(f"{flight}?speed=0.001") as link:
+        opened = await anext(link)
+        await anext(link)
+        await link.close()
+        assert [event async for event in link] == [ChannelClosed(opened.channel, "link closed")]
+
+
+async def test_closing_the_channel_ends_the_link(flight):
+    async with open_link(f"{flight}?speed=1000") as link:
+        (await anext(link)).channel.close()
+        kinds = [type(event) async for event in link]
+        assert kinds[-1] is ChannelClosed
+
+
+async def test_a_missing_file_is_told(tmp_path):
+    with pytest.raises(LinkError, match=r"no such file or device: .*none\.tlog"):
+        await open_link(f"{tmp_path.as_posix()}/none.tlog")
+
+
+async def test_a_folder_is_told(tmp_path):
+    with pytest.raises(LinkError, match=r"is a directory|permission denied"):
+        await open_link(f"file://{tmp_path.as_posix()}")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs devices")
+async def test_a_device_is_told():
+    with pytest.raises(LinkError, match="it is a device: use serial:///dev/null"):
+        await open_link("file:///dev/null")
+
+
+@pytest.mark.parametrize("speed", ["-1", "fast", "nan", "inf"])
+def test_a_bad_speed_is_told(speed):
+    with pytest.raises(LinkURLError, match="must be a number such as 1 or 10, or max"):
+        open_link(f"flight.tlog?speed={speed}")

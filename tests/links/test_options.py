@@ -1,0 +1,88 @@
+from __future__ import annotations
+
+import pytest
+
+from mavstack.errors import LinkURLError
+from mavstack.links.options import Options
+from mavstack.links.url import parse_url
+
+
+def options(query: str) -> Options:
+    return Options(parse_url(f"udpin://0.0.0.0:1?{query}"))
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"),
+    [
+        ("200ms", 0.2),
+        ("1.5", 1.5),
+        ("2s", 2),
+        ("5us", 5e-6),
+        ("1min", 60),
+        (".5", 0.5),
+        ("1e-3", 0.001),
+        ("0", 0),
+    ],
+)
+def test_times(text, seconds):
+    assert options(f"t={text}").seconds("t", 9) == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize(("text", "size"), [("5760", 5760), ("64k", 65536), ("4M", 4 << 20), ("0.5k", 512)])
+def test_sizes(text, size):
+    assert options(f"s={text}").size("s", 9) == size
+
+
+@pytest.mark.parametrize(("text", "fraction"), [("0.1", 0.1), ("10%25", 0.1), ("1", 1), ("0", 0)])
+def test_fractions(text, fraction):
+    assert options(f"f={text}").fraction("f", 0.5) == pytest.approx(fraction)
+
+
+def test_flags_words_and_numbers():
+    given = options("a=YES&b=off&n=7&w=rtscts")
+    assert given.flag("a", default=False)
+    assert not given.flag("b", default=True)
+    assert given.whole("n", 1) == 7
+    assert given.choice("w", ("none", "rtscts")) == "rtscts"
+    given.finish()
+
+
+def test_defaults():
+    given = options("")
+    assert given.flag("a", default=True)
+    assert (given.whole("n", 3), given.seconds("t", 1.5), given.size("s", 7), given.text("x")) == (
+        3,
+        1.5,
+        7,
+        "",
+    )
+    assert given.choice("w", ("none", "rtscts")) == "none"
+
+
+@pytest.mark.parametrize(
+    ("query", "read", "wanted"),
+    [
+        ("x=maybe", lambda o: o.flag("x", default=True), "x=maybe must be yes or no"),
+        ("x=fast", lambda o: o.seconds("x", 1), "a time such as 200ms"),
+        ("x=-1", lambda o: o.seconds("x", 1), "a time such as 200ms"),
+        ("x=5kg", lambda o: o.size("x", 1), "a number of bytes"),
+        ("x=1.5", lambda o: o.fraction("x", 1), "between 0 and 1"),
+        ("x=0", lambda o: o.whole("x", 1), "a whole number, 1 or more"),
+        ("x=1.5", lambda o: o.whole("x", 1), "a whole number"),
+        ("x=up", lambda o: o.choice("x", ("in", "out")), "one of in, out"),
+    ],
+)
+def test_bad_values_are_told(query, read, wanted):
+    with pytest.raises(LinkURLError, match=wanted):
+        read(options(query))
+
+
+def test_an_option_nobody_reads_is_told_with_what_was_meant():
+    given = options("buad=57600&x=1")
+    given.whole("baud", 1)
+    with pytest.raises(LinkURLError, match=r"udpin has no option 'buad'; did you mean baud\?"):
+        given.finish()
+    given = options("x=1")
+    given.has("idle")
+    with pytest.raises(LinkURLError, match="it has idle"):
+        given.finish()

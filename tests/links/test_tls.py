@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+import asyncio
+import ssl
+from contextlib import asynccontextmanager
+
+import pytest
+
+from mavstack.errors import LinkError, LinkURLError
+from mavstack.links import ChannelOpened, open_link
+
+from .certificates import certificates  # noqa: F401 - a fixture
+from .conformance import Conformance
+from .peers import Acceptor, StreamPeer
+
+
+class UsesCertificates(Conformance):
+    @pytest.fixture(autouse=True)
+    def _certificates(self, certificates):  # noqa: F811
+        self.folder = certificates
+
+
+class TestTls(UsesCertificates):
+    @asynccontextmanager
+    async def pair(self, query=""):
+        context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+        context.load_cert_chain(self.folder / "cert.pem", self.folder / "key.pem")
+        acceptor = Acceptor()
+        port = await acceptor.listen_tcp(ssl=context)
+        yield open_link(f"tls://127.0.0.1:{port}?ca={self.folder}/ca.pem&{query}"), acceptor.accepted.get
+        await acceptor.close()
+
+
+class TestTlsin(UsesCertificates):
+    @asynccontextmanager
+    async def pair(self, query=""):
+        link = open_link(f"tlsin://127.0.0.1:0?cert={self.folder}/cert.pem&key={self.folder}/key.pem&{query}")
+        context = ssl.create_default_context(cafile=self.folder / "ca.pem")
+
+        async def peer():
+            return StreamPeer(*await asyncio.open_connection(*link.address, ssl=context))
+
+        yield link, peer
+
+
+@pytest.fixture
+def server_url(certificates):  # noqa: F811
+    return f"tlsin://127.0.0.1:0?cert={certificates}/cert.pem&key={certificates}/key.pem"
+
+
+async def test_an_untrusted_server_is_told_and_may_be_trusted_on_purpose(server_url):
+    async with open_link(server_url) as server:
+        url = f"tls://127.0.0.1:{server.address[1]}"
+        with pytest.raises(LinkError, match=r"not trusted .*\?ca="):
+            await open_link(url)
+        async with open_link(url, insecure=True) as client:
+            assert isinstance(await anext(client), ChannelOpened)
+
+
+async def test_a_certificate_for_another_name_is_refused(server_url, certificates):  # noqa: F811
+    async with open_link(server_url) as server:
+        url = f"tls://127.0.0.1:{server.address[1]}?ca={certificates}/ca.pem"
+        with pytest.raises(LinkError, match="not trusted"):
+            await open_link(url, server_name="ground.example")
+
+
+async def test_a_server_may_ask_for_certificates(server_url, certificates):  # noqa: F811
+    async with open_link(server_url, ca=certificates / "ca.pem") as server:
+        url = f"tls://127.0.0.1:{server.address[1]}?ca={certificates}/ca.pem"
+        async with open_link(url, cert=certificates / "cert.pem", key=certificates / "key.pem") as client:
+            (await anext(client)).channel.write(b"known")
+            assert isinstance(await anext(server), ChannelOpened)
+            assert (await anext(server)).data == b"known"
+        await anext(server)
+        async with open_link(url, reconnect=False) as stranger:  # TLS 1.3 tells it only after the handshake
+            assert len([event async for event in stranger]) == 2
+        assert not server.channels
+
+
+@pytest.mark.parametrize(
+    ("url", "problem"),
+    [
+        ("tlsin://127.0.0.1:0", r"no certificate: add \?cert="),
+        ("tlsin://127.0.0.1:0?cert=none.pem", "cannot use the certificate none.pem"),
+        ("tls://127.0.0.1:1?ca=none.pem", "cannot read the authority none.pem"),
+    ],
+)
+def test_bad_certificates_are_told(url, problem):
+    with pytest.raises(LinkError, match=problem):
+        open_link(url)
+
+
+def test_an_encrypted_key_does_not_ask_on_the_terminal(certificates):  # noqa: F811
+    with pytest.raises(LinkError, match="encrypted"):
+        open_link(f"tlsin://127.0.0.1:0?cert={certificates}/cert.pem&key={certificates}/locked.pem")
+
+
+async def test_a_peer_without_tls_is_told():
+    acceptor = Acceptor()
+    port = await acceptor.listen_tcp()
+    opening = asyncio.create_task(open_link(f"tls://127.0.0.1:{port}?insecure=yes").open())
+    peer = await acceptor.accepted.get()
+    await peer.send(b"\xfd" * 100)
+    with pytest.raises(LinkError, match=r"does the other side speak TLS\?"):
+        await opening
+    await acceptor.close()
+
+
+def test_a_certificate_is_a_link_url_error_too():
+    with pytest.raises(LinkURLError):
+        open_link("wssin://127.0.0.1:0")

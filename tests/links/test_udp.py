@@ -1,0 +1,194 @@
+from __future__ import annotations
+
+import asyncio
+import socket
+import sys
+from contextlib import asynccontextmanager
+
+import pytest
+
+from mavstack.errors import LinkError
+from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, open_link
+from mavstack.links.udp import UdpLink
+
+from .conformance import Conformance, receive, settle
+from .peers import UdpPeer
+
+
+class TestUdpin(Conformance):
+    datagrams = True
+    greeting = b"hello"
+    notices_hang_up = False
+
+    @asynccontextmanager
+    async def pair(self, query=""):
+        link = open_link(f"udpin://127.0.0.1:0?{query}" if query else "udpin://127.0.0.1:0")
+
+        async def peer():
+            return UdpPeer(link.address)
+
+        yield link, peer
+
+
+class TestUdpout(Conformance):
+    datagrams = True
+    notices_hang_up = False
+
+    @asynccontextmanager
+    async def pair(self, query=""):
+        peer = UdpPeer()
+        link = open_link(f"udpout://127.0.0.1:{peer.port}?{query}")
+
+        async def ready():
+            peer.target = ("127.0.0.1", link.address[1])
+            return peer
+
+        yield link, ready
+        await peer.close()
+
+
+class WithoutReaders(asyncio.SelectorEventLoop):
+    """As the proactor of Windows: it watches no sockets for us."""
+
+    def add_reader(self, fd, callback, *args):
+        raise NotImplementedError
+
+
+def test_an_event_loop_that_watches_no_sockets():
+    async def talk():
+        async with open_link("udpin://127.0.0.1:0") as link:
+            peer = UdpPeer(link.address)
+            await peer.send(b"ping")
+            channel = (await anext(link)).channel
+            assert await receive(link, 4) == b"ping"
+            assert channel.write(b"pong")
+            await asyncio.sleep(0)
+            peer.socket.settimeout(5)
+            assert peer.socket.recv(100) == b"pong"
+            await peer.close()
+
+    with asyncio.Runner(loop_factory=WithoutReaders) as runner:
+        runner.run(talk())
+
+
+async def test_each_remote_address_is_a_channel():
+    async with open_link("udpin://127.0.0.1:0", max_peers=3) as link:
+        peers = [UdpPeer(link.address) for _ in range(4)]
+        for number, peer in enumerate(peers):
+            await peer.send(bytes([number]))
+        await settle(lambda: link.counters.dropped_in)
+        assert [channel.peer for channel in link.channels] == [f"127.0.0.1:{p.port}" for p in peers[:3]]
+        for channel in link.channels:
+            channel.write(channel.peer.encode())
+        for peer in peers[:3]:
+            assert await peer.receive(1) == f"127.0.0.1:{peer.port}".encode()
+        for peer in peers:
+            await peer.close()
+
+
+async def test_a_closed_peer_that_sends_again_is_a_new_channel():
+    async with open_link("udpin://127.0.0.1:0") as link:
+        peer = UdpPeer(link.address)
+        await peer.send(b"1")
+        first = (await anext(link)).channel
+        await anext(link)
+        first.close()
+        await peer.send(b"2")
+        assert await anext(link) == ChannelClosed(first, "closed by this side")
+        second = (await anext(link)).channel
+        assert second is not first
+        assert await receive(link, 1) == b"2"
+        await peer.close()
+
+
+async def test_a_silent_peer_is_closed():
+    async with open_link("udpin://127.0.0.1:0", idle="20ms") as link:
+        peer = UdpPeer(link.address)
+        await peer.send(b"x")
+        channel = (await anext(link)).channel
+        await anext(link)
+        assert await anext(link) == ChannelClosed(channel, "silent for 0.02 s")
+        await peer.close()
+
+
+async def test_a_busy_port_is_told_and_leaves_nothing_open():
+    async with open_link("udpin://127.0.0.1:0") as first:
+        url = f"udpin://127.0.0.1:{first.address[1]}"
+        with pytest.raises(LinkError, match=rf"cannot open {url}: port \d+ is in use by another program"):
+            await open_link(url)
+
+
+async def test_an_address_of_another_machine_is_told():
+    with pytest.raises(LinkError, match=r"192\.0\.2\.1 is not an address of this machine.*udpout"):
+        await open_link("udpin://192.0.2.1:14550")
+
+
+async def test_a_name_that_does_not_exist_is_told(monkeypatch):
+    async def fail(*_, **__):
+        raise socket.gaierror(socket.EAI_NONAME, "no such name")
+
+    monkeypatch.setattr(asyncio.get_running_loop(), "getaddrinfo", fail)
+    with pytest.raises(LinkError, match=r"'drone\.invalid' cannot be resolved"):
+        await open_link("udpout://drone.invalid:14550")
+
+
+async def test_nobody_listening_does_not_end_a_udpout():
+    gone = UdpPeer()
+    port = gone.port
+    await gone.close()
+    async with open_link(f"udpout://127.0.0.1:{port}") as link:
+        channel = (await anext(link)).channel
+        for _ in range(10):
+            channel.write(b"anyone?")
+            await asyncio.sleep(0)
+        late = UdpPeer(("127.0.0.1", link.address[1]))
+        await late.send(b"from another port of the peer")
+        assert await receive(link, 29) == b"from another port of the peer"
+        await late.close()
+
+
+async def test_a_udpout_takes_nothing_from_strangers():
+    async with open_link("udpout://127.0.0.2:14550") as link:
+        stranger = UdpPeer(("127.0.0.1", link.address[1]))
+        await stranger.send(b"I am your drone")
+        await settle(lambda: link.counters.dropped_in)
+        assert link.counters.bytes_in == 0
+        await stranger.close()
+
+
+async def test_a_datagram_too_large_is_dropped_not_raised():
+    async with open_link("udpout://127.0.0.1:9") as link:
+        channel = (await anext(link)).channel
+        assert not channel.write(bytes(70_000))
+        assert channel.counters.dropped_out == 1
+
+
+async def test_a_broadcast_address_may_be_sent_to():
+    async with open_link("udpout://127.255.255.255:14550") as link:
+        assert (await anext(link)).channel.write(b"x")
+
+
+@pytest.mark.skipif(not socket.has_ipv6, reason="no IPv6")
+async def test_ipv6():
+    try:
+        link = await open_link("udpin://[::1]:0")
+    except LinkError:
+        pytest.skip("no IPv6 here")
+    async with link, open_link(f"udpout://[::1]:{link.address[1]}") as other:
+        (await anext(other)).channel.write(b"six")
+        opened = await anext(link)
+        assert isinstance(opened, ChannelOpened)
+        assert opened.channel.peer == f"[::1]:{other.address[1]}"
+        assert isinstance(await anext(link), BytesReceived)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells")
+async def test_what_the_kernel_drops_is_told():
+    async with open_link("udpin://127.0.0.1:0", socket_buffer=4096) as link:
+        assert isinstance(link, UdpLink)
+        assert link.kernel_drops == 0
+        peer = UdpPeer(link.address)
+        for _ in range(100):
+            peer.socket.sendto(bytes(1000), link.address)
+        assert link.kernel_drops
+        await peer.close()

@@ -1,0 +1,165 @@
+from __future__ import annotations
+
+import asyncio
+import sys
+from contextlib import asynccontextmanager
+
+import pytest
+
+from mavstack.errors import LinkError, MissingExtraError
+from mavstack.links import ChannelClosed, ChannelOpened, LinkDown, open_link
+
+from .certificates import certificates  # noqa: F401 - a fixture
+from .conformance import Conformance, receive
+
+pytest.importorskip("websockets")
+
+from websockets.asyncio.client import connect
+from websockets.asyncio.server import serve
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+
+class WsPeer:
+    def __init__(self, socket) -> None:
+        self.socket = socket
+        self.rest = b""
+
+    async def send(self, data: bytes) -> None:
+        await self.socket.send(data)
+
+    async def receive(self, count: int) -> bytes:
+        while len(self.rest) < count:
+            self.rest += await self.socket.recv()
+        data, self.rest = self.rest[:count], self.rest[count:]
+        return data
+
+    async def close(self) -> None:
+        await self.socket.close()
+
+
+class WsAcceptor:
+    """A WebSocket server that hands over the connections it gets."""
+
+    def __init__(self) -> None:
+        self.accepted = asyncio.Queue()
+        self.server = None
+
+    async def listen(self, port: int = 0) -> int:
+        self.server = await serve(self._accept, "127.0.0.1", port, close_timeout=0.1)
+        return self.server.sockets[0].getsockname()[1]
+
+    async def _accept(self, socket) -> None:
+        self.accepted.put_nowait(WsPeer(socket))
+        await socket.wait_closed()
+
+    async def close(self) -> None:
+        self.server.close()
+        await self.server.wait_closed()
+
+
+class TestWsin(Conformance):
+    @asynccontextmanager
+    async def pair(self, query=""):
+        link = open_link(f"wsin://127.0.0.1:0?{query}")
+
+        async def peer():
+            return WsPeer(await connect(f"ws://127.0.0.1:{link.address[1]}", close_timeout=0.1, proxy=None))
+
+        yield link, peer
+
+
+class TestWs(Conformance):
+    @asynccontextmanager
+    async def pair(self, query=""):
+        acceptor = WsAcceptor()
+        port = await acceptor.listen()
+        yield open_link(f"ws://127.0.0.1:{port}/mavlink?{query}"), acceptor.accepted.get
+        await acceptor.close()
+
+
+async def test_both_ends_over_tls(certificates):  # noqa: F811
+    server_url = f"wssin://127.0.0.1:0?cert={certificates}/cert.pem&key={certificates}/key.pem"
+    async with open_link(server_url) as server:
+        url = f"wss://127.0.0.1:{server.address[1]}?ca={certificates}/ca.pem"
+        async with open_link(url) as client:
+            (await anext(client)).channel.write(b"secret")
+            await anext(server)
+            assert await receive(server, 6) == b"secret"
+
+
+async def test_web_pages_are_refused_unless_named():
+    async with open_link("wsin://127.0.0.1:0") as link:
+        url = f"ws://127.0.0.1:{link.address[1]}"
+        with pytest.raises(InvalidStatus, match="403"):
+            await connect(url, origin="https://evil.example", proxy=None)
+    async with open_link("wsin://127.0.0.1:0?origin=https://ground.example") as link:
+        url = f"ws://127.0.0.1:{link.address[1]}"
+        socket = await connect(url, origin="https://ground.example", proxy=None)
+        await socket.close()
+    async with open_link("wsin://127.0.0.1:0?origin=*") as link:
+        url = f"ws://127.0.0.1:{link.address[1]}"
+        socket = await connect(url, origin="https://any.example", proxy=None)
+        await socket.close()
+
+
+async def test_text_is_not_ours():
+    async with open_link("wsin://127.0.0.1:0") as link:
+        socket = await connect(f"ws://127.0.0.1:{link.address[1]}", proxy=None)
+        channel = (await anext(link)).channel
+        await socket.send("text")
+        await socket.send(b"bytes")
+        assert await receive(link, 5) == b"bytes"
+        assert channel.counters.dropped_in == 1
+        await socket.close()
+
+
+async def test_too_many_peers_are_refused():
+    async with open_link("wsin://127.0.0.1:0?max_peers=1") as link:
+        url = f"ws://127.0.0.1:{link.address[1]}"
+        first, second = await connect(url, proxy=None), await connect(url, proxy=None)
+        with pytest.raises(ConnectionClosed):
+            await second.recv()
+        assert len(link.channels) == 1
+        await first.close()
+
+
+async def test_a_server_that_restarts_is_found_again():
+    acceptor = WsAcceptor()
+    port = await acceptor.listen()
+    async with open_link(f"ws://127.0.0.1:{port}/?retry=1ms&retry_limit=2ms") as link:
+        assert isinstance(await anext(link), ChannelOpened)
+        await acceptor.close()
+        assert isinstance(await anext(link), ChannelClosed)
+        assert isinstance(await anext(link), LinkDown)
+        await acceptor.listen(port)
+        while isinstance(event := await anext(link), LinkDown):
+            pass
+        assert isinstance(event, ChannelOpened)
+    await acceptor.close()
+
+
+async def test_a_server_of_something_else_is_told():
+    async def answer(reader, writer):
+        await reader.readuntil(b"\r\n\r\n")
+        writer.write(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n")
+        writer.close()
+
+    server = await asyncio.start_server(answer, "127.0.0.1", 0)
+    port = server.sockets[0].getsockname()[1]
+    with pytest.raises(LinkError, match=r"the server refused the WebSocket: .*404"):
+        await open_link(f"ws://127.0.0.1:{port}/mavlink")
+    server.close()
+    await server.wait_closed()
+
+
+async def test_a_busy_port_is_told():
+    async with open_link("wsin://127.0.0.1:0") as first:
+        with pytest.raises(LinkError, match="is in use"):
+            await open_link(f"wsin://127.0.0.1:{first.address[1]}")
+
+
+def test_a_missing_extra_is_told(monkeypatch):
+    monkeypatch.setitem(sys.modules, "websockets.asyncio.client", None)
+    monkeypatch.delitem(sys.modules, "mavstack.links.ws", raising=False)
+    with pytest.raises(MissingExtraError, match=r"pip install 'mavstack\[web\]'"):
+        open_link("ws://127.0.0.1:5770")

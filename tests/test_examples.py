@@ -1,0 +1,48 @@
+"""The README's programs and the examples run as they are written."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PROGRAMS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+COMMANDS = re.findall(r"^(mav [^#\n]+)", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE)
+
+
+def run(*command: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.mark.parametrize("number", range(len(PROGRAMS)))
+def test_the_readmes_programs_run(number):
+    done = run(sys.executable, "-W", "error", "-c", PROGRAMS[number])
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def test_the_readme_has_programs_and_commands():
+    assert len(PROGRAMS) >= 3
+    assert len(COMMANDS) >= 6
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=str.strip)
+def test_the_readmes_commands_are_understood(command):
+    words = command.split()
+    if words[1] == "watch" and words[2] != "flight.tlog":
+        pytest.skip("needs a vehicle; the links have tests of their own")
+    words = ["tests/recordings/flight.tlog" if word == "flight.tlog" else word for word in words]
+    done = run(sys.executable, "-m", "mavstack", *words[1:])
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+@pytest.mark.parametrize("example", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.stem)
+def test_examples_run(example):
+    done = run(sys.executable, "-W", "error", str(example))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
