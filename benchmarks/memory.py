@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import threading
@@ -28,9 +29,11 @@ class Growth:
 def first_message(who: str) -> tuple[float, float]:
     """Seconds and bytes of an import and a first message, in a fresh interpreter."""
     name = who.rpartition(".")[2]
-    done = subprocess.run(
-        [sys.executable, str(HERE / "probe_import.py"), name], check=True, capture_output=True, text=True
-    )
+    # Installed packages come with their bytecode; a source tree gets it here, whatever the environment says.
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment["PYTHONPYCACHEPREFIX"] = str(HERE / ".build" / "bytecode")
+    command = [sys.executable, str(HERE / "probe_import.py"), name]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
     seconds, size, _ = done.stdout.split()
     return float(seconds), float(size)
 

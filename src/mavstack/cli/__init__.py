@@ -1,0 +1,3 @@
+"""The command `mav`, one file a subcommand."""
+
+from __future__ import annotations

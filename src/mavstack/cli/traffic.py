@@ -1,0 +1,132 @@
+"""Counts packets by system, component and message, and tells rates: a model without clock or output.
+
+`add` is called for every packet of a busy link, so it does four assignments a packet and decodes nothing.
+Rates come from marks. A mark is a meter's count at some time; the caller sets marks about once a second,
+and a rate is what came since the oldest of the few marks kept. Times are those of the last packet before
+each end of that window, not of the marks themselves: a steady 1 Hz then reads 1.0 however the window falls,
+and when a stream stops its rate falls from the moment a packet is overdue. Without marks a rate is the
+average over everything. The number of meters is bounded, whatever ids a link makes up.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mavstack.wire import Packet
+
+#: System, component, message id.
+Key: TypeAlias = tuple[int, int, int]
+
+MAX_STREAMS = 20_000
+_MARKS = 6
+_TEXTS = 4
+_STATUSTEXT = 253
+
+
+class Rate(NamedTuple):
+    """Packets and bytes a second."""
+
+    packets: float = 0.0
+    bytes: float = 0.0
+
+
+class Meter:
+    """A count of packets and bytes, and their rate."""
+
+    __slots__ = ("_marks", "bytes", "count", "time")
+
+    def __init__(self, now: float, count: int = 0, size: int = 0) -> None:
+        self.count = 0
+        self.bytes = 0
+        self.time = now
+        self._marks = deque([(now, count, size)], maxlen=_MARKS)
+
+    def mark(self) -> None:
+        """Begin a new piece of the window over which rates are told."""
+        self._marks.append((self.time, self.count, self.bytes))
+
+    def rate(self, now: float) -> Rate:
+        """The rate at `now`."""
+        since, count, size = self._marks[0]
+        packets = self.count - count
+        if packets <= 0:
+            return Rate()
+        span = self.time - since
+        overdue = now - self.time
+        if overdue > 2 * span / packets:
+            span += overdue
+        return Rate(packets / span, (self.bytes - size) / span) if span > 0 else Rate()
+
+
+class Stream(Meter):
+    """One message of one component: how much of it came, and the last of it."""
+
+    __slots__ = ("packet",)
+
+    def __init__(self, now: float, packet: Packet) -> None:
+        # The first packet ends no interval: a rate counts from it on.
+        super().__init__(now, 1, len(packet))
+        self.packet = packet
+
+
+class Traffic:
+    """Everything that came."""
+
+    def __init__(self) -> None:
+        self.streams: dict[Key, Stream] = {}
+        self.total: Meter | None = None
+        #: Packets that were one more stream than is kept.
+        self.untracked = 0
+        #: The last packets with texts for people.
+        self.texts: deque[Packet] = deque(maxlen=_TEXTS)
+
+    def add(self, packets: Sequence[Packet], now: float) -> None:
+        """Count packets that came at `now`."""
+        if not packets:
+            return
+        streams = self.streams
+        size = 0
+        for packet in packets:
+            length = len(packet)
+            size += length
+            stream = streams.get((packet.system, packet.component, packet.message_id))
+            if stream is None:
+                stream = self._begin(packet, now)
+            stream.count += 1
+            stream.bytes += length
+            stream.packet = packet
+            stream.time = now
+            if packet.message_id == _STATUSTEXT:
+                self.texts.append(packet)
+        self._count(packets, size, now)
+
+    def mark(self) -> None:
+        """Set a mark at every meter."""
+        if self.total is not None:
+            self.total.mark()
+        for stream in self.streams.values():
+            stream.mark()
+
+    @property
+    def packets(self) -> int:
+        """All packets counted."""
+        return self.total.count if self.total else 0
+
+    def _count(self, packets: Sequence[Packet], size: int, now: float) -> None:
+        if self.total is None:
+            self.total = Meter(now)
+        self.total.count += len(packets)
+        self.total.bytes += size
+        self.total.time = now
+
+    def _begin(self, packet: Packet, now: float) -> Stream:
+        stream = Stream(now, packet)
+        if len(self.streams) < MAX_STREAMS:
+            self.streams[packet.system, packet.component, packet.message_id] = stream
+        else:
+            self.untracked += 1
+        return stream

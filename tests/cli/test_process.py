@@ -1,0 +1,86 @@
+"""What only a process of its own shows: exit codes, Ctrl-C, a closed pipe, a terminal."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from .conftest import flight, stamped
+
+MAV = [sys.executable, "-m", "mavstack"]
+
+
+def run(*words: object) -> subprocess.CompletedProcess:
+    return subprocess.run([*MAV, *map(str, words)], capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_exit_codes():
+    assert run("--version").returncode == 0
+    assert run("nonsense").returncode == 2
+    failed = run("watch", "missing.tlog")
+    assert failed.returncode == 1
+    assert failed.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
+@pytest.mark.parametrize(
+    "words", [["watch", "udpin://127.0.0.1:0", "--json"], ["demo", "--out", "udpout://127.0.0.1:9"]]
+)
+def test_ctrl_c_ends_it_cleanly(words):
+    process = subprocess.Popen([*MAV, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        process.communicate(timeout=1.0)
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=20)
+    assert (process.returncode, out, err) == (130, "", "")
+
+
+@pytest.mark.parametrize("option", ["--json", "--for=1000"])
+def test_a_closed_pipe_is_no_failure(tmp_path, option):
+    path = tmp_path / "long.tlog"
+    path.write_bytes(stamped(flight(20_000)))
+    process = subprocess.Popen(
+        [*MAV, "watch", str(path), option], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    process.stdout.readline()
+    process.stdout.close()
+    assert process.wait(20) == 0
+    assert process.stderr.read() == ""
+    process.stderr.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals")
+@pytest.mark.parametrize("ending", [None, signal.SIGINT, signal.SIGTERM])
+def test_the_live_picture_leaves_the_terminal_as_it_was(ending):
+    import pty
+
+    terminal, side = pty.openpty()
+    words = ["demo", "--for", "1.2"] if ending is None else ["demo"]
+    environment = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "100", "LINES": "30"}
+    process = subprocess.Popen([*MAV, *words], stdin=side, stdout=side, stderr=side, env=environment)
+    os.close(side)
+    seen = b""
+    sent = ending is None
+    while True:
+        try:
+            data = os.read(terminal, 65536)
+        except OSError:  # the other side is closed
+            break
+        if not data:
+            break
+        seen += data
+        if not sent and b"ATTITUDE" in seen:
+            sent = True
+            process.send_signal(ending)
+    os.close(terminal)
+    assert process.wait(20) == {None: 0, signal.SIGINT: 130, signal.SIGTERM: 143}[ending]
+    assert b"\x1b[?1049h" in seen
+    left = seen.rpartition(b"\x1b[?1049l")
+    assert left[1], "the alternate screen was not left"
+    assert b"quadrotor" in left[2]
+    assert b"Traceback" not in seen
