@@ -122,14 +122,21 @@ unsafe fn allocate_zeroed<'py>(
     class: *mut ffi::PyTypeObject,
     data: &ClassData,
 ) -> PyResult<Bound<'py, PyAny>> {
-    // SAFETY: the class derives from `MessageBase`, whose instances are allocated generically and zeroed.
-    let object =
-        unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, data.layout.length.into())) }?;
-    if data.collected {
-        // SAFETY: a new object with a collector's header: the class and all that derive from it have one.
-        unsafe { ffi::PyObject_GC_UnTrack(object.as_ptr().cast()) };
+    let length = data.layout.length.into();
+    // SAFETY: the class derives from `MessageBase`. One that has a header for the collector and no members of its own
+    // is allocated by hand, untracked, and its payload zeroed here; any other generically, zeroed and tracked.
+    unsafe {
+        if data.collected && class == data.class {
+            let object = Bound::from_owned_ptr_or_err(py, ffi::PyObject_GC_NewVar::<ffi::PyObject>(class, length))?;
+            payload_mut(object.as_ptr()).fill(0);
+            return Ok(object);
+        }
+        let object = Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length))?;
+        if data.collected {
+            ffi::PyObject_GC_UnTrack(object.as_ptr().cast());
+        }
+        Ok(object)
     }
-    Ok(object)
 }
 
 /// Gives a finished message to the cycle collector if it may refer to other objects: if it is of a user's class.
