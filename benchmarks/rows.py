@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .c_library import CProgram
     from .workload import Workload
 
-CHUNK = 4096
+CHUNK = 16384
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,7 +49,7 @@ def test_every_packet_makes_a_line(mav, name):
 def test_an_old_log_of_another_dialect_holds_nothing_and_breaks_nothing(mav):
     result = mav("watch", Path(FOLDER) / "pymavlink_js_capture.mavlink", "--once", "--json")
     assert json.loads(result.out)["packets"] == 0
-    assert result.code == 1
+    assert result.code == 0
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,12 @@ from pathlib import Path
 
 import mavstack
 from mavstack.dialects import ardupilotmega, common
+from mavstack.wire import crc16
 
 FOLDER = Path(__file__).parent
 START = 1_700_000_000_000_000
+#: A message that no dialect has, of a source of its own.
+UNKNOWN = bytes.fromhex("fd060000 00 01bf ffff4a") + b"opaque"
 AUTOPILOT, CAMERA, GROUND = (1, 1), (1, 100), (255, 190)
 
 
@@ -56,7 +59,9 @@ def flight(recorder: Recorder, rng: random.Random, steps: int) -> None:
     for step in range(steps):
         roll, height = rng.uniform(-0.5, 0.5), 584_000 + step * 100
         recorder.add(common.Attitude(step * 100, roll, -roll, 1.5, 0.01, 0.02, 0.03), lost=int(step == 7))
-        recorder.add(common.GlobalPositionInt(step * 100, -353632620, 1491652370, height, step * 100, 1, 2, 3, 9000))
+        recorder.add(
+            common.GlobalPositionInt(step * 100, -353632620, 1491652370, height, step * 100, 1, 2, 3, 9000)
+        )
         if step % 4 == 0:
             recorder.add(common.Heartbeat(2, 3, 81, step, 4, 3))
             recorder.add(common.Heartbeat(6, 8, 0, 0, 4, 3), GROUND, version=1)
@@ -69,8 +74,7 @@ def flight(recorder: Recorder, rng: random.Random, steps: int) -> None:
         if step == 9:
             recorder.now -= 60_000_000
     recorder.add(common.Statustext(4, "Landed: café", 0, 0), version=1)
-    # A message of 30 bytes that no dialect has: its CRC can be checked by no one.
-    recorder.raw(bytes.fromhex("fd060000070101ffff4a") + b"opaque" + b"\x5c\x91")
+    recorder.raw(UNKNOWN + crc16(UNKNOWN[1:] + b"\x07").to_bytes(2, "little"))
     recorder.add(common.Attitude(99_999))
     recorder.data += mavstack.encode(common.Attitude(1, 2.0), system=1, component=1)[:11]
 

@@ -22,7 +22,13 @@ SECRET = bytes(range(0xA0, 0xC0))
 
 def forms(secret):
     """How a key could be seen in a text."""
-    return (repr(secret)[2:-1], secret.hex(), secret.hex(" "), str(list(secret))[1:-1], secret.decode("latin-1"))
+    return (
+        repr(secret)[2:-1],
+        secret.hex(),
+        secret.hex(" "),
+        str(list(secret))[1:-1],
+        secret.decode("latin-1"),
+    )
 
 
 def assert_hidden(text, secret=SECRET):
@@ -35,7 +41,9 @@ def test_a_key_is_made_of_32_bytes_hex_or_a_passphrase():
     key = SigningKey(SECRET)
     assert key == SigningKey.from_hex(SECRET.hex()) == SigningKey(bytearray(SECRET))
     assert key.secret_bytes() == SECRET
-    assert SigningKey.from_passphrase("pässword").secret_bytes() == hashlib.sha256("pässword".encode()).digest()
+    assert (
+        SigningKey.from_passphrase("pässword").secret_bytes() == hashlib.sha256("pässword".encode()).digest()
+    )
     assert SigningKey.generate() != SigningKey.generate()
     assert key != SECRET
     with pytest.raises(TypeError):
@@ -47,7 +55,16 @@ def test_no_text_of_a_key_holds_it(caplog):
     signing = key.signing(3)
     with caplog.at_level(logging.DEBUG):
         logging.getLogger("test").debug("%s %r %s %r", key, key, signing, signing)
-    for text in (repr(key), str(key), f"{key}", f"{[key]}", repr(signing), str(signing), caplog.text, repr(dir(signing))):
+    for text in (
+        repr(key),
+        str(key),
+        f"{key}",
+        f"{[key]}",
+        repr(signing),
+        str(signing),
+        caplog.text,
+        repr(dir(signing)),
+    ):
         assert_hidden(text)
 
 
@@ -89,7 +106,14 @@ def test_the_message_that_carries_a_key_does_not_show_it(caplog):
     (packet,) = mavstack.Parser(common).feed(mavstack.encode(message, system=255, component=190))
     with caplog.at_level(logging.DEBUG):
         logging.getLogger("test").debug("%s %r %s", message, packet, packet.message)
-    for text in (repr(message), str(message), f"{message}", repr([message]), repr(packet.message), caplog.text):
+    for text in (
+        repr(message),
+        str(message),
+        f"{message}",
+        repr([message]),
+        repr(packet.message),
+        caplog.text,
+    ):
         assert_hidden(text)
     assert "target_system=7" in repr(message)
     assert packet.message.secret_key == SECRET, "it is there for who asks for it"
@@ -98,7 +122,8 @@ def test_the_message_that_carries_a_key_does_not_show_it(caplog):
 def test_a_key_message_read_from_a_users_xml_does_not_show_it(tmp_path):
     path = tmp_path / "mine.xml"
     path.write_text(
-        '<mavlink><messages><message id="256" name="SETUP_SIGNING"><field type="uint8_t" name="target_system"/>'
+        '<mavlink><messages><message id="256" name="SETUP_SIGNING">'
+        '<field type="uint8_t" name="target_system"/>'
         '<field type="uint8_t" name="target_component"/><field type="uint8_t[32]" name="secret_key"/>'
         '<field type="uint64_t" name="initial_timestamp"/></message></messages></mavlink>'
     )
@@ -106,7 +131,9 @@ def test_a_key_message_read_from_a_users_xml_does_not_show_it(tmp_path):
     assert_hidden(repr(dialect["SETUP_SIGNING"](secret_key=SECRET)))
 
 
-@pytest.mark.parametrize("wrong", [SECRET + b"x", SECRET.decode("latin-1"), [*SECRET, 0], [*SECRET[:31], 300]])
+@pytest.mark.parametrize(
+    "wrong", [SECRET + b"x", SECRET.decode("latin-1"), [*SECRET, 0], [*SECRET[:31], 300]]
+)
 def test_an_error_about_the_key_field_does_not_show_it(wrong):
     with pytest.raises((FieldRangeError, FieldTypeError)) as failure:
         common.SetupSigning(secret_key=wrong)

@@ -17,7 +17,7 @@ from mavstack.security.timestamps import timestamp_at
 KEY = hashlib.sha256(b"a test").digest()
 NOW = 1_750_000_000.0
 
-timestamps = st.integers(1, 2**48 - 2)
+timestamps = st.integers(1, 2**48 - 5)
 
 
 def their_link(timestamp, link_id=0, key=KEY, system=1, component=1):
@@ -46,7 +46,7 @@ def test_the_bytes_are_those_of_pymavlink(key, link_id, timestamp, system):
         ours = encoder.encode(OURS)
         assert ours == attitude(link)
         assert ours[2] == 1
-    assert signing.timestamp == timestamp + 2 or signing.timestamp == 2**48 - 1
+    assert signing.timestamp == timestamp + 2
 
 
 @given(timestamps, st.integers(0, 255))
@@ -93,7 +93,7 @@ def test_a_conversation_of_both():
 
 
 def test_a_wrong_key_silences_neither_side_for_the_right_one():
-    """Where the peer stores the time before it checks the hash, a forged packet ends its stream: ours goes on."""
+    """The peer stores the time before it checks the hash: a forged packet ends its stream. Ours goes on."""
     forged = attitude(their_link(2**48 - 2, key=bytes(32)))
     good = attitude(their_link(1000))
     theirs = their_link(0)
@@ -124,7 +124,12 @@ def test_refused_packets_are_counted_but_not_lost_from_the_statistics():
     signing = mavstack.Signing(KEY)
     parser = mavstack.Parser(common, signing=signing)
     unsigned = mavstack.encode(OURS, system=1, component=1)
-    parser.feed(unsigned + attitude(their_link(10)) + attitude(their_link(9)) + attitude(their_link(20, key=bytes(32))))
+    parser.feed(
+        unsigned
+        + attitude(their_link(10))
+        + attitude(their_link(9))
+        + attitude(their_link(20, key=bytes(32)))
+    )
     refusals = signing.refusals
     assert (refusals.unsigned, refusals.replayed, refusals.forged, refusals.total) == (1, 1, 1, 3)
     assert (parser.statistics.packets, parser.statistics.signed) == (4, 3)
@@ -142,14 +147,14 @@ def test_one_state_for_both_directions_of_a_link():
 
 
 @pytest.mark.parametrize(
-    "policy", [{"max_streams": -1}, {"link_id": 256}, {"timestamp": -1}, {"timestamp": 2**48}, {"unsigned_ids": ["x"]}]
+    "policy",
+    [{"max_streams": -1}, {"link_id": 256}, {"timestamp": -1}, {"timestamp": 2**48}, {"unsigned_ids": ["x"]}],
 )
 def test_a_policy_that_makes_no_sense_is_refused(policy):
     with pytest.raises((ValueError, TypeError, OverflowError)):
         mavstack.Signing(KEY, **policy)
 
 
-@pytest.mark.xfail(reason="an infinite time is taken for the year 2104: the clock stays there, every later packet too")
 def test_a_time_that_is_no_time_is_refused():
     signing = mavstack.Signing(KEY)
     with pytest.raises(ValueError, match="time"):

@@ -27,13 +27,23 @@ def test_nothing_stored_is_zero(store):
 
 
 def test_it_only_moves_forward(store):
-    for timestamp, stored in ((5, 5), (3, 5), (5, 5), (6, 6), (0, 6), (MAX_TIMESTAMP, MAX_TIMESTAMP), (7, MAX_TIMESTAMP)):
+    for timestamp, stored in (
+        (5, 5),
+        (3, 5),
+        (5, 5),
+        (6, 6),
+        (0, 6),
+        (MAX_TIMESTAMP, MAX_TIMESTAMP),
+        (7, MAX_TIMESTAMP),
+    ):
         store.store(timestamp)
         assert store.load() == TimestampStore(str(store.path)).load() == stored
     assert list(store.path.parent.iterdir()) == [store.path]
 
 
-@pytest.mark.parametrize("damage", [b"", b"x", b"-1", b"1.5", b"12\n34", b"\xff", b"0" * 99, b"9" * 5000, b"281474976710656"])
+@pytest.mark.parametrize(
+    "damage", [b"", b"x", b"-1", b"1.5", b"12\n34", b"\xff", b"0" * 99, b"9" * 5000, b"281474976710656"]
+)
 def test_a_damaged_file_is_told_and_kept(store, damage):
     store.path.write_bytes(damage)
     for action in (store.load, lambda: store.store(5)):

@@ -28,7 +28,7 @@ def generate(dialect: str, wire_protocol: str, folder: Path) -> ModuleType:
     text = path.read_text("utf-8")
     # The second half is a method to encode and one to send each message: not needed, and slow to compile.
     codec = text.index("class MAVLink(object)")
-    methods = re.compile(r"^    def \w+_encode\(self", re.M).search(text, codec)
+    methods = re.compile(r"^    def \w+_encode\(self", re.MULTILINE).search(text, codec)
     text = text[: methods.start()] if methods else text
     module = ModuleType(path.stem)
     exec(compile(text, str(path), "exec", dont_inherit=True), module.__dict__)

@@ -10,9 +10,8 @@ from __future__ import annotations
 import copy
 import math
 import pickle
-from pathlib import Path
-from types import ModuleType
-from typing import Any
+import random
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -23,6 +22,10 @@ from mavstack.errors import EncodeError
 
 from . import peers
 from .values import CASES, comparable, field_values, random_message, text_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from types import ModuleType
 
 SEQUENCE = 201
 
@@ -39,7 +42,9 @@ def _read_equally(message: Any, theirs: Any, values: dict[Any, Any]) -> None:
         if field.type == "char":
             assert ours == text_of(value) == text_of(got), field
         else:
-            assert comparable(ours, field.type) == comparable(value, field.type) == comparable(got, field.type), field
+            assert (
+                comparable(ours, field.type) == comparable(value, field.type) == comparable(got, field.type)
+            ), field
 
 
 def _exchange(dialect: Dialect, module: ModuleType, version: int) -> int:
@@ -63,7 +68,12 @@ def _exchange(dialect: Dialect, module: ModuleType, version: int) -> int:
             (read,) = _link(module).parse_buffer(ours)
             (packet,) = parser.feed(theirs)
             assert packet.raw == theirs
-            assert (packet.version, packet.system, packet.component, packet.sequence) == (version, 250, 3, SEQUENCE)
+            assert (packet.version, packet.system, packet.component, packet.sequence) == (
+                version,
+                250,
+                3,
+                SEQUENCE,
+            )
             assert packet.name == read.get_type() == definition.name
             assert type(packet.message) is message_class
             _read_equally(packet.message, read, values)
@@ -74,12 +84,16 @@ def _exchange(dialect: Dialect, module: ModuleType, version: int) -> int:
 @pytest.mark.parametrize("version", [1, 2])
 @pytest.mark.parametrize("name", official_names())
 def test_every_message_both_ways(name: str, version: int, tmp_path: Path) -> None:
-    """CRC_EXTRA and length of all messages, then the bytes and the fields of each with every case of values."""
+    """CRC_EXTRA and length of all messages, then the bytes and fields of each, with every case of values."""
     dialect, module = Dialect.load(name), peers.generate(name, f"{version}.0", tmp_path)
     definitions = [message.definition for message in dialect if version == 2 or message.definition.id < 256]
-    ours = {item.id: (item.name, item.crc_extra, item.length if version == 2 else item.base_length) for item in definitions}
+    ours = {
+        item.id: (item.name, item.crc_extra, item.length if version == 2 else item.base_length)
+        for item in definitions
+    }
     theirs = {
-        number: (peer.msgname, peer.crc_extra, peer.unpacker.size) for number, peer in module.mavlink_map.items()
+        number: (peer.msgname, peer.crc_extra, peer.unpacker.size)
+        for number, peer in module.mavlink_map.items()
     }
     assert ours == theirs
     assert _exchange(dialect, module, version) == len(definitions)
@@ -118,7 +132,7 @@ def _exact(value: Any, kind: str) -> Any:
 
 
 def test_forced_version_1_of_pymavlink_sends_extensions(tmp_path: Path) -> None:
-    """The peer deviates here: its bytes are longer than the message of version 1, and we read them all the same."""
+    """The peer deviates here: its packets are longer than version 1 has them; we read them all the same."""
     module = peers.generate("common", "2.0", tmp_path)
     fields = common.Statustext.definition.fields
     values = dict(zip(fields, (4, b"chunked", 5, 1), strict=True))
@@ -135,7 +149,7 @@ def test_forced_version_1_of_pymavlink_sends_extensions(tmp_path: Path) -> None:
 
 
 def test_the_definitions_that_pymavlink_ships_agree() -> None:
-    """Its own copy of the official definitions is a second opinion: older, so fields may be missing at the end."""
+    """Its own copy of the official definitions is a second opinion: older, so last fields may be missing."""
     from pymavlink.dialects.v20 import all as shipped
 
     # 53 was dropped from the official definitions.
@@ -147,3 +161,40 @@ def test_the_definitions_that_pymavlink_ships_agree() -> None:
         assert ours.length >= peer.unpacker.size
         assert [field.name for field in ours.fields][: len(peer.fieldnames)] == peer.fieldnames
     assert len(known) > 340
+
+
+def _damaged_stream(rng: random.Random) -> bytes:
+    stream = bytearray()
+    encoders = {version: mavstack.Encoder(1, version, version=version) for version in (1, 2)}
+    classes = [item for item in Dialect.load("common") if item.definition.id < 256]
+    for number in range(80):
+        stream += encoders[rng.choice((1, 2))].encode(random_message(rng.choice(classes), "random", number))
+    for _ in range(30):
+        place = rng.randrange(len(stream))
+        choice = rng.randrange(4)
+        if choice == 0:
+            stream[place] ^= 1 << rng.randrange(8)
+        elif choice == 1:
+            del stream[place : place + rng.randrange(12)]
+        elif choice == 2:
+            stream[place:place] = rng.randbytes(rng.randrange(12))
+        else:
+            stream[place:place] = bytes([rng.choice((0xFD, 0xFE)), rng.randrange(256)])
+    return bytes(stream)
+
+
+def test_damaged_streams_give_no_fewer_messages_than_pymavlink_finds() -> None:
+    from pymavlink.dialects.v20 import common as peer
+
+    rng, more = random.Random(11), 0
+    for _ in range(25):
+        stream = _damaged_stream(rng)
+        link = peers.link(peer)
+        link.robust_parsing = True
+        found = [item for item in link.parse_buffer(stream) or [] if item.get_msgId() in peer.mavlink_map]
+        theirs = {bytes(item.get_msgbuf()) for item in found if item.get_type() != "BAD_DATA"}
+        parser = mavstack.Parser(common)
+        ours = {packet.raw for packet in parser.feed(stream) + parser.flush()}
+        assert theirs <= ours
+        more += len(ours) - len(theirs)
+    assert more > 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 import random
 import struct
@@ -33,7 +34,9 @@ def limits(kind: str) -> tuple[Any, Any]:
     """Smallest and largest value of a type."""
     code = CODES[kind]
     if code in "fd":
-        largest = struct.unpack("<" + code, {"f": b"\xff\xff\x7f\x7f", "d": b"\xff" * 6 + b"\xef\x7f"}[code])[0]
+        largest = struct.unpack("<" + code, {"f": b"\xff\xff\x7f\x7f", "d": b"\xff" * 6 + b"\xef\x7f"}[code])[
+            0
+        ]
         return -largest, largest
     bits = 8 * struct.calcsize(code)
     return (0, 2**bits - 1) if code.isupper() else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
@@ -110,4 +113,5 @@ def comparable(value: Any, kind: str) -> Any:
 
 def text_of(raw: bytes) -> str:
     """What the bytes of a text field say."""
-    return raw.split(b"\0", 1)[0].decode(errors="replace")
+    # A character cut off at the end is left out.
+    return codecs.getincrementaldecoder("utf-8")("replace").decode(raw.split(b"\0", 1)[0])

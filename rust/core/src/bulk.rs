@@ -39,8 +39,6 @@ pub struct Index {
     sources: Sources,
     first_time: Option<u64>,
     last_time: Option<u64>,
-    /// The packet that `last_time` is read from when its stretch ends.
-    last_stamped: Option<Found>,
 }
 
 /// Bytes of a row of `layout`'s table, a multiple of four so that rows stay aligned.
@@ -98,10 +96,15 @@ impl Index {
             None => *self.unknown.entry(message_id).or_default() += 1,
         }
         if found.timestamped {
-            if self.first_time.is_none() {
-                self.first_time = Packet::new(data, found).timestamp;
-            }
-            self.last_stamped = Some(*found);
+            self.include(Packet::new(data, found).timestamp);
+        }
+    }
+
+    #[inline]
+    fn include(&mut self, time: Option<u64>) {
+        if let Some(time) = time.filter(|&time| i64::try_from(time).is_ok()) {
+            self.first_time = Some(self.first_time.map_or(time, |first| first.min(time)));
+            self.last_time = Some(self.last_time.map_or(time, |last| last.max(time)));
         }
     }
 
@@ -118,8 +121,8 @@ impl Index {
         }
         self.statistics.add(&next.statistics);
         self.sources.append(&next.sources);
-        self.first_time = self.first_time.or(next.first_time);
-        self.last_time = next.last_time.or(self.last_time);
+        self.include(next.first_time);
+        self.include(next.last_time);
     }
 
     /// Number of packets of the layout in `slot`.
@@ -144,7 +147,7 @@ impl Index {
         &self.sources
     }
 
-    /// Times of the first and the last packet, in microseconds since 1970.
+    /// Earliest and latest time of a packet, in microseconds since 1970.
     #[must_use]
     pub fn time_span(&self) -> Option<(u64, u64)> {
         self.first_time.zip(self.last_time)
@@ -210,7 +213,6 @@ fn scan_stretch(data: &[u8], dialect: &Dialect, timestamped: bool, start: usize,
         index.record(data, &found);
     }
     index.statistics = statistics;
-    index.last_time = index.last_stamped.and_then(|found| Packet::new(data, &found).timestamp);
     Stretch { index, start, stopped: scanner.boundary() }
 }
 
@@ -253,7 +255,7 @@ fn decode_row(data: &[u8], offset: u64, row: &mut [u8], length: usize) {
         return;
     };
     let time = match data[..start].last_chunk::<TIMESTAMP>() {
-        Some(&stamp) if offset & STAMPED != 0 => timestamp_microseconds(stamp) as i64,
+        Some(&stamp) if offset & STAMPED != 0 => i64::try_from(timestamp_microseconds(stamp)).unwrap_or(NO_TIME),
         _ => NO_TIME,
     };
     row[..TIMESTAMP].copy_from_slice(&time.to_le_bytes());

@@ -26,12 +26,16 @@ pub struct Sender {
 pub enum EncodeError {
     /// The id does not fit the one byte of version 1.
     IdNeedsV2(u32),
+    /// The signing clock has no later timestamp to give.
+    ClockExhausted,
 }
 
 impl fmt::Display for EncodeError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::IdNeedsV2(id) = self;
-        write!(formatter, "message id {id} is over 255 and needs MAVLink 2")
+        match self {
+            Self::IdNeedsV2(id) => write!(formatter, "message id {id} is over 255 and needs MAVLink 2"),
+            Self::ClockExhausted => formatter.write_str("the signing clock is at the end of its 48 bits"),
+        }
     }
 }
 
@@ -77,7 +81,7 @@ pub fn encode(
     let checksum = crc::accumulate(crc::update(crc::INITIAL, &out[1..]), layout.crc_extra);
     out.extend_from_slice(&checksum.to_le_bytes());
     if let (Version::V2, Some((signing, now))) = (version, signing) {
-        signing.sign(out, now);
+        signing.sign(out, now).map_err(|_| EncodeError::ClockExhausted)?;
     }
     Ok(())
 }

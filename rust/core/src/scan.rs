@@ -161,7 +161,7 @@ impl<'a> Scanner<'a> {
         if self.timestamped && self.position == self.boundary {
             match self.examine_behind_timestamp() {
                 Verdict::Packet(header, slot) => {
-                    return Some(self.accept(self.boundary + TIMESTAMP, header, slot, statistics));
+                    return Some(self.accept(self.boundary + TIMESTAMP, header, slot, true, statistics));
                 }
                 Verdict::Incomplete => return None,
                 Verdict::Rejected(_) => {}
@@ -212,7 +212,9 @@ impl<'a> Scanner<'a> {
             };
             self.position += skipped;
             match examine(&rest[skipped..], self.dialect) {
-                Verdict::Packet(header, slot) => return Some(self.accept(self.position, header, slot, statistics)),
+                Verdict::Packet(header, slot) => {
+                    return Some(self.accept(self.position, header, slot, false, statistics));
+                }
                 Verdict::Incomplete => return None,
                 Verdict::Rejected(reason) => {
                     statistics.reject(reason);
@@ -222,10 +224,23 @@ impl<'a> Scanner<'a> {
         }
     }
 
+    /// Whether a believable time stands before `start`: behind junk, the eight bytes there may be junk too.
+    fn holds_time_before(&self, start: usize) -> bool {
+        let stamp = self.data[..start].last_chunk::<TIMESTAMP>();
+        stamp.is_some_and(|stamp| THIS_CENTURY.contains(&timestamp_microseconds(*stamp)))
+    }
+
     #[inline]
-    fn accept(&mut self, start: usize, header: Header, slot: Option<u16>, statistics: &mut Statistics) -> Found {
+    fn accept(
+        &mut self,
+        start: usize,
+        header: Header,
+        slot: Option<u16>,
+        stamped: bool,
+        statistics: &mut Statistics,
+    ) -> Found {
         let unaccounted = start - self.boundary;
-        let timestamped = self.timestamped && unaccounted >= TIMESTAMP;
+        let timestamped = stamped || (self.timestamped && unaccounted >= TIMESTAMP && self.holds_time_before(start));
         let found = Found { start, header, slot, timestamped };
         let end = found.range().end;
         statistics.bad_bytes += (unaccounted - if timestamped { TIMESTAMP } else { 0 }) as u64;

@@ -38,6 +38,10 @@ pub enum Refusal {
     TooManyStreams,
 }
 
+/// The signing clock has no later timestamp to give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClockExhausted;
+
 /// Count of each refusal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Refusals {
@@ -124,6 +128,9 @@ pub struct Signing {
     link_id: u8,
     /// Timestamp of the newest packet signed or accepted; never moves back.
     clock: u64,
+    /// The clock at the start: together with the time, what "too far ahead" is measured from. The clock itself
+    /// would not do, since each packet accepted moves it.
+    started: u64,
     policy: Policy,
     streams: HashMap<(u8, u8, u8), Stream>,
     refusals: Refusals,
@@ -135,7 +142,7 @@ const MAX_RECENT: usize = 256;
 impl Signing {
     #[must_use]
     pub fn new(key: Key, link_id: u8, clock: u64, policy: Policy) -> Self {
-        Self { key, link_id, clock, policy, streams: HashMap::new(), refusals: Refusals::default() }
+        Self { key, link_id, clock, started: clock, policy, streams: HashMap::new(), refusals: Refusals::default() }
     }
 
     /// The timestamp to persist: the next run must start at or after it.
@@ -160,12 +167,19 @@ impl Signing {
     }
 
     /// Appends the signature to a packet that ends with its checksum; `now` is the timestamp of the time, if known.
-    pub fn sign(&mut self, packet: &mut Vec<u8>, now: Option<u64>) {
-        self.clock = (self.clock + 1).max(now.unwrap_or(0)).min(MAX_TIMESTAMP);
+    ///
+    /// Fails, leaving the packet as it is, when the clock has reached the end of its 48 bits (in the year 2104).
+    pub fn sign(&mut self, packet: &mut Vec<u8>, now: Option<u64>) -> Result<(), ClockExhausted> {
+        let next = (self.clock + 1).max(now.unwrap_or(0));
+        if next > MAX_TIMESTAMP {
+            return Err(ClockExhausted);
+        }
+        self.clock = next;
         packet.push(self.link_id);
         packet.extend_from_slice(&self.clock.to_le_bytes()[..HASH]);
         let hash = hash(&self.key, packet);
         packet.extend_from_slice(&hash);
+        Ok(())
     }
 
     /// Judges a received packet, and counts it if it is refused; `now` is the timestamp of the time, if known.
@@ -191,7 +205,7 @@ impl Signing {
 
     fn judge_time(&mut self, link_id: u8, header: &Header, timestamp: u64, now: Option<u64>) -> Result<(), Refusal> {
         let clock = now.unwrap_or(0).max(self.clock);
-        if now.is_some() && timestamp > clock.saturating_add(self.policy.max_ahead) {
+        if now.is_some_and(|now| timestamp > now.max(self.started).saturating_add(self.policy.max_ahead)) {
             return Err(Refusal::Future);
         }
         let streams = self.streams.len();

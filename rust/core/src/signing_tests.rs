@@ -127,8 +127,8 @@ fn slack_stays_safe_when_its_memory_is_full() {
 fn the_clock_only_moves_forward_when_signing() {
     let mut signer = signing(Policy::default());
     let (mut first, mut second) = (vec![0xFD; 12], vec![0xFD; 12]);
-    signer.sign(&mut first, Some(NOW + 50));
-    signer.sign(&mut second, Some(NOW));
+    signer.sign(&mut first, Some(NOW + 50)).expect("signs");
+    signer.sign(&mut second, Some(NOW)).expect("signs");
     assert_eq!(link_and_timestamp(&first), (3, NOW + 50));
     assert_eq!(link_and_timestamp(&second), (3, NOW + 51));
 }
@@ -145,4 +145,21 @@ fn without_a_clock_the_first_packet_sets_it() {
 #[test]
 fn keys_are_not_printed() {
     assert_eq!(format!("{:?}", Key::new([0x41; 32])), "Key(…)");
+}
+
+#[test]
+fn the_clock_cannot_be_pushed_ahead_step_by_step() {
+    let mut signing = signing(Policy::default());
+    let day = 24 * 3600 * SECOND;
+    assert_eq!(check(&mut signing, &packet_at(NOW + day)), Ok(()));
+    assert_eq!(check(&mut signing, &packet_at(NOW + 2 * day)), Err(Refusal::Future));
+    assert_eq!(signing.clock(), NOW + day);
+}
+
+#[test]
+fn a_clock_at_its_end_signs_no_more() {
+    let mut signer = Signing::new(key(), 0, MAX_TIMESTAMP - 1, Policy::default());
+    let mut packet = vec![0xFD; 12];
+    assert_eq!(signer.sign(&mut packet, None), Ok(()));
+    assert_eq!(signer.sign(&mut packet, None), Err(ClockExhausted));
 }

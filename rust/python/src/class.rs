@@ -144,6 +144,8 @@ fn make_metaclass(py: Python<'_>) -> PyResult<Meta> {
         slot(ffi::Py_tp_base, (&raw mut ffi::PyType_Type).cast()),
         slot(ffi::Py_tp_call, call_class as *mut c_void),
         slot(ffi::Py_tp_dealloc, dealloc_class as *mut c_void),
+        slot(ffi::Py_tp_traverse, traverse_class as *mut c_void),
+        slot(ffi::Py_tp_clear, clear_class as *mut c_void),
         slot(ffi::Py_tp_members, members.as_mut_ptr().cast()),
         slot(0, ptr::null_mut()),
     ];
@@ -151,7 +153,8 @@ fn make_metaclass(py: Python<'_>) -> PyResult<Meta> {
         name: c"mavstack._core.MessageMeta".as_ptr(),
         basicsize: (slot_offset + size_of::<Slot>()) as c_int,
         itemsize: 0,
-        flags: (ffi::Py_TPFLAGS_DEFAULT | ffi::Py_TPFLAGS_BASETYPE | HAVE_VECTORCALL) as c_uint,
+        flags: (ffi::Py_TPFLAGS_DEFAULT | ffi::Py_TPFLAGS_BASETYPE | ffi::Py_TPFLAGS_HAVE_GC | HAVE_VECTORCALL)
+            as c_uint,
         slots: slots.as_mut_ptr(),
     };
     // SAFETY: the spec and its slots live through the call; the members table is leaked. The basic size grows
@@ -177,6 +180,36 @@ unsafe extern "C" fn call_class(
     }
 }
 
+/// Shows the collector what a class refers to: as `type` does, and the enum members that its fields have read.
+unsafe extern "C" fn traverse_class(class: *mut ffi::PyObject, visit: ffi::visitproc, arg: *mut c_void) -> c_int {
+    // SAFETY: the collector calls this with a class of the metaclass and holds the interpreter; nothing here makes,
+    // changes or releases an object.
+    unsafe {
+        let traverse: ffi::traverseproc =
+            std::mem::transmute(ffi::PyType_GetSlot(&raw mut ffi::PyType_Type, ffi::Py_tp_traverse));
+        let answer = traverse(class, visit, arg);
+        let Some(data) = META.get(Python::assume_attached()).and_then(|meta| (*slot_of(class, meta)).data.as_ref())
+        else {
+            return answer;
+        };
+        let referred = data.fields.iter().flat_map(FieldAccess::referred);
+        if answer == 0 {
+            referred.map(|object| visit(object, arg)).find(|&answer| answer != 0).unwrap_or(0)
+        } else {
+            answer
+        }
+    }
+}
+
+/// Breaks cycles through a class as `type` does; what its fields hold is released with it.
+unsafe extern "C" fn clear_class(class: *mut ffi::PyObject) -> c_int {
+    // SAFETY: `type` has a tp_clear of exactly this type, and is given what came.
+    unsafe {
+        let clear: ffi::inquiry = std::mem::transmute(ffi::PyType_GetSlot(&raw mut ffi::PyType_Type, ffi::Py_tp_clear));
+        clear(class)
+    }
+}
+
 /// Frees a class, and behind it its data: no instance and no descriptor can be left, they hold the class.
 unsafe extern "C" fn dealloc_class(class: *mut ffi::PyObject) {
     // SAFETY: Python calls this once, with a class of the metaclass; the data pointer is null or from
@@ -190,7 +223,8 @@ unsafe extern "C" fn dealloc_class(class: *mut ffi::PyObject) {
         dealloc(class);
         ffi::Py_DECREF(metatype.cast());
         if let Some(data) = data.filter(|data| !data.is_null()) {
-            drop(Box::from_raw(data));
+            // PyO3 releases what it knows to be attached at once; when the interpreter ends, the data is left.
+            Python::try_attach(|_| drop(Box::from_raw(data)));
         }
     }
 }

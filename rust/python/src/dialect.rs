@@ -5,8 +5,8 @@ use mavstack_core::layout::{self, Field, FieldType, Layout};
 use pyo3::PyTraverseError;
 use pyo3::gc::PyVisit;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
+use std::sync::OnceLock;
 
 /// (name, type, array length or 0, offset, read as enum)
 type FieldTuple = (String, String, u8, u8, bool);
@@ -19,8 +19,8 @@ pub struct Dialect {
     #[pyo3(get)]
     name: String,
     pub core: layout::Dialect,
-    make_class: PyOnceLock<Py<PyAny>>,
-    classes: Vec<PyOnceLock<Py<PyType>>>,
+    make_class: Py<PyAny>,
+    classes: Vec<OnceLock<Py<PyType>>>,
 }
 
 /// The layout that a tuple describes.
@@ -43,11 +43,9 @@ impl Dialect {
     #[new]
     fn new(name: String, messages: Vec<LayoutTuple>, make_class: Py<PyAny>) -> PyResult<Self> {
         let layouts = messages.into_iter().map(layout_from_tuple).collect::<PyResult<Vec<_>>>()?;
-        let classes = layouts.iter().map(|_| PyOnceLock::new()).collect();
+        let classes = layouts.iter().map(|_| OnceLock::new()).collect();
         let core = layout::Dialect::new(layouts).map_err(|error| DialectError::new_err(error.0))?;
-        let once = PyOnceLock::new();
-        Python::attach(|py| once.set(py, make_class)).map_err(|_| DialectError::new_err("no class maker"))?;
-        Ok(Self { name, core, make_class: once, classes })
+        Ok(Self { name, core, make_class, classes })
     }
 
     /// Itself, so that a core dialect may stand where a dialect is asked for.
@@ -68,21 +66,10 @@ impl Dialect {
         format!("<core dialect {}: {} messages>", self.name, self.core.layouts().len())
     }
 
-    // The maker of classes is usually a method of the Python dialect that owns this one: a cycle.
+    // The maker of classes is a method of the Python dialect that owns this one: a cycle.
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        // SAFETY-free: only immutable cells are read; `get` needs an attached interpreter, so visit through it.
-        Python::try_attach(|py| -> Result<(), PyTraverseError> {
-            if let Some(maker) = self.make_class.get(py) {
-                visit.call(maker)?;
-            }
-            for class in &self.classes {
-                if let Some(class) = class.get(py) {
-                    visit.call(class)?;
-                }
-            }
-            Ok(())
-        })
-        .unwrap_or(Ok(()))
+        visit.call(&self.make_class)?;
+        self.classes.iter().filter_map(OnceLock::get).try_for_each(|class| visit.call(class))
     }
 }
 
@@ -91,21 +78,22 @@ impl Dialect {
     #[inline]
     pub fn class<'py>(&self, py: Python<'py>, slot: u16) -> PyResult<&Bound<'py, PyType>> {
         let once = &self.classes[usize::from(slot)];
-        let class = once.get_or_try_init(py, || self.make(py, slot))?;
-        Ok(class.bind(py))
+        if let Some(class) = once.get() {
+            return Ok(class.bind(py));
+        }
+        let class = self.make(py, slot)?;
+        Ok(once.get_or_init(|| class).bind(py))
     }
 
     /// The Python dialect that this belongs to: whose method makes the classes.
     pub fn owner<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let maker = self.make_class.get(py).ok_or_else(|| DialectError::new_err("the dialect is gone"))?;
-        maker.bind(py).getattr("__self__")
+        self.make_class.bind(py).getattr("__self__")
     }
 
     #[cold]
     fn make(&self, py: Python<'_>, slot: u16) -> PyResult<Py<PyType>> {
         let id = self.core.layouts()[usize::from(slot)].id;
-        let maker = self.make_class.get(py).ok_or_else(|| DialectError::new_err("the dialect is gone"))?;
-        Ok(maker.bind(py).call1((id,))?.cast_into::<PyType>()?.unbind())
+        Ok(self.make_class.bind(py).call1((id,))?.cast_into::<PyType>()?.unbind())
     }
 }
 

@@ -6,13 +6,30 @@ use crate::signing::{self, Signing};
 use mavstack_core::encode::{self as core, Sender, Version};
 use mavstack_core::header::MAX_PACKET;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyInt};
 
 fn version(number: u8) -> PyResult<Version> {
     match number {
         1 => Ok(Version::V1),
         2 => Ok(Version::V2),
         _ => Err(EncodeError::new_err(format!("there is no MAVLink version {number}"))),
+    }
+}
+
+/// A system id, component id or sequence number: one byte, whatever Python integer is given.
+pub struct Byte(u8);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Byte {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        object.extract().map(Self).map_err(|error| {
+            if object.is_instance_of::<PyInt>() {
+                EncodeError::new_err(format!("{} is outside 0..255", object.as_any()))
+            } else {
+                error
+            }
+        })
     }
 }
 
@@ -29,8 +46,9 @@ fn encode_message<'py>(
         return Err(EncodeError::new_err("MAVLink 1 cannot be signed"));
     }
     let (data, payload) = message::open(message)?;
-    let mut signing = signing.map(|signing| signing.bind(py).borrow_mut());
-    let signing = signing.as_mut().map(|signing| (&mut signing.core, now.map(signing::timestamp)));
+    let now = signing::timestamp(now)?;
+    let mut signing = signing.map(|signing| signing.bind(py).try_borrow_mut()).transpose()?;
+    let signing = signing.as_mut().map(|signing| (&mut signing.core, now));
     core::encode(packet, version, &data.layout, payload, sender, signing)
         .map_err(|error| EncodeError::new_err(format!("{}: {error}", data.class_name)))?;
     Ok(PyBytes::new(py, packet))
@@ -38,17 +56,17 @@ fn encode_message<'py>(
 
 /// The packet that carries `message`.
 #[pyfunction]
-#[pyo3(signature = (message, *, system, component, sequence = 0, version = 2, signing = None, now = None))]
+#[pyo3(signature = (message, *, system, component, sequence = Byte(0), version = 2, signing = None, now = None))]
 pub fn encode<'py>(
     message: &Bound<'py, PyAny>,
-    system: u8,
-    component: u8,
-    sequence: u8,
+    system: Byte,
+    component: Byte,
+    sequence: Byte,
     version: u8,
     signing: Option<Py<Signing>>,
     now: Option<f64>,
 ) -> PyResult<Bound<'py, PyBytes>> {
-    let sender = Sender { system, component, sequence };
+    let sender = Sender { system: system.0, component: component.0, sequence: sequence.0 };
     encode_message(message, self::version(version)?, sender, signing.as_ref(), now, &mut Vec::with_capacity(MAX_PACKET))
 }
 
@@ -73,7 +91,8 @@ pub struct Encoder {
 impl Encoder {
     #[new]
     #[pyo3(signature = (system, component, *, version = 2, signing = None))]
-    fn new(system: u8, component: u8, version: u8, signing: Option<Py<Signing>>) -> PyResult<Self> {
+    fn new(system: Byte, component: Byte, version: u8, signing: Option<Py<Signing>>) -> PyResult<Self> {
+        let (system, component) = (system.0, component.0);
         let packet = Vec::with_capacity(MAX_PACKET);
         Ok(Self { system, component, sequence: 0, version: self::version(version)?, signing, packet })
     }

@@ -5,10 +5,10 @@ use crate::values::{self, Place};
 use mavstack_core::layout::Field;
 use pyo3::ffi;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyString, PyType};
 use std::ffi::{CString, c_int, c_void};
 use std::ptr;
+use std::sync::OnceLock;
 
 /// Members of the enum that a field reads as: those known by value, and a maker for others, or `None`.
 struct EnumValues {
@@ -24,7 +24,7 @@ pub struct FieldAccess {
     class_name: String,
     /// The class that owns this; borrowed, because it outlives its descriptors' data.
     class: *mut ffi::PyObject,
-    enum_values: PyOnceLock<EnumValues>,
+    enum_values: OnceLock<EnumValues>,
     c_name: CString,
     definition: ffi::PyGetSetDef,
 }
@@ -37,7 +37,7 @@ impl FieldAccess {
             field: field.clone(),
             class_name: class_name.into(),
             class: class.as_ptr(),
-            enum_values: PyOnceLock::new(),
+            enum_values: OnceLock::new(),
             definition: ffi::PyGetSetDef {
                 name: ptr::null(),
                 get: Some(get),
@@ -60,6 +60,14 @@ impl FieldAccess {
             Bound::from_owned_ptr_or_err(py, ffi::PyDescr_NewGetSet(class.as_ptr().cast(), definition))
         }?;
         class.setattr(self.name.bind(py), descriptor)
+    }
+
+    /// The objects that the collector must know of.
+    pub fn referred(&self) -> impl Iterator<Item = *mut ffi::PyObject> {
+        self.enum_values.get().into_iter().flat_map(|known| {
+            let fallback = known.fallback.as_ref().map(Py::as_ptr);
+            [Some(known.members.as_ptr()), fallback].into_iter().flatten()
+        })
     }
 
     /// How error texts name the field.
@@ -88,7 +96,12 @@ impl FieldAccess {
 
     fn as_member<'py>(&self, value: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let py = value.py();
-        let known = self.enum_values.get_or_try_init(py, || self.ask_enum_values(py))?;
+        let known = if let Some(known) = self.enum_values.get() {
+            known
+        } else {
+            let asked = self.ask_enum_values(py)?;
+            self.enum_values.get_or_init(|| asked)
+        };
         if self.field.array_length > 0 {
             let members = value.try_iter()?.map(|element| known.member(element?));
             let members = members.collect::<PyResult<Vec<_>>>()?;

@@ -86,7 +86,7 @@ impl Index {
         sources_to_dict(py, self.core.sources())
     }
 
-    /// Times of the first and the last packet in microseconds since 1970, or `None`.
+    /// Earliest and latest time of a packet in microseconds since 1970, or `None`.
     #[getter]
     fn time_span(&self) -> Option<(u64, u64)> {
         self.core.time_span()

@@ -30,7 +30,7 @@ impl Parser {
     /// The packets that `data` completes; `now` is the Unix time in seconds, needed for signing only.
     #[pyo3(signature = (data, now = None))]
     fn feed<'py>(&mut self, py: Python<'py>, data: Bytes<'_>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
-        let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now);
+        let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
         self.core.feed(&self.dialect.get().core, &data, |packet| sink.take(&packet));
         sink.finish()
     }
@@ -38,7 +38,7 @@ impl Parser {
     /// Ends the stream: the packets that an unfinished one at its end may have hidden.
     #[pyo3(signature = (now = None))]
     fn flush<'py>(&mut self, py: Python<'py>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
-        let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now);
+        let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
         self.core.flush(&self.dialect.get().core, |packet| sink.take(&packet));
         sink.finish()
     }
@@ -73,9 +73,15 @@ struct Sink<'py, 'a> {
 }
 
 impl<'py, 'a> Sink<'py, 'a> {
-    fn new(py: Python<'py>, dialect: &'a Py<Dialect>, signing: Option<&Py<Signing>>, now: Option<f64>) -> Self {
-        let signing = signing.map(|signing| signing.bind(py).borrow_mut());
-        Self { py, dialect, signing, now: now.map(signing::timestamp), packets: Vec::new(), error: None }
+    fn new(
+        py: Python<'py>,
+        dialect: &'a Py<Dialect>,
+        signing: Option<&Py<Signing>>,
+        now: Option<f64>,
+    ) -> PyResult<Self> {
+        let now = signing::timestamp(now)?;
+        let signing = signing.map(|signing| signing.bind(py).try_borrow_mut()).transpose()?;
+        Ok(Self { py, dialect, signing, now, packets: Vec::new(), error: None })
     }
 
     #[inline]
@@ -92,9 +98,12 @@ impl<'py, 'a> Sink<'py, 'a> {
     }
 
     fn finish(self) -> PyResult<Bound<'py, PyList>> {
-        match self.error {
+        let Self { py, signing, packets, error, .. } = self;
+        // Making a list may run a finalizer, and that may use the same signing.
+        drop(signing);
+        match error {
             Some(error) => Err(error),
-            None => PyList::new(self.py, self.packets),
+            None => PyList::new(py, packets),
         }
     }
 }

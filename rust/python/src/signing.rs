@@ -12,10 +12,16 @@ pub struct Signing {
     pub core: core::Signing,
 }
 
-/// The timestamp of a Unix time in seconds; before 2015 it is 0.
-pub fn timestamp(now: f64) -> u64 {
+/// The timestamp of a Unix time in seconds, if given; before 2015 it is 0.
+pub fn timestamp(now: Option<f64>) -> PyResult<Option<u64>> {
+    let Some(now) = now else {
+        return Ok(None);
+    };
     let units = (now - EPOCH as f64) * UNITS_PER_SECOND as f64;
-    (units.max(0.0) as u64).min(MAX_TIMESTAMP)
+    if !units.is_finite() || units > MAX_TIMESTAMP as f64 {
+        return Err(SigningError::new_err(format!("{now} is not a Unix time that signing can count")));
+    }
+    Ok(Some(units.max(0.0) as u64))
 }
 
 fn units(seconds: f64) -> u64 {

@@ -6,6 +6,7 @@
 use crate::errors::{FieldRangeError, FieldTypeError};
 use mavstack_core::layout::{Field, FieldType};
 use pyo3::buffer::PyBuffer;
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyFloat, PyInt, PyString, PyTuple};
 
@@ -23,8 +24,13 @@ pub fn read<'py>(py: Python<'py>, field: &Field, bytes: &[u8]) -> PyResult<Bound
     }
 }
 
+/// Text up to its NUL; a character cut off at the end is left out, other bytes that are not UTF-8 become U+FFFD.
 fn read_text<'py>(py: Python<'py>, bytes: &[u8]) -> Bound<'py, PyString> {
-    let text = bytes.split(|&byte| byte == 0).next().unwrap_or(&[]);
+    let mut text = bytes.split(|&byte| byte == 0).next().unwrap_or(&[]);
+    let last_start = text.iter().rposition(|&byte| byte & 0xC0 != 0x80).unwrap_or(0);
+    if std::str::from_utf8(&text[last_start..]).is_err_and(|error| error.error_len().is_none()) {
+        text = &text[..last_start];
+    }
     PyString::new(py, &String::from_utf8_lossy(text))
 }
 
@@ -71,6 +77,11 @@ impl Place<'_> {
         FieldRangeError::new_err(format!("{} holds at most {most} {unit}, not {length}", self.name()))
     }
 
+    fn too_many(&self) -> PyErr {
+        let most = self.field.array_length;
+        FieldRangeError::new_err(format!("{} holds at most {most} elements, not more", self.name()))
+    }
+
     #[cold]
     fn out_of_range(&self, kind: FieldType, value: &Bound<'_, PyAny>) -> PyErr {
         let (low, high, name) = range_text(kind);
@@ -111,7 +122,11 @@ pub fn write(place: &Place<'_>, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> P
 
 fn write_text(place: &Place<'_>, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
     let text = if let Ok(text) = value.cast::<PyString>() {
-        text.to_cow()?.as_bytes().to_vec()
+        match text.to_cow() {
+            // U+FFFD stands for one byte that was no text, and may not take more room than that had.
+            Ok(text) => text.replace('\u{FFFD}', "?").into_bytes(),
+            Err(_) => return Err(place.wrong_type("text that UTF-8 can hold", value)),
+        }
     } else if let Ok(raw) = value.cast::<PyBytes>() {
         raw.as_bytes().to_vec()
     } else {
@@ -141,13 +156,14 @@ fn write_array(place: &Place<'_>, kind: FieldType, bytes: &mut [u8], value: &Bou
     let Ok(elements) = value.try_iter() else {
         return Err(place.wrong_type("a sequence of numbers", value));
     };
-    let elements = elements.collect::<PyResult<Vec<_>>>()?;
+    // One more than fits is enough to know that they are too many.
+    let elements = elements.take(usize::from(place.field.array_length) + 1).collect::<PyResult<Vec<_>>>()?;
     let mut content = vec![0; elements.len() * kind.size()];
     for (element, encoded) in elements.iter().zip(content.chunks_exact_mut(kind.size())) {
         write_number(place, kind, encoded, element)?;
     }
     if content.len() > bytes.len() {
-        return Err(place.too_long("elements", elements.len()));
+        return Err(place.too_many());
     }
     write_padded(place, "elements", bytes, &content)
 }
@@ -199,7 +215,9 @@ fn float(place: &Place<'_>, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     if value.cast::<PyString>().is_ok() {
         return Err(place.wrong_type("a number", value));
     }
-    value.extract::<f64>().map_err(|_| place.wrong_type("a number", value))
+    value.extract::<f64>().map_err(|error| {
+        if error.is_instance_of::<PyTypeError>(value.py()) { place.wrong_type("a number", value) } else { error }
+    })
 }
 
 #[inline]
@@ -208,10 +226,12 @@ where
     T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
 {
     value.extract::<T>().map_err(|error| {
-        if value.cast::<PyInt>().is_ok() || error.is_instance_of::<pyo3::exceptions::PyOverflowError>(value.py()) {
+        if value.cast::<PyInt>().is_ok() || error.is_instance_of::<PyOverflowError>(value.py()) {
             place.out_of_range(kind, value)
-        } else {
+        } else if error.is_instance_of::<PyTypeError>(value.py()) {
             place.wrong_type("an integer", value)
+        } else {
+            error
         }
     })
 }

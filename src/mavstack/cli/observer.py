@@ -136,7 +136,7 @@ class Observer:
 
     @property
     def recorded_seconds(self) -> float | None:
-        """From the first recorded time to the last; `None` without recorded times."""
+        """From the earliest recorded time to the latest; `None` without recorded times."""
         if self.first_recorded is None or self.last_recorded is None:
             return None
         return self.last_recorded - self.first_recorded
@@ -156,13 +156,12 @@ class Observer:
         return within
 
     def _note_times(self, packets: Sequence[Packet]) -> None:
-        last = next((packet for packet in reversed(packets) if packet.timestamp is not None), None)
-        if last is None:
+        times = [time for packet in packets if (time := packet.timestamp) is not None]
+        if not times:
             return
-        self.last_recorded = recorded_time(last)
-        if self.first_recorded is None:
-            first = next((packet for packet in packets if packet.timestamp is not None), last)
-            self.first_recorded = recorded_time(first)
+        first, last = min(times) / 1e6, max(times) / 1e6
+        self.first_recorded = first if self.first_recorded is None else min(self.first_recorded, first)
+        self.last_recorded = last if self.last_recorded is None else max(self.last_recorded, last)
 
 
 def recorded_time(packet: Packet) -> float:

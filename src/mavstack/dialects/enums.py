@@ -87,9 +87,21 @@ def flag_names(value: int, names: dict[int, str]) -> list[str]:
     return [*found, str(value)] if value or not found else found
 
 
-@lru_cache(maxsize=512)
+def _kept(enum: EnumClass, name: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401 (what `make` gives)
+    """What `make` gives, kept with the enum class: a cache beside it would keep a user's dialect alive."""
+    attribute = f"__mavlink_{name}__"
+    if attribute not in enum.__dict__:
+        setattr(enum, attribute, make())
+    return enum.__dict__[attribute]
+
+
 def _bit_names(enum: type[MavFlag]) -> dict[int, str]:
     """Python names by value."""
+    names: dict[int, str] = _kept(enum, "bit_names", lambda: _names_of_members(enum))
+    return names
+
+
+def _names_of_members(enum: EnumClass) -> dict[int, str]:
     return _first_names((member.value, name) for name, member in enum.__members__.items())
 
 
@@ -129,15 +141,23 @@ def definition_of(enum: EnumClass) -> EnumDefinition:
     return dialect.enum_definition(official)
 
 
-@lru_cache(maxsize=512)
 def official_names(enum: EnumClass) -> dict[int, str]:
     """Official names by value."""
+    names: dict[int, str] = _kept(enum, "official_names", lambda: _names_of_entries(enum))
+    return names
+
+
+def _names_of_entries(enum: EnumClass) -> dict[int, str]:
     return _first_names((entry.value, entry.name) for entry in definition_of(enum).entries)
 
 
-@lru_cache(maxsize=2048)
 def enum_reader(enum: EnumClass) -> EnumReader:
     """How the core turns integers into members of `enum`."""
+    reader: EnumReader = _kept(enum, "reader", lambda: _make_reader(enum))
+    return reader
+
+
+def _make_reader(enum: EnumClass) -> EnumReader:
     members: dict[int, int] = {member.value: member for member in enum.__members__.values()}
     if not members or not issubclass(enum, MavFlag):
         return members, None

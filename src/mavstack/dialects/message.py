@@ -139,7 +139,9 @@ class Message(MessageBase):
         return self.__copy__()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return restore_message, (self.__mavlink_dialect__, self.__mavlink_row__[1], self.to_payload())
+        if type(self) is self.__mavlink_dialect__[self.__mavlink_row__[0]]:
+            return restore_message, (self.__mavlink_dialect__, self.__mavlink_row__[1], self.to_payload())
+        return type(self).from_payload, (self.to_payload(),), getattr(self, "__dict__", None)
 
 
 def restore_message(dialect: Dialect, name: str, payload: bytes) -> Message:

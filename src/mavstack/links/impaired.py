@@ -119,6 +119,8 @@ class ImpairedLink(Link):
 
     async def _open(self) -> None:
         await self._inner.open()
+        for channel in self._inner.channels:  # those that are open from the start are so here too
+            self._wrap(channel)
         self._spawn(self._follow())
 
     async def _follow(self) -> None:
@@ -133,7 +135,8 @@ class ImpairedLink(Link):
                 if channel in self._channels:
                     self._channels[channel].receive(event)
             case ChannelOpened(channel):
-                self._wrap(channel)
+                if channel not in self._channels:
+                    self._wrap(channel)
             case ChannelClosed(channel, reason):
                 self._channels.pop(channel).close(reason)
             case LinkDown(reason, retry_in):

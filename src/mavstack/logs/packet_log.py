@@ -109,12 +109,15 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
 
     @property
     def duration(self) -> float:
-        """Seconds from the first packet's time to the last's; 0 without times."""
+        """Seconds from the earliest packet's time to the latest's; 0 without times."""
         span = self._index.time_span
         return 0.0 if span is None else (span[1] - span[0]) / 1e6
 
     def forget(self, name: str | None = None) -> None:
-        """Drop the decoded table of `name`, or all tables; they are decoded anew when asked for."""
+        """Drop the decoded table of `name`, or all tables; they are decoded anew when asked for.
+
+        The memory of tables that were loaded together is free when all of them are forgotten.
+        """
         if name is None:
             self._tables.clear()
         else:

@@ -1,0 +1,38 @@
+"""Listen on UDP, send to it through a bad radio, and see what arrived."""
+
+import asyncio
+
+import mavstack
+from mavstack.dialects import common
+from mavstack.links import BytesReceived, Link
+
+PACKETS = 200
+
+
+async def listen(link: Link, parser: mavstack.Parser) -> None:
+    """Parse what comes until nothing does for a moment."""
+    while True:
+        try:
+            event = await asyncio.wait_for(anext(link), timeout=0.5)
+        except TimeoutError:
+            return
+        if isinstance(event, BytesReceived):
+            parser.feed(event.data)
+
+
+async def main() -> None:
+    """Send numbered packets over a link that loses one in ten."""
+    parser = mavstack.Parser(common)
+    async with mavstack.open_link("udpin://127.0.0.1:0") as ground:
+        host, port = ground.address or ("127.0.0.1", 0)
+        async with mavstack.open_link(f"udpout://{host}:{port}?loss=0.1&latency=20ms&seed=7") as radio:
+            (channel,) = radio.channels
+            encoder = mavstack.Encoder(system=1, component=1)
+            for step in range(PACKETS):
+                channel.write(encoder.encode(common.Attitude(time_boot_ms=step)))
+            await listen(ground, parser)
+    heard = parser.sources[1, 1]
+    print(f"{heard.received} of {PACKETS} arrived, {heard.lost} known to be lost ({heard.loss:.0%})")
+
+
+asyncio.run(main())

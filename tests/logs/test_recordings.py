@@ -1,0 +1,55 @@
+"""The recordings that are kept with the tests: still what makes them makes, and still read alike."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mavstack.logs import open_log
+
+FOLDER = Path(__file__).parents[1] / "recordings"
+
+
+def test_they_are_what_their_maker_makes():
+    made = runpy.run_path(str(FOLDER / "make.py"))["recordings"]()
+    assert {name: (FOLDER / name).read_bytes() for name in made} == made
+    assert max(map(len, made.values())) < 8000
+
+
+def test_the_flight():
+    log = open_log(FOLDER / "flight.tlog")
+    assert log.timestamped
+    assert log.counts == {
+        "ATTITUDE": 25,
+        "GLOBAL_POSITION_INT": 24,
+        "HEARTBEAT": 18,
+        "AHRS": 5,
+        "PARAM_VALUE": 5,
+        "STATUSTEXT": 1,
+    }
+    statistics = log.statistics
+    assert (statistics.packets, statistics.version_1, statistics.signed) == (79, 7, 1)
+    assert log.unknown == {0x4AFFFF: 1}
+    assert {source: (item.received, item.lost) for source, item in log.sources.items()} == {
+        (1, 1): (66, 1),
+        (1, 100): (6, 0),
+        (1, 191): (1, 0),
+        (255, 190): (6, 0),
+    }
+    times = log["ATTITUDE"]["_time"]
+    assert (np.diff(times) < np.timedelta64(0)).sum() == 1, "the clock was set back once"
+    assert log["STATUSTEXT"]["text"].tolist() == ["Landed: café".encode()]
+    assert log["PARAM_VALUE"]["param_id"][1] == b"PARAM_5"
+
+
+def test_the_link():
+    log = open_log(FOLDER / "link.raw")
+    assert not log.timestamped
+    assert log.statistics.packets == 42
+    assert log.duration == 0
+    assert log["ATTITUDE"]["roll"][:2] == pytest.approx(
+        open_log(FOLDER / "flight.tlog")["ATTITUDE"]["roll"][:2]
+    )
