@@ -5,7 +5,7 @@ import json
 import pytest
 
 from mavstack.cli.lines import json_line, text_line
-from mavstack.cli.redaction import HIDDEN
+from mavstack.cli.values import HIDDEN
 from mavstack.dialects import Dialect, common, minimal
 from mavstack.wire import Packet, encode
 

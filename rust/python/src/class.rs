@@ -6,6 +6,7 @@
 //! from a message class has an empty slot and goes the ordinary way, through `tp_new`.
 
 use crate::buffers::Bytes;
+use crate::construct;
 use crate::dialect::{LayoutTuple, layout_from_tuple};
 use crate::fields::FieldAccess;
 use crate::message;
@@ -290,7 +291,7 @@ pub fn new_message_class<'py>(
         fields,
     }));
     // SAFETY: the class was just made by the metaclass, so it has the slot; it owns the data from here on.
-    unsafe { *slot_of(class.as_ptr(), meta) = Slot { vectorcall: Some(message::vectorcall), data } };
+    unsafe { *slot_of(class.as_ptr(), meta) = Slot { vectorcall: Some(construct::vectorcall), data } };
     // SAFETY: the data is alive, the class is held, and no one else refers to the data yet.
     for field in unsafe { &mut (*data).fields } {
         field.install(&class)?;

@@ -1,10 +1,12 @@
 //! `mavstack._core`: the thin layer between `mavstack-core` and Python.
 //!
-//! Everything is safe PyO3 but for [`packet`] and [`message`] (with [`class`] and [`fields`]), whose objects are
-//! laid out by hand: each is one allocation, an object header followed by its bytes.
+//! Everything is safe PyO3 but for packets ([`packet`], [`spare`]) and messages ([`message`], [`construct`],
+//! [`class`], [`fields`]), whose objects are laid out by hand: each is one allocation, an object header followed by
+//! its bytes.
 
 mod buffers;
 mod class;
+mod construct;
 mod dialect;
 mod encode;
 mod errors;
@@ -14,6 +16,7 @@ mod message;
 mod packet;
 mod parser;
 mod signing;
+mod spare;
 mod statistics;
 mod values;
 

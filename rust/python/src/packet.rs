@@ -8,6 +8,7 @@ use crate::buffers::Bytes;
 use crate::class::{self, slot};
 use crate::dialect::{AnyDialect, Dialect};
 use crate::message::{self, give};
+use crate::spare;
 use mavstack_core::header::{CHECKSUM, Header, SIGNATURE};
 use mavstack_core::parser::{self, Parser};
 use mavstack_core::signing::link_and_timestamp;
@@ -18,7 +19,6 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
-use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_int, c_uint, c_void};
 use std::ptr;
 
@@ -156,57 +156,11 @@ pub fn create<'py>(py: Python<'py>, packet: &parser::Packet<'_>, dialect: &Py<Di
     // SAFETY: `allocate` gives an `Object` with room for `length` bytes behind it; its packet is written once, here,
     // before anyone sees the object, and taken out once, in `dealloc`.
     unsafe {
-        let made = Bound::from_owned_ptr_or_err(py, allocate(class, length))?;
+        let made = Bound::from_owned_ptr_or_err(py, spare::allocate(class, size_of::<Object>(), length))?;
         let object = made.as_ptr().cast::<Object>();
         (&raw mut (*object).packet).write(parts);
         (&raw mut (*object).raw).cast::<u8>().copy_from_nonoverlapping(packet.raw.as_ptr(), length);
         Ok(made)
-    }
-}
-
-/// Memory of packets that are gone, kept for those to come: a busy stream makes and drops millions.
-struct Spare(UnsafeCell<Vec<*mut ffi::PyObject>>);
-
-// SAFETY: used with the interpreter lock held only, and never across a call that could release it.
-unsafe impl Sync for Spare {}
-
-static SPARE: Spare = Spare(UnsafeCell::new(Vec::new()));
-/// Room for bytes in a packet whose memory is kept: enough for most, and for all of these the same.
-const SPARE_ROOM: usize = 64;
-const MAX_SPARE: usize = 4096;
-
-/// Memory of a packet of `length` bytes, with its head made and nothing else; null with an error raised.
-///
-/// # Safety
-/// The interpreter lock must be held, and `class` be the class of packets.
-#[inline]
-unsafe fn allocate(class: *mut ffi::PyTypeObject, length: usize) -> *mut ffi::PyObject {
-    let room = length.max(SPARE_ROOM);
-    // SAFETY: spare memory has a packet's size with `SPARE_ROOM`; new memory has the size asked for.
-    unsafe {
-        let spare = if room == SPARE_ROOM { (*SPARE.0.get()).pop() } else { None };
-        let memory = spare.unwrap_or_else(|| ffi::PyObject_Malloc(size_of::<Object>() + room).cast());
-        if memory.is_null() {
-            return ffi::PyErr_NoMemory();
-        }
-        ffi::PyObject_InitVar(memory.cast(), class, length as isize).cast()
-    }
-}
-
-/// Gives a packet's memory back.
-///
-/// # Safety
-/// The interpreter lock must be held, and `object` be a packet that is gone but for its memory.
-#[inline]
-unsafe fn release(object: *mut ffi::PyObject) {
-    // SAFETY: as the caller promises; a packet of up to `SPARE_ROOM` bytes was allocated with that room.
-    unsafe {
-        let spare = &mut *SPARE.0.get();
-        if (*object.cast::<Object>()).head.ob_size as usize <= SPARE_ROOM && spare.len() < MAX_SPARE {
-            spare.push(object);
-        } else {
-            ffi::PyObject_Free(object.cast());
-        }
     }
 }
 
@@ -323,7 +277,7 @@ unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
         if let Some(message) = message {
             message.drop_ref(py);
         }
-        release(object);
+        spare::release(object);
         ffi::Py_DECREF(class.cast());
     }
 }

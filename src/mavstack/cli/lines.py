@@ -6,8 +6,8 @@ import json
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from mavstack.cli.redaction import HIDDEN, raw_hex, secret_fields
-from mavstack.cli.values import message_values
+from mavstack.cli.values import HIDDEN, message_values, raw_hex
+from mavstack.dialects.secrets import secret_fields
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.identity import Identity, identify
 from mavstack.cli.observer import Heard, Totals
-from mavstack.cli.redaction import raw_hex
 from mavstack.cli.traffic import Rate
-from mavstack.cli.values import UNKNOWN, Value, message_values
+from mavstack.cli.values import UNKNOWN, Value, message_values, raw_hex
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

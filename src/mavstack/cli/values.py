@@ -12,14 +12,18 @@ from math import isfinite, pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from mavstack.cli.redaction import HIDDEN, secret_fields
+from mavstack.dialects.secrets import secret_fields
+from mavstack.security import holds_secret
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.dialects import Message
     from mavstack.dialects.model import FieldDefinition
+    from mavstack.wire import Packet
 
+#: What stands in place of a secret.
+HIDDEN: Final = "(hidden)"
 UNKNOWN: Final = "–"  # noqa: RUF001 (a dash, as in a table)
 
 
@@ -183,3 +187,8 @@ def _with_unit(field: FieldDefinition, value: float) -> str:
 
 def _no_minus_zero(number: str) -> str:
     return number[1:] if number.startswith("-") and not number.strip("-0.") else number
+
+
+def raw_hex(packet: Packet) -> str:
+    """The bytes of a packet as text, unless they hold a secret."""
+    return HIDDEN if holds_secret(packet) else packet.raw.hex()

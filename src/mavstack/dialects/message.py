@@ -15,6 +15,7 @@ from struct import pack, unpack
 
 from mavstack._core import MessageBase
 from mavstack.dialects.enums import EnumReader, MavEnum, MavFlag, enum_reader
+from mavstack.dialects.secrets import secret_fields
 from mavstack.errors import FieldNameError, FieldTypeError
 
 TYPE_CHECKING = False
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 
 #: How enum values come out: as members, as integers, or by their official names.
 EnumForm: TypeAlias = 'Literal["member", "value", "name"]'
-
-#: Fields whose content a message's text never shows: SETUP_SIGNING's key.
-_SECRETS = frozenset({"secret_key"})
 
 
 class _LazyDefinition:
@@ -64,8 +62,10 @@ class Message(MessageBase):
         return f"{type(self).__name__}({', '.join(parts)})"
 
     def _text(self, name: str) -> str:
-        # What is shown ends up in log files, where a signing key must never be.
-        return "…" if name in _SECRETS else _shown(getattr(self, name), self._kind(name))
+        # What is shown ends up in log files, where a key or a password must never be.
+        if name in secret_fields(self.__mavlink_row__[1]):
+            return "…"
+        return _shown(getattr(self, name), self._kind(name))
 
     @classmethod
     def _kind(cls, name: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mavstack.security.keys import SigningKey
-from mavstack.security.redaction import SECRET_MESSAGES, redacted
+from mavstack.security.redaction import holds_secret, redacted
 from mavstack.security.timestamps import TimestampStore
 
-__all__ = ["SECRET_MESSAGES", "SigningKey", "TimestampStore", "redacted"]
+__all__ = ["SigningKey", "TimestampStore", "holds_secret", "redacted"]
