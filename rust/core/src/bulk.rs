@@ -23,17 +23,41 @@ pub const NO_TIME: i64 = i64::MIN;
 const MIN_STRETCH: usize = 1 << 20;
 /// Rows that a thread decodes at a time.
 const JOB: usize = 16_384;
+/// Bytes that the memory fetches at a time, on most machines.
+const CACHE_LINE: usize = 64;
 /// Rows whose memory is asked for together.
 const BATCH: usize = 64;
 /// How far into a stretch its first packet is sought.
 const MAX_SPLIT_SEARCH: usize = 1 << 16;
-const STAMPED: u64 = 1 << 63;
+/// Set in an offset whose packet has a timestamp before it.
+const STAMPED: u32 = 1 << 31;
+
+/// Bytes of a file that the offsets of one part reach; few in tests, so that they cross the border.
+const MAX_SPAN: usize = if cfg!(test) { 1 << 18 } else { STAMPED as usize };
+
+/// Where the packets of a part of a file are: short offsets from where it begins.
+#[derive(Debug)]
+struct Part {
+    base: usize,
+    /// By layout slot.
+    offsets: Vec<Vec<u32>>,
+}
+
+impl Part {
+    fn new(base: usize, slots: usize) -> Self {
+        Self { base, offsets: vec![Vec::new(); slots] }
+    }
+
+    /// Whether an offset from here reaches `start`.
+    fn reaches(&self, start: usize) -> bool {
+        start - self.base < MAX_SPAN
+    }
+}
 
 /// Where every packet of a file is, by message.
 #[derive(Debug, Default)]
 pub struct Index {
-    /// Per layout slot, the offsets of its packets; the top bit says that a timestamp precedes.
-    offsets: Vec<Vec<u64>>,
+    parts: Vec<Part>,
     unknown: BTreeMap<u32, u64>,
     statistics: Statistics,
     sources: Sources,
@@ -89,14 +113,26 @@ impl Index {
         let Header { system, component, sequence, message_id, .. } = found.header;
         self.sources.record(system, component, sequence, found.range().len());
         match found.slot {
-            Some(slot) => {
-                let stamped = if found.timestamped { STAMPED } else { 0 };
-                self.offsets[usize::from(slot)].push(found.start as u64 | stamped);
-            }
+            Some(slot) => self.place(found, slot),
             None => *self.unknown.entry(message_id).or_default() += 1,
         }
         if found.timestamped {
             self.include(Packet::new(data, found).timestamp);
+        }
+    }
+
+    #[inline]
+    fn place(&mut self, found: &Found, slot: u16) {
+        if let Some(part) = self.parts.last_mut()
+            && part.reaches(found.start)
+        {
+            let stamped = if found.timestamped { STAMPED } else { 0 };
+            part.offsets[usize::from(slot)].push((found.start - part.base) as u32 | stamped);
+        } else {
+            let slots = self.parts.last().map_or(0, |part| part.offsets.len());
+            // From before the packet's timestamp, which is read with it.
+            self.parts.push(Part::new(found.start.saturating_sub(TIMESTAMP), slots));
+            self.place(found, slot);
         }
     }
 
@@ -109,13 +145,7 @@ impl Index {
     }
 
     fn append(&mut self, next: Self) {
-        if self.offsets.is_empty() {
-            *self = next;
-            return;
-        }
-        for (offsets, more) in self.offsets.iter_mut().zip(next.offsets) {
-            offsets.extend_from_slice(&more);
-        }
+        self.parts.extend(next.parts);
         for (id, count) in next.unknown {
             *self.unknown.entry(id).or_default() += count;
         }
@@ -128,7 +158,7 @@ impl Index {
     /// Number of packets of the layout in `slot`.
     #[must_use]
     pub fn rows(&self, slot: usize) -> usize {
-        self.offsets.get(slot).map_or(0, Vec::len)
+        self.parts.iter().map(|part| part.offsets.get(slot).map_or(0, Vec::len)).sum()
     }
 
     /// Packets of ids that the dialect does not have, by id.
@@ -158,17 +188,22 @@ impl Index {
     /// `data` must be what was indexed; packets that are no longer there become rows of zeros.
     pub fn decode(&self, data: &[u8], dialect: &Dialect, tables: Vec<(usize, &mut [u8])>, threads: usize) {
         let mut jobs = Vec::new();
-        for (slot, table) in tables {
-            if let (Some(offsets), Some(layout)) = (self.offsets.get(slot), dialect.layouts().get(slot)) {
-                let parts = offsets.chunks(JOB).zip(table.chunks_mut(JOB * row_size(layout)));
-                jobs.extend(parts.map(|(offsets, rows)| (layout, offsets, rows)));
+        for (slot, mut table) in tables {
+            let Some(layout) = dialect.layouts().get(slot) else {
+                continue;
+            };
+            for part in &self.parts {
+                for offsets in part.offsets.get(slot).map_or(&[][..], Vec::as_slice).chunks(JOB) {
+                    let rows = table.split_off_mut(..offsets.len() * row_size(layout)).unwrap_or_default();
+                    jobs.push((layout, &data[part.base.min(data.len())..], offsets, rows));
+                }
             }
         }
         let threads = threads.min(jobs.len());
         let jobs = Mutex::new(jobs.into_iter());
         let next = || jobs.lock().ok()?.next();
         let work = || {
-            while let Some((layout, offsets, rows)) = next() {
+            while let Some((layout, data, offsets, rows)) = next() {
                 decode_rows(data, layout, offsets, rows);
             }
         };
@@ -203,7 +238,7 @@ fn split_points(data: &[u8], dialect: &Dialect, timestamped: bool, threads: usiz
 }
 
 fn scan_stretch(data: &[u8], dialect: &Dialect, timestamped: bool, start: usize, end: usize) -> Stretch {
-    let mut index = Index { offsets: vec![Vec::new(); dialect.layouts().len()], ..Index::default() };
+    let mut index = Index { parts: vec![Part::new(start, dialect.layouts().len())], ..Index::default() };
     let mut statistics = Statistics::default();
     let mut scanner = Scanner::resume(data, dialect, timestamped, start, start);
     while scanner.boundary() < end {
@@ -216,7 +251,7 @@ fn scan_stretch(data: &[u8], dialect: &Dialect, timestamped: bool, start: usize,
     Stretch { index, start, stopped: scanner.boundary() }
 }
 
-fn decode_rows(data: &[u8], layout: &Layout, offsets: &[u64], rows: &mut [u8]) {
+fn decode_rows(data: &[u8], layout: &Layout, offsets: &[u32], rows: &mut [u8]) {
     let texts: Vec<_> = layout
         .fields
         .iter()
@@ -225,7 +260,7 @@ fn decode_rows(data: &[u8], layout: &Layout, offsets: &[u64], rows: &mut [u8]) {
         .collect();
     let size = row_size(layout);
     for (batch, rows) in offsets.chunks(BATCH).zip(rows.chunks_mut(BATCH * size)) {
-        touch(data, batch, usize::from(layout.length));
+        touch(data, batch);
         for (&offset, row) in batch.iter().zip(rows.chunks_exact_mut(size)) {
             decode_row(data, offset, row, usize::from(layout.length));
             for text in &texts {
@@ -235,20 +270,20 @@ fn decode_rows(data: &[u8], layout: &Layout, offsets: &[u64], rows: &mut [u8]) {
     }
 }
 
-/// Reads a byte at both ends of each packet, so that the memory fetches them side by side: a message's packets
-/// are far apart in the file, and one at a time each would be waited for.
+/// Reads a byte of each packet's timestamp and one of its payload, so that the memory fetches all of them side by
+/// side: a message's packets are far apart in the file, and one at a time each would be waited for.
 #[inline]
-fn touch(data: &[u8], batch: &[u64], length: usize) {
+fn touch(data: &[u8], batch: &[u32]) {
+    let byte = |place: usize| data.get(place).copied().unwrap_or(0);
     let touched = batch.iter().fold(0, |sum, &offset| {
         let start = (offset & !STAMPED) as usize;
-        let end = start + length;
-        sum ^ data.get(start).copied().unwrap_or(0) ^ data.get(end).copied().unwrap_or(0)
+        sum ^ byte(start.saturating_sub(TIMESTAMP)) ^ byte(start + CACHE_LINE / 2)
     });
     std::hint::black_box(touched);
 }
 
 #[inline]
-fn decode_row(data: &[u8], offset: u64, row: &mut [u8], length: usize) {
+fn decode_row(data: &[u8], offset: u32, row: &mut [u8], length: usize) {
     let start = (offset & !STAMPED) as usize;
     let Some(header) = data.get(start..).and_then(Header::parse) else {
         row.fill(0);

@@ -1,6 +1,7 @@
 //! A dialect's layout tables, and the message classes made from them on first use.
 
 use crate::errors::DialectError;
+use crate::message;
 use mavstack_core::layout::{self, Field, FieldType, Layout};
 use pyo3::PyTraverseError;
 use pyo3::gc::PyVisit;
@@ -20,7 +21,14 @@ pub struct Dialect {
     name: String,
     pub core: layout::Dialect,
     make_class: Py<PyAny>,
-    classes: Vec<OnceLock<Py<PyType>>>,
+    classes: Vec<OnceLock<MessageClass>>,
+}
+
+/// The class of a message, and beside it all that making an instance needs: nothing else has to be looked at.
+pub struct MessageClass {
+    pub class: Py<PyType>,
+    /// Payload length, if instances are of the plain kind that is allocated by hand.
+    pub plain: Option<u8>,
 }
 
 /// The layout that a tuple describes.
@@ -69,20 +77,20 @@ impl Dialect {
     // The maker of classes is a method of the Python dialect that owns this one: a cycle.
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         visit.call(&self.make_class)?;
-        self.classes.iter().filter_map(OnceLock::get).try_for_each(|class| visit.call(class))
+        self.classes.iter().filter_map(OnceLock::get).try_for_each(|made| visit.call(&made.class))
     }
 }
 
 impl Dialect {
     /// The class of the message in `slot`, made on first use.
     #[inline]
-    pub fn class<'py>(&self, py: Python<'py>, slot: u16) -> PyResult<&Bound<'py, PyType>> {
+    pub fn class(&self, py: Python<'_>, slot: u16) -> PyResult<&MessageClass> {
         let once = &self.classes[usize::from(slot)];
-        if let Some(class) = once.get() {
-            return Ok(class.bind(py));
+        if let Some(made) = once.get() {
+            return Ok(made);
         }
-        let class = self.make(py, slot)?;
-        Ok(once.get_or_init(|| class).bind(py))
+        let made = self.make(py, slot)?;
+        Ok(once.get_or_init(|| made))
     }
 
     /// The Python dialect that this belongs to: whose method makes the classes.
@@ -91,9 +99,11 @@ impl Dialect {
     }
 
     #[cold]
-    fn make(&self, py: Python<'_>, slot: u16) -> PyResult<Py<PyType>> {
+    fn make(&self, py: Python<'_>, slot: u16) -> PyResult<MessageClass> {
         let id = self.core.layouts()[usize::from(slot)].id;
-        Ok(self.make_class.bind(py).call1((id,))?.cast_into::<PyType>()?.unbind())
+        let class = self.make_class.bind(py).call1((id,))?.cast_into::<PyType>()?;
+        let plain = message::plain_length(&class);
+        Ok(MessageClass { class: class.unbind(), plain })
     }
 }
 

@@ -112,6 +112,37 @@ pub fn give(py: Python<'_>, result: PyResult<Bound<'_, PyAny>>) -> *mut ffi::PyO
     }
 }
 
+/// Payload length of a class whose instances may be allocated by hand: one that `new_message_class` made.
+pub fn plain_length(class: &Bound<'_, PyType>) -> Option<u8> {
+    // SAFETY: the class is held.
+    let data = unsafe { class::direct_data(class.py(), class.as_type_ptr()) }?;
+    data.collected.then_some(data.layout.length)
+}
+
+/// A new message over `payload`, zero-filled if short, cut if longer than known.
+///
+/// # Safety
+/// `length` must be the plain length of `class`.
+#[inline]
+pub unsafe fn allocate_plain<'py>(
+    py: Python<'py>,
+    class: *mut ffi::PyTypeObject,
+    length: u8,
+    payload: &[u8],
+) -> PyResult<Bound<'py, PyAny>> {
+    let known = payload.len().min(length.into());
+    // SAFETY: a plain class derives from `MessageBase`, has a header for the collector and no members of its own; the
+    // object stays untracked, and its payload is all written here before anyone sees it.
+    unsafe {
+        let object = ffi::PyObject_GC_NewVar::<ffi::PyObject>(class, length.into());
+        let object = Bound::from_owned_ptr_or_err(py, object)?;
+        let (start, rest) = payload_mut(object.as_ptr()).split_at_mut(known);
+        start.copy_from_slice(&payload[..known]);
+        rest.fill(0);
+        Ok(object)
+    }
+}
+
 /// A new message of `class`, all zero, not yet known to the cycle collector.
 ///
 /// # Safety
@@ -123,13 +154,10 @@ pub unsafe fn allocate_zeroed<'py>(
     data: &ClassData,
 ) -> PyResult<Bound<'py, PyAny>> {
     let length = data.layout.length.into();
-    // SAFETY: the class derives from `MessageBase`. One that has a header for the collector and no members of its own
-    // is allocated by hand, untracked, and its payload zeroed here; any other generically, zeroed and tracked.
+    // SAFETY: the class derives from `MessageBase`: its own class is plain, any other is allocated generically.
     unsafe {
         if data.collected && class == data.class {
-            let object = Bound::from_owned_ptr_or_err(py, ffi::PyObject_GC_NewVar::<ffi::PyObject>(class, length))?;
-            payload_mut(object.as_ptr()).fill(0);
-            return Ok(object);
+            return allocate_plain(py, class, data.layout.length, &[]);
         }
         let object = Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length))?;
         if data.collected {

@@ -120,12 +120,15 @@ impl Packet {
     }
 
     fn make_message<'py>(&self, py: Python<'py>, slot: u16, raw: &[u8]) -> PyResult<Bound<'py, PyAny>> {
-        let class = self.dialect.get().class(py, slot)?;
-        let class = class.as_type_ptr();
-        // SAFETY: the dialect holds the class, and the data is that of the class.
+        let made = self.dialect.get().class(py, slot)?;
+        let (class, payload) = (made.class.bind(py).as_type_ptr(), &raw[self.header.payload()]);
+        // SAFETY: the dialect holds the class; it is plain if it says so, and otherwise the data is that of the class.
         unsafe {
-            match class::direct_data(py, class).or_else(|| class::class_data(py, class)) {
-                Some(data) => message::allocate(py, class, data, &raw[self.header.payload()]),
+            if let Some(length) = made.plain {
+                return message::allocate_plain(py, class, length, payload);
+            }
+            match class::class_data(py, class) {
+                Some(data) => message::allocate(py, class, data, payload),
                 None => Err(message::foreign_object()),
             }
         }

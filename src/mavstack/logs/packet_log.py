@@ -64,18 +64,13 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         """Decode the tables of `names`, or all tables, in one go: faster than one after the other."""
         wanted = [name for name in dict.fromkeys(names or self) if name not in self._tables]
         dtypes = [self._dtype(name) for name in wanted]
-        # One block for all: large blocks come in large pages, and each page costs a fault.
-        sizes = [dtype.itemsize * self.counts[name] for name, dtype in zip(wanted, dtypes, strict=True)]
-        ends = np.cumsum(sizes, dtype=np.intp)
-        block = np.empty(sum(sizes), np.uint8)
-        parts = [block[end - size : end] for end, size in zip(ends, sizes, strict=True)]
-        rows = [(self._ids[name], part.data) for name, part in zip(wanted, parts, strict=True)]
+        parts = [np.empty(self.counts[name], dtype) for name, dtype in zip(wanted, dtypes, strict=True)]
+        rows = [(self._ids[name], part.view(np.uint8).data) for name, part in zip(wanted, parts, strict=True)]
         # A map of bytes that the file no longer has ends the whole process where it is read.
         if isinstance(self._data, mmap.mmap) and self._data.size() < self.size:
             raise LogError(f"{self.path}: was made shorter since it was opened; open it again")
         self._index.decode(rows, threads=self._threads)
-        for name, part, dtype in zip(wanted, parts, dtypes, strict=True):
-            self._tables[name] = part.view(dtype)
+        self._tables.update(zip(wanted, parts, strict=True))
 
     def _dtype(self, name: str) -> np.dtype[np.void]:
         message_id = self._ids.get(name)
@@ -114,10 +109,7 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         return 0.0 if span is None else (span[1] - span[0]) / 1e6
 
     def forget(self, name: str | None = None) -> None:
-        """Drop the decoded table of `name`, or all tables; they are decoded anew when asked for.
-
-        The memory of tables that were loaded together is free when all of them are forgotten.
-        """
+        """Drop the decoded table of `name`, or all tables; they are decoded anew when asked for."""
         if name is None:
             self._tables.clear()
         else:
