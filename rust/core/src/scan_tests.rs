@@ -84,6 +84,16 @@ fn unknown_ids_are_reported_and_not_called_corrupt() {
 }
 
 #[test]
+fn damaged_packets_of_unknown_ids_are_mostly_refused() {
+    let accepted = (0..=0x03FFu16).filter(|&damage| {
+        let mut data = unknown_packet(&[1, 2, 3, 4, 5, 6, 7, 8]);
+        data[10 + usize::from(damage >> 8)] ^= damage as u8 | 1;
+        !scan(&data, false).0.is_empty()
+    });
+    assert!(accepted.count() < 32, "about one in 256 has a solution");
+}
+
+#[test]
 fn what_looks_like_an_unknown_packet_does_not_hide_a_good_one() {
     let data = unknown_packet(&heartbeat(Version::V2, 3));
     let (found, _) = scan(&data, false);

@@ -9,6 +9,10 @@ use mavstack_core::parser as core;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+/// Bytes of a packet on the mean, and of a chunk for whose packets room is made beforehand.
+const TYPICAL_PACKET: usize = 32;
+const MAX_RESERVED: usize = 1 << 20;
+
 /// Finds the packets of one byte stream, however it is cut into chunks.
 #[pyclass(module = "mavstack._core")]
 pub struct Parser {
@@ -31,6 +35,7 @@ impl Parser {
     #[pyo3(signature = (data, now = None))]
     fn feed<'py>(&mut self, py: Python<'py>, data: Bytes<'_>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
+        sink.packets.reserve(data.len().min(MAX_RESERVED) / TYPICAL_PACKET);
         self.core.feed(&self.dialect.get().core, &data, |packet| sink.take(&packet));
         sink.finish()
     }
