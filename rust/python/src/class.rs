@@ -34,6 +34,8 @@ type VectorCall = unsafe extern "C" fn(
 struct Slot {
     vectorcall: Option<VectorCall>,
     data: *mut ClassData,
+    /// The data's table of names, so that reading a plain field does not touch the data itself.
+    names: *const [Named],
 }
 
 /// A class's layout, and what its field descriptors point to.
@@ -64,30 +66,27 @@ pub struct Named {
     pub plain: Option<FieldType>,
 }
 
-impl ClassData {
-    /// The field of that name, if `name` is the interned string: as it is wherever code names an attribute.
-    #[inline]
-    pub fn field(&self, name: *mut ffi::PyObject) -> Option<&Named> {
-        let mask = self.by_name.len() - 1;
-        let mut place = hash(name);
-        loop {
-            let named = &self.by_name[place & mask];
-            if named.name == name {
-                return Some(named);
-            }
-            if named.name.is_null() {
-                return None;
-            }
-            place += 1;
+/// The field of that name, if `name` is the interned string: as it is wherever code names an attribute.
+#[inline]
+pub fn find(table: &[Named], name: *mut ffi::PyObject) -> Option<&Named> {
+    let mask = table.len() - 1;
+    let mut place = hash(name);
+    loop {
+        let entry = &table[place & mask];
+        if entry.name == name {
+            return Some(entry);
         }
+        if entry.name.is_null() {
+            return None;
+        }
+        place += 1;
     }
 }
 
-/// Spreads addresses, whose low bits are all alike.
+/// Spreads addresses, which lie at even distances: the upper half of a product has all their bits in it.
 #[inline]
 fn hash(name: *mut ffi::PyObject) -> usize {
-    let address = name as usize;
-    (address >> 4) ^ (address >> 11)
+    ((name as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize
 }
 
 fn name_table(fields: &[FieldAccess]) -> Box<[Named]> {
@@ -291,7 +290,10 @@ pub fn new_message_class<'py>(
         fields,
     }));
     // SAFETY: the class was just made by the metaclass, so it has the slot; it owns the data from here on.
-    unsafe { *slot_of(class.as_ptr(), meta) = Slot { vectorcall: Some(construct::vectorcall), data } };
+    unsafe {
+        let names = &raw const *(*data).by_name;
+        *slot_of(class.as_ptr(), meta) = Slot { vectorcall: Some(construct::vectorcall), data, names };
+    }
     // SAFETY: the data is alive, the class is held, and no one else refers to the data yet.
     for field in unsafe { &mut (*data).fields } {
         field.install(&class)?;
@@ -310,6 +312,21 @@ pub unsafe fn direct_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Opti
     unsafe {
         let is_ours = ptr::eq(ffi::Py_TYPE(class.cast()), meta.class.as_ptr().cast());
         if is_ours { (*slot_of(class.cast(), meta)).data.as_ref() } else { None }
+    }
+}
+
+/// The table of names of such a class.
+///
+/// # Safety
+/// As [`direct_data`].
+#[inline]
+pub unsafe fn direct_names(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&[Named]> {
+    let meta = META.get(py)?;
+    // SAFETY: as in `direct_data`; the names are the data's, and there if the data is.
+    unsafe {
+        let is_ours = ptr::eq(ffi::Py_TYPE(class.cast()), meta.class.as_ptr().cast());
+        let slot = slot_of(class.cast(), meta);
+        if is_ours && !(*slot).data.is_null() { (*slot).names.as_ref() } else { None }
     }
 }
 

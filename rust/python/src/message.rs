@@ -220,35 +220,40 @@ pub fn open<'a>(object: &'a Bound<'_, PyAny>) -> PyResult<(&'a ClassData, &'a [u
     Ok((unsafe { &*ptr::from_ref(data) }, payload))
 }
 
-#[inline]
-fn read_field<'py>(
-    py: Python<'py>,
-    data: &ClassData,
-    named: &class::Named,
-    payload: &[u8],
-) -> PyResult<Bound<'py, PyAny>> {
-    let Some(kind) = named.plain else {
-        return data.fields[usize::from(named.field)].read(py, payload);
-    };
-    let start = usize::from(named.offset);
-    match payload.get(start..start + kind.size()) {
-        Some(bytes) => values::read_number(py, kind, bytes),
-        None => Err(foreign_object()),
-    }
-}
-
 /// Attributes: the fields of the object's own class at once, all else the ordinary way.
 unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::PyObject) -> *mut ffi::PyObject {
     // SAFETY: Python calls the slot with a message, which holds its class and with it the class's data.
     unsafe {
         let py = Python::assume_attached();
-        let Some(data) = class::direct_data(py, ffi::Py_TYPE(object)) else {
+        let class = ffi::Py_TYPE(object);
+        let Some(named) = class::direct_names(py, class).and_then(|names| class::find(names, name)) else {
             return ffi::PyObject_GenericGetAttr(object, name);
         };
-        match data.field(name) {
-            Some(named) => give(py, read_field(py, data, named, payload(object))),
-            None => ffi::PyObject_GenericGetAttr(object, name),
+        let Some(kind) = named.plain else {
+            return give(py, read_field(py, class, named, payload(object)));
+        };
+        let start = usize::from(named.offset);
+        match payload(object).get(start..start + kind.size()) {
+            Some(bytes) => give(py, values::read_number(py, kind, bytes)),
+            None => give(py, Err(foreign_object())),
         }
+    }
+}
+
+/// Reads a field that is more than a plain number.
+///
+/// # Safety
+/// `class` must be a live message class.
+unsafe fn read_field<'py>(
+    py: Python<'py>,
+    class: *mut ffi::PyTypeObject,
+    named: &class::Named,
+    payload: &[u8],
+) -> PyResult<Bound<'py, PyAny>> {
+    // SAFETY: by the caller's promise.
+    match unsafe { class::direct_data(py, class) } {
+        Some(data) => data.fields[usize::from(named.field)].read(py, payload),
+        None => Err(foreign_object()),
     }
 }
 

@@ -16,12 +16,29 @@ pub fn read<'py>(py: Python<'py>, field: &Field, bytes: &[u8]) -> PyResult<Bound
         FieldType::Char => Ok(read_text(py, bytes).into_any()),
         _ if field.array_length == 0 => read_number(py, field.kind, bytes),
         FieldType::U8 => Ok(PyBytes::new(py, bytes).into_any()),
-        kind => {
-            let elements: PyResult<Vec<_>> =
-                bytes.chunks_exact(kind.size()).map(|element| read_number(py, kind, element)).collect();
-            Ok(PyTuple::new(py, elements?)?.into_any())
-        }
+        kind => read_array(py, kind, bytes),
     }
+}
+
+fn read_array<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
+    macro_rules! tuple {
+        ($type:ty) => {
+            PyTuple::new(py, bytes.as_chunks().0.iter().map(|element| <$type>::from_le_bytes(*element)))
+        };
+    }
+    let tuple = match kind {
+        FieldType::U8 | FieldType::Char => tuple!(u8),
+        FieldType::I8 => tuple!(i8),
+        FieldType::U16 => tuple!(u16),
+        FieldType::I16 => tuple!(i16),
+        FieldType::U32 => tuple!(u32),
+        FieldType::I32 => tuple!(i32),
+        FieldType::U64 => tuple!(u64),
+        FieldType::I64 => tuple!(i64),
+        FieldType::F32 => tuple!(f32),
+        FieldType::F64 => tuple!(f64),
+    };
+    Ok(tuple?.into_any())
 }
 
 /// Text up to its NUL; a character cut off at the end is left out, other bytes that are not UTF-8 become U+FFFD.
