@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import signal
-import sys
 from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -50,10 +49,11 @@ class LiveTable:
         self._live = Live(console=self._console, screen=True, auto_refresh=False)
         self._drawing = Lock()
         self._ended = False
+        self._terminated = False
         self._terminate: Any = signal.SIG_DFL
 
     def __enter__(self) -> Self:
-        self._terminate = signal.signal(signal.SIGTERM, _leave)
+        self._terminate = signal.signal(signal.SIGTERM, self._leave)
         self._live.start()
         return self
 
@@ -63,6 +63,13 @@ class LiveTable:
         self._live.stop()
         signal.signal(signal.SIGTERM, self._terminate)
         self._console.print(self._drawn(self._take(), self._console.height - 2))
+        if self._terminated:
+            raise SystemExit(128 + signal.SIGTERM)
+
+    def _leave(self, _number: int, _frame: object) -> None:
+        """End as Ctrl-C does, which the event loop turns into an orderly end, wherever the signal falls."""
+        self._terminated = True
+        signal.raise_signal(signal.SIGINT)
 
     async def run(self) -> None:
         """Redraw until cancelled."""
@@ -85,11 +92,6 @@ class LiveTable:
 
     def _drawn(self, picture: Picture, height: int) -> Group:
         return Group(*draw(picture, self._console.width, height, self._sort))
-
-
-def _leave(number: int, _frame: object) -> None:
-    """End in an orderly way, so that the terminal is as it was."""
-    sys.exit(128 + number)
 
 
 def draw(picture: Picture, width: int, height: int, sort: str = "name") -> list[Text]:
