@@ -1,8 +1,41 @@
-"""What all tests share: no test of properties may fail because the machine is slow."""
+"""What all tests share: no property test fails because the machine is slow; randomised tests have seeds."""
 
 from __future__ import annotations
 
+from collections import defaultdict
+
+import pytest
 from hypothesis import settings
+
+from tests.seeds import REPORT, Seeds, blocks_of
 
 settings.register_profile("mavstack", deadline=None)
 settings.load_profile("mavstack")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("seeds")
+    group.addoption("--seeds", type=int, default=300, help="how many seeds each randomised test runs")
+    group.addoption("--seed", type=int, default=None, help="run randomised tests over this seed alone")
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "seeds" in metafunc.fixturenames:
+        metafunc.parametrize("seeds", blocks_of(metafunc.config), indirect=True, ids=str)
+
+
+@pytest.fixture
+def seeds(request: pytest.FixtureRequest) -> Seeds:
+    return Seeds(request.param, request.node)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    totals: dict[str, list[float]] = defaultdict(lambda: [0, 0.0])
+    for report in terminalreporter.getreports("passed"):
+        for name, value in report.user_properties:
+            if name == REPORT and report.when == "call":
+                total = totals[report.nodeid.partition("[")[0]]
+                total[0], total[1] = total[0] + value[0], total[1] + value[1]
+    for test, (number, seconds) in sorted(totals.items()):
+        rate = 60 * number / max(seconds, 1e-9)
+        terminalreporter.write_line(f"{test}: {number:.0f} seeds, {rate:,.0f} seeds/minute")

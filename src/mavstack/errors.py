@@ -90,3 +90,94 @@ class MissingExtraError(MavstackError, ImportError):
 
     def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str]]:
         return type(self), (self.feature, self.extra)
+
+
+class RemoteError(MavstackError):
+    """Something asked of another component did not come to a good end.
+
+    `request` says what was asked, `target` of whom, `attempts` how often, `answer` what came back.
+    """
+
+    def __init__(self, request: str, target: str, *, attempts: int = 1, answer: str = "no answer") -> None:
+        self.request = request
+        self.target = target
+        self.attempts = attempts
+        self.answer = answer
+        often = "" if attempts <= 1 else f" {attempts} times"
+        super().__init__(f"{request} asked of {target}{often}: {answer}")
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _remade, (type(self), self.args, self.__dict__)
+
+
+def _remade(kind: type[RemoteError], args: tuple[str, ...], state: dict[str, object]) -> RemoteError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(state)
+    return error
+
+
+class RemoteTimeout(RemoteError, TimeoutError):
+    """The other component did not answer in time."""
+
+
+class RemoteDenied(RemoteError):
+    """The other component answered that it will not; `code` is its reason as the service numbers it."""
+
+    def __init__(self, request: str, target: str, *, attempts: int = 1, answer: str, code: int = 0) -> None:
+        super().__init__(request, target, attempts=attempts, answer=answer)
+        self.code = code
+
+
+class RemoteCancelled(RemoteError):
+    """The operation was cancelled, by either side, before it came to an end."""
+
+
+class RemoteProtocolError(RemoteError):
+    """The other component's answers contradict the protocol or each other."""
+
+
+class CommandDenied(RemoteDenied):
+    """A command was refused; `code` is its MAV_RESULT, `detail` its `result_param2`."""
+
+    detail: int = 0
+
+
+class CommandTimeout(RemoteTimeout):
+    """A command was not acknowledged, or not finished, in time."""
+
+
+class MessageTimeout(RemoteTimeout):
+    """A requested message did not come."""
+
+
+class ParameterDenied(RemoteDenied):
+    """A parameter was refused; `code` is its MAV_PARAM_ERROR or PARAM_ACK."""
+
+
+class ParameterTimeout(RemoteTimeout):
+    """A parameter was not answered in time, or the set of parameters never became whole."""
+
+
+class MissionDenied(RemoteDenied):
+    """A plan was refused; `code` is its MAV_MISSION_RESULT."""
+
+
+class MissionTimeout(RemoteTimeout):
+    """A plan's transfer stopped before its end."""
+
+
+class FileDenied(RemoteDenied):
+    """A file operation was refused; `code` is the FTP error, `errno` the remote system's, if it told."""
+
+    errno: int | None = None
+
+
+class FileTimeout(RemoteTimeout):
+    """A file operation stopped before its end."""
+
+
+class LogTimeout(RemoteTimeout):
+    """A log's transfer stopped before its end."""

@@ -1,0 +1,214 @@
+"""The node without its sockets and its clock: channels, routes, pace, and the services that live on them.
+
+    engine.receive(channel, data, now)    bytes in; the packets come out, and services have seen them
+    engine.data_to_send(now)              (channel, bytes) to write, in order
+    engine.events()                       (service, event), in order
+    engine.next_timeout()                 when to call `engine.handle_timeout(now)`
+
+The asyncio driver runs it over links, tests run two of them over a simulated network in virtual time; both
+therefore run the same routing, the same pacing and the same services. A packet goes to a service if its id
+is among those that the service handles and it is addressed to the service's component or to all. Work is
+done only for services that something happened to: their timers lie in a heap.
+"""
+
+from __future__ import annotations
+
+from heapq import heappop, heappush
+from itertools import count
+from typing import TYPE_CHECKING, TypeVar
+
+from mavstack.dialects import common
+from mavstack.node.channel_state import ChannelState
+from mavstack.node.duplicates import Duplicates
+from mavstack.node.listeners import Listeners
+from mavstack.node.routes import Routes
+from mavstack.services import (
+    Address,
+    Event,
+    Outgoing,
+    Priority,
+    Service,
+    earliest,
+    message_ids,
+    target_of,
+)
+
+if TYPE_CHECKING:
+    from mavstack._core import HasCoreDialect
+    from mavstack.dialects import Message
+    from mavstack.wire import Packet, Signing
+
+AnyService = TypeVar("AnyService", bound=Service)
+
+_RADIO_STATUS = next(iter(message_ids(common.RadioStatus)))
+
+
+class Engine:
+    """Channels on one side, services on the other, and everything between them."""
+
+    def __init__(self, local: Address, dialect: HasCoreDialect = common) -> None:
+        self.local = local
+        self.dialect = dialect
+        self.routes: Routes[ChannelState] = Routes()
+        self.duplicates: Duplicates[ChannelState] = Duplicates()
+        self.channels: list[ChannelState] = []
+        self._services: dict[Service, None] = {}
+        self._listeners = Listeners()
+        self._touched: dict[Service, None] = {}
+        self._to_send: list[tuple[ChannelState, bytes]] = []
+        self._events: list[tuple[Service, Event]] = []
+        self._timers: list[tuple[float, int, Service]] = []
+        self._due: dict[Service, float] = {}
+        self._waiting_for_room: dict[Service, float] = {}
+        self._order = count()
+
+    # Channels
+
+    def open_channel(
+        self,
+        name: str,
+        *,
+        version: int = 2,
+        signing: Signing | None = None,
+        bandwidth: float | None = None,
+    ) -> ChannelState:
+        """A peer appeared; `bandwidth` in bytes a second, if it is known."""
+        channel = ChannelState(name, self.dialect, version=version, signing=signing, bandwidth=bandwidth)
+        self.channels.append(channel)
+        self._touched.update(self._services)
+        return channel
+
+    def close_channel(self, channel: ChannelState) -> None:
+        """A peer is gone."""
+        self.channels.remove(channel)
+        self.routes.forget(channel)
+        self._to_send = [item for item in self._to_send if item[0] is not channel]
+
+    # Services
+
+    def add(self, service: AnyService) -> AnyService:
+        """Let a service live here."""
+        if service not in self._services:
+            self._services[service] = None
+            self._listeners.update(service)
+            self.touch(service)
+        return service
+
+    def remove(self, service: Service) -> None:
+        """Take a service away; what it still wanted to send is not sent."""
+        if self._services.pop(service, service) is None:
+            self._listeners.remove(service)
+            for register in (self._touched, self._due, self._waiting_for_room):
+                register.pop(service, None)
+
+    def touch(self, service: Service) -> None:
+        """Something was asked of the service: its messages, events and timer are to be looked at."""
+        if service in self._services:
+            self._touched[service] = None
+
+    # Bytes and messages
+
+    def receive(self, channel: ChannelState, data: bytes, now: float) -> list[Packet]:
+        """Take bytes of a channel; gives the packets for the program's own eyes, copies left out."""
+        packets = channel.receive(data, now)
+        return [packet for packet in packets if self._take(packet, channel, now)]
+
+    def send(
+        self, message: Message, now: float, target: Address | None = None, *, source: Address | None = None
+    ) -> None:
+        """Send a message of the program's own; where to follows from its target fields, if not told."""
+        self._dispatch(Outgoing(message, target or target_of(message)), source or self.local, now)
+
+    def data_to_send(self, now: float) -> list[tuple[ChannelState, bytes]]:
+        """What to write to which channel, after everything that happened until now."""
+        self._settle(now)
+        data, self._to_send = self._to_send, []
+        return data
+
+    def events(self) -> list[tuple[Service, Event]]:
+        """What happened in the services since the last call."""
+        events, self._events = self._events, []
+        return events
+
+    # Time
+
+    def next_timeout(self) -> float | None:
+        """When `handle_timeout` has something to do."""
+        while self._timers and self._due.get(self._timers[0][2]) != self._timers[0][0]:
+            heappop(self._timers)
+        first = self._timers[0][0] if self._timers else None
+        return earliest(first, *self._waiting_for_room.values())
+
+    def handle_timeout(self, now: float) -> None:
+        """Let timers fire that are due, and transfers go on for which there is room again."""
+        while self._timers and self._timers[0][0] <= now:
+            due, _, service = heappop(self._timers)
+            if self._due.get(service) == due:
+                del self._due[service]
+                service.handle_timeout(now)
+                self._touched[service] = None
+        for service in [key for key, due in self._waiting_for_room.items() if due <= now]:
+            self._touched[service] = None
+
+    # Within
+
+    def _take(self, packet: Packet, channel: ChannelState, now: float) -> bool:
+        source = Address(packet.system, packet.component)
+        self.routes.learn(source, channel, now)
+        if self.routes.is_redundant(source) and self.duplicates.is_copy(packet, channel, now):
+            return False
+        if packet.message_id == _RADIO_STATUS:
+            self._radio_status(packet, channel, now)
+        services = self._listeners.of(packet)
+        if services and packet.message is not None:
+            target = target_of(packet.message)
+            for service in services:
+                if target.covers(service.local) and source != service.local:
+                    service.receive(packet, now)
+                    self._touched[service] = None
+        return True
+
+    def _radio_status(self, packet: Packet, channel: ChannelState, now: float) -> None:
+        match packet.message:
+            case common.RadioStatus(txbuf=free):
+                channel.pacer.radio_status(free, now)
+
+    def _settle(self, now: float) -> None:
+        """Drain what was touched; draining may end operations, whose events may not touch others."""
+        while self._touched:
+            service = next(iter(self._touched))
+            del self._touched[service]
+            self._drain(service, now)
+            self._events += [(service, event) for event in service.events()]
+            self._listeners.update(service)
+            self._arm(service)
+
+    def _drain(self, service: Service, now: float) -> None:
+        self._waiting_for_room.pop(service, None)
+
+        def has_room(target: Address, priority: Priority = Priority.BULK) -> bool:
+            return self._has_room(service, target, priority, now)
+
+        for outgoing in service.messages_to_send(now, has_room):
+            self._dispatch(outgoing, service.local, now)
+
+    def _has_room(self, service: Service, target: Address, priority: Priority, now: float) -> bool:
+        channels = self.routes.channels_to(target, self.channels)
+        full = [channel for channel in channels if not channel.pacer.has_room(priority, now)]
+        if full:
+            again = max(channel.pacer.room_at(now) for channel in full)
+            known = self._waiting_for_room.get(service, again)
+            self._waiting_for_room[service] = max(min(again, known), now + 0.001)
+        return bool(channels) and not full
+
+    def _dispatch(self, outgoing: Outgoing, source: Address, now: float) -> None:
+        channels = self.routes.channels_to(outgoing.target, self.channels)
+        self._to_send += [(channel, channel.encode(outgoing.message, source, now)) for channel in channels]
+
+    def _arm(self, service: Service) -> None:
+        due = service.next_timeout()
+        if due is None:
+            self._due.pop(service, None)
+        elif self._due.get(service) != due:
+            self._due[service] = due
+            heappush(self._timers, (due, next(self._order), service))

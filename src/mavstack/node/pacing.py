@@ -1,0 +1,99 @@
+"""How much a channel may carry: so that a slow radio's queue never grows behind our back.
+
+A `Pacer` is a bucket of bytes that fills at the channel's bandwidth and that every byte sent empties, also
+those that never wait (control messages), and on a half-duplex radio those that were received, since both
+directions share the air. Bulk messages go only while there is something in the bucket, so they take what
+the others leave; streams may run it a little below zero, so they go before bulk.
+
+The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or learned: a radio reports in
+RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on the rate follows it,
+down quickly and up slowly, as autopilots do; without either there is no limit.
+"""
+
+from __future__ import annotations
+
+from math import inf
+
+from mavstack.services import Priority
+
+#: How far each priority may run the bucket below zero, in seconds of bandwidth.
+DEBT = {Priority.CONTROL: inf, Priority.STREAM: 0.15, Priority.BULK: 0.0}
+#: What the bucket holds at most, in seconds of bandwidth: the longest burst after silence.
+DEPTH = 0.05
+#: The least that the bucket holds, in bytes: one packet, else nothing would ever go.
+LEAST_DEPTH = 300.0
+#: Where learning begins: what a radio at its factory settings carries, in bytes a second.
+FIRST_ESTIMATE = 5760.0
+LEAST_ESTIMATE = 200.0
+MOST_ESTIMATE = 1e6
+
+
+class Pacer:
+    """The bucket of one channel; `bandwidth` is in bytes a second, None for no limit known."""
+
+    def __init__(self, bandwidth: float | None = None, *, half_duplex: bool = True) -> None:
+        self.bandwidth = bandwidth
+        self.learned = False
+        self._half_duplex = half_duplex
+        self._known = bandwidth is not None
+        self._level = 0.0
+        self._filled_at: float | None = None
+
+    def sent(self, size: int, now: float) -> None:
+        """Bytes were handed to the channel."""
+        if self.bandwidth is not None:
+            self._fill(now)
+            self._level -= size
+
+    def received(self, size: int, now: float) -> None:
+        """Bytes came in, which took their time on the air too."""
+        if self._half_duplex and self.bandwidth is not None:
+            self._fill(now)
+            self._level = max(self._level - size, -self.bandwidth * DEBT[Priority.STREAM])
+
+    def has_room(self, priority: Priority, now: float) -> bool:
+        """Whether a message of that priority may go now."""
+        if self.bandwidth is None:
+            return True
+        self._fill(now)
+        return self._level > -self.bandwidth * DEBT[priority]
+
+    def room_at(self, now: float) -> float:
+        """When there is room for bulk again, if nothing else is sent until then."""
+        if self.bandwidth is None:
+            return now
+        self._fill(now)
+        missing = 1.0 - self._level
+        return now + max(missing, 0.0) / self.bandwidth
+
+    def radio_status(self, free_percent: int, now: float) -> None:
+        """Take in what the radio tells about its transmit queue; 255 means that it does not know."""
+        if self._known or not 0 <= free_percent <= 100:
+            return
+        if self.bandwidth is None:
+            self.bandwidth, self.learned = FIRST_ESTIMATE, True
+        else:
+            self._fill(now)
+        self.bandwidth = min(max(self.bandwidth * _change(free_percent), LEAST_ESTIMATE), MOST_ESTIMATE)
+
+    def _fill(self, now: float) -> None:
+        bandwidth = self.bandwidth or 0.0
+        if self._filled_at is None:
+            self._filled_at = now
+        depth = max(bandwidth * DEPTH, LEAST_DEPTH)
+        gained = max(now - self._filled_at, 0.0) * bandwidth
+        self._level = min(self._level + gained, depth)
+        self._filled_at = now
+
+
+def _change(free_percent: int) -> float:
+    """By what the estimate is multiplied: a queue half full is near its end, an empty one takes more."""
+    if free_percent < 20:
+        return 0.6
+    if free_percent < 50:
+        return 0.85
+    if free_percent > 95:
+        return 1.15
+    if free_percent > 90:
+        return 1.05
+    return 1.0

@@ -1,0 +1,28 @@
+"""MAVLink's microservices as state machines, client and server side, a folder each."""
+
+from mavstack.services.addressing import EVERYBODY, Address, message_ids, target_of
+from mavstack.services.operation import Client, Hear, Operation, OperationEnded, Pause, Procedure, Progress
+from mavstack.services.service import Event, HasRoom, Outgoing, Priority, Service, always_room, earliest
+from mavstack.services.timing import RoundTrip
+
+__all__ = [
+    "EVERYBODY",
+    "Address",
+    "Client",
+    "Event",
+    "HasRoom",
+    "Hear",
+    "Operation",
+    "OperationEnded",
+    "Outgoing",
+    "Pause",
+    "Priority",
+    "Procedure",
+    "Progress",
+    "RoundTrip",
+    "Service",
+    "always_room",
+    "earliest",
+    "message_ids",
+    "target_of",
+]

@@ -1,0 +1,169 @@
+"""Asking for commands (guide: command protocol).
+
+    sent ── ack ACCEPTED ─────────────► result
+      │ ├── ack IN_PROGRESS ──► running ── ack ──► result or CommandDenied
+      │ │                          └── silence ──► CommandTimeout
+      │ ├── ack *_ONLY, UNSUPPORTED_MAV_FRAME ──► sent in the other form, once
+      │ └── any other ack ──► CommandDenied
+      └── silence ──► sent again, up to ATTEMPTS times ──► CommandTimeout
+
+An acknowledgement names the command but no number, so two commands of the same id to one target go one
+after the other. Who answers TEMPORARILY_REJECTED to a repetition may be busy with our own first one, whose
+IN_PROGRESS was lost: then its end is awaited.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, CommandTimeout
+from mavstack.services.addressing import Address, message_ids
+from mavstack.services.operation import Client, Operation
+from mavstack.services.timing import RoundTrip
+
+if TYPE_CHECKING:
+    from mavstack.services.command.command import Command
+    from mavstack.wire import Packet
+
+ATTEMPTS = 6
+#: How long a command in progress may be silent.
+PROGRESS_PATIENCE = 30.0
+#: `progress` of an acknowledgement that does not tell it.
+PROGRESS_UNKNOWN = 255
+
+_OTHER_FORM = frozenset(
+    {
+        common.MavResult.COMMAND_LONG_ONLY,
+        common.MavResult.COMMAND_INT_ONLY,
+        common.MavResult.COMMAND_UNSUPPORTED_MAV_FRAME,
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class CommandResult:
+    """A command was accepted: its MAV_RESULT, and what else the acknowledgement said."""
+
+    result: int
+    detail: int
+    attempts: int
+
+
+class CommandOperation(Operation[CommandResult]):
+    """One command, sent until it is answered."""
+
+    timeout_error = CommandTimeout
+
+    def __init__(
+        self, command: Command, *, limit: float | None = None, progress_patience: float = PROGRESS_PATIENCE
+    ) -> None:
+        super().__init__(command.name, limit=limit, patience=30.0)
+        self.command = command
+        self._form = command
+        self._in_progress = False
+        self._other_form_tried = False
+        self._progress_patience = progress_patience
+        self._sent_in_form = 0
+        self._sent_at = 0.0
+
+    def start(self, now: float) -> None:
+        self._transmit(now)
+
+    def receive(self, packet: Packet, now: float) -> None:
+        match packet.message:
+            case common.CommandAck(command=command) as ack if command == self.command.command:
+                self._acknowledged(ack, now)
+
+    def handle_timeout(self, now: float) -> None:
+        if self._in_progress:
+            self.give_up(now, "began, and then fell silent")
+        elif self.attempts >= ATTEMPTS:
+            self.give_up(now)
+        else:
+            self._transmit(now)
+
+    def clean_up(self, now: float) -> None:
+        target = self.target
+        self.send(
+            common.CommandCancel(
+                target_system=target.system, target_component=target.component, command=self.command.command
+            )
+        )
+
+    def _transmit(self, now: float) -> None:
+        if self._form.frame is None:
+            self.send(self._form.to_long(self.target, confirmation=min(self._sent_in_form, 255)))
+        else:
+            self.send(self._form.to_int(self.target))
+        self.attempts += 1
+        self._sent_in_form += 1
+        self._sent_at = now
+        self.timeout = now + self._round_trip.timeout(self._sent_in_form)
+
+    def _acknowledged(self, ack: common.CommandAck, now: float) -> None:
+        if self._sent_in_form == 1 and not self._in_progress:
+            self._round_trip.measured(now - self._sent_at)
+        if ack.result == common.MavResult.ACCEPTED:
+            self.finish(CommandResult(int(ack.result), ack.result_param2, self.attempts))
+        elif ack.result == common.MavResult.IN_PROGRESS:
+            self._progressed(ack.progress, now)
+        elif ack.result == common.MavResult.TEMPORARILY_REJECTED and self._may_be_our_own():
+            self._progressed(PROGRESS_UNKNOWN, now)
+        elif ack.result in _OTHER_FORM and not self._other_form_tried:
+            self._try_other_form(now)
+        else:
+            self._refused(ack)
+
+    def _may_be_our_own(self) -> bool:
+        return self._in_progress or self._sent_in_form > 1
+
+    def _progressed(self, percent: int, now: float) -> None:
+        self._in_progress = True
+        known = 0 if percent == PROGRESS_UNKNOWN else min(percent, 100)
+        self._patience = self._progress_patience + 1.0
+        self.moved(now, known, 100)
+        self.timeout = now + self._progress_patience
+
+    def _try_other_form(self, now: float) -> None:
+        self._other_form_tried = True
+        other = None if self._form.frame is not None else self._form.to_int(self.target).frame
+        self._form = self._form.in_frame(other)
+        self._sent_in_form = 0
+        self._transmit(now)
+
+    def _refused(self, ack: common.CommandAck) -> None:
+        result = ack.result
+        answer = result.name if isinstance(result, common.MavResult) else f"result {int(result)}"
+        error = CommandDenied(
+            self.request, str(self.target), attempts=self.attempts, answer=answer, code=int(result)
+        )
+        error.detail = ack.result_param2
+        self.fail(error)
+
+    @property
+    def _round_trip(self) -> RoundTrip:
+        client = self.client
+        return client.round_trip if isinstance(client, CommandClient) else RoundTrip()
+
+
+class CommandClient(Client):
+    """Sends commands to one component."""
+
+    handles = message_ids(common.CommandAck)
+
+    def __init__(self, local: Address, target: Address) -> None:
+        super().__init__(local, target)
+        self.round_trip = RoundTrip(initial=1.0, least=0.2, most=3.0)
+
+    def command(self, command: Command, now: float, *, limit: float | None = None) -> CommandOperation:
+        """Send a command until it is answered; its result is a `CommandResult`."""
+        return self.begin(CommandOperation(command, limit=limit), now)
+
+    def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
+        return (
+            isinstance(new, CommandOperation)
+            and isinstance(running, CommandOperation)
+            and new.command.command == running.command.command
+        )

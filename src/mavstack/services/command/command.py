@@ -1,0 +1,104 @@
+"""A command and its two forms on the wire.
+
+COMMAND_LONG has seven floats and no frame; it is sent again with `confirmation` one higher. COMMAND_INT has a
+frame, and params 5 and 6 as scaled integers; it has no confirmation and is sent again as it is. Which of the
+two a vehicle takes for a command only its answer tells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.services.frames import commands_with_location, from_integer, scale_of, to_integer
+
+if TYPE_CHECKING:
+    from typing import Self
+
+    from mavstack.services.addressing import Address
+
+#: The frame of a location that came without one: what COMMAND_LONG means to most vehicles.
+USUAL_FRAME = common.MavFrame.GLOBAL_RELATIVE_ALT
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A MAV_CMD and its parameters; 5 and 6 are degrees or metres if the command has a location.
+
+    With a `frame` it is sent as COMMAND_INT, without as COMMAND_LONG.
+    """
+
+    command: int
+    param1: float = 0.0
+    param2: float = 0.0
+    param3: float = 0.0
+    param4: float = 0.0
+    param5: float = 0.0
+    param6: float = 0.0
+    param7: float = 0.0
+    frame: int | None = None
+
+    @property
+    def name(self) -> str:
+        """The command's official name without MAV_CMD_, or its number if it has none."""
+        try:
+            return common.MavCmd(self.command).official_name.removeprefix("MAV_CMD_")
+        except ValueError:
+            return f"MAV_CMD {self.command}"
+
+    def to_long(self, target: Address, confirmation: int = 0) -> common.CommandLong:
+        """As COMMAND_LONG."""
+        return common.CommandLong(
+            target_system=target.system,
+            target_component=target.component,
+            command=self.command,
+            confirmation=confirmation,
+            param1=self.param1,
+            param2=self.param2,
+            param3=self.param3,
+            param4=self.param4,
+            param5=self.param5,
+            param6=self.param6,
+            param7=self.param7,
+        )
+
+    def to_int(self, target: Address) -> common.CommandInt:
+        """As COMMAND_INT; a command without a frame gets the usual one."""
+        frame = self._integer_frame()
+        scale = scale_of(self.command, frame)
+        return common.CommandInt(
+            target_system=target.system,
+            target_component=target.component,
+            frame=frame,
+            command=self.command,
+            param1=self.param1,
+            param2=self.param2,
+            param3=self.param3,
+            param4=self.param4,
+            x=to_integer(self.param5, scale),
+            y=to_integer(self.param6, scale),
+            z=self.param7,
+        )
+
+    def in_frame(self, frame: int | None) -> Self:
+        """The same command, to be sent in another form."""
+        return replace(self, frame=frame)
+
+    @classmethod
+    def read(cls, message: common.CommandLong | common.CommandInt) -> Self:
+        """The command in either message."""
+        if isinstance(message, common.CommandLong):
+            params = (message.param5, message.param6, message.param7)
+            frame = None
+        else:
+            frame = int(message.frame)
+            scale = scale_of(message.command, frame)
+            params = (from_integer(message.x, scale), from_integer(message.y, scale), message.z)
+        first = (message.param1, message.param2, message.param3, message.param4)
+        return cls(int(message.command), *first, *params, frame=frame)
+
+    def _integer_frame(self) -> int:
+        if self.frame is not None:
+            return self.frame
+        return USUAL_FRAME if self.command in commands_with_location() else common.MavFrame.MISSION

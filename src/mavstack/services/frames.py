@@ -1,0 +1,59 @@
+"""Positions in commands and mission items: degrees and metres here, scaled integers on the wire.
+
+COMMAND_INT and MISSION_ITEM_INT carry params 5 and 6 as int32: degrees times 1e7 in a global frame, metres
+times 1e4 in a local one, and as they are where the command has no location. An integer cannot be NaN;
+INT32_MAX stands for it (guide: commands, mission protocol).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import inf, isnan, nan
+
+from mavstack.dialects import ardupilotmega, common
+
+UNKNOWN = 0x7FFFFFFF
+LEAST = -0x80000000
+
+GLOBAL_FRAMES = frozenset(
+    {
+        common.MavFrame.GLOBAL,
+        common.MavFrame.GLOBAL_RELATIVE_ALT,
+        common.MavFrame.GLOBAL_INT,
+        common.MavFrame.GLOBAL_RELATIVE_ALT_INT,
+        common.MavFrame.GLOBAL_TERRAIN_ALT,
+        common.MavFrame.GLOBAL_TERRAIN_ALT_INT,
+    }
+)
+
+
+@cache
+def commands_with_location() -> frozenset[int]:
+    """The commands whose params 5 and 6 are a latitude and a longitude, or x and y."""
+    entries = ardupilotmega.MavCmd.definition().entries
+    return frozenset(entry.value for entry in entries if entry.has_location)
+
+
+def scale_of(command: int, frame: int) -> float:
+    """What params 5 and 6 of a command are multiplied by in an integer message."""
+    if command not in commands_with_location() or frame == common.MavFrame.MISSION:
+        return 1.0
+    return 1e7 if frame in GLOBAL_FRAMES else 1e4
+
+
+def to_integer(value: float, scale: float) -> int:
+    """A coordinate as it lies in an integer message; NaN, and what does not fit, becomes unknown."""
+    scaled = value * scale
+    if isnan(scaled) or not LEAST <= scaled <= UNKNOWN:
+        return UNKNOWN
+    return round(scaled)
+
+
+def from_integer(value: int, scale: float) -> float:
+    """The coordinate of an integer message; unknown is NaN."""
+    return nan if value == UNKNOWN and scale != 1.0 else value / scale
+
+
+def as_float32(value: float) -> float:
+    """A value that a float32 field takes: what is too large becomes infinite."""
+    return value if abs(value) <= 3.4028234e38 or isnan(value) else inf if value > 0 else -inf
