@@ -12,8 +12,9 @@ Opening raises `LinkError` if the port is busy, the device missing, the peer not
 after `close`, and by itself where no more can come (the end of a file, a lost peer with reconnect=no).
 Links move bytes and know nothing about what is in them.
 
-Every backend takes its options from the URL's query and shares these two, in bytes (`64k`, `4M`):
-`receive_queue` for what nobody has read yet and, for each channel, `send_queue` for what is not sent yet.
+Every backend takes its options from the URL's query and shares these, in bytes (`64k`, `4M`):
+`receive_queue` for what nobody has read yet; for each channel, `send_queue` for what is not sent yet; and
+`pace`, what the whole way to the peer carries in a second, for those above who pace transfers (0: not known).
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ class Link(ABC):
         self.url = url
         self._inbox = Inbox(options.size("receive_queue", RECEIVE_QUEUE))
         self._send_queue = options.size("send_queue", SEND_QUEUE)
+        self.pace = options.size("pace", 0)
         self._tasks: set[asyncio.Task[None]] = set()
         self._opened = False
         self._closed = False

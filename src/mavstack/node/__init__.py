@@ -1,5 +1,7 @@
-"""The node: what makes a program a MAVLink component."""
+"""The node: what makes a program a MAVLink component, on asyncio and links."""
 
-from mavstack.node.engine import Engine
+from mavstack.node.node import Node
+from mavstack.node.remote import RemoteComponent
+from mavstack.node.subscription import Subscription
 
-__all__ = ["Engine"]
+__all__ = ["Node", "RemoteComponent", "Subscription"]

@@ -11,15 +11,19 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.errors import FieldRangeError
 from mavstack.services.frames import commands_with_location, from_integer, scale_of, to_integer
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from typing import Self
 
     from mavstack.services.addressing import Address
 
 #: The frame of a location that came without one: what COMMAND_LONG means to most vehicles.
 USUAL_FRAME = common.MavFrame.GLOBAL_RELATIVE_ALT
+
+PARAMETERS = 7
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +42,14 @@ class Command:
     param6: float = 0.0
     param7: float = 0.0
     frame: int | None = None
+
+    @classmethod
+    def of(cls, command: int, params: Sequence[float], frame: int | None = None) -> Self:
+        """A command with its first parameters, the others being 0; there are seven."""
+        if len(params) > PARAMETERS:
+            raise FieldRangeError(f"a command has {PARAMETERS} parameters, not {len(params)}")
+        names = [f"param{number}" for number in range(1, len(params) + 1)]
+        return replace(cls(int(command), frame=frame), **dict(zip(names, params, strict=True)))
 
     @property
     def name(self) -> str:

@@ -1,6 +1,7 @@
 """Answering commands (guide: command protocol).
 
-A handler stands for each command that is supported; any other is answered UNSUPPORTED. A handler returns
+A handler stands for each command that is supported; any other is answered UNSUPPORTED, unless it went to all
+components: then only the autopilot says so, lest a camera's no is taken for the vehicle's. A handler returns
 its MAV_RESULT at once, or `None` for a long one: then IN_PROGRESS is sent, the program reports with
 `progress` and ends it with `complete`. While it runs, the same command is answered TEMPORARILY_REJECTED, but
 a repetition of the very request that is running (COMMAND_LONG with a higher confirmation) hears how far
@@ -15,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.services.addressing import Address, message_ids
+from mavstack.services.addressing import Address, message_ids, target_of
 from mavstack.services.command.client import PROGRESS_UNKNOWN
 from mavstack.services.command.command import Command
 from mavstack.services.service import Event, Service
@@ -23,6 +24,7 @@ from mavstack.services.service import Event, Service
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
+AUTOPILOT = common.MavComponent.AUTOPILOT1
 #: For so long a repetition is recognised as one.
 MEMORY = 30.0
 #: For so long the same bytes are one packet that came twice; sequence numbers begin anew after 256.
@@ -34,13 +36,17 @@ PROGRESS_INTERVAL = 2.0
 
 @dataclass(eq=False, slots=True)
 class CommandRequest:
-    """A command that someone sent; `confirmation` is None if it came as COMMAND_INT."""
+    """A command that someone sent; `confirmation` is None if it came as COMMAND_INT.
+
+    `addressed` says that it was meant for this component and not for all that hear it.
+    """
 
     command: Command
     source: Address
     received_at: float
     confirmation: int | None
-    raw: bytes = field(default=b"", repr=False)
+    raw: bytes = field(repr=False)
+    addressed: bool
     percent: int = PROGRESS_UNKNOWN
     progress_due: float = field(default=0.0, repr=False)
 
@@ -98,15 +104,14 @@ class CommandServer(Service):
         return tuple(self._running.values())
 
     def receive(self, packet: Packet, now: float) -> None:
-        source = Address(packet.system, packet.component)
         match packet.message:
             case common.CommandLong() as message:
-                self._requested(CommandRequest(Command.read(message), source, now, message.confirmation), now)
+                self._requested(self._request(message, message.confirmation, packet, now), now)
             case common.CommandInt() as message:
-                self._requested(CommandRequest(Command.read(message), source, now, None), now)
+                self._requested(self._request(message, None, packet, now), now)
             case common.CommandCancel(command=command):
                 request = self._running.get(int(command))
-                if request is not None and request.source == source:
+                if request is not None and request.source == (packet.system, packet.component):
                     self.tell(CommandCancelRequested(request))
 
     def progress(self, request: CommandRequest, percent: int, now: float) -> None:
@@ -129,6 +134,22 @@ class CommandServer(Service):
             if now >= request.progress_due:
                 self._say_progress(request, now)
 
+    def _request(
+        self,
+        message: common.CommandLong | common.CommandInt,
+        confirmation: int | None,
+        packet: Packet,
+        now: float,
+    ) -> CommandRequest:
+        source = Address(packet.system, packet.component)
+        target = target_of(message)
+        addressed = target.system == self.local.system and (
+            target.component == self.local.component or self.local.component == AUTOPILOT
+        )
+        return CommandRequest(
+            Command.read(message), source, now, confirmation, raw=packet.raw, addressed=addressed
+        )
+
     def _requested(self, request: CommandRequest, now: float) -> None:
         running = self._running.get(request.command.command)
         if running is not None:
@@ -140,7 +161,8 @@ class CommandServer(Service):
             return
         handler = self._handlers.get(request.command.command)
         if handler is None:
-            self._answer(request, common.MavResult.UNSUPPORTED, 0)
+            if request.addressed:
+                self._answer(request, common.MavResult.UNSUPPORTED, 0)
             return
         self._carry_out(handler, request, now)
 

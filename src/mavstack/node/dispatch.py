@@ -1,0 +1,98 @@
+"""From packets and events to the subscriptions that asked for them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mavstack.node.subscription import Subscription
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from mavstack.dialects import Message
+    from mavstack.services import Address
+    from mavstack.wire import Packet
+
+#: Stands for "every message" in the register.
+ANY = -1
+
+
+class _Listener:
+    __slots__ = ("deliver", "source")
+
+    def __init__(self, source: Address, deliver: Callable[[Packet], None]) -> None:
+        self.source = source
+        self.deliver = deliver
+
+    def hears(self, packet: Packet) -> bool:
+        system, component = self.source
+        return system in (0, packet.system) and component in (0, packet.component)
+
+
+class PacketDispatch:
+    """Subscriptions to packets by message id."""
+
+    def __init__(self) -> None:
+        self._by_id: dict[int, list[_Listener]] = {}
+        self._open: dict[Subscription[Any], tuple[_Listener, tuple[int, ...]]] = {}
+
+    def subscribe(
+        self,
+        kinds: Iterable[type[Message]],
+        source: Address,
+        form: Callable[[Packet], Any],
+        *,
+        queue: int,
+        keep_all: bool,
+    ) -> Subscription[Any]:
+        """A subscription to messages of these classes (none: all), in the form that `form` gives a packet."""
+        ids = tuple({kind.__mavlink_row__[0] for kind in kinds}) or (ANY,)
+        subscription: Subscription[Any] = Subscription(self._forget, queue=queue, keep_all=keep_all)
+        listener = _Listener(source, lambda packet: subscription.put(form(packet)))
+        for message_id in ids:
+            self._by_id.setdefault(message_id, []).append(listener)
+        self._open[subscription] = (listener, ids)
+        return subscription
+
+    def deliver(self, packet: Packet) -> None:
+        """Hand a packet to all who listen."""
+        for listener in (*self._by_id.get(packet.message_id, ()), *self._by_id.get(ANY, ())):
+            if listener.hears(packet):
+                listener.deliver(packet)
+
+    def end(self) -> None:
+        """No more will come."""
+        for subscription in tuple(self._open):
+            subscription.end()
+
+    def _forget(self, subscription: Subscription[Any]) -> None:
+        listener, ids = self._open.pop(subscription)
+        for message_id in ids:
+            self._by_id[message_id].remove(listener)
+
+
+class EventDispatch:
+    """Subscriptions to events by their classes."""
+
+    def __init__(self) -> None:
+        self._open: dict[Subscription[Any], tuple[type, ...]] = {}
+
+    def subscribe(self, kinds: tuple[type, ...], *, queue: int) -> Subscription[Any]:
+        """A subscription to events of these classes (none: all)."""
+        subscription: Subscription[Any] = Subscription(self._forget, queue=queue)
+        self._open[subscription] = kinds or (object,)
+        return subscription
+
+    def deliver(self, event: object) -> None:
+        """Hand an event to all who listen."""
+        for subscription, kinds in tuple(self._open.items()):
+            if isinstance(event, kinds):
+                subscription.put(event)
+
+    def end(self) -> None:
+        """No more will come."""
+        for subscription in tuple(self._open):
+            subscription.end()
+
+    def _forget(self, subscription: Subscription[Any]) -> None:
+        del self._open[subscription]

@@ -1,0 +1,184 @@
+"""Runs an engine over links with asyncio: the only place where MAVLink meets an event loop and a clock.
+
+One task a link reads its batches of events; one timer wakes the engine when something is due. The clock is
+Unix time as it was when the driver was made, carried on by the loop's own clock: it never goes back, and
+with a loop in virtual time it is virtual too.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from time import time
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from mavstack.errors import LinkClosedError, LinkError
+from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened, Link, LinkDown
+from mavstack.services import Client, Operation, OperationEnded, Progress
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.links import LinkEvent
+    from mavstack.node.channel_state import ChannelState
+    from mavstack.node.engine import Engine
+    from mavstack.wire import Packet, Signing
+
+Result = TypeVar("Result")
+
+
+class Driver:
+    """The tasks and the timer of one engine."""
+
+    def __init__(
+        self,
+        engine: Engine,
+        *,
+        on_packet: Callable[[Packet], None],
+        on_event: Callable[[object], None],
+        signing: Callable[[], Signing | None],
+        version: int = 2,
+    ) -> None:
+        self.engine = engine
+        self.channels: dict[Channel, ChannelState] = {}
+        self._on_packet = on_packet
+        self._on_event = on_event
+        self._signing = signing
+        self._version = version
+        self._loop = asyncio.get_running_loop()
+        self._epoch = time() - self._loop.time()
+        self._by_state: dict[ChannelState, Channel] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._timer: asyncio.TimerHandle | None = None
+        self._waiting: dict[Operation[Any], asyncio.Future[None]] = {}
+        self._progress: dict[Operation[Any], Callable[[int, int], None]] = {}
+
+    def now(self) -> float:
+        """Unix time that never goes back."""
+        return self._epoch + self._loop.time()
+
+    def read(self, link: Link) -> None:
+        """Take in what comes from an open link, until it ends."""
+        task = self._loop.create_task(self._read(link))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def perform(
+        self,
+        client: Client,
+        operation: Operation[Result],
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Result:
+        """Begin an operation and wait for its end; a cancelled task cancels it on both ends."""
+        self._waiting[operation] = future = self._loop.create_future()
+        if progress is not None:
+            self._progress[operation] = progress
+        client.begin(operation, self.now())
+        self.engine.touch(client)
+        self.step()
+        try:
+            await future
+        except asyncio.CancelledError:
+            client.cancel(operation, self.now())
+            self.engine.touch(client)
+            self.step()
+            raise
+        finally:
+            self._waiting.pop(operation, None)
+            self._progress.pop(operation, None)
+        return operation.result()
+
+    def step(self) -> None:
+        """Send what is to be sent, tell what has happened, and set the timer."""
+        now = self.now()
+        while True:
+            for state, data in self.engine.data_to_send(now):
+                self._write(state, data)
+            events = self.engine.events()
+            if not events:
+                break
+            for _, event in events:
+                self._told(event)
+        self._set_timer()
+
+    async def stop(self) -> None:
+        """Cancel what has not ended, and stop reading."""
+        for operation in tuple(self._waiting):
+            operation.client.cancel(operation, self.now())
+            self.engine.touch(operation.client)
+        self.step()
+        if self._timer is not None:
+            self._timer.cancel()
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    def _told(self, event: object) -> None:
+        match event:
+            case OperationEnded(operation):
+                future = self._waiting.get(operation)
+                if future is not None and not future.done():
+                    future.set_result(None)
+            case Progress(operation, done, total):
+                report = self._progress.get(operation)
+                if report is not None:
+                    report(done, total)
+        self._on_event(event)
+
+    def _write(self, state: ChannelState, data: bytes) -> None:
+        channel = self._by_state.get(state)
+        if channel is not None and not channel.closed:
+            try:
+                channel.write(data)
+            except LinkClosedError:
+                return  # its ChannelClosed is on the way
+
+    async def _read(self, link: Link) -> None:
+        try:
+            async for batch in link.batches():
+                for event in batch:
+                    self._take(link, event)
+                self.step()
+        except LinkError as error:
+            self._on_event(LinkDown(str(error), float("inf")))
+
+    def _take(self, link: Link, event: LinkEvent) -> None:
+        match event:
+            case BytesReceived(channel, data):
+                self._received(channel, data)
+                return
+            case ChannelOpened(channel):
+                state = self.engine.open_channel(
+                    channel.name,
+                    version=self._version,
+                    signing=self._signing(),
+                    bandwidth=link.pace or None,
+                )
+                self.channels[channel], self._by_state[state] = state, channel
+            case ChannelClosed(channel):
+                state = self.channels.pop(channel)
+                del self._by_state[state]
+                self.engine.close_channel(state)
+        self._on_event(event)
+
+    def _received(self, channel: Channel, data: bytes) -> None:
+        try:
+            packets = self.engine.receive(self.channels[channel], data, self.now())
+        except Exception as error:  # noqa: BLE001 (a defect in a program's handler must not deafen the link)
+            context = {"message": f"a handler failed on what {channel.name} sent", "exception": error}
+            self._loop.call_exception_handler(context)
+            return
+        for packet in packets:
+            self._on_packet(packet)
+
+    def _set_timer(self) -> None:
+        due = self.engine.next_timeout()
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if due is not None:
+            self._timer = self._loop.call_at(due - self._epoch, self._time_out)
+
+    def _time_out(self) -> None:
+        self._timer = None
+        self.engine.handle_timeout(self.now())
+        self.step()

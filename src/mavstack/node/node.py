@@ -1,0 +1,279 @@
+"""A node is a program as a MAVLink component: an address, links, and the services that live on them.
+
+    async with Node("udpin://0.0.0.0:14550") as node:
+        vehicle = await node.autopilot()
+        await vehicle.command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
+        async for message in node.messages(common.Attitude): ...
+
+The same class is a ground station, a companion computer or a payload: what it is, its `system`,
+`component` and `type` say, and what it offers, the services given to `serve`. Nothing is global: dialect,
+version, address and keys belong to the node. Everything a subscriber or a handler does not take in time is
+dropped for it alone.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from itertools import count
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from mavstack.dialects import Dialect, Message, common
+from mavstack.errors import MavstackError, RemoteTimeout
+from mavstack.links import Link, open_link
+from mavstack.node.command_handlers import CommandHandlers
+from mavstack.node.dispatch import EventDispatch, PacketDispatch
+from mavstack.node.driver import Driver
+from mavstack.node.engine import Engine
+from mavstack.node.remote import RemoteComponent
+from mavstack.node.subscription import QUEUE
+from mavstack.services import Address
+from mavstack.services.addressing import describe
+from mavstack.services.heartbeat import Beacon, ComponentFound, ComponentReturned, Discovery
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+    from typing import Self
+
+    from mavstack._core import HasCoreDialect
+    from mavstack.node.subscription import Subscription
+    from mavstack.security import SigningKey, TimestampStore
+    from mavstack.services import Client, Operation, Service
+    from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.wire import Packet, Signing
+
+AnyMessage = TypeVar("AnyMessage", bound=Message)
+AnyService = TypeVar("AnyService", bound="Service")
+AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
+Result = TypeVar("Result")
+
+#: How long to wait for a first heartbeat.
+FIRST_HEARTBEAT = 30.0
+
+
+class Node:
+    """We, on the network; open it with `async with`, or `await node.open()` and `await node.close()`."""
+
+    def __init__(
+        self,
+        *links: str | Link,
+        system: int = 255,
+        component: int = common.MavComponent.MISSIONPLANNER,
+        type: int = common.MavType.GCS,  # noqa: A002 (HEARTBEAT's name for it)
+        autopilot: int = common.MavAutopilot.INVALID,
+        dialect: HasCoreDialect | None = None,
+        version: int = 2,
+        signing: SigningKey | None = None,
+        timestamps: TimestampStore | None = None,
+        heartbeat: bool = True,
+    ) -> None:
+        local = Address(system, int(component))
+        if not (0 < local.system < 256 and 0 < local.component < 256):
+            raise MavstackError(f"{local} is not an address: system and component are 1 to 255")
+        self.engine = Engine(local, dialect or Dialect.load("all"))
+        self.beacon = Beacon(local, type, autopilot)
+        self.discovery = Discovery(local)
+        self.links = [open_link(link) if isinstance(link, str) else link for link in links]
+        self._version = version
+        self._key = signing
+        self._timestamps = timestamps
+        self._sends_heartbeat = heartbeat
+        self._packets = PacketDispatch()
+        self._events = EventDispatch()
+        self._remotes: dict[Address, RemoteComponent] = {}
+        self._commands: CommandHandlers | None = None
+        self._link_ids = count()
+        self._driver: Driver | None = None
+
+    @property
+    def address(self) -> Address:
+        """Our system and component id."""
+        return self.engine.local
+
+    @property
+    def components(self) -> dict[Address, ComponentInfo]:
+        """Everyone who was heard, by address."""
+        return self.discovery.components
+
+    @property
+    def driver(self) -> Driver:
+        """What runs the engine; there is one while the node is open."""
+        if self._driver is None:
+            raise MavstackError("the node is not open: use `async with` or `await node.open()`")
+        return self._driver
+
+    async def open(self) -> Self:
+        """Open the links; raises `LinkError` for the first that cannot be."""
+        if self._driver is not None:
+            return self
+        self._driver = driver = Driver(
+            self.engine,
+            on_packet=self._packets.deliver,
+            on_event=self._events.deliver,
+            signing=self._new_signing,
+            version=self._version,
+        )
+        self.engine.add(self.discovery)
+        if self._sends_heartbeat:
+            self.engine.add(self.beacon)
+        try:
+            for link in self.links:
+                await link.open()
+                driver.read(link)
+        except BaseException:
+            await self.close()
+            raise
+        driver.step()
+        return self
+
+    async def close(self) -> None:
+        """Cancel what has not ended on both sides, and close the links. Closing twice does nothing."""
+        driver, self._driver = self._driver, None
+        if driver is not None:
+            await driver.stop()
+            self._keep_timestamp()
+            for link in self.links:
+                await link.close()
+            self._packets.end()
+            self._events.end()
+
+    # Who is there
+
+    def remote(self, system: int, component: int = common.MavComponent.AUTOPILOT1) -> RemoteComponent:
+        """Another component, by its address, whether it was heard yet or not."""
+        address = Address(system, int(component))
+        known = self._remotes.get(address)
+        if known is None:
+            known = self._remotes[address] = RemoteComponent(self, address)
+        return known
+
+    async def autopilot(
+        self, system: int | None = None, *, timeout: float = FIRST_HEARTBEAT
+    ) -> RemoteComponent:
+        """The first autopilot heard, or that of a system; raises `RemoteTimeout` if there is none in time."""
+        what = (
+            "an autopilot's heartbeat" if system is None else f"the heartbeat of system {system}'s autopilot"
+        )
+        return await self.find(
+            lambda info: info.is_autopilot and system in (None, info.address.system), what, timeout=timeout
+        )
+
+    async def find(
+        self, wanted: Callable[[ComponentInfo], bool], what: str, *, timeout: float = FIRST_HEARTBEAT
+    ) -> RemoteComponent:
+        """The first component alive that `wanted` says yes to; `what` names it in the error."""
+        async with self.events(ComponentFound, ComponentReturned) as events:
+            try:
+                async with asyncio.timeout(timeout):
+                    while not (
+                        found := [info for info in self.components.values() if info.alive and wanted(info)]
+                    ):
+                        await anext(events)
+            except (TimeoutError, StopAsyncIteration):
+                others = describe(address for address, info in self.components.items() if info.alive)
+                links = ", ".join(str(link.url) for link in self.links) or "no link"
+                raise RemoteTimeout(what, links, answer=f"none in {timeout:g} s; heard: {others}") from None
+        return self.remote(*found[0].address)
+
+    # What is heard and said
+
+    def messages(
+        self,
+        *kinds: type[AnyMessage],
+        system: int = 0,
+        component: int = 0,
+        queue: int = QUEUE,
+        keep_all: bool = False,
+    ) -> Subscription[AnyMessage]:
+        """Messages of these classes, as they come; `system` and `component` choose the sender (0: any)."""
+        return self._packets.subscribe(
+            kinds, Address(system, component), attrgetter("message"), queue=queue, keep_all=keep_all
+        )
+
+    def packets(
+        self,
+        *kinds: type[Message],
+        system: int = 0,
+        component: int = 0,
+        queue: int = QUEUE,
+        keep_all: bool = False,
+    ) -> Subscription[Packet]:
+        """The same with their headers; without `kinds` every packet, unknown ids too, raw as they are."""
+        return self._packets.subscribe(
+            kinds, Address(system, component), _as_it_is, queue=queue, keep_all=keep_all
+        )
+
+    def events(self, *kinds: type, queue: int = QUEUE) -> Subscription[Any]:
+        """Events of these classes (none: all): of links, of discovery, of the services served here."""
+        return self._events.subscribe(kinds, queue=queue)
+
+    def send(self, message: Message, target: Address | None = None) -> None:
+        """Send a message; where to, its target fields say, unless `target` does."""
+        self.engine.send(message, self.driver.now(), target)
+        self.driver.step()
+
+    # What lives here
+
+    def serve(self, service: AnyService) -> AnyService:
+        """Let a service live on this node, from now on or as soon as it opens."""
+        self.engine.add(service)
+        self.changed(service)
+        return service
+
+    def changed(self, service: Service) -> None:
+        """Say that a service's method was called, so that what it wants to send goes out."""
+        self.engine.touch(service)
+        if self._driver is not None:
+            self._driver.step()
+
+    def now(self) -> float:
+        """The time as services count it: Unix seconds that never go back."""
+        return self.driver.now()
+
+    @property
+    def commands(self) -> CommandHandlers:
+        """What this node does when it is sent a command."""
+        if self._commands is None:
+            self._commands = CommandHandlers(self)
+        return self._commands
+
+    def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
+        """Decorate a function, plain or async, that carries out a command; see `CommandHandlers`."""
+        return self.commands.register(command)
+
+    async def perform(
+        self,
+        client: Client,
+        operation: Operation[Result],
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Result:
+        """Run an operation of a client that lives here, to its result or its typed error."""
+        return await self.driver.perform(client, operation, progress)
+
+    async def wait(self) -> None:
+        """Go on until the task is cancelled: what a program that only serves does last."""
+        await asyncio.get_running_loop().create_future()
+
+    def _new_signing(self) -> Signing | None:
+        if self._key is None:
+            return None
+        timestamp = self._timestamps.load() if self._timestamps else 0
+        return self._key.signing(next(self._link_ids) % 256, timestamp=timestamp)
+
+    def _keep_timestamp(self) -> None:
+        newest = [state.signing.timestamp for state in self.engine.channels if state.signing]
+        if self._timestamps and newest:
+            self._timestamps.store(max(newest))
+
+    async def __aenter__(self) -> Self:
+        return await self.open()
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+
+def _as_it_is(packet: Packet) -> Packet:
+    return packet

@@ -1,0 +1,191 @@
+"""Nodes over memory links in virtual time: discovery, commands, subscriptions, cancelling, closing."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import ardupilotmega, common
+from mavstack.errors import CommandDenied, CommandTimeout, MavstackError, RemoteCancelled, RemoteTimeout
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node
+from mavstack.services.heartbeat import ComponentFound, ComponentLost
+from tests.links.virtual import run_virtually
+
+QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
+
+
+class Pair:
+    """A ground station and a vehicle on one memory network."""
+
+    def __init__(self) -> None:
+        network = MemoryNetwork()
+        self.ground = Node(network.link())
+        self.vehicle = Node(network.link(), system=1, component=1, type=QUADROTOR, autopilot=PX4)
+
+    async def __aenter__(self) -> Pair:
+        await self.ground.open()
+        await self.vehicle.open()
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.vehicle.close()
+        await self.ground.close()
+
+
+def test_the_first_autopilot_is_found() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            vehicle = await pair.ground.autopilot()
+            assert vehicle.address == (1, 1)
+            assert vehicle.info is not None
+            assert vehicle.info.type == QUADROTOR
+            assert not pair.vehicle.components[255, 190].is_autopilot
+
+    run_virtually(work())
+
+
+def test_no_autopilot_says_who_was_heard() -> None:
+    async def work() -> None:
+        network = MemoryNetwork()
+        async with Node(network.link()) as ground, Node(network.link(), system=9, component=100):
+            with pytest.raises(RemoteTimeout, match=r"heard: 9/100") as caught:
+                await ground.autopilot(timeout=3)
+            assert "memory://pair" in str(caught.value)
+
+    run_virtually(work())
+
+
+def test_a_command_is_carried_out_by_a_plain_and_by_an_async_handler() -> None:
+    async def work() -> list[tuple[int, int]]:
+        async with Pair() as pair:
+            progress: list[tuple[int, int]] = []
+
+            @pair.vehicle.on_command(common.MavCmd.DO_SET_SERVO)
+            def servo(request) -> common.MavResult:
+                good = request.command.param2 == 1500
+                return common.MavResult.ACCEPTED if good else common.MavResult.DENIED
+
+            @pair.vehicle.on_command(common.MavCmd.DO_WINCH)
+            async def winch(request) -> common.MavResult:
+                for percent in (10, 60):
+                    await asyncio.sleep(1)
+                    pair.vehicle.commands.progress(request, percent)
+                await asyncio.sleep(1)
+                return common.MavResult.ACCEPTED
+
+            vehicle = await pair.ground.autopilot()
+            await vehicle.command(common.MavCmd.DO_SET_SERVO, 5, 1500)
+            with pytest.raises(CommandDenied, match="DO_SET_SERVO asked of 1/1: DENIED"):
+                await vehicle.command(common.MavCmd.DO_SET_SERVO, 5, 1)
+            with pytest.raises(CommandDenied, match="UNSUPPORTED"):
+                await vehicle.command(common.MavCmd.NAV_LAND)
+            await vehicle.command(common.MavCmd.DO_WINCH, progress=lambda *now: progress.append(now))
+            return progress
+
+    assert {(10, 100), (60, 100)} <= set(run_virtually(work()))
+
+
+def test_a_cancelled_task_cancels_the_command_on_the_vehicle() -> None:
+    async def work() -> list[str]:
+        ended = []
+        async with Pair() as pair:
+
+            @pair.vehicle.on_command(common.MavCmd.DO_WINCH)
+            async def winch(_request) -> common.MavResult:
+                try:
+                    await asyncio.sleep(100)
+                except asyncio.CancelledError:
+                    ended.append("winch stopped")
+                    raise
+                return common.MavResult.ACCEPTED
+
+            vehicle = await pair.ground.autopilot()
+            with pytest.raises(TimeoutError):
+                async with asyncio.timeout(5):
+                    await vehicle.command(common.MavCmd.DO_WINCH)
+            await asyncio.sleep(1)
+            assert not vehicle.command_client.busy
+            assert not pair.vehicle.commands.server.running
+        return ended
+
+    assert run_virtually(work()) == ["winch stopped"]
+
+
+def test_closing_the_node_ends_what_is_under_way() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            await pair.ground.autopilot()
+            silent = pair.ground.remote(7)
+            task = asyncio.ensure_future(silent.command(common.MavCmd.NAV_LAND))
+            heard = pair.ground.messages(common.Heartbeat)
+            await asyncio.sleep(0.5)
+            await pair.ground.close()
+            with pytest.raises(RemoteCancelled):
+                await task
+            assert all([isinstance(message, common.Heartbeat) async for message in heard])
+            with pytest.raises(MavstackError, match="not open"):
+                pair.ground.send(common.Heartbeat())
+
+    run_virtually(work())
+
+
+def test_silence_is_a_timeout_that_says_how_often_it_was_asked() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            with pytest.raises(CommandTimeout, match=r"NAV_LAND asked of 7/1 6 times: no answer"):
+                await pair.ground.remote(7).command(common.MavCmd.NAV_LAND)
+            with pytest.raises(TimeoutError):
+                await pair.ground.remote(7).command(common.MavCmd.NAV_LAND, timeout=0.5)
+
+    run_virtually(work())
+
+
+def test_a_slow_subscriber_loses_the_oldest_and_delays_nobody() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            await pair.ground.autopilot()
+            slow = pair.ground.messages(common.Attitude, queue=10)
+            quick = pair.ground.messages(common.Attitude, queue=1000)
+            for number in range(100):
+                pair.vehicle.send(common.Attitude(time_boot_ms=number))
+            await asyncio.sleep(0.1)
+            assert [message.time_boot_ms for message in slow.take()] == list(range(90, 100))
+            assert slow.dropped == 90
+            assert len(quick.take()) == 100
+
+    run_virtually(work())
+
+
+def test_messages_of_unknown_ids_are_handed_on_raw() -> None:
+    async def work() -> None:
+        network = MemoryNetwork()
+        async with Node(network.link(), dialect=common) as ground, Node(network.link(), system=3) as other:
+            packets = ground.packets(system=3)
+            await asyncio.sleep(0.01)
+            other.send(ardupilotmega.Wind(speed=3))
+            await asyncio.sleep(0.01)
+            unknown = [packet for packet in packets.take() if packet.message is None]
+            assert [packet.message_id for packet in unknown] == [168]
+            assert unknown[0].payload
+
+    run_virtually(work())
+
+
+def test_events_tell_who_comes_and_goes() -> None:
+    async def work() -> None:
+        network = MemoryNetwork()
+        async with Node(network.link()) as ground:
+            events = ground.events(ComponentFound, ComponentLost)
+            async with Node(network.link(), system=4, component=1):
+                assert (await anext(events)).component.address == (4, 1)
+            lost = await anext(events)
+            assert isinstance(lost, ComponentLost)
+
+    run_virtually(work())
+
+
+def test_an_address_outside_its_range_is_refused() -> None:
+    with pytest.raises(MavstackError, match="0/190"):
+        Node(system=0)
