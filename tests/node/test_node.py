@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from typing import Self
 
 import pytest
 
@@ -24,7 +25,7 @@ class Pair:
         self.ground = Node(network.link())
         self.vehicle = Node(network.link(), system=1, component=1, type=QUADROTOR, autopilot=PX4)
 
-    async def __aenter__(self) -> Pair:
+    async def __aenter__(self) -> Self:
         await self.ground.open()
         await self.vehicle.open()
         return self

@@ -36,7 +36,7 @@ class Pacer:
         self.learned = False
         self._half_duplex = half_duplex
         self._known = bandwidth is not None
-        self._level = 0.0
+        self._level = LEAST_DEPTH
         self._filled_at: float | None = None
 
     def sent(self, size: int, now: float) -> None:

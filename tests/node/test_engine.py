@@ -1,0 +1,221 @@
+"""The engine: who gets a packet, where a message goes, what happens to copies, timers and full links."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.node.duplicates import MOST_REMEMBERED, Duplicates
+from mavstack.node.engine import Engine
+from mavstack.security import SigningKey
+from mavstack.services import Address, Client, Event, Outgoing, Priority, Service, message_ids
+from mavstack.wire import Packet, Parser, encode
+from tests.services.network import GROUND, START, VEHICLE, Air, Network
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+class Recorder(Service):
+    """Remembers what it is given."""
+
+    handles = message_ids(common.ParamValue, common.ParamSet)
+
+    def __init__(self, local: Address) -> None:
+        super().__init__(local)
+        self.heard: list[Packet] = []
+        self.ticks: list[float] = []
+        self.due: float | None = None
+
+    def receive(self, packet: Packet, now: float) -> None:
+        self.heard.append(packet)
+        self.tell(Event())
+
+    def next_timeout(self) -> float | None:
+        return self.due
+
+    def handle_timeout(self, now: float) -> None:
+        self.ticks.append(now)
+        self.due = None
+
+
+class Firehose(Service):
+    """Sends bulk whenever there is room."""
+
+    def __init__(self, local: Address, target: Address, total: int) -> None:
+        super().__init__(local)
+        self.target, self.left = target, total
+
+    def bulk_messages(self, now, has_room) -> Iterator[Outgoing]:
+        while self.left and has_room(self.target):
+            self.left -= 1
+            yield Outgoing(common.ParamValue(param_index=self.left), self.target, Priority.BULK)
+
+
+def engine_with(*channels: str) -> tuple[Engine, list]:
+    engine = Engine(GROUND)
+    return engine, [engine.open_channel(name) for name in channels]
+
+
+def bytes_of(message, source: Address = VEHICLE, sequence: int = 0) -> bytes:
+    return encode(message, system=source.system, component=source.component, sequence=sequence)
+
+
+def test_a_service_hears_what_it_handles_and_is_meant_for_it() -> None:
+    engine, (wire,) = engine_with("wire")
+    recorder = engine.add(Recorder(GROUND))
+    for message in (
+        common.ParamValue(),
+        common.Attitude(),
+        common.ParamSet(target_system=255, target_component=190),
+        common.ParamSet(target_system=255, target_component=0),
+        common.ParamSet(target_system=0, target_component=0),
+        common.ParamSet(target_system=255, target_component=191),
+        common.ParamSet(target_system=1, target_component=1),
+    ):
+        engine.receive(wire, bytes_of(message), START)
+    assert len(recorder.heard) == 4
+    engine.receive(wire, bytes_of(common.ParamValue(), source=GROUND), START)  # our own echo
+    assert len(recorder.heard) == 4
+    engine.remove(recorder)
+    engine.receive(wire, bytes_of(common.ParamValue()), START)
+    assert len(recorder.heard) == 4
+
+
+def test_a_service_may_have_an_address_of_its_own() -> None:
+    engine, (wire,) = engine_with("wire")
+    gimbal = engine.add(Recorder(Address(255, 154)))
+    message = common.ParamSet(target_system=255, target_component=154)
+    engine.receive(wire, bytes_of(message), START)
+    assert len(gimbal.heard) == 1
+    gimbal.send(common.ParamValue())
+    engine.touch(gimbal)
+    ((_, data),) = engine.data_to_send(START)
+    assert Packet(data, common).component == 154
+
+
+def test_sequences_count_per_channel_and_component() -> None:
+    engine, _ = engine_with("a", "b")
+    for _ in range(3):
+        engine.send(common.Heartbeat(), START)
+    engine.send(common.Heartbeat(), START, source=Address(255, 100))
+    numbers: dict = {}
+    for channel, data in engine.data_to_send(START):
+        packet = Packet(data, common)
+        numbers.setdefault((channel.name, packet.component), []).append(packet.sequence)
+    assert numbers == {(name, 190): [0, 1, 2] for name in "ab"} | {(name, 100): [0] for name in "ab"}
+
+
+def test_a_client_hears_its_own_system_only_and_what_its_operations_ask_for() -> None:
+    engine, (wire,) = engine_with("wire")
+    heard = []
+
+    class Curious(Client):
+        handles = message_ids(common.ParamValue)
+
+        def notice(self, packet: Packet, now: float) -> None:
+            heard.append((packet.system, packet.message_id))
+
+    client = engine.add(Curious(GROUND, VEHICLE))
+    engine.receive(wire, bytes_of(common.ParamValue()), START)
+    engine.receive(wire, bytes_of(common.ParamValue(), source=Address(2, 1)), START)
+    engine.receive(wire, bytes_of(common.Attitude()), START)
+    assert heard == [(1, 22)]
+    client.handles = message_ids(common.Attitude)
+    engine.touch(client)
+    engine.data_to_send(START)
+    engine.receive(wire, bytes_of(common.Attitude()), START)
+    engine.receive(wire, bytes_of(common.ParamValue()), START)
+    assert heard == [(1, 22), (1, 30)]
+
+
+def test_copies_over_a_second_channel_are_dropped() -> None:
+    engine, (one, two) = engine_with("one", "two")
+    recorder = engine.add(Recorder(GROUND))
+    for sequence in range(5):
+        data = bytes_of(common.ParamValue(param_index=sequence), sequence=sequence)
+        engine.receive(one, data, START)
+        engine.receive(two, data, START)
+    # The first shows that there are two ways; from then on each comes once.
+    assert [packet.sequence for packet in recorder.heard] == [0, 0, 1, 2, 3, 4]
+    assert engine.duplicates.dropped == 4
+
+
+def test_the_same_bytes_on_the_same_channel_are_no_copy() -> None:
+    duplicates: Duplicates[str] = Duplicates()
+    packet = Packet(bytes_of(common.Heartbeat()), common)
+    assert not duplicates.is_copy(packet, "a", 0.0)
+    assert not duplicates.is_copy(packet, "a", 0.1)
+    assert duplicates.is_copy(packet, "b", 0.2)
+    assert not duplicates.is_copy(packet, "b", 5.0)
+    for number in range(5000):
+        duplicates.is_copy(Packet(bytes_of(common.Attitude(time_boot_ms=number)), common), "a", 5.0)
+    assert len(duplicates._seen) <= MOST_REMEMBERED
+
+
+def test_timers_fire_once_when_due_and_follow_changes() -> None:
+    engine, _ = engine_with("wire")
+    recorder = engine.add(Recorder(GROUND))
+    recorder.due = START + 5
+    engine.data_to_send(START)
+    assert engine.next_timeout() == START + 5
+    recorder.due = START + 2
+    engine.touch(recorder)
+    engine.data_to_send(START)
+    assert engine.next_timeout() == START + 2
+    engine.handle_timeout(START + 3)
+    engine.data_to_send(START + 3)
+    engine.handle_timeout(START + 9)
+    assert recorder.ticks == [START + 3]
+    assert engine.next_timeout() is None
+
+
+def test_bulk_waits_for_room_and_goes_on_by_itself() -> None:
+    network = Network()
+    air = Air()
+    ground = network.node(GROUND)
+    vehicle = network.node(VEHICLE)
+    network.connect(ground, vehicle, air=air, bandwidth=5760.0)
+    recorder = ground.engine.add(Recorder(GROUND))
+    vehicle.engine.add(Firehose(VEHICLE, GROUND, total=1000))
+    begin = network.now
+    assert network.run(lambda: len(recorder.heard) == 1000, limit=60)
+    assert air.overflowed == 0
+    least = air.carried / 5760
+    assert least <= network.now - begin <= least * 1.1
+
+
+def test_without_channels_bulk_waits_for_one() -> None:
+    engine = Engine(GROUND)
+    hose = engine.add(Firehose(GROUND, VEHICLE, total=3))
+    assert engine.data_to_send(START) == []
+    assert hose.left == 3
+    engine.open_channel("late")
+    assert len(engine.data_to_send(START)) == 3
+
+
+def test_radio_status_paces_the_channel_it_came_by() -> None:
+    engine, (radio, wire) = engine_with("radio", "wire")
+    engine.receive(radio, bytes_of(common.RadioStatus(txbuf=40), source=Address(51, 68)), START)
+    assert radio.pacer.learned
+    assert wire.pacer.bandwidth is None
+
+
+def test_a_closed_channel_is_written_to_no_more() -> None:
+    engine, (one, _) = engine_with("one", "two")
+    engine.send(common.Heartbeat(), START)
+    engine.close_channel(one)
+    assert [channel.name for channel, _ in engine.data_to_send(START)] == ["two"]
+
+
+def test_signing_can_begin_while_a_channel_is_open() -> None:
+    engine, (wire,) = engine_with("wire")
+    engine.send(common.Heartbeat(), START)
+    key = SigningKey.generate()
+    wire.signing = key.signing()
+    engine.send(common.Heartbeat(), START)
+    packets = [Packet(data, common) for _, data in engine.data_to_send(START)]
+    assert [(packet.signed, packet.sequence) for packet in packets] == [(False, 0), (True, 1)]
+    checker = Parser(common, signing=key.signing())
+    assert len(checker.feed(packets[1].raw, START)) == 1
+    assert engine.receive(wire, bytes_of(common.ParamValue()), START) == []  # unsigned: refused now

@@ -1,0 +1,89 @@
+"""How much a channel may carry."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.node.pacing import FIRST_ESTIMATE, LEAST_ESTIMATE, MOST_ESTIMATE, Pacer
+from mavstack.services import Priority
+
+BULK, STREAM, CONTROL = Priority.BULK, Priority.STREAM, Priority.CONTROL
+
+
+def fill(pacer: Pacer, seconds: float, size: int = 50, priority: Priority = BULK, others: float = 0.0) -> int:
+    """How many bytes of bulk go in some time, beside `others` bytes a second of control messages."""
+    now, gone, owed = 1000.0, 0, 0.0
+    while now < 1000.0 + seconds:
+        owed += others / 1000
+        if owed >= size:
+            owed -= size
+            pacer.sent(size, now)
+        while pacer.has_room(priority, now):
+            pacer.sent(size, now)
+            gone += size
+        now += 0.001
+    return gone
+
+
+def test_without_a_known_bandwidth_there_is_no_limit() -> None:
+    pacer = Pacer()
+    assert all(pacer.has_room(priority, 0.0) for priority in Priority)
+    pacer.sent(10**9, 0.0)
+    assert pacer.has_room(BULK, 0.0)
+    assert pacer.room_at(5.0) == 5.0
+
+
+def test_bulk_takes_the_bandwidth() -> None:
+    assert fill(Pacer(5760), 10) == pytest.approx(57_600, rel=0.02)
+
+
+def test_bulk_takes_what_control_leaves() -> None:
+    assert fill(Pacer(5760), 10, others=2000) == pytest.approx(37_600, rel=0.03)
+
+
+def test_what_is_received_took_its_time_on_the_air_too() -> None:
+    half, full = Pacer(5760), Pacer(5760, half_duplex=False)
+    for pacer in (half, full):
+        assert pacer.has_room(BULK, 0.0)
+        pacer.received(2000, 0.0)
+    assert not half.has_room(BULK, 0.0)
+    assert full.has_room(BULK, 0.0)
+
+
+def test_control_never_waits_and_streams_go_before_bulk() -> None:
+    pacer = Pacer(1000)
+    pacer.sent(400, 0.0)
+    assert [pacer.has_room(priority, 0.0) for priority in (CONTROL, STREAM, BULK)] == [True, True, False]
+    pacer.sent(400, 0.0)
+    assert [pacer.has_room(priority, 0.0) for priority in (CONTROL, STREAM, BULK)] == [True, False, False]
+    again = pacer.room_at(0.0)
+    assert not pacer.has_room(BULK, again - 0.01)
+    assert pacer.has_room(BULK, again + 0.001)
+
+
+def test_radio_status_teaches_the_bandwidth_down_quickly_and_up_slowly() -> None:
+    pacer = Pacer()
+    pacer.radio_status(100, 0.0)
+    assert pacer.learned
+    assert pacer.bandwidth == pytest.approx(FIRST_ESTIMATE * 1.15)
+    for second in range(3):
+        pacer.radio_status(10, float(second))
+    assert pacer.bandwidth < FIRST_ESTIMATE / 3
+    before = pacer.bandwidth
+    pacer.radio_status(70, 4.0)
+    assert pacer.bandwidth == before
+    for second in range(1000):
+        pacer.radio_status(0, float(second))
+    assert pacer.bandwidth == LEAST_ESTIMATE
+    for second in range(1000):
+        pacer.radio_status(100, float(second))
+    assert pacer.bandwidth == MOST_ESTIMATE
+
+
+def test_a_radio_that_does_not_know_and_a_bandwidth_that_is_known_teach_nothing() -> None:
+    pacer = Pacer()
+    pacer.radio_status(255, 0.0)
+    assert pacer.bandwidth is None
+    known = Pacer(3000)
+    known.radio_status(0, 0.0)
+    assert known.bandwidth == 3000

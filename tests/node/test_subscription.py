@@ -1,0 +1,43 @@
+"""Subscriptions: bounded, ending, and without waiting on the giver's side."""
+
+from __future__ import annotations
+
+import asyncio
+
+from mavstack.node.subscription import Subscription
+
+
+async def test_it_ends_after_what_is_queued() -> None:
+    closed = []
+    subscription: Subscription[int] = Subscription(closed.append)
+    for number in range(3):
+        subscription.put(number)
+    subscription.close()
+    subscription.close()
+    assert [item async for item in subscription] == [0, 1, 2]
+    assert closed == [subscription]
+
+
+async def test_a_waiting_reader_is_woken() -> None:
+    subscription: Subscription[int] = Subscription(lambda _: None)
+    reader = asyncio.ensure_future(anext(subscription))
+    await asyncio.sleep(0)
+    subscription.put(7)
+    assert await reader == 7
+
+
+async def test_a_cancelled_reader_loses_nothing() -> None:
+    subscription: Subscription[int] = Subscription(lambda _: None)
+    reader = asyncio.ensure_future(anext(subscription))
+    await asyncio.sleep(0)
+    reader.cancel()
+    subscription.put(7)
+    assert await anext(subscription) == 7
+
+
+async def test_everything_is_kept_on_demand() -> None:
+    subscription: Subscription[int] = Subscription(lambda _: None, queue=2, keep_all=True)
+    for number in range(10):
+        subscription.put(number)
+    assert subscription.take() == list(range(10))
+    assert subscription.dropped == 0

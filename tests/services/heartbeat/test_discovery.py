@@ -1,0 +1,141 @@
+"""Who is found, lost, back, rebooted."""
+
+from __future__ import annotations
+
+from mavstack.dialects import common
+from mavstack.services import Address
+from mavstack.services.heartbeat import (
+    Beacon,
+    ComponentFound,
+    ComponentLost,
+    ComponentRebooted,
+    ComponentReturned,
+    Discovery,
+)
+from mavstack.wire import Packet, encode
+from tests.services.network import GROUND, START, VEHICLE, Network
+
+
+def packet(message, source: Address = VEHICLE) -> Packet:
+    return Packet(encode(message, system=source.system, component=source.component), common)
+
+
+HEARTBEAT = common.Heartbeat(type=common.MavType.QUADROTOR, autopilot=common.MavAutopilot.ARDUPILOTMEGA)
+
+
+def kinds(service) -> list[type]:
+    return [type(event) for event in service.events()]
+
+
+def test_a_component_is_found_lost_and_back() -> None:
+    discovery = Discovery(GROUND)
+    discovery.receive(packet(HEARTBEAT), START)
+    discovery.receive(packet(HEARTBEAT), START + 1)
+    assert kinds(discovery) == [ComponentFound]
+    assert discovery.next_timeout() == START + 6
+    discovery.handle_timeout(START + 5.9)
+    assert kinds(discovery) == []
+    discovery.handle_timeout(START + 6)
+    assert kinds(discovery) == [ComponentLost]
+    assert not discovery.components[VEHICLE].alive
+    assert discovery.next_timeout() is None
+    discovery.receive(packet(HEARTBEAT), START + 60)
+    assert kinds(discovery) == [ComponentReturned]
+    assert discovery.components[VEHICLE].alive
+
+
+def test_what_a_vehicle_is_its_type_says_not_its_component_id() -> None:
+    discovery = Discovery(GROUND)
+    gimbal = common.Heartbeat(type=common.MavType.GIMBAL, autopilot=common.MavAutopilot.INVALID)
+    discovery.receive(packet(gimbal, Address(1, 1)), START)
+    discovery.receive(packet(HEARTBEAT, Address(1, 77)), START)
+    assert not discovery.components[1, 1].is_autopilot
+    assert discovery.components[1, 77].is_autopilot
+
+
+def test_other_messages_are_signs_of_life() -> None:
+    discovery = Discovery(GROUND)
+    discovery.receive(packet(common.Attitude(time_boot_ms=5)), START)
+    assert not discovery.components  # nobody that ever said what it is
+    discovery.receive(packet(HEARTBEAT), START)
+    for second in range(1, 20):
+        discovery.receive(packet(common.Attitude(time_boot_ms=second * 1000)), START + second)
+        discovery.handle_timeout(START + second)
+    assert kinds(discovery) == [ComponentFound]
+
+
+def boot_times(*milliseconds: int) -> list[type]:
+    discovery = Discovery(GROUND)
+    discovery.receive(packet(HEARTBEAT), START)
+    for number, value in enumerate(milliseconds):
+        discovery.receive(packet(common.Attitude(time_boot_ms=value)), START + number * 0.1)
+    return kinds(discovery)[1:]
+
+
+def test_a_falling_boot_time_is_a_reboot() -> None:
+    assert boot_times(50_000, 50_100, 300, 400, 500) == [ComponentRebooted]
+    assert boot_times(50_000, 300, 400, 50_000, 200, 300) == [ComponentRebooted] * 2
+
+
+def test_one_late_message_is_no_reboot() -> None:
+    assert boot_times(50_000, 50_100, 45_000, 50_200, 50_300, 45_100, 50_400) == []
+    assert boot_times(50_000, 49_500, 49_600, 50_100) == []
+
+
+def test_a_full_counter_is_no_reboot() -> None:
+    top = (1 << 32) - 1
+    assert boot_times(top - 50, 50, 150, 250) == []
+
+
+def test_high_latency_sources_need_no_heartbeat() -> None:
+    discovery = Discovery(GROUND)
+    summary = common.HighLatency2(type=common.MavType.FIXED_WING, autopilot=common.MavAutopilot.PX4)
+    discovery.receive(packet(summary), START)
+    assert discovery.components[VEHICLE].is_autopilot
+    discovery.handle_timeout(START + 29)
+    assert kinds(discovery) == [ComponentFound]
+    discovery.handle_timeout(START + 30)
+    assert kinds(discovery) == [ComponentLost]
+
+
+def test_nobody_has_the_address_0_and_memory_is_bounded() -> None:
+    discovery = Discovery(GROUND)
+    discovery.receive(packet(HEARTBEAT, Address(0, 1)), START)
+    discovery.receive(packet(HEARTBEAT, Address(1, 0)), START)
+    assert not discovery.components
+    for system in range(1, 256):
+        for component in range(1, 30):
+            discovery.receive(packet(HEARTBEAT, Address(system, component)), START)
+    assert len(discovery.components) == 4096
+
+
+def test_heartbeats_keep_their_rate_and_do_not_make_up_for_a_stall() -> None:
+    beacon = Beacon(VEHICLE, common.MavType.ROCKET)
+    times = []
+    now = START
+    for late in (0.0, 0.01, 0.0, 3.7, 0.0, 0.0):
+        now = max(beacon.next_timeout() or 0.0, START) + late
+        beacon.handle_timeout(now)
+        times += [round(now - START, 2) for _ in beacon.messages_to_send(now)]
+    assert times == [0.0, 1.01, 2.0, 6.7, 7.7, 8.7]
+
+
+def test_heartbeats_cross_a_network_and_restarts_are_noticed() -> None:
+    network = Network(1)
+
+    def setup(engine) -> None:
+        engine.add(Beacon(VEHICLE, common.MavType.QUADROTOR, common.MavAutopilot.PX4))
+
+    vehicle = network.node(VEHICLE, setup)
+    ground = network.node(GROUND, lambda engine: engine.add(Discovery(GROUND)))
+    pipes = network.connect(ground, vehicle)
+    network.run(limit=10)
+    assert len(ground.events_of(ComponentFound)) == 1
+    for pipe in pipes:
+        pipe.cut = True
+    network.run(limit=10)
+    assert len(ground.events_of(ComponentLost)) == 1
+    for pipe in pipes:
+        pipe.cut = False
+    network.run(limit=2)
+    assert len(ground.events_of(ComponentReturned)) == 1
