@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import Dialect, Message, common
 from mavstack.errors import MavstackError, RemoteTimeout
-from mavstack.links import Link, open_link
+from mavstack.links import ChannelOpened, Link, open_link
 from mavstack.node.command_handlers import CommandHandlers
 from mavstack.node.dispatch import EventDispatch, PacketDispatch
 from mavstack.node.driver import Driver
@@ -110,7 +110,7 @@ class Node:
         self._driver = driver = Driver(
             self.engine,
             on_packet=self._packets.deliver,
-            on_event=self._events.deliver,
+            on_event=self._happened,
             signing=self._new_signing,
             version=self._version,
         )
@@ -254,6 +254,12 @@ class Node:
     async def wait(self) -> None:
         """Go on until the task is cancelled: what a program that only serves does last."""
         await asyncio.get_running_loop().create_future()
+
+    def _happened(self, event: object) -> None:
+        if isinstance(event, ChannelOpened) and self._sends_heartbeat:
+            self.beacon.soon(self.now())  # a new peer need not wait to know us
+            self.engine.touch(self.beacon)
+        self._events.deliver(event)
 
     def _new_signing(self) -> Signing | None:
         if self._key is None:

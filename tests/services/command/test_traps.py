@@ -169,7 +169,7 @@ def test_cancelling_tells_the_vehicle(client) -> None:
 
 def test_a_command_has_seven_parameters() -> None:
     assert Command.of(SERVO, [1, 2]).param2 == 2
-    with pytest.raises(FieldRangeError, match="seven|7"):
+    with pytest.raises(FieldRangeError, match="has 7"):
         Command.of(SERVO, range(8))
 
 

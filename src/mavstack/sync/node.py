@@ -1,0 +1,50 @@
+"""The blocking node: opens and closes with its thread."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mavstack.node import Node as AsyncNode
+from mavstack.sync.portal import Portal
+from mavstack.sync.proxy import Blocking
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+
+class Node(Blocking):
+    """A node whose every call waits; the arguments are those of `mavstack.node.Node`."""
+
+    def __init__(self, *links: Any, **options: Any) -> None:  # noqa: ANN401 (the stub has them all)
+        portal = Portal()
+        try:
+            super().__init__(portal.call(lambda: AsyncNode(*links, **options)), portal)
+        except BaseException:
+            portal.close()
+            raise
+
+    def open(self) -> Self:
+        """Open the links."""
+        self._portal.wait(self._inner.open())
+        return self
+
+    def close(self) -> None:
+        """Close the links and end the thread. Closing twice does nothing."""
+        if not self._portal.closed:
+            try:
+                self._portal.wait(self._inner.close())
+            finally:
+                self._portal.close()
+
+    def __enter__(self) -> Self:
+        try:
+            return self.open()
+        except BaseException:
+            self.close()
+            raise
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

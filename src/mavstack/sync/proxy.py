@@ -1,0 +1,99 @@
+"""A blocking face over any object of the node: the same names, with waits in place of awaits.
+
+There is no second implementation and nothing to keep up to date but the stub beside it: a proxy looks an
+attribute up in the loop's thread, and what it finds there tells what to give back.
+
+    async method            a method that waits
+    plain method, property  called in the loop's thread
+    async iterator          an iterator
+    async context manager   a context manager
+    object of the node      a proxy of it
+    anything else           itself: messages, packets, events and plain values cannot change
+"""
+
+from __future__ import annotations
+
+from functools import wraps
+from inspect import isawaitable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+    from typing import Self
+
+    from mavstack.sync.portal import Portal
+
+NODE_PACKAGE = "mavstack.node."
+
+
+class Blocking:
+    """The blocking face of one object."""
+
+    def __init__(self, inner: Any, portal: Portal) -> None:  # noqa: ANN401 (any object of the node)
+        self._inner = inner
+        self._portal = portal
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (whatever the object has)
+        if name.startswith("__"):
+            raise AttributeError(name)
+        inner = self._inner
+        found = self._portal.call(lambda: getattr(inner, name))
+        return self._method(found) if callable(found) and not _is_of_node(found) else self._face(found)
+
+    def __dir__(self) -> list[str]:
+        return dir(self._inner)
+
+    def __repr__(self) -> str:
+        return f"<blocking {self._inner!r}>"
+
+    def __iter__(self) -> Self:
+        return self
+
+    def __next__(self) -> Any:  # noqa: ANN401 (what the iterator yields)
+        inner = self._inner
+
+        async def following() -> tuple[Any, ...]:
+            try:
+                return (await anext(inner),)
+            except StopAsyncIteration:
+                return ()
+
+        found = self._portal.wait(following())
+        if not found:
+            raise StopIteration
+        return self._face(found[0])
+
+    def __enter__(self) -> Self:
+        self._portal.wait(self._inner.__aenter__())
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._portal.wait(self._inner.__aexit__(kind, error, trace))
+
+    def _method(self, method: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(method)
+        def blocking(*args: Any, **named: Any) -> Any:  # noqa: ANN401 (the method's own)
+            return self._face(self._portal.wait(_called(method, args, named)))
+
+        return blocking
+
+    def _face(self, found: Any) -> Any:  # noqa: ANN401 (any value)
+        if _is_of_node(found):
+            return Blocking(found, self._portal)
+        if isinstance(found, list):
+            return [self._face(item) for item in found]
+        return dict(found) if isinstance(found, dict) else found
+
+
+async def _called(method: Callable[..., Any], args: Any, named: Any) -> Any:  # noqa: ANN401 (the method's own)
+    arguments = [argument._inner if isinstance(argument, Blocking) else argument for argument in args]  # noqa: SLF001
+    result = method(*arguments, **named)
+    return await result if isawaitable(result) else result
+
+
+def _is_of_node(found: object) -> bool:
+    kind = type(found)
+    return kind.__module__.startswith(NODE_PACKAGE) or hasattr(kind, "__anext__")

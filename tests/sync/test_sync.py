@@ -1,0 +1,72 @@
+"""The blocking face: the same calls, results and errors, over real sockets, from a plain script."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, LinkURLError, MavstackError, RemoteTimeout
+from mavstack.sync import Node
+
+QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
+
+
+@pytest.fixture
+def vehicle():
+    with Node("udpin://127.0.0.1:0", system=1, component=1, type=QUADROTOR, autopilot=PX4) as node:
+        yield node
+
+
+def url_of(vehicle: Node) -> str:
+    host, port = vehicle.links[0].address
+    return f"udpout://{host}:{port}"
+
+
+def test_a_script_finds_commands_and_listens(vehicle: Node) -> None:
+    @vehicle.on_command(common.MavCmd.DO_SET_SERVO)
+    def servo(request) -> common.MavResult:
+        return common.MavResult.ACCEPTED if request.command.param1 == 5 else common.MavResult.DENIED
+
+    with Node(url_of(vehicle)) as ground:
+        found = ground.autopilot(timeout=10)
+        assert found.address == (1, 1)
+        assert found.info.type == QUADROTOR
+        assert found.command(common.MavCmd.DO_SET_SERVO, 5).result == common.MavResult.ACCEPTED
+        with pytest.raises(CommandDenied, match="DENIED"):
+            found.command(common.MavCmd.DO_SET_SERVO, 6)
+        with ground.messages(common.Attitude) as attitudes:
+            for number in range(3):
+                vehicle.send(common.Attitude(time_boot_ms=number))
+            heard = [next(attitudes).time_boot_ms for _ in range(3)]
+        assert heard == [0, 1, 2]
+        assert list(attitudes) == []
+        assert (1, 1) in ground.components
+
+
+def test_errors_are_the_same() -> None:
+    with pytest.raises(LinkURLError):
+        Node("nonsense")
+    with Node("udpin://127.0.0.1:0") as lonely:
+        with pytest.raises(RemoteTimeout, match="an autopilot's heartbeat"):
+            lonely.autopilot(timeout=0.01)
+        with pytest.raises(AttributeError):
+            lonely.no_such_thing  # noqa: B018
+    lonely.close()
+    with pytest.raises(MavstackError, match="closed"):
+        lonely.send(common.Heartbeat())
+
+
+def test_a_handler_that_would_wait_for_itself_is_told(vehicle: Node) -> None:
+    caught = []
+
+    @vehicle.on_command(common.MavCmd.DO_SET_SERVO)
+    def servo(_request) -> common.MavResult:
+        try:
+            vehicle.autopilot(timeout=0.01)
+        except MavstackError as error:
+            caught.append(str(error))
+        return common.MavResult.ACCEPTED
+
+    with Node(url_of(vehicle)) as ground:
+        ground.autopilot(timeout=10).command(common.MavCmd.DO_SET_SERVO)
+    assert "wait for ever" in caught[0]
