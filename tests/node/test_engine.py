@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from mavstack.dialects import common
+from mavstack.errors import EncodeError
 from mavstack.node.duplicates import MOST_REMEMBERED, Duplicates
 from mavstack.node.engine import Engine
 from mavstack.security import SigningKey
@@ -219,3 +222,15 @@ def test_signing_can_begin_while_a_channel_is_open() -> None:
     checker = Parser(common, signing=key.signing())
     assert len(checker.feed(packets[1].raw, START)) == 1
     assert engine.receive(wire, bytes_of(common.ParamValue()), START) == []  # unsigned: refused now
+
+
+def test_a_message_that_version_1_cannot_carry_is_counted_and_our_own_raises() -> None:
+    engine = Engine(GROUND)
+    old = engine.open_channel("old", version=1)
+    recorder = engine.add(Recorder(GROUND))
+    recorder.send(common.ProtocolVersion())
+    engine.touch(recorder)
+    assert engine.data_to_send(START) == []
+    assert old.unsendable == 1
+    with pytest.raises(EncodeError):
+        engine.send(common.ProtocolVersion(), START)

@@ -87,3 +87,28 @@ def test_a_radio_that_does_not_know_and_a_bandwidth_that_is_known_teach_nothing(
     known = Pacer(3000)
     known.radio_status(0, 0.0)
     assert known.bandwidth == 3000
+
+
+def test_streams_keep_to_a_share_while_bulk_waits_and_get_it_all_back() -> None:
+    pacer, now = Pacer(5760), 1000.0
+    gone = {STREAM: 0, BULK: 0}
+
+    def second(*priorities: Priority) -> dict[Priority, int]:
+        nonlocal now
+        before = dict(gone)
+        for _ in range(1000):
+            now += 0.001
+            for priority in priorities:
+                if pacer.has_room(priority, now):
+                    pacer.sent(50, now, priority)
+                    gone[priority] += 50
+        return {priority: gone[priority] - before[priority] for priority in gone}
+
+    second(STREAM)
+    assert second(STREAM)[STREAM] == pytest.approx(5760, rel=0.05)
+    second(STREAM, BULK)
+    both = second(STREAM, BULK)
+    assert both[STREAM] == pytest.approx(0.15 * 5760, rel=0.1)
+    assert both[BULK] == pytest.approx(0.85 * 5760, rel=0.1)
+    second(STREAM)
+    assert second(STREAM)[STREAM] == pytest.approx(5760, rel=0.05)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
+import signal
+from threading import Event, main_thread
+
 import pytest
 
 from mavstack.dialects import common
@@ -69,4 +73,23 @@ def test_a_handler_that_would_wait_for_itself_is_told(vehicle: Node) -> None:
 
     with Node(url_of(vehicle)) as ground:
         ground.autopilot(timeout=10).command(common.MavCmd.DO_SET_SERVO)
-    assert "wait for ever" in caught[0]
+    assert "wait for itself" in caught[0]
+
+
+def test_ctrl_c_leaves_both_ends_clean(vehicle: Node) -> None:
+    stopped = Event()
+
+    @vehicle.on_command(common.MavCmd.DO_WINCH)
+    async def winch(_request) -> common.MavResult:
+        signal.pthread_kill(main_thread().ident, signal.SIGINT)  # while the script waits for the answer
+        try:
+            await asyncio.Event().wait()
+        finally:
+            stopped.set()
+        return common.MavResult.ACCEPTED
+
+    with Node(url_of(vehicle)) as ground:
+        found = ground.autopilot(timeout=10)
+        with pytest.raises(KeyboardInterrupt):
+            found.command(common.MavCmd.DO_WINCH)
+        assert stopped.wait(10)

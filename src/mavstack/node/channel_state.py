@@ -10,7 +10,7 @@ from mavstack.wire import Encoder, Parser
 if TYPE_CHECKING:
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
-    from mavstack.services import Address
+    from mavstack.services import Address, Priority
     from mavstack.wire import Packet, Signing
 
 
@@ -28,6 +28,7 @@ class ChannelState:
     ) -> None:
         self.name = name
         self.pacer = Pacer(bandwidth)
+        self.unsendable = 0  # messages that this MAVLink version cannot carry
         self._dialect = dialect
         self._version = version
         self._signing = signing
@@ -58,10 +59,10 @@ class ChannelState:
         self.pacer.received(len(data), now)
         return self._parser.feed(data, now)
 
-    def encode(self, message: Message, source: Address, now: float) -> bytes:
-        """The packet to hand to the channel; counts as sent."""
+    def encode(self, message: Message, source: Address, now: float, priority: Priority) -> bytes:
+        """The packet to hand to the channel; counts as sent. Raises EncodeError if its version cannot."""
         data = self._encoder(source).encode(message, now)
-        self.pacer.sent(len(data), now)
+        self.pacer.sent(len(data), now, priority)
         return data
 
     def _encoder(self, source: Address) -> Encoder:

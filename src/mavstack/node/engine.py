@@ -18,6 +18,7 @@ from itertools import count
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.dialects import common
+from mavstack.errors import EncodeError
 from mavstack.node.channel_state import ChannelState
 from mavstack.node.duplicates import Duplicates
 from mavstack.node.listeners import Listeners
@@ -117,7 +118,9 @@ class Engine:
         self, message: Message, now: float, target: Address | None = None, *, source: Address | None = None
     ) -> None:
         """Send a message of the program's own; where to follows from its target fields, if not told."""
-        self._dispatch(Outgoing(message, target or target_of(message)), source or self.local, now)
+        outgoing = Outgoing(message, target or target_of(message))
+        for channel in self.routes.channels_to(outgoing.target, self.channels):
+            self._encode(outgoing, channel, source or self.local, now)
 
     def data_to_send(self, now: float) -> list[tuple[ChannelState, bytes]]:
         """What to write to which channel, after everything that happened until now."""
@@ -202,8 +205,15 @@ class Engine:
         return bool(channels) and not full
 
     def _dispatch(self, outgoing: Outgoing, source: Address, now: float) -> None:
-        channels = self.routes.channels_to(outgoing.target, self.channels)
-        self._to_send += [(channel, channel.encode(outgoing.message, source, now)) for channel in channels]
+        for channel in self.routes.channels_to(outgoing.target, self.channels):
+            try:
+                self._encode(outgoing, channel, source, now)
+            except EncodeError:
+                channel.unsendable += 1
+
+    def _encode(self, outgoing: Outgoing, channel: ChannelState, source: Address, now: float) -> None:
+        data = channel.encode(outgoing.message, source, now, outgoing.priority)
+        self._to_send.append((channel, data))
 
     def _arm(self, service: Service) -> None:
         due = service.next_timeout()

@@ -3,7 +3,8 @@
 A `Pacer` is a bucket of bytes that fills at the channel's bandwidth and that every byte sent empties, also
 those that never wait (control messages), and on a half-duplex radio those that were received, since both
 directions share the air. Bulk messages go only while there is something in the bucket, so they take what
-the others leave; streams may run it a little below zero, so they go before bulk.
+the others leave; streams may run it a little below zero, so they go before bulk. But telemetry often wants
+more than a radio carries, and a transfer would never end: while bulk waits, streams keep to a share.
 
 The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or learned: a radio reports in
 RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on the rate follows it,
@@ -18,6 +19,9 @@ from mavstack.services import Priority
 
 #: How far each priority may run the bucket below zero, in seconds of bandwidth.
 DEBT = {Priority.CONTROL: inf, Priority.STREAM: 0.15, Priority.BULK: 0.0}
+#: What streams may take of the bandwidth while bulk waits, and for how long it counts as waiting.
+STREAM_SHARE = 0.15
+WAITING = 0.5
 #: What the bucket holds at most, in seconds of bandwidth: the longest burst after silence.
 DEPTH = 0.05
 #: The least that the bucket holds, in bytes: one packet, else nothing would ever go.
@@ -37,13 +41,17 @@ class Pacer:
         self._half_duplex = half_duplex
         self._known = bandwidth is not None
         self._level = LEAST_DEPTH
+        self._stream_level = 0.0
+        self._bulk_waited_at = -inf
         self._filled_at: float | None = None
 
-    def sent(self, size: int, now: float) -> None:
+    def sent(self, size: int, now: float, priority: Priority = Priority.CONTROL) -> None:
         """Bytes were handed to the channel."""
         if self.bandwidth is not None:
             self._fill(now)
             self._level -= size
+            if priority is Priority.STREAM:
+                self._stream_level = max(self._stream_level - size, -LEAST_DEPTH)
 
     def received(self, size: int, now: float) -> None:
         """Bytes came in, which took their time on the air too."""
@@ -56,7 +64,12 @@ class Pacer:
         if self.bandwidth is None:
             return True
         self._fill(now)
-        return self._level > -self.bandwidth * DEBT[priority]
+        if priority is Priority.STREAM and self._stream_level <= 0 and now < self._bulk_waited_at + WAITING:
+            return False
+        room = self._level > -self.bandwidth * DEBT[priority]
+        if priority is Priority.BULK and not room:
+            self._bulk_waited_at = now
+        return room
 
     def room_at(self, now: float) -> float:
         """When there is room for bulk again, if nothing else is sent until then."""
@@ -83,6 +96,7 @@ class Pacer:
         depth = max(bandwidth * DEPTH, LEAST_DEPTH)
         gained = max(now - self._filled_at, 0.0) * bandwidth
         self._level = min(self._level + gained, depth)
+        self._stream_level = min(self._stream_level + gained * STREAM_SHARE, depth * STREAM_SHARE)
         self._filled_at = now
 
 

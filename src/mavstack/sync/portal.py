@@ -41,9 +41,7 @@ class Portal:
         """Run a coroutine in the loop's thread and wait for its result."""
         if self.closed or get_ident() == self._thread.ident:
             work.close()
-            reason = (
-                "the node is closed" if self.closed else "a handler of the node itself would wait for ever"
-            )
+            reason = "the node is closed" if self.closed else "a handler of the node would wait for itself"
             raise MavstackError(f"a blocking call is not possible here: {reason}")
         future = asyncio.run_coroutine_threadsafe(work, self._loop)
         try:
