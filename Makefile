@@ -18,6 +18,7 @@ test: $(VENV)/installed ## Run everything that continuous integration runs
 	cargo clippy --all-targets --release --locked -- -D warnings
 	cargo test --release --locked -p mavstack-core
 	$(BIN)/python -m mavstack.dialects.generate --check
+	$(BIN)/python -m mavstack.sync.generate --check
 	$(BIN)/pytest -n auto
 
 check: $(VENV)/installed ## The Python tests alone
@@ -34,6 +35,7 @@ format: $(VENV)/installed ## Put the code into its usual form
 
 generate: $(VENV)/installed ## Make tables and stubs anew from the definitions
 	$(BIN)/python -m mavstack.dialects.generate
+	$(BIN)/python -m mavstack.sync.generate
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

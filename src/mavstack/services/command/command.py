@@ -48,8 +48,8 @@ class Command:
         """A command with its first parameters, the others being 0; there are seven."""
         if len(params) > PARAMETERS:
             raise FieldRangeError(f"a command has {PARAMETERS} parameters, not {len(params)}")
-        names = [f"param{number}" for number in range(1, len(params) + 1)]
-        return replace(cls(int(command), frame=frame), **dict(zip(names, params, strict=True)))
+        one, two, three, four, five, six, seven = (*params, *(0.0,) * (PARAMETERS - len(params)))
+        return cls(int(command), one, two, three, four, five, six, seven, frame=frame)
 
     @property
     def name(self) -> str:

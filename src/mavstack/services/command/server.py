@@ -93,6 +93,10 @@ class CommandServer(Service):
         """Carry out `command` by `handler` from now on."""
         self._handlers[int(command)] = handler
 
+    def handler_of(self, command: int) -> Handler | None:
+        """What carries out `command` now, for a handler that takes over some of its cases."""
+        return self._handlers.get(int(command))
+
     @property
     def supported(self) -> frozenset[int]:
         """The commands that have a handler."""

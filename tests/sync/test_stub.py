@@ -1,0 +1,41 @@
+"""The stub of the blocking face says what a type checker should believe."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+from mavstack.sync import generate
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+PROGRAM = """
+from mavstack.dialects import common
+from mavstack.sync import Node
+
+with Node("udpin://0.0.0.0:14550") as node:
+    vehicle = node.autopilot(timeout=3)
+    reveal_type(vehicle.command(common.MavCmd.NAV_LAND).attempts)
+    for message in node.messages(common.Attitude):
+        reveal_type(message.roll)
+    node.autopilot(5, patience=3)
+"""
+
+
+def test_it_is_up_to_date() -> None:
+    assert generate.main(["--check"]) == 0
+
+
+def test_type_checkers_see_calls_that_wait(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM)
+    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", str(program)]
+    lines = subprocess.run(command, capture_output=True, text=True, check=False).stdout.splitlines()
+    assert [line.partition(": ")[2].partition("  [")[0] for line in lines] == [
+        'note: Revealed type is "int"',
+        'note: Revealed type is "float"',
+        'error: Unexpected keyword argument "patience" for "autopilot" of "Node"',
+        'note: "autopilot" defined in "mavstack.sync"',
+    ], lines
