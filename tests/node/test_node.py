@@ -12,6 +12,8 @@ from mavstack.errors import CommandDenied, CommandTimeout, MavstackError, Remote
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.services.heartbeat import ComponentFound, ComponentLost
+from mavstack.services.mission import MissionItem, MissionServer
+from mavstack.services.statustext import StatusText
 from tests.links.virtual import run_virtually
 
 QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
@@ -190,3 +192,62 @@ def test_events_tell_who_comes_and_goes() -> None:
 def test_an_address_outside_its_range_is_refused() -> None:
     with pytest.raises(MavstackError, match="0/190"):
         Node(system=0)
+
+
+def test_messages_are_requested_and_streamed_at_rates() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            started = pair.vehicle.now()
+            pair.vehicle.provide(
+                common.Attitude,
+                lambda now: common.Attitude(time_boot_ms=int(1000 * (now - started))),
+                interval=1,
+            )
+            pair.vehicle.provide(common.HomePosition, lambda _: common.HomePosition(latitude=7))
+            vehicle = await pair.ground.autopilot()
+            assert (await vehicle.request(common.HomePosition)).latitude == 7
+            with pytest.raises(CommandDenied):
+                await vehicle.request(common.GimbalDeviceInformation)
+            assert (await vehicle.message_interval(common.Attitude)).seconds == 1
+            await vehicle.set_message_interval(common.Attitude, 50)
+            async with vehicle.messages(common.Attitude) as attitudes:
+                await asyncio.sleep(1.001)
+                assert 49 <= len(attitudes.take()) <= 52
+
+    run_virtually(work())
+
+
+def test_texts_pings_and_clocks() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            vehicle = await pair.ground.autopilot()
+            async with pair.ground.events(StatusText) as texts:
+                pair.vehicle.say("propellers are on, " * 10, common.MavSeverity.WARNING)
+                heard = await anext(texts)
+            assert heard.text == "propellers are on, " * 10
+            assert (await vehicle.ping()).received == 4
+            assert vehicle.clock.estimate is None
+            await asyncio.sleep(1)
+            assert abs(vehicle.clock.estimate.offset) < 0.01
+
+    run_virtually(work())
+
+
+def test_plans_go_up_and_down() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            pair.vehicle.serve(MissionServer(pair.vehicle.address))
+            vehicle = await pair.ground.autopilot()
+            items = [
+                MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47 + number / 1000, param6=8.5, param7=30)
+                for number in range(20)
+            ]
+            steps: list[tuple[int, int]] = []
+            await vehicle.mission.upload(items, progress=lambda *step: steps.append(step))
+            assert list((await vehicle.mission.download()).items) == items
+            assert steps[-1][0] <= steps[-1][1] == 20
+            assert len(await vehicle.fence.download()) == 0
+            await vehicle.mission.clear()
+            assert len(await vehicle.mission.download()) == 0
+
+    run_virtually(work())

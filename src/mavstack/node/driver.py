@@ -69,10 +69,19 @@ class Driver:
         progress: Callable[[int, int], None] | None = None,
     ) -> Result:
         """Begin an operation and wait for its end; a cancelled task cancels it on both ends."""
+        client.begin(operation, self.now())
+        return await self.finish(client, operation, progress)
+
+    async def finish(
+        self,
+        client: Client,
+        operation: Operation[Result],
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Result:
+        """Wait for the end of an operation that was just begun."""
         self._waiting[operation] = future = self._loop.create_future()
         if progress is not None:
             self._progress[operation] = progress
-        client.begin(operation, self.now())
         self.engine.touch(client)
         self.step()
         try:

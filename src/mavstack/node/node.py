@@ -14,6 +14,7 @@ dropped for it alone.
 from __future__ import annotations
 
 import asyncio
+from functools import cached_property
 from itertools import count
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -30,6 +31,10 @@ from mavstack.node.subscription import QUEUE
 from mavstack.services import Address
 from mavstack.services.addressing import describe
 from mavstack.services.heartbeat import Beacon, ComponentFound, ComponentReturned, Discovery
+from mavstack.services.message_request import MessageServer
+from mavstack.services.ping import PingServer
+from mavstack.services.statustext import StatustextReceiver, StatustextSender
+from mavstack.services.timesync import TimesyncServer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -75,6 +80,8 @@ class Node:
         self.beacon = Beacon(local, type, autopilot)
         self.discovery = Discovery(local)
         self.links = [open_link(link) if isinstance(link, str) else link for link in links]
+        #: What every component does: it hears texts, and answers who asks whether and when it is there.
+        self._everyones = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
         self._version = version
         self._key = signing
         self._timestamps = timestamps
@@ -114,7 +121,8 @@ class Node:
             signing=self._new_signing,
             version=self._version,
         )
-        self.engine.add(self.discovery)
+        for service in (self.discovery, *self._everyones):
+            self.engine.add(service)
         if self._sends_heartbeat:
             self.engine.add(self.beacon)
         try:
@@ -230,6 +238,30 @@ class Node:
     def now(self) -> float:
         """The time as services count it: Unix seconds that never go back."""
         return self.driver.now()
+
+    def provide(
+        self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float = 0.0
+    ) -> None:
+        """Send a message every `interval` seconds, at the rate that others ask for, and when it is requested.
+
+        `producer` is called with the time and makes it, or returns None if there is nothing to tell.
+        """
+        self.message_server.provide(message, producer, interval=interval)
+        self.changed(self.message_server)
+
+    def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+        """Say something to the people who watch, by STATUSTEXT; a long text goes in chunks."""
+        self._texts.say(text, severity)
+        self.changed(self._texts)
+
+    @cached_property
+    def message_server(self) -> MessageServer:
+        """Sends what `provide` was given."""
+        return self.serve(MessageServer(self.address, self.commands.server))
+
+    @cached_property
+    def _texts(self) -> StatustextSender:
+        return self.serve(StatustextSender(self.address))
 
     @property
     def commands(self) -> CommandHandlers:

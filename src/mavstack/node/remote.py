@@ -1,18 +1,43 @@
-"""Another component, and what can be asked of it."""
+"""Another component, and what can be asked of it.
+
+Each face (`parameters`, `mission`, `files` …) is made when it is first used, with the client state machine
+behind it; several operations run at once, and those that the protocol forbids to overlap wait for each
+other. Every call ends in its result or in a typed error of `mavstack.errors`, and a cancelled task leaves
+the other end clean.
+"""
 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from mavstack.services.command import Command, CommandClient, CommandOperation, CommandResult
+from mavstack.node.plans import Plans
+from mavstack.services.command import Command, CommandClient, CommandOperation
+from mavstack.services.message_request import (
+    GetMessageInterval,
+    Interval,
+    RequestMessage,
+    SetMessageInterval,
+)
+from mavstack.services.mission import MissionClient, PlanType
+from mavstack.services.ping import PingClient
+from mavstack.services.timesync import TimesyncClient
+from mavstack.services.version import RequestAutopilotVersion, RequestProtocolVersion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from mavstack.dialects import Message
     from mavstack.node.node import Node
+    from mavstack.node.subscription import Subscription
     from mavstack.services import Address
+    from mavstack.services.command import CommandResult
     from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.message_request import RateSet
+    from mavstack.services.ping import PingStatistics
+    from mavstack.services.version import AutopilotVersion, ProtocolVersion
+
+AnyMessage = TypeVar("AnyMessage", bound="Message")
 
 
 class RemoteComponent:
@@ -27,10 +52,7 @@ class RemoteComponent:
         """What its heartbeat said; None if it was never heard."""
         return self.node.components.get(self.address)
 
-    @cached_property
-    def command_client(self) -> CommandClient:
-        """The client that all its commands go through."""
-        return self.node.serve(CommandClient(self.node.address, self.address))
+    # Commands and messages
 
     async def command(
         self,
@@ -45,8 +67,92 @@ class RemoteComponent:
         With a `frame` it goes as COMMAND_INT, params 5 and 6 in degrees or metres. Raises `CommandDenied` or
         `CommandTimeout`. `progress` is called with percent and 100 while a long command runs.
         """
-        asked = Command.of(command, params, frame)
-        return await self.node.perform(self.command_client, CommandOperation(asked, limit=timeout), progress)
+        asked = CommandOperation(Command.of(command, params, frame), limit=timeout)
+        return await self.node.perform(self.command_client, asked, progress)
+
+    async def request(
+        self, message: type[AnyMessage], *params: float, timeout: float | None = None
+    ) -> AnyMessage:
+        """Ask for one message; `params` are params 2 to 6 of MAV_CMD_REQUEST_MESSAGE.
+
+        Raises `CommandDenied` or `MessageTimeout`.
+        """
+        asked = RequestMessage(message, params, limit=timeout)
+        answer: AnyMessage = await self.node.perform(self.command_client, asked)
+        return answer
+
+    async def set_message_interval(self, message: type[Message] | int, interval: Interval | float) -> RateSet:
+        """Have it send a message so many times a second, or by an `Interval` (`DEFAULT`, `OFF`)."""
+        wanted = interval if isinstance(interval, Interval) else Interval.hertz(interval)
+        return await self.node.perform(self.command_client, SetMessageInterval(message, wanted))
+
+    async def message_interval(self, message: type[Message] | int) -> Interval:
+        """At which interval it sends a message."""
+        return await self.node.perform(self.command_client, GetMessageInterval(message))
+
+    async def version(self) -> AutopilotVersion:
+        """Its software, hardware and capabilities."""
+        return await self.node.perform(self.command_client, RequestAutopilotVersion())
+
+    async def protocol_version(self) -> ProtocolVersion:
+        """Which versions of MAVLink it speaks."""
+        return await self.node.perform(self.command_client, RequestProtocolVersion())
+
+    async def ping(self, count: int = 4) -> PingStatistics:
+        """How long messages take to it and back, in seconds."""
+        client = self.ping_client
+        return await self.node.driver.finish(client, client.ping(self.node.now(), count=count))
+
+    def messages(self, *kinds: type[AnyMessage], queue: int = 1000) -> Subscription[AnyMessage]:
+        """Its messages of these classes, as they come."""
+        return self.node.messages(
+            *kinds, system=self.address.system, component=self.address.component, queue=queue
+        )
+
+    def send(self, message: Message) -> None:
+        """Send it a message whose target fields, if it has any, are filled in."""
+        fields: dict[str, Any] = dict(zip(("target_system", "target_component"), self.address, strict=True))
+        known = {name: value for name, value in fields.items() if name in message.__match_args__}
+        self.node.send(message.replace(**known), self.address)
+
+    # Plans
+
+    @cached_property
+    def mission(self) -> Plans:
+        """What it is to fly."""
+        return Plans(self, PlanType.MISSION)
+
+    @cached_property
+    def fence(self) -> Plans:
+        """Where it must stay."""
+        return Plans(self, PlanType.FENCE)
+
+    @cached_property
+    def rally(self) -> Plans:
+        """Where it may land when it returns."""
+        return Plans(self, PlanType.RALLY)
+
+    # The state machines behind it all
+
+    @cached_property
+    def command_client(self) -> CommandClient:
+        """The client that all its commands go through."""
+        return self.node.serve(CommandClient(self.node.address, self.address))
+
+    @cached_property
+    def ping_client(self) -> PingClient:
+        """The client that pings it."""
+        return self.node.serve(PingClient(self.node.address, self.address))
+
+    @cached_property
+    def mission_client(self) -> MissionClient:
+        """The client that all its plans go through."""
+        return self.node.serve(MissionClient(self.node.address, self.address))
+
+    @cached_property
+    def clock(self) -> TimesyncClient:
+        """Follows its clock from the first use on; `clock.estimate` is what is known."""
+        return self.node.serve(TimesyncClient(self.node.address, self.address))
 
     def __repr__(self) -> str:
         return f"<RemoteComponent {self.address}>"
