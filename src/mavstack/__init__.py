@@ -1,4 +1,4 @@
-"""The whole MAVLink system: `mavstack.Dialect`, `Parser`, `encode`, `open_link`, `open_log` and the rest.
+"""The whole MAVLink system: `mavstack.Node`, `Dialect`, `Parser`, `open_link`, `open_log` and the rest.
 
 Names are imported on first use, so that `import mavstack` costs next to nothing.
 """
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from mavstack.errors import MavstackError
     from mavstack.links import open_link
     from mavstack.logs import LogFile, open_log
+    from mavstack.node import Node
     from mavstack.security import SigningKey
     from mavstack.wire import Encoder, Packet, Parser, Signing, encode
 
@@ -27,6 +28,7 @@ __all__ = [
     "LogFile",
     "MavstackError",
     "Message",
+    "Node",
     "Packet",
     "Parser",
     "Signing",
@@ -42,6 +44,7 @@ _HOMES = {
     "LogFile": "mavstack.logs",
     "MavstackError": "mavstack.errors",
     "Message": "mavstack.dialects",
+    "Node": "mavstack.node",
     "Packet": "mavstack.wire",
     "Parser": "mavstack.wire",
     "Signing": "mavstack.wire",

@@ -1,0 +1,50 @@
+"""A camera as a MAVLink component, and a ground station that takes pictures with it, over UDP."""
+
+import asyncio
+
+import mavstack
+from mavstack.dialects import common
+from mavstack.services.command import CommandRequest
+
+CAMERA = common.MavComponent.CAMERA
+
+
+async def camera() -> None:
+    """What makes a component: an address, what it tells, and what it does when it is asked."""
+    type_ = common.MavType.CAMERA
+    async with mavstack.Node("udpin://127.0.0.1:14590", system=1, component=CAMERA, type=type_) as node:
+        node.provide(common.CameraInformation, lambda _: common.CameraInformation(model_name=b"Pinhole"))
+
+        @node.on_command(common.MavCmd.IMAGE_START_CAPTURE)
+        async def capture(request: CommandRequest) -> common.MavResult:
+            interval, total = request.command.param2, int(request.command.param3)
+            if not 0 < total <= 100:
+                return common.MavResult.DENIED
+            for number in range(total):
+                node.send(common.CameraImageCaptured(image_index=number, capture_result=1))
+                node.commands.progress(request, 100 * (number + 1) // total)
+                await asyncio.sleep(interval)
+            return common.MavResult.ACCEPTED
+
+        await node.wait()
+
+
+async def photographer() -> None:
+    """The other side: find it, ask what it is, have it take three pictures."""
+    async with mavstack.Node("udpout://127.0.0.1:14590") as node:
+        remote = await node.find(lambda info: info.type == common.MavType.CAMERA, "a camera's heartbeat")
+        information = await remote.request(common.CameraInformation)
+        print(information.model_name.rstrip(b"\0").decode(), "at", remote.address)
+        async with remote.messages(common.CameraImageCaptured) as pictures:
+            await remote.command(common.MavCmd.IMAGE_START_CAPTURE, 0, 0.05, 3)
+            print("pictures:", [picture.image_index for picture in pictures.take()])
+
+
+async def main() -> None:
+    """Both in one program."""
+    running = asyncio.create_task(camera())
+    await photographer()
+    running.cancel()
+
+
+asyncio.run(main())
