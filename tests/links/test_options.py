@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.errors import LinkURLError
+from mavstack.links import open_link
 from mavstack.links.options import Options
 from mavstack.links.url import parse_url
 
@@ -86,3 +87,10 @@ def test_an_option_nobody_reads_is_told_with_what_was_meant():
     given.has("idle")
     with pytest.raises(LinkURLError, match="it has idle"):
         given.finish()
+
+
+@pytest.mark.parametrize("more", ["", "&loss=0.1"])
+def test_what_a_link_carries_is_told_to_those_above(more):
+    link = open_link(f"udpout://127.0.0.1:5?pace=5760&half_duplex=yes{more}")
+    assert (link.pace, link.half_duplex) == (5760, True)
+    assert open_link("udpout://127.0.0.1:5").pace == 0

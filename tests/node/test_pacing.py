@@ -42,7 +42,7 @@ def test_bulk_takes_what_control_leaves() -> None:
 
 
 def test_what_is_received_took_its_time_on_the_air_too() -> None:
-    half, full = Pacer(5760), Pacer(5760, half_duplex=False)
+    half, full = Pacer(5760, half_duplex=True), Pacer(5760)
     for pacer in (half, full):
         assert pacer.has_room(BULK, 0.0)
         pacer.received(2000, 0.0)

@@ -171,9 +171,10 @@ class Network:
         """Join two nodes; `bandwidth` is what both know of it."""
         model = replace(impairment or Impairment(), seed=self.seed)
         number = next(self._order)
+        known = {"bandwidth": bandwidth, "half_duplex": air is not None}
         there, back = Pipe(model, f"{number} there", air, 0), Pipe(model, f"{number} back", air, 1)
-        one.ports.append(Port(one, one.engine.open_channel("wire", bandwidth=bandwidth), there, back))
-        other.ports.append(Port(other, other.engine.open_channel("wire", bandwidth=bandwidth), back, there))
+        one.ports.append(Port(one, one.engine.open_channel("wire", **known), there, back))
+        other.ports.append(Port(other, other.engine.open_channel("wire", **known), back, there))
         return there, back
 
     def at(self, delay: float, action: Callable[[], None]) -> None:

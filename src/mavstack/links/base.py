@@ -14,7 +14,8 @@ Links move bytes and know nothing about what is in them.
 
 Every backend takes its options from the URL's query and shares these, in bytes (`64k`, `4M`):
 `receive_queue` for what nobody has read yet; for each channel, `send_queue` for what is not sent yet; and
-`pace`, what the whole way to the peer carries in a second, for those above who pace transfers (0: not known).
+`pace`, what the whole way to the peer carries in a second, for those above who pace transfers (0: not known;
+with `half_duplex=yes` both directions share it).
 """
 
 from __future__ import annotations
@@ -46,6 +47,7 @@ class Link(ABC):
         self._inbox = Inbox(options.size("receive_queue", RECEIVE_QUEUE))
         self._send_queue = options.size("send_queue", SEND_QUEUE)
         self.pace = options.size("pace", 0)
+        self.half_duplex = options.flag("half_duplex", default=False)
         self._tasks: set[asyncio.Task[None]] = set()
         self._opened = False
         self._closed = False

@@ -25,9 +25,10 @@ class ChannelState:
         version: int = 2,
         signing: Signing | None = None,
         bandwidth: float | None = None,
+        half_duplex: bool = False,
     ) -> None:
         self.name = name
-        self.pacer = Pacer(bandwidth)
+        self.pacer = Pacer(bandwidth, half_duplex=half_duplex)
         self.unsendable = 0  # messages that this MAVLink version cannot carry
         self._dialect = dialect
         self._version = version

@@ -161,6 +161,7 @@ class Driver:
                     version=self._version,
                     signing=self._signing(),
                     bandwidth=link.pace or None,
+                    half_duplex=link.half_duplex,
                 )
                 self.channels[channel], self._by_state[state] = state, channel
             case ChannelClosed(channel):

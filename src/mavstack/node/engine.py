@@ -72,9 +72,17 @@ class Engine:
         version: int = 2,
         signing: Signing | None = None,
         bandwidth: float | None = None,
+        half_duplex: bool = False,
     ) -> ChannelState:
-        """A peer appeared; `bandwidth` in bytes a second, if it is known."""
-        channel = ChannelState(name, self.dialect, version=version, signing=signing, bandwidth=bandwidth)
+        """A peer appeared; `bandwidth` in bytes a second, if it is known, for both ways if `half_duplex`."""
+        channel = ChannelState(
+            name,
+            self.dialect,
+            version=version,
+            signing=signing,
+            bandwidth=bandwidth,
+            half_duplex=half_duplex,
+        )
         self.channels.append(channel)
         self._touched.update(self._services)
         return channel

@@ -1,10 +1,11 @@
 """How much a channel may carry: so that a slow radio's queue never grows behind our back.
 
 A `Pacer` is a bucket of bytes that fills at the channel's bandwidth and that every byte sent empties, also
-those that never wait (control messages), and on a half-duplex radio those that were received, since both
-directions share the air. Bulk messages go only while there is something in the bucket, so they take what
-the others leave; streams may run it a little below zero, so they go before bulk. But telemetry often wants
-more than a radio carries, and a transfer would never end: while bulk waits, streams keep to a share.
+those that never wait (control messages), and on a link known to be half-duplex those that were received,
+since both directions share the air. Bulk messages go only while there is something in the bucket, so they
+take what the others leave; streams may run it a little below zero, so they go before bulk. But telemetry
+often wants more than a radio carries, and a transfer would never end: while bulk waits, streams keep to a
+share.
 
 The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or learned: a radio reports in
 RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on the rate follows it,
@@ -35,7 +36,7 @@ MOST_ESTIMATE = 1e6
 class Pacer:
     """The bucket of one channel; `bandwidth` is in bytes a second, None for no limit known."""
 
-    def __init__(self, bandwidth: float | None = None, *, half_duplex: bool = True) -> None:
+    def __init__(self, bandwidth: float | None = None, *, half_duplex: bool = False) -> None:
         self.bandwidth = bandwidth
         self.learned = False
         self._half_duplex = half_duplex
