@@ -28,6 +28,10 @@ class FieldRangeError(LocalProtocolError, ValueError):
     """A message field was given a value outside the range of its type; the text names the range."""
 
 
+class SetpointError(FieldRangeError):
+    """A setpoint that no vehicle could follow."""
+
+
 class EncodeError(LocalProtocolError, ValueError):
     """A message cannot be sent as asked, such as an id over 255 in MAVLink 1."""
 
@@ -162,7 +166,9 @@ class ParameterTimeout(RemoteTimeout):
 
 
 class MissionDenied(RemoteDenied):
-    """A plan was refused; `code` is its MAV_MISSION_RESULT."""
+    """A plan was refused; `code` is its MAV_MISSION_RESULT, `item` the item it was about, if about one."""
+
+    item: int | None = None
 
 
 class MissionTimeout(RemoteTimeout):
@@ -181,3 +187,7 @@ class FileTimeout(RemoteTimeout):
 
 class LogTimeout(RemoteTimeout):
     """A log's transfer stopped before its end."""
+
+
+class ModeTimeout(RemoteTimeout):
+    """A mode was not entered in time, though perhaps accepted, or the list of modes never became whole."""

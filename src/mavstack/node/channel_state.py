@@ -28,6 +28,8 @@ class ChannelState:
         half_duplex: bool = False,
     ) -> None:
         self.name = name
+        #: Whether signing keys may be set over it: a cable, not a radio.
+        self.trusted = False
         self.pacer = Pacer(bandwidth, half_duplex=half_duplex)
         self.unsendable = 0  # messages that this MAVLink version cannot carry
         self._dialect = dialect
@@ -35,6 +37,8 @@ class ChannelState:
         self._signing = signing
         self._parser = Parser(dialect, signing=signing)
         self._encoders: dict[Address, Encoder] = {}
+        self._other: tuple[Signing | None, Parser] | None = None  # while a change of keys is open
+        self._uses_new = False
 
     @property
     def parser(self) -> Parser:
@@ -48,8 +52,26 @@ class ChannelState:
 
     @signing.setter
     def signing(self, signing: Signing | None) -> None:
-        self._signing = signing
-        self._parser = Parser(self._dialect, signing=signing)
+        self._other = None
+        self._sign_with(signing, Parser(self._dialect, signing=signing))
+
+    def listen_also(self, signing: Signing | None) -> None:
+        """Open a change of keys: accept also what this state accepts (None: everything)."""
+        self._other, self._uses_new = (signing, Parser(self._dialect, signing=signing)), False
+
+    def use_new(self, new: bool) -> None:
+        """Sign with the new state, or with the old one, while a change is open."""
+        if self._other is not None and new != self._uses_new:
+            other, self._other = self._other, (self._signing, self._parser)
+            self._uses_new = new
+            self._sign_with(*other)
+
+    def settle(self) -> None:
+        """Close a change of keys: what is signed with now is all that is accepted."""
+        self._other = None
+
+    def _sign_with(self, signing: Signing | None, parser: Parser) -> None:
+        self._signing, self._parser = signing, parser
         sequences = {source: encoder.sequence for source, encoder in self._encoders.items()}
         self._encoders.clear()
         for source, sequence in sequences.items():
@@ -58,7 +80,11 @@ class ChannelState:
     def receive(self, data: bytes, now: float) -> list[Packet]:
         """The packets that the bytes complete."""
         self.pacer.received(len(data), now)
-        return self._parser.feed(data, now)
+        packets = self._parser.feed(data, now)
+        if self._other is not None:
+            accepted = {packet.raw for packet in packets}
+            packets += [packet for packet in self._other[1].feed(data, now) if packet.raw not in accepted]
+        return packets
 
     def encode(self, message: Message, source: Address, now: float, priority: Priority) -> bytes:
         """The packet to hand to the channel; counts as sent. Raises EncodeError if its version cannot."""

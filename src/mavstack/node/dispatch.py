@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from mavstack.dialects import Message
-    from mavstack.services import Address
+    from mavstack.services import Address, Service
     from mavstack.wire import Packet
 
 #: Stands for "every message" in the register.
@@ -75,18 +75,18 @@ class EventDispatch:
     """Subscriptions to events by their classes."""
 
     def __init__(self) -> None:
-        self._open: dict[Subscription[Any], tuple[type, ...]] = {}
+        self._open: dict[Subscription[Any], tuple[tuple[type, ...], Service | None]] = {}
 
-    def subscribe(self, kinds: tuple[type, ...], *, queue: int) -> Subscription[Any]:
-        """A subscription to events of these classes (none: all)."""
+    def subscribe(self, kinds: tuple[type, ...], service: Service | None, *, queue: int) -> Subscription[Any]:
+        """A subscription to events of these classes (none: all), of one service (none: of whatever)."""
         subscription: Subscription[Any] = Subscription(self._forget, queue=queue)
-        self._open[subscription] = kinds or (object,)
+        self._open[subscription] = (kinds or (object,), service)
         return subscription
 
-    def deliver(self, event: object) -> None:
+    def deliver(self, event: object, service: Service | None = None) -> None:
         """Hand an event to all who listen."""
-        for subscription, kinds in tuple(self._open.items()):
-            if isinstance(event, kinds):
+        for subscription, (kinds, wanted) in tuple(self._open.items()):
+            if isinstance(event, kinds) and wanted in (None, service):
                 subscription.put(event)
 
     def end(self) -> None:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mavstack.links import LinkEvent
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.engine import Engine
+    from mavstack.services import Service
     from mavstack.wire import Packet, Signing
 
 Result = TypeVar("Result")
@@ -34,7 +35,7 @@ class Driver:
         engine: Engine,
         *,
         on_packet: Callable[[Packet], None],
-        on_event: Callable[[object], None],
+        on_event: Callable[[object, Service | None], None],
         signing: Callable[[], Signing | None],
         version: int = 2,
     ) -> None:
@@ -105,8 +106,8 @@ class Driver:
             events = self.engine.events()
             if not events:
                 break
-            for _, event in events:
-                self._told(event)
+            for service, event in events:
+                self._told(event, service)
         self._set_timer()
 
     async def stop(self) -> None:
@@ -121,7 +122,7 @@ class Driver:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    def _told(self, event: object) -> None:
+    def _told(self, event: object, service: Service) -> None:
         match event:
             case OperationEnded(operation):
                 future = self._waiting.get(operation)
@@ -131,7 +132,7 @@ class Driver:
                 report = self._progress.get(operation)
                 if report is not None:
                     report(done, total)
-        self._on_event(event)
+        self._on_event(event, service)
 
     def _write(self, state: ChannelState, data: bytes) -> None:
         channel = self._by_state.get(state)
@@ -148,7 +149,7 @@ class Driver:
                     self._take(link, event)
                 self.step()
         except LinkError as error:
-            self._on_event(LinkDown(str(error), float("inf")))
+            self._on_event(LinkDown(str(error), float("inf")), None)
 
     def _take(self, link: Link, event: LinkEvent) -> None:
         match event:
@@ -168,7 +169,7 @@ class Driver:
                 state = self.channels.pop(channel)
                 del self._by_state[state]
                 self.engine.close_channel(state)
-        self._on_event(event)
+        self._on_event(event, None)
 
     def _received(self, channel: Channel, data: bytes) -> None:
         try:

@@ -21,6 +21,7 @@ from mavstack.dialects import common
 from mavstack.errors import EncodeError
 from mavstack.node.channel_state import ChannelState
 from mavstack.node.duplicates import Duplicates
+from mavstack.node.key_change import apply_key_event
 from mavstack.node.listeners import Listeners
 from mavstack.node.routes import Routes
 from mavstack.services import (
@@ -33,6 +34,7 @@ from mavstack.services import (
     message_ids,
     target_of,
 )
+from mavstack.services.signing_setup import KeyEvent
 
 if TYPE_CHECKING:
     from mavstack._core import HasCoreDialect
@@ -53,6 +55,8 @@ class Engine:
         self.routes: Routes[ChannelState] = Routes()
         self.duplicates: Duplicates[ChannelState] = Duplicates()
         self.channels: list[ChannelState] = []
+        #: The channel of the packet that services are looking at, while they do.
+        self.arrived_on: ChannelState | None = None
         self._services: dict[Service, None] = {}
         self._listeners = Listeners()
         self._touched: dict[Service, None] = {}
@@ -173,10 +177,12 @@ class Engine:
         services = self._listeners.of(packet)
         if services and packet.message is not None:
             target = target_of(packet.message)
+            self.arrived_on = channel
             for service in services:
                 if target.covers(service.local) and source != service.local:
                     service.receive(packet, now)
                     self._touched[service] = None
+            self.arrived_on = None
         return True
 
     def _radio_status(self, packet: Packet, channel: ChannelState, now: float) -> None:
@@ -189,10 +195,17 @@ class Engine:
         while self._touched:
             service = next(iter(self._touched))
             del self._touched[service]
+            self._collect_events(service)  # a change of keys is meant for what is sent after it
             self._drain(service, now)
-            self._events += [(service, event) for event in service.events()]
+            self._collect_events(service)
             self._listeners.update(service)
             self._arm(service)
+
+    def _collect_events(self, service: Service) -> None:
+        for event in service.events():
+            if isinstance(event, KeyEvent):
+                apply_key_event(event, self.routes.heard_on(event.peer))
+            self._events.append((service, event))
 
     def _drain(self, service: Service, now: float) -> None:
         self._waiting_for_room.pop(service, None)

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet, Signing
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
+AnyEvent = TypeVar("AnyEvent")
 AnyService = TypeVar("AnyService", bound="Service")
 AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
 Result = TypeVar("Result")
@@ -212,9 +213,11 @@ class Node:
             kinds, Address(system, component), _as_it_is, queue=queue, keep_all=keep_all
         )
 
-    def events(self, *kinds: type, queue: int = QUEUE) -> Subscription[Any]:
-        """Events of these classes (none: all): of links, of discovery, of the services served here."""
-        return self._events.subscribe(kinds, queue=queue)
+    def events(
+        self, *kinds: type[AnyEvent], of: Service | None = None, queue: int = QUEUE
+    ) -> Subscription[AnyEvent]:
+        """Events of these classes (none: all), of links and of services; `of` chooses one service."""
+        return self._events.subscribe(kinds, of, queue=queue)
 
     def send(self, message: Message, target: Address | None = None) -> None:
         """Send a message; where to, its target fields say, unless `target` does."""
@@ -287,11 +290,11 @@ class Node:
         """Go on until the task is cancelled: what a program that only serves does last."""
         await asyncio.get_running_loop().create_future()
 
-    def _happened(self, event: object) -> None:
+    def _happened(self, event: object, service: Service | None) -> None:
         if isinstance(event, ChannelOpened) and self._sends_heartbeat:
             self.beacon.soon(self.now())  # a new peer need not wait to know us
             self.engine.touch(self.beacon)
-        self._events.deliver(event)
+        self._events.deliver(event, service)
 
     def _new_signing(self) -> Signing | None:
         if self._key is None:

@@ -11,8 +11,14 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from mavstack.node.control import ControlStream
+from mavstack.node.logs import Logs
+from mavstack.node.modes import Modes
+from mavstack.node.parameters import Parameters
 from mavstack.node.plans import Plans
+from mavstack.node.shell import Shell
 from mavstack.services.command import Command, CommandClient, CommandOperation
+from mavstack.services.manual_control import ManualControlSender, OverrideSender
 from mavstack.services.message_request import (
     GetMessageInterval,
     Interval,
@@ -21,6 +27,9 @@ from mavstack.services.message_request import (
 )
 from mavstack.services.mission import MissionClient, PlanType
 from mavstack.services.ping import PingClient
+from mavstack.services.serial_control import ShellClient
+from mavstack.services.setpoints import SetpointStreamer
+from mavstack.services.signing_setup import SigningSetupClient
 from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import RequestAutopilotVersion, RequestProtocolVersion
 
@@ -30,14 +39,20 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.node.node import Node
     from mavstack.node.subscription import Subscription
+    from mavstack.security import SigningKey
     from mavstack.services import Address
     from mavstack.services.command import CommandResult
     from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.manual_control import ChannelOverride, ManualInput
     from mavstack.services.message_request import RateSet
     from mavstack.services.ping import PingStatistics
+    from mavstack.services.setpoints import Setpoint
     from mavstack.services.version import AutopilotVersion, ProtocolVersion
 
 AnyMessage = TypeVar("AnyMessage", bound="Message")
+
+#: For how long a component may be asked to take a key, and to prove that it did, in seconds.
+SIGNING_LIMIT = 40.0
 
 
 class RemoteComponent:
@@ -90,9 +105,9 @@ class RemoteComponent:
         """At which interval it sends a message."""
         return await self.node.perform(self.command_client, GetMessageInterval(message))
 
-    async def version(self) -> AutopilotVersion:
+    async def version(self, *, timeout: float | None = None) -> AutopilotVersion:
         """Its software, hardware and capabilities."""
-        return await self.node.perform(self.command_client, RequestAutopilotVersion())
+        return await self.node.perform(self.command_client, RequestAutopilotVersion(limit=timeout))
 
     async def protocol_version(self) -> ProtocolVersion:
         """Which versions of MAVLink it speaks."""
@@ -114,6 +129,53 @@ class RemoteComponent:
         fields: dict[str, Any] = dict(zip(("target_system", "target_component"), self.address, strict=True))
         known = {name: value for name, value in fields.items() if name in message.__match_args__}
         self.node.send(message.replace(**known), self.address)
+
+    # Parameters, files, logs, modes, keys
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Its parameters."""
+        return Parameters(self)
+
+    @cached_property
+    def logs(self) -> Logs:
+        """The logs on it."""
+        return Logs(self)
+
+    @cached_property
+    def modes(self) -> Modes:
+        """Its flight modes."""
+        return Modes(self)
+
+    async def set_up_signing(self, key: SigningKey | None, *, timeout: float | None = None) -> None:
+        """Give it a signing key, or none, and use the key with it once it is proven that it does too.
+
+        Raises `RemoteDenied` or `RemoteTimeout`; then both sides go on as before.
+        """
+        client = self.signing_client
+        operation = client.install(key, self.node.now(), limit=timeout or SIGNING_LIMIT)
+        await self.node.driver.finish(client, operation)
+
+    # Steering
+
+    def setpoints(self, rate: float = 20.0) -> ControlStream[Setpoint]:
+        """Stream setpoints to it while a block lasts: what offboard and guided modes follow."""
+        streamer = SetpointStreamer(self.node.address, self.address, rate)
+        return ControlStream(self.node, streamer, streamer)
+
+    def manual_control(self, rate: float = 20.0) -> ControlStream[ManualInput]:
+        """Steer it by sticks while a block lasts."""
+        sender = ManualControlSender(self.node.address, self.address, rate)
+        return ControlStream(self.node, sender, sender)
+
+    def override_channels(self, rate: float = 20.0) -> ControlStream[ChannelOverride]:
+        """Override the channels of its radio control while a block lasts."""
+        sender = OverrideSender(self.node.address, self.address, rate)
+        return ControlStream(self.node, sender, sender)
+
+    def shell(self) -> Shell:
+        """Open its shell while a block lasts."""
+        return Shell(self, ShellClient(self.node.address, self.address))
 
     # Plans
 
@@ -143,6 +205,11 @@ class RemoteComponent:
     def ping_client(self) -> PingClient:
         """The client that pings it."""
         return self.node.serve(PingClient(self.node.address, self.address))
+
+    @cached_property
+    def signing_client(self) -> SigningSetupClient:
+        """The client that gives it keys."""
+        return self.node.serve(SigningSetupClient(self.node.address, self.address))
 
     @cached_property
     def mission_client(self) -> MissionClient:

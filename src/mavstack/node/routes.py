@@ -77,6 +77,11 @@ class Routes(Generic[Channel]):
         found = {route.preferred: None for route in known.values()}
         return [channel for channel in channels if channel in found]
 
+    def heard_on(self, address: Address) -> tuple[Channel, ...]:
+        """The channels on which the address was heard."""
+        route = self._routes.get(address)
+        return tuple(route.heard) if route else ()
+
     def forget(self, channel: Channel) -> None:
         """The channel is gone."""
         for address in [key for key, route in self._routes.items() if route.forget(channel)]:

@@ -1,0 +1,47 @@
+"""The flight modes of a vehicle, by name, whatever its firmware calls them on the wire."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from mavstack.services.modes import ListModes, ModeMonitor, ModeSeen, SetMode, SetStandardMode
+
+if TYPE_CHECKING:
+    from mavstack.node.remote import RemoteComponent
+    from mavstack.node.subscription import Subscription
+    from mavstack.services.modes import AvailableMode
+
+
+class Modes:
+    """The modes of one vehicle; raises `CommandDenied`, or `ModeTimeout` if a mode is not entered."""
+
+    def __init__(self, remote: RemoteComponent) -> None:
+        self._remote = remote
+
+    @cached_property
+    def monitor(self) -> ModeMonitor:
+        """Follows the mode from the first use on."""
+        return self._remote.node.serve(ModeMonitor(self._remote.node.address, self._remote.address))
+
+    @property
+    def current(self) -> str | None:
+        """The name of the mode that it is in, as far as was heard."""
+        return self.monitor.name
+
+    async def set(self, mode: str | int, *, timeout: float = 60.0) -> int:
+        """Enter a mode, by its name or custom mode number, and see that it is entered."""
+        return await self._remote.node.perform(self._remote.command_client, SetMode(mode, limit=timeout))
+
+    async def set_standard(self, standard_mode: int, *, timeout: float = 60.0) -> int:
+        """Enter a MAV_STANDARD_MODE, which means the same on every vehicle that has it."""
+        operation = SetStandardMode(standard_mode, limit=timeout)
+        return await self._remote.node.perform(self._remote.command_client, operation)
+
+    async def list(self, *, timeout: float = 60.0) -> tuple[AvailableMode, ...]:
+        """The modes that it says it has."""
+        return await self._remote.node.perform(self._remote.command_client, ListModes(limit=timeout))
+
+    def changes(self) -> Subscription[ModeSeen]:
+        """Each mode that is entered from now on."""
+        return self._remote.node.events(ModeSeen, of=self.monitor)

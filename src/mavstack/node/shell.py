@@ -1,0 +1,60 @@
+"""A shell on the vehicle, such as PX4's nsh.
+
+async with vehicle.shell() as shell:
+shell.write_line("ver all")
+async for text in shell: ...
+"""
+
+from __future__ import annotations
+
+from codecs import getincrementaldecoder
+from typing import TYPE_CHECKING
+
+from mavstack.services.serial_control import ShellClient, ShellOutput, ShellReleased
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+    from mavstack.node.remote import RemoteComponent
+
+
+class Shell:
+    """An open shell: write to it, iterate over what it says; leaving it gives it back."""
+
+    def __init__(self, remote: RemoteComponent, client: ShellClient) -> None:
+        self._node = remote.node
+        self._client = self._node.serve(client)
+        self._output = self._node.events(ShellOutput, of=client, queue=100_000)
+        self._decoder = getincrementaldecoder("utf-8")("replace")
+
+    def write(self, data: bytes) -> None:
+        """Send bytes."""
+        self._client.write(data, self._node.now())
+        self._node.changed(self._client)
+
+    def write_line(self, text: str) -> None:
+        """Send a text and the end of its line."""
+        self._client.write_line(text, self._node.now())
+        self._node.changed(self._client)
+
+    async def __aenter__(self) -> Self:
+        self._client.open(self._node.now())
+        self._node.changed(self._client)
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        async with self._node.events(ShellReleased, of=self._client) as released:
+            self._client.close(self._node.now())
+            self._node.changed(self._client)
+            await anext(released, None)
+        self._output.close()
+        self._node.engine.remove(self._client)
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> str:
+        return self._decoder.decode((await anext(self._output)).data)

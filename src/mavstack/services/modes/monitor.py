@@ -1,0 +1,74 @@
+"""Watching one vehicle's mode: what it is in, what was commanded, whether its list of modes is still good."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.services.addressing import Address, message_ids
+from mavstack.services.modes.names import mode_name
+from mavstack.services.service import Event, Service
+
+if TYPE_CHECKING:
+    from mavstack.wire import Packet
+
+
+@dataclass(frozen=True, slots=True)
+class ModeSeen(Event):
+    """The vehicle tells a mode that it did not tell before; `name` is None if its number has none."""
+
+    custom_mode: int
+    name: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class ModesOutdated(Event):
+    """The vehicle's set of modes has changed; list them anew."""
+
+    sequence: int
+
+
+class ModeMonitor(Service):
+    """The mode of one vehicle, from its HEARTBEAT and CURRENT_MODE."""
+
+    handles = message_ids(common.Heartbeat, common.CurrentMode, common.AvailableModesMonitor)
+
+    def __init__(self, local: Address, target: Address) -> None:
+        super().__init__(local)
+        self.target = self.hears = target
+        self.custom_mode: int | None = None
+        self.standard_mode: int | None = None
+        self.intended: int | None = None
+        self._sequence = 0
+        self._kind = (int(common.MavAutopilot.INVALID), 0)
+
+    @property
+    def name(self) -> str | None:
+        """The name of its mode, if it is known."""
+        return None if self.custom_mode is None else mode_name(*self._kind, self.custom_mode)
+
+    def receive(self, packet: Packet, now: float) -> None:
+        if not self.target.covers(Address(packet.system, packet.component)):
+            return
+        match packet.message:
+            case common.Heartbeat() as message if message.autopilot != common.MavAutopilot.INVALID:
+                self._kind = int(message.autopilot), int(message.type)
+                self._is_in(int(message.custom_mode))
+            case common.CurrentMode() as message:
+                self.standard_mode = int(message.standard_mode)
+                self.intended = int(message.intended_custom_mode)
+                self._is_in(int(message.custom_mode))
+            case common.AvailableModesMonitor(seq=sequence):
+                self._has_set(sequence)
+
+    def _is_in(self, custom_mode: int) -> None:
+        if custom_mode != self.custom_mode:
+            self.custom_mode = custom_mode
+            self.tell(ModeSeen(custom_mode, self.name))
+
+    def _has_set(self, sequence: int) -> None:
+        # The first set is 0, and is not told until it changes.
+        if sequence != self._sequence:
+            self._sequence = sequence
+            self.tell(ModesOutdated(sequence))

@@ -1,0 +1,178 @@
+"""A shell, or a serial port, on the other side of the link (SERIAL_CONTROL; PX4's nsh).
+
+An empty message with RESPOND opens it, and is repeated until something comes back; a message without RESPOND
+closes it, and is sent several times, since nobody acknowledges: PX4 ends its shell by it, ArduPilot unlocks
+its port. Before it closes, what was written is sent.
+
+What is written is cut behind the end of a line where one is near, so that a line of up to 70 bytes is one
+message: it arrives whole or not at all. ArduPilot hands out a port's bytes only when asked: for it `poll`
+says how often to ask; PX4 sends its shell's output by itself.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError
+from mavstack.services.addressing import Address, message_ids
+from mavstack.services.serial_control.messages import (
+    DATA_SIZE,
+    EXCLUSIVE,
+    MULTI,
+    REPLY,
+    RESPOND,
+    SHELL,
+    Arrivals,
+    data_of,
+    message,
+)
+from mavstack.services.service import Event, Outgoing, Priority, Service
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.services.service import HasRoom
+    from mavstack.wire import Packet
+
+OPENINGS = 5
+OPEN_INTERVAL = 1.0
+CLOSINGS = 3
+CLOSE_INTERVAL = 0.2
+#: What may be written but not yet sent, in messages.
+MOST_WAITING = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class ShellOutput(Event):
+    """Bytes came back; `late` ones were overtaken by others that were told before."""
+
+    data: bytes
+    late: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ShellReleased(Event):
+    """The shell was closed by this side, and said so."""
+
+
+class ShellClient(Service):
+    """A shell or a serial port of one component."""
+
+    handles = message_ids(common.SerialControl)
+
+    def __init__(
+        self,
+        local: Address,
+        target: Address,
+        device: int = SHELL,
+        *,
+        baudrate: int = 0,
+        exclusive: bool = True,
+        poll: float | None = None,
+    ) -> None:
+        super().__init__(local)
+        self.target = self.hears = target
+        self.device = int(device)
+        self._baudrate = baudrate
+        self._flags = RESPOND | MULTI | (EXCLUSIVE if exclusive else 0)
+        self._poll = poll
+        self._is_open = False
+        self._openings_left = self._closings_left = 0
+        self._due: float | None = None
+        self._waiting: deque[bytes] = deque()
+        self._arrivals = Arrivals()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it may be written to."""
+        return self._is_open
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that were written and not yet sent."""
+        return sum(map(len, self._waiting))
+
+    def open(self, now: float) -> None:
+        """Open it; its prompt is the first output."""
+        self._is_open = True
+        self._closings_left = 0
+        self._openings_left = OPENINGS
+        self._due = now
+        self.handle_timeout(now)
+
+    def write(self, data: bytes, now: float) -> None:
+        """Write bytes; opens it if it is not open."""
+        if not self._is_open:
+            self.open(now)
+        chunks = list(_chunks(data))
+        if len(self._waiting) + len(chunks) > MOST_WAITING:
+            raise LocalProtocolError(f"more than {MOST_WAITING * DATA_SIZE} bytes wait to be sent")
+        self._waiting += chunks
+
+    def write_line(self, text: str, now: float) -> None:
+        """Write a text and the end of its line."""
+        self.write(text.encode() + b"\n", now)
+
+    def close(self, now: float) -> None:
+        """Give it back, after what was written is sent."""
+        if self._is_open:
+            self._is_open = False
+            self._closings_left = CLOSINGS
+            self._due = now
+
+    def receive(self, packet: Packet, now: float) -> None:
+        if not self.target.covers(Address(packet.system, packet.component)):
+            return
+        match packet.message:
+            case common.SerialControl(device=device, flags=flags) as serial:
+                data = data_of(serial)
+                if device != self.device or not flags & REPLY or not (self._is_open or self._closings_left):
+                    return
+                self._openings_left = 0
+                if data and not self._arrivals.is_copy(packet, now):
+                    self.tell(ShellOutput(data, self._arrivals.is_late(packet, now)))
+
+    def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
+        while self._waiting and has_room(self.target, Priority.STREAM):
+            yield Outgoing(self._message(self._flags, self._waiting.popleft()), self.target, Priority.STREAM)
+        if not self._waiting and self._closes(now):
+            yield Outgoing(self._message(0), self.target)
+            self._closings_left -= 1
+            self._due = now + CLOSE_INTERVAL if self._closings_left else None
+            if not self._closings_left:
+                self.tell(ShellReleased())
+
+    def next_timeout(self) -> float | None:
+        # While it closes, what still waits goes first: then room is awaited, not a time.
+        return None if self._closings_left and self._waiting else self._due
+
+    def handle_timeout(self, now: float) -> None:
+        if not self._is_open or self._due is None or now < self._due:
+            return
+        if self._openings_left:
+            self._openings_left -= 1
+            self.send(self._message(self._flags), self.target)
+        elif self._poll is not None and not self._waiting:
+            self.send(self._message(self._flags), self.target)
+        self._due = self._next_due(now)
+
+    def _next_due(self, now: float) -> float | None:
+        if self._openings_left:
+            return now + OPEN_INTERVAL
+        return None if self._poll is None else now + self._poll
+
+    def _closes(self, now: float) -> bool:
+        return bool(self._closings_left) and self._due is not None and now >= self._due
+
+    def _message(self, flags: int, data: bytes = b"") -> common.SerialControl:
+        return message(self.target, self.device, flags, data, baudrate=self._baudrate)
+
+
+def _chunks(data: bytes) -> Iterator[bytes]:
+    while data:
+        end = data.rfind(b"\n", 0, DATA_SIZE) + 1 or DATA_SIZE
+        yield data[:end]
+        data = data[end:]

@@ -1,0 +1,21 @@
+"""Setpoints for offboard and guided modes, sent at a kept rate (guide: offboard control interface)."""
+
+from mavstack.services.setpoints.receiver import SetpointReceived, SetpointReceiver, SetpointsStarved
+from mavstack.services.setpoints.setpoint import (
+    AttitudeSetpoint,
+    GlobalSetpoint,
+    LocalSetpoint,
+    Setpoint,
+)
+from mavstack.services.setpoints.streamer import SetpointStreamer
+
+__all__ = [
+    "AttitudeSetpoint",
+    "GlobalSetpoint",
+    "LocalSetpoint",
+    "Setpoint",
+    "SetpointReceived",
+    "SetpointReceiver",
+    "SetpointStreamer",
+    "SetpointsStarved",
+]

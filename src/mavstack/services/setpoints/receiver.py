@@ -1,0 +1,129 @@
+"""Receiving setpoints, and noticing when they cease.
+
+A source's stream begins with its first good setpoint and starves when none came for `timeout` seconds; PX4
+wants more than two a second, so half a second of silence is the end of a stream by default. What is
+impossible is counted and changes nothing, nor does it keep a stream alive. `time_boot_ms` is the sender's
+clock: a message that is older than the one before it, by less than a minute, was overtaken on its way and is
+left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.errors import SetpointError
+from mavstack.services.addressing import Address, message_ids
+from mavstack.services.service import Event, Service
+from mavstack.services.setpoints.setpoint import (
+    AttitudeSetpoint,
+    GlobalSetpoint,
+    LocalSetpoint,
+    Setpoint,
+)
+
+if TYPE_CHECKING:
+    from mavstack.wire import Packet
+
+TIMEOUT = 0.5
+#: So many sources are followed at once; more are counted as refused until one of these starves.
+MOST_SOURCES = 32
+#: A `time_boot_ms` this much lower is a clock that began anew.
+_ANEW = 60_000
+
+
+@dataclass(frozen=True, slots=True)
+class SetpointReceived(Event):
+    """A setpoint came."""
+
+    source: Address
+    setpoint: Setpoint
+
+
+@dataclass(frozen=True, slots=True)
+class SetpointsStarved(Event):
+    """A source that sent setpoints sends none any more; `last` was its last one."""
+
+    source: Address
+    last: Setpoint
+
+
+@dataclass(slots=True)
+class _Stream:
+    setpoint: Setpoint
+    time_boot_ms: int
+    heard_at: float
+
+
+class SetpointReceiver(Service):
+    """Follows the setpoints that are sent to one vehicle, source by source."""
+
+    handles = message_ids(
+        common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt, common.SetAttitudeTarget
+    )
+
+    def __init__(self, local: Address, *, timeout: float = TIMEOUT) -> None:
+        super().__init__(local)
+        self.impossible = 0
+        self.refused_sources = 0
+        self.overtaken = 0
+        self.last_reason = ""
+        self._timeout = timeout
+        self._streams: dict[Address, _Stream] = {}
+
+    @property
+    def sources(self) -> tuple[Address, ...]:
+        """Who sends setpoints now."""
+        return tuple(self._streams)
+
+    def latest(self, source: Address, now: float) -> tuple[Setpoint, float] | None:
+        """The newest setpoint of a source and its age in seconds; None if its stream has starved."""
+        stream = self._streams.get(source)
+        if stream is None or now - stream.heard_at >= self._timeout:
+            return None
+        return stream.setpoint, now - stream.heard_at
+
+    def receive(self, packet: Packet, now: float) -> None:
+        try:
+            setpoint = _read(packet)
+        except SetpointError as reason:
+            self.impossible += 1
+            self.last_reason = str(reason)
+            return
+        if setpoint is not None:
+            self._take(Address(packet.system, packet.component), setpoint, packet.message.time_boot_ms, now)
+
+    def next_timeout(self) -> float | None:
+        return min((stream.heard_at + self._timeout for stream in self._streams.values()), default=None)
+
+    def handle_timeout(self, now: float) -> None:
+        for source, stream in tuple(self._streams.items()):
+            if now >= stream.heard_at + self._timeout:
+                del self._streams[source]
+                self.tell(SetpointsStarved(source, stream.setpoint))
+
+    def _take(self, source: Address, setpoint: Setpoint, time_boot_ms: int, now: float) -> None:
+        stream = self._streams.get(source)
+        if stream is None:
+            if len(self._streams) >= MOST_SOURCES:
+                self.refused_sources += 1
+                return
+            self._streams[source] = _Stream(setpoint, time_boot_ms, now)
+        elif 0 < stream.time_boot_ms - time_boot_ms < _ANEW:
+            self.overtaken += 1
+            return
+        else:
+            stream.setpoint, stream.time_boot_ms, stream.heard_at = setpoint, time_boot_ms, now
+        self.tell(SetpointReceived(source, setpoint))
+
+
+def _read(packet: Packet) -> Setpoint | None:
+    match packet.message:
+        case common.SetPositionTargetLocalNed() as message:
+            return LocalSetpoint.read(message)
+        case common.SetPositionTargetGlobalInt() as message:
+            return GlobalSetpoint.read(message)
+        case common.SetAttitudeTarget() as message:
+            return AttitudeSetpoint.read(message)
+    return None

@@ -1,0 +1,24 @@
+"""Setting up signing over the link, with confirmation and a way back (SETUP_SIGNING)."""
+
+from mavstack.services.signing_setup.change import (
+    KeyEvent,
+    KeySettled,
+    ListenForKey,
+    UseNewKey,
+    UseOldKey,
+)
+from mavstack.services.signing_setup.client import SetUpSigning, SigningSetupClient
+from mavstack.services.signing_setup.server import SigningRefused, SigningRequest, SigningSetupServer
+
+__all__ = [
+    "KeyEvent",
+    "KeySettled",
+    "ListenForKey",
+    "SetUpSigning",
+    "SigningRefused",
+    "SigningRequest",
+    "SigningSetupClient",
+    "SigningSetupServer",
+    "UseNewKey",
+    "UseOldKey",
+]

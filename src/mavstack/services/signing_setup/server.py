@@ -1,0 +1,153 @@
+"""Being given a signing key (SETUP_SIGNING; see `change`).
+
+A key is taken only if the program's `may_set` gives no reason against it, and nothing is taken without such a
+policy: who can send this message owns the vehicle. The node's `trusted_channels` is the usual one. ArduPilot
+also refuses while it is armed; the program may.
+
+A new key is on trial: everything is signed with it, the old way is still accepted, and the first packet of
+the asker that is signed the new way ends the trial. If none comes within TRIAL seconds, all is as before.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import TYPE_CHECKING, TypeAlias
+
+from mavstack.dialects import common
+from mavstack.security import SigningKey
+from mavstack.services.addressing import Address, message_ids
+from mavstack.services.service import Event, Service
+from mavstack.services.signing_setup.change import (
+    TRIAL,
+    KeySettled,
+    ListenForKey,
+    UseNewKey,
+    UseOldKey,
+    signed_with,
+)
+
+if TYPE_CHECKING:
+    from mavstack.wire import Packet
+
+_NO_KEY = bytes(32)
+_MOST_REMEMBERED = 64
+_STATUSTEXT_BYTES = 50
+
+
+@dataclass(frozen=True, slots=True)
+class SigningRequest:
+    """Somebody wants to set a key, or, if `disables`, no signing any more."""
+
+    source: Address
+    disables: bool
+    signed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SigningRefused(Event):
+    """Somebody wanted to set a key and may not."""
+
+    request: SigningRequest
+    reason: str
+
+
+#: The program's policy: why a key may not be set now, or None.
+MaySet: TypeAlias = Callable[[SigningRequest], str | None]
+
+
+@dataclass(slots=True)
+class _Trial:
+    key: SigningKey | None
+    source: Address
+    ends_at: float
+
+
+def nobody(request: SigningRequest) -> str | None:
+    """The policy of a program that has none."""
+    return "nobody may set keys here"
+
+
+class SigningSetupServer(Service):
+    """The signing key of one component; `key` is the one that it begins with."""
+
+    handles = message_ids(common.SetupSigning, common.Heartbeat, common.Timesync)
+
+    def __init__(self, local: Address, *, key: SigningKey | None = None, may_set: MaySet = nobody) -> None:
+        super().__init__(local)
+        self.key = key
+        self._may_set = may_set
+        self._trial: _Trial | None = None
+        self._newest = 0
+        self._seen: OrderedDict[bytes, None] = OrderedDict()
+
+    @property
+    def on_trial(self) -> bool:
+        """Whether a new key is in use that may yet be taken back."""
+        return self._trial is not None
+
+    def receive(self, packet: Packet, now: float) -> None:
+        source = Address(packet.system, packet.component)
+        trial = self._trial
+        if trial is not None and source == trial.source and signed_with(packet, trial.key, now):
+            self._settle(changed=True)
+        match packet.message:
+            case common.SetupSigning(target_system=system, target_component=component) as message:
+                # Not one to all: a key is a matter between two.
+                if (system, component) == self.local and not self._is_copy(packet):
+                    self._asked(message, SigningRequest(source, _disables(message), packet.signed), now)
+
+    def next_timeout(self) -> float | None:
+        return self._trial.ends_at if self._trial else None
+
+    def handle_timeout(self, now: float) -> None:
+        if self._trial is not None and now >= self._trial.ends_at:
+            self.tell(UseOldKey(self._trial.source))
+            self._settle(changed=False)
+
+    def _asked(self, message: common.SetupSigning, request: SigningRequest, now: float) -> None:
+        if message.secret_key == _NO_KEY and not request.disables:
+            self._refuse(request, "a key of zeros protects nothing")
+            return
+        key = None if request.disables else SigningKey(message.secret_key)
+        wanted = self._trial.key if self._trial else self.key
+        if key == wanted or (key is not None and message.initial_timestamp <= self._newest):
+            return  # asked again, or overtaken by a later one
+        reason = self._may_set(request)
+        if reason is not None:
+            self._refuse(request, reason)
+            return
+        if self._trial is not None:
+            self.tell(UseOldKey(self._trial.source))
+            self._settle(changed=False)
+        self._newest = message.initial_timestamp or self._newest
+        self._trial = _Trial(key, request.source, now + TRIAL)
+        self.tell(ListenForKey(request.source, key))
+        self.tell(UseNewKey(request.source))
+
+    def _settle(self, *, changed: bool) -> None:
+        trial, self._trial = self._trial, None
+        if trial is not None:
+            self.key = trial.key if changed else self.key
+            self.tell(KeySettled(trial.source, trial.key, changed))
+
+    def _refuse(self, request: SigningRequest, reason: str) -> None:
+        self.tell(SigningRefused(request, reason))
+        text = f"Signing setup refused: {reason}".encode()[:_STATUSTEXT_BYTES].decode(errors="ignore")
+        self.send(common.Statustext(severity=common.MavSeverity.WARNING, text=text), request.source)
+
+    def _is_copy(self, packet: Packet) -> bool:
+        """Whether the very packet came before; remembers its hash, since its bytes hold a key."""
+        seen = sha256(packet.raw).digest()
+        copy = seen in self._seen
+        self._seen[seen] = None
+        if len(self._seen) > _MOST_REMEMBERED:
+            self._seen.popitem(last=False)
+        return copy
+
+
+def _disables(message: common.SetupSigning) -> bool:
+    """Whether it means no signing: a key of zeros and the time zero, as ArduPilot reads it."""
+    return message.secret_key == _NO_KEY and message.initial_timestamp == 0

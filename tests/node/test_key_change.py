@@ -1,0 +1,121 @@
+"""A channel whose key changes while it is in use."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.node.channel_state import ChannelState
+from mavstack.node.engine import Engine
+from mavstack.node.key_change import apply_key_event, trusted_channels
+from mavstack.security import SigningKey
+from mavstack.services.signing_setup import (
+    KeySettled,
+    ListenForKey,
+    SigningRequest,
+    UseNewKey,
+    UseOldKey,
+)
+from mavstack.wire import Encoder, Packet
+from tests.services.network import GROUND, START, VEHICLE
+
+OLD, NEW = SigningKey.from_passphrase("old"), SigningKey.from_passphrase("new")
+
+
+class Peer:
+    """What somebody sends the old way, the new way, or unsigned."""
+
+    def __init__(self):
+        self.encoders = {key: Encoder(1, 1, signing=signing) for key, signing in self.ways()}
+
+    @staticmethod
+    def ways():
+        return (("old", OLD.signing()), ("new", NEW.signing()), ("none", None))
+
+    def packet(self, way: str) -> bytes:
+        return self.encoders[way].encode(common.Heartbeat(), START)
+
+
+def accepted(channel: ChannelState, peer: Peer) -> set[str]:
+    return {way for way in ("old", "new", "none") if channel.receive(peer.packet(way), START)}
+
+
+def way_of(channel: ChannelState) -> str:
+    packet = Packet(channel.encode(common.Heartbeat(), GROUND, START, 0), common)
+    for name, key in (("old", OLD), ("new", NEW)):
+        other = ChannelState("other", common, signing=key.signing())
+        if packet.signed and other.receive(packet.raw, START):
+            return name
+    return "none"
+
+
+@pytest.mark.parametrize(("old", "new"), [("old", "new"), ("old", "none"), ("none", "new")])
+def test_while_a_change_is_open_both_ways_are_accepted_and_then_one(old, new):
+    keys = {"old": OLD, "new": NEW, "none": None}
+    key, peer = keys[old], Peer()
+    channel = ChannelState("cable", common, signing=key.signing() if key else None)
+    apply_key_event(ListenForKey(VEHICLE, keys[new]), [channel])
+    assert {old, new} <= accepted(channel, peer)
+    assert way_of(channel) == old
+    for event, way in ((UseNewKey(VEHICLE), new), (UseOldKey(VEHICLE), old), (UseNewKey(VEHICLE), new)):
+        apply_key_event(event, [channel])
+        apply_key_event(event, [channel])  # asked twice it is done once
+        assert way_of(channel) == way
+        assert {old, new} <= accepted(channel, peer)
+    apply_key_event(KeySettled(VEHICLE, keys[new], changed=True), [channel])
+    assert way_of(channel) == new
+    expected = {"old", "new", "none"} if new == "none" else {new}
+    assert accepted(channel, peer) == expected
+
+
+def test_a_packet_that_both_ways_accept_comes_once():
+    channel, peer = ChannelState("cable", common), Peer()
+    channel.listen_also(NEW.signing())
+    assert len(channel.receive(peer.packet("new") + peer.packet("none"), START)) == 2
+
+
+def test_half_a_packet_outlives_the_change():
+    channel, peer = ChannelState("cable", common, signing=OLD.signing()), Peer()
+    channel.listen_also(NEW.signing())
+    data = peer.packet("new")
+    channel.receive(data[:9], START)
+    channel.use_new(True)
+    channel.settle()
+    assert len(channel.receive(data[9:], START)) == 1
+
+
+def test_sequence_numbers_go_on():
+    channel = ChannelState("cable", common)
+    channel.listen_also(NEW.signing())
+    numbers = []
+    for new in (True, True, False, False):
+        channel.use_new(new)
+        numbers.append(Packet(channel.encode(common.Heartbeat(), GROUND, START, 0), common).sequence)
+    assert numbers == [0, 1, 2, 3]
+
+
+def test_without_an_open_change_nothing_is_swapped():
+    channel = ChannelState("cable", common, signing=OLD.signing())
+    channel.use_new(True)
+    assert way_of(channel) == "old"
+
+
+def test_radios_need_no_key():
+    channel = ChannelState("cable", common)
+    apply_key_event(ListenForKey(VEHICLE, NEW), [channel])
+    apply_key_event(UseNewKey(VEHICLE), [channel])
+    apply_key_event(KeySettled(VEHICLE, NEW, changed=True), [channel])
+    radio = Encoder(51, 68)
+    assert len(channel.receive(radio.encode(common.RadioStatus(txbuf=50), START), START)) == 1
+    assert not channel.receive(radio.encode(common.Heartbeat(), START), START)
+
+
+def test_the_policy_looks_at_the_channel_that_the_request_came_on():
+    engine = Engine(VEHICLE)
+    may_set = trusted_channels(engine)
+    request = SigningRequest(GROUND, disables=False, signed=False)
+    assert may_set(request) is not None
+    engine.arrived_on = engine.open_channel("radio")
+    assert may_set(request) is not None
+    engine.arrived_on.trusted = True
+    assert may_set(request) is None

@@ -1,0 +1,235 @@
+"""Setting and listing modes: client against server, and against autopilots that behave otherwise."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, ModeTimeout, RemoteDenied
+from mavstack.services import OperationEnded
+from mavstack.services.command import CommandClient, CommandServer
+from mavstack.services.heartbeat import Beacon
+from mavstack.services.modes import (
+    AvailableMode,
+    ListModes,
+    ModeMonitor,
+    ModeSeen,
+    ModeServer,
+    ModesOutdated,
+    SetMode,
+    SetStandardMode,
+    modes_of,
+)
+from tests.services.drive import garbage, give
+from tests.services.network import GROUND, VEHICLE, Network
+
+PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
+ARDUPILOT_MODES = modes_of(ARDUPILOT, 2, [0, 4, 5, 6], {6: 5})
+
+
+class Pair:
+    """A vehicle with modes and a ground station, joined by a perfect wire."""
+
+    def __init__(self, modes=ARDUPILOT_MODES, *, autopilot=ARDUPILOT, commands=True, obeys=True, **options):
+        self.network = Network(keep_packets=True)
+        self.vehicle = self.network.node(VEHICLE)
+        self.ground = self.network.node(GROUND)
+        engine = self.vehicle.engine
+        self.beacon = engine.add(Beacon(VEHICLE, 2, autopilot))
+        self.modes = engine.add(
+            ModeServer(VEHICLE, modes, modes[0].custom_mode, autopilot=autopilot, **options)
+        )
+        self.commands = engine.add(CommandServer(VEHICLE))
+        if commands:
+            self.modes.register(self.commands)
+        if obeys:
+            self.network.at(0.0, self.tell)
+        self.client = self.ground.engine.add(CommandClient(GROUND, VEHICLE))
+        self.network.connect(self.vehicle, self.ground)
+
+    def tell(self):
+        self.beacon.base_mode = 129
+        self.beacon.custom_mode = self.modes.current.custom_mode
+        self.network.at(0.1, self.tell)
+
+    def run(self, operation, limit=100.0):
+        self.client.begin(operation, self.network.now)
+        self.ground.engine.touch(self.client)
+        assert self.network.run(lambda: operation.done, limit=limit)
+        return operation
+
+
+@pytest.mark.parametrize("mode", ["GUIDED", "guided", 4])
+def test_a_mode_by_name_or_number_is_confirmed_by_heartbeat(mode):
+    pair = Pair()
+    assert pair.run(SetMode(mode)).result() == 4
+    assert pair.modes.current.custom_mode == 4
+    heartbeats = [p.message for p in pair.ground.heard if p.name == "HEARTBEAT"]
+    assert heartbeats[-1].custom_mode == 4
+
+
+def test_px4_gets_main_and_sub_mode_and_stays_armed():
+    pair = Pair(modes_of(PX4, 2, [1 << 16, 4 << 16 | 5 << 24]), autopilot=PX4)
+    assert pair.run(SetMode("RTL")).result() == 4 << 16 | 5 << 24
+    command = next(p.message for p in pair.vehicle.heard if p.name == "COMMAND_LONG")
+    assert (command.param1, command.param2, command.param3) == (129.0, 4.0, 5.0)
+
+
+def test_accepted_but_never_entered_is_an_error_that_says_so():
+    pair = Pair(obeys=False)
+    operation = pair.run(SetMode("GUIDED"))
+    with pytest.raises(ModeTimeout, match="accepted, but not entered: the vehicle tells STABILIZE"):
+        operation.result()
+
+
+def test_a_heartbeat_from_before_the_command_proves_nothing():
+    pair = Pair(obeys=False)
+    pair.beacon.custom_mode = 4
+    operation = SetMode("GUIDED")
+    pair.client.begin(operation, pair.network.now)
+    pair.ground.engine.touch(pair.client)
+    assert pair.network.run(lambda: any(p.name == "HEARTBEAT" for p in pair.ground.heard), limit=5.0)
+    pair.beacon.custom_mode = 5
+    assert pair.network.run(lambda: operation.done, limit=60.0)
+    assert isinstance(operation.error, ModeTimeout)
+
+
+def test_a_refused_mode_is_denied_with_the_vehicles_result():
+    pair = Pair(may_enter=lambda mode, source: "no GPS")
+    error = pair.run(SetMode("LOITER")).error
+    assert isinstance(error, CommandDenied)
+    assert error.code == common.MavResult.FAILED
+
+
+def test_an_old_autopilot_gets_the_message_set_mode():
+    pair = Pair(commands=False)
+    assert pair.run(SetMode("GUIDED")).result() == 4
+    message = next(p.message for p in pair.vehicle.heard if p.name == "SET_MODE")
+    assert (message.target_system, message.base_mode, message.custom_mode) == (1, 129, 4)
+
+
+def test_one_that_takes_neither_is_denied():
+    pair = Pair(commands=False, obeys=False)
+    error = pair.run(SetMode("GUIDED")).error
+    assert isinstance(error, CommandDenied)
+    assert error.code == common.MavResult.UNSUPPORTED
+
+
+def test_a_name_that_only_the_vehicle_knows_is_found_in_its_list():
+    pair = Pair([*ARDUPILOT_MODES, AvailableMode(77, "My Script")])
+    assert pair.run(SetMode("my script")).result() == 77
+
+
+def test_a_name_that_nobody_knows_is_denied_with_those_that_there_are():
+    error = Pair().run(SetMode("HOVERCRAFT")).error
+    assert isinstance(error, RemoteDenied)
+    assert "GUIDED" in str(error)
+
+
+def test_without_a_heartbeat_nothing_is_sent():
+    pair = Pair()
+    pair.vehicle.engine.remove(pair.beacon)
+    pair.beacon = Beacon(VEHICLE)
+    assert isinstance(pair.run(SetMode("GUIDED")).error, ModeTimeout)
+    assert not [p for p in pair.vehicle.heard if p.name == "COMMAND_LONG"]
+
+
+def test_a_standard_mode_is_confirmed_by_current_mode():
+    pair = Pair()
+    assert pair.run(SetStandardMode(common.MavStandardMode.SAFE_RECOVERY)).result() == 6
+    assert isinstance(pair.run(SetStandardMode(common.MavStandardMode.ORBIT)).error, CommandDenied)
+
+
+def test_all_modes_are_listed():
+    modes = [AvailableMode(n, f"Mode {n}", properties=n % 4) for n in range(100)]
+    assert pair_list(Pair(modes)) == modes
+
+
+def pair_list(pair):
+    return list(pair.run(ListModes()).result())
+
+
+def test_gaps_in_the_list_are_asked_for_by_index():
+    pair = Pair()
+    original = pair.modes._list
+
+    def lossy(index, target):
+        result = original(index, target)
+        if index == 0:
+            for waiting in pair.modes._listings.values():
+                waiting.remove(3)
+        return result
+
+    pair.modes._list = lossy
+    assert pair_list(pair) == ARDUPILOT_MODES
+    asked = [p.message.param2 for p in pair.vehicle.heard if p.name == "COMMAND_LONG"]
+    assert asked == [0.0, 3.0]
+
+
+def test_a_set_that_changes_while_it_is_listed_is_never_mixed():
+    pair = Pair()
+    new = modes_of(ARDUPILOT, 2, [0, 1, 2, 3])
+    original = pair.modes._list
+
+    def change(index, target):
+        result = original(index, target)
+        if index == 0 and pair.modes.modes != tuple(new):
+            for waiting in pair.modes._listings.values():
+                waiting.pop()
+            pair.network.at(0.5, lambda: (pair.modes.offer(new, pair.network.now), None))
+            pair.network.at(0.5, lambda: pair.vehicle.engine.touch(pair.modes))
+        return result
+
+    pair.modes._list = change
+    assert pair_list(pair) == new
+
+
+def test_modes_of_two_sets_are_not_put_together():
+    client = CommandClient(GROUND, VEHICLE)
+    operation = client.begin(ListModes(), 0.0)
+    old, new = modes_of(ARDUPILOT, 2, [0, 1]), modes_of(ARDUPILOT, 2, [4, 5, 6])
+    for mode, index, total in ((old[1], 2, 2), (new[0], 1, 3), (new[2], 3, 3)):
+        give(client, mode.to_message(index, total), VEHICLE, 0.1)
+    give(client, common.CommandAck(command=512, result=0), VEHICLE, 0.1)
+    assert not operation.done
+    give(client, new[1].to_message(2, 3), VEHICLE, 0.2)
+    assert list(operation.result()) == new
+
+
+def test_the_monitor_tells_modes_and_changed_sets_once():
+    monitor = ModeMonitor(GROUND, VEHICLE)
+    heartbeat = common.Heartbeat(type=2, autopilot=3, base_mode=1, custom_mode=5)
+    for message in (
+        heartbeat,
+        heartbeat,
+        common.Heartbeat(type=30, autopilot=8, custom_mode=9),
+        common.CurrentMode(standard_mode=5, custom_mode=6, intended_custom_mode=5),
+        common.AvailableModesMonitor(seq=0),
+        common.AvailableModesMonitor(seq=1),
+        common.AvailableModesMonitor(seq=1),
+    ):
+        give(monitor, message, VEHICLE, 0)
+    assert monitor.events() == [ModeSeen(5, "LOITER"), ModeSeen(6, "RTL"), ModesOutdated(1)]
+    assert (monitor.standard_mode, monitor.intended, monitor.name) == (5, 5, "RTL")
+
+
+def test_garbage_from_the_wire_never_raises():
+    random = Random(2)
+    client, monitor = CommandClient(GROUND, VEHICLE), ModeMonitor(GROUND, VEHICLE)
+    kinds = (
+        common.Heartbeat, common.CurrentMode, common.AvailableModes,
+        common.AvailableModesMonitor, common.CommandAck,
+    )  # fmt: skip
+    for number in range(200):
+        client.begin(random.choice([SetMode("GUIDED"), SetMode(3), SetStandardMode(6), ListModes()]), number)
+        for _ in range(5):
+            message = garbage(random.choice(kinds), random)
+            give(client, message, VEHICLE, number)
+            give(monitor, message, VEHICLE, number)
+        client.handle_timeout(number + 0.9)
+    client.handle_timeout(1000.0)
+    while client.busy:
+        client.handle_timeout(client.next_timeout())
+    assert len([event for event in client.events() if isinstance(event, OperationEnded)]) == 200

@@ -1,0 +1,71 @@
+"""A vehicle and a ground station whose channels sign, and what each hears of the other."""
+
+from __future__ import annotations
+
+from mavstack.node.key_change import trusted_channels
+from mavstack.services.heartbeat import Beacon
+from mavstack.services.signing_setup import KeySettled, SigningSetupClient, SigningSetupServer
+from mavstack.services.timesync import TimesyncServer
+from tests.services.network import GROUND, VEHICLE, Network
+
+
+class Pair:
+    """`key`: what both begin with; `policy` of the vehicle, else its trusted channels."""
+
+    def __init__(self, seed=0, *, key=None, weather=None, policy=None, trusted=True, answers=True):
+        self.network = Network(seed, keep_packets=True)
+        self.key, self.policy, self.trusted, self.answers = key, policy, trusted, answers
+        self.ground_key = key
+        self.settled_before = 0
+        self.vehicle = self.network.node(VEHICLE, self.setup_vehicle)
+        self.ground = self.network.node(GROUND)
+        self.ground.engine.add(Beacon(GROUND))
+        self.client = self.ground.engine.add(SigningSetupClient(GROUND, VEHICLE))
+        self.pipes = self.network.connect(self.ground, self.vehicle, weather)
+        self.sign(self.ground, key)
+        self.sign(self.vehicle, key)
+
+    def setup_vehicle(self, engine):
+        engine.add(Beacon(VEHICLE, 2, 3))
+        if self.answers:
+            engine.add(TimesyncServer(VEHICLE))
+        policy = self.policy or trusted_channels(engine)
+        self.server = engine.add(SigningSetupServer(VEHICLE, key=self.stored(), may_set=policy))
+
+    def stored(self):
+        """What the vehicle's program wrote down: the key of the last change that was settled."""
+        for event in reversed((getattr(self, "vehicle", None) and self.vehicle.events_of(KeySettled)) or []):
+            if event.changed:
+                return event.key
+        return self.key
+
+    def sign(self, node, key):
+        for port in node.ports:
+            port.channel.trusted = self.trusted
+            port.channel.signing = key.signing(unsigned_ids=(109,)) if key else None
+
+    def restart_vehicle(self):
+        self.vehicle.restart()
+        self.sign(self.vehicle, self.stored())
+
+    def install(self, key, limit=40.0):
+        operation = self.client.install(key, self.network.now, limit=limit)
+        self.ground.engine.touch(self.client)
+        return operation
+
+    def run(self, operation):
+        assert self.network.run(lambda: operation.done, limit=120.0)
+        return operation
+
+    def assert_they_hear_each_other(self):
+        """Both hear the other's heartbeat through their signing: neither is deaf."""
+        self.ground.heard.clear()
+        self.vehicle.heard.clear()
+        self.network.run(limit=5.0)
+        assert [packet for packet in self.ground.heard if packet.name == "HEARTBEAT"]
+        assert [packet for packet in self.vehicle.heard if packet.name == "HEARTBEAT"]
+
+    @property
+    def signed(self):
+        """Whether what each sends is signed: (ground, vehicle)."""
+        return self.vehicle.heard[-1].signed, self.ground.heard[-1].signed

@@ -1,0 +1,60 @@
+"""Changing keys over a network that does its worst: whatever happens, in the end both hear each other."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING
+
+from mavstack.errors import RemoteDenied, RemoteTimeout
+from mavstack.links import Impairment
+from mavstack.security import SigningKey
+from tests.services.network import bad_weather, with_cuts
+from tests.services.signing_setup.pair import Pair
+
+if TYPE_CHECKING:
+    from tests.seeds import Seeds
+
+KEYS = [None, SigningKey.from_passphrase("one"), SigningKey.from_passphrase("two")]
+
+
+def scenario(seed: int) -> None:
+    random = Random(seed)
+    old, new = random.choice(KEYS), random.choice(KEYS)
+    refuses = random.random() < 0.15
+    pair = Pair(
+        seed,
+        key=old,
+        weather=bad_weather(random),
+        policy=(lambda request: "no") if refuses else None,
+        answers=random.random() < 0.8,
+    )
+    network = pair.network
+    with_cuts(network, pair.pipes)
+    for pipe in pair.pipes:  # one direction may be gone for long, at the worst moment
+        if random.random() < 0.2:
+            begin, end = random.uniform(0, 12), random.uniform(0, 20)
+            network.at(begin, lambda pipe=pipe: setattr(pipe, "cut", True))
+            network.at(begin + end, lambda pipe=pipe: setattr(pipe, "cut", False))
+    if random.random() < 0.2:
+        network.at(random.uniform(0, 12), pair.restart_vehicle)
+    operation = pair.install(new)
+    assert network.run(lambda: operation.done, limit=41.0)
+    if operation.error is None:
+        assert pair.server.key == new
+        assert not pair.server.on_trial
+    else:
+        assert isinstance(operation.error, RemoteDenied | RemoteTimeout)
+    calm = Impairment()
+    for pipe in pair.pipes:
+        pipe.cut = False
+        pipe.flow._model = calm
+    network.run(limit=40.0)
+    assert not pair.client.changing
+    assert not pair.server.on_trial
+    assert pair.server.key in (old, new)
+    assert not refuses or pair.server.key == old
+    pair.assert_they_hear_each_other()
+
+
+def test_keys_over_bad_links(seeds: Seeds) -> None:
+    seeds.check(scenario)
