@@ -1,0 +1,36 @@
+"""The logs of one component, from the asking side."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mavstack.dialects import common
+from mavstack.services.addressing import message_ids
+from mavstack.services.log.download import DownloadLog
+from mavstack.services.log.erase import EraseLogs
+from mavstack.services.log.listing import ListLogs
+from mavstack.services.operation import Client, Operation
+
+if TYPE_CHECKING:
+    from mavstack.services.log.entry import LogEntry
+
+
+class LogClient(Client):
+    """Lists, fetches and erases logs, one after the other: a vehicle serves one request at a time."""
+
+    handles = message_ids(common.LogEntry, common.LogData)
+
+    def list_logs(self, now: float, *, limit: float | None = None) -> ListLogs:
+        """Which logs there are; the result is a tuple of `LogEntry`."""
+        return self.begin(ListLogs(limit=limit), now)
+
+    def download(self, log: LogEntry | int, now: float, *, limit: float | None = None) -> DownloadLog:
+        """Fetch a log, by its entry in the list or by its id; the result is its bytes."""
+        return self.begin(DownloadLog(log, limit=limit), now)
+
+    def erase(self, now: float, *, limit: float | None = None) -> EraseLogs:
+        """Erase all logs."""
+        return self.begin(EraseLogs(limit=limit), now)
+
+    def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
+        return new.parent is None

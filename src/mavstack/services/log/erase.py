@@ -1,0 +1,59 @@
+"""Erasing all logs.
+
+LOG_ERASE is not answered, and an autopilot that is armed does nothing and says nothing. So the list before
+is compared with the list after: what was there must be gone. A new log may be there already.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mavstack.dialects import common
+from mavstack.errors import LogTimeout, RemoteDenied
+from mavstack.services.log.listing import ListLogs, LogOperation
+from mavstack.services.operation import Operation, Pause, Procedure
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+    from mavstack.services.log.entry import LogEntry
+
+ATTEMPTS = 5
+#: How long erasing takes at the least, in seconds; each attempt waits longer.
+FIRST_WAIT = 0.5
+
+
+class EraseLogs(Procedure[None]):
+    """Erase all logs of the target."""
+
+    timeout_error = LogTimeout
+
+    def __init__(self, *, limit: float | None = None) -> None:
+        super().__init__("erasing all logs", limit=limit, patience=120.0)
+
+    def steps(self) -> Generator[Operation[Any], Any, None]:
+        """List, erase, and list until they are gone."""
+        before: tuple[LogEntry, ...] = yield ListLogs()
+        left = set(before)
+        for attempt in range(ATTEMPTS):
+            if not left:
+                return
+            yield _SendErase()
+            yield Pause(FIRST_WAIT * 2**attempt)
+            after: tuple[LogEntry, ...] = yield ListLogs()
+            left = set(before) & set(after)
+        if left:
+            answer = f"{len(left)} of its logs are still there"
+            raise RemoteDenied(self.request, str(self.target), attempts=ATTEMPTS, answer=answer)
+
+
+class _SendErase(LogOperation[None]):
+    """LOG_ERASE, which has no answer."""
+
+    def __init__(self) -> None:
+        super().__init__("LOG_ERASE")
+
+    def start(self, now: float) -> None:
+        to = self.target
+        self.send(common.LogErase(target_system=to.system, target_component=to.component))
+        self.finish(None)

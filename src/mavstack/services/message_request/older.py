@@ -1,0 +1,73 @@
+"""The commands that asked for one message each, before MAV_CMD_REQUEST_MESSAGE asked for any.
+
+They are the second choice of a client, for autopilots that know nothing else, and a server answers them too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from mavstack.dialects import common
+from mavstack.services.addressing import message_ids
+from mavstack.services.command import Command
+
+
+@dataclass(frozen=True, slots=True)
+class OlderRequest:
+    """A command that asks for one kind of message; `instance` and `flag` are the params that it uses."""
+
+    command: int
+    #: Which param carries what param 2 of MAV_CMD_REQUEST_MESSAGE carries: an index, or an id.
+    instance: int | None = None
+    #: Which param must be 1.
+    flag: int | None = 1
+
+    def to_command(self, instance: float) -> Command:
+        """The command to send."""
+        params = (0.0, 0.0)
+        if self.instance is not None:
+            params = (instance, 0.0) if self.instance == 1 else (0.0, instance)
+        if self.flag is not None:
+            params = (1.0, params[1]) if self.flag == 1 else (params[0], 1.0)
+        return Command(self.command, params[0], params[1])
+
+    def instance_in(self, command: Command) -> float:
+        """The index or id that a received command carries."""
+        return 0.0 if self.instance is None else (command.param1, command.param2)[self.instance - 1]
+
+
+def older_request(message_id: int) -> OlderRequest | None:
+    """The older command that asks for a message, if there was one."""
+    return _table().get(message_id)
+
+
+def _entry(kind: type, request: OlderRequest) -> tuple[int, OlderRequest]:
+    return next(iter(message_ids(kind))), request
+
+
+@cache
+def _table() -> dict[int, OlderRequest]:
+    return dict(
+        (
+            _entry(common.AutopilotVersion, OlderRequest(common.MavCmd.REQUEST_AUTOPILOT_CAPABILITIES)),
+            _entry(common.ProtocolVersion, OlderRequest(common.MavCmd.REQUEST_PROTOCOL_VERSION)),
+            _entry(common.HomePosition, OlderRequest(common.MavCmd.GET_HOME_POSITION, flag=None)),
+            _entry(common.MessageInterval, OlderRequest(common.MavCmd.GET_MESSAGE_INTERVAL, 1, flag=None)),
+            _entry(common.CameraInformation, OlderRequest(common.MavCmd.REQUEST_CAMERA_INFORMATION)),
+            _entry(common.CameraSettings, OlderRequest(common.MavCmd.REQUEST_CAMERA_SETTINGS)),
+            _entry(common.CameraCaptureStatus, OlderRequest(common.MavCmd.REQUEST_CAMERA_CAPTURE_STATUS)),
+            _entry(common.FlightInformation, OlderRequest(common.MavCmd.REQUEST_FLIGHT_INFORMATION)),
+            _entry(
+                common.StorageInformation, OlderRequest(common.MavCmd.REQUEST_STORAGE_INFORMATION, 1, flag=2)
+            ),
+            _entry(
+                common.VideoStreamInformation,
+                OlderRequest(common.MavCmd.REQUEST_VIDEO_STREAM_INFORMATION, 1, flag=None),
+            ),
+            _entry(
+                common.VideoStreamStatus,
+                OlderRequest(common.MavCmd.REQUEST_VIDEO_STREAM_STATUS, 1, flag=None),
+            ),
+        )
+    )

@@ -1,0 +1,136 @@
+"""Asking for a message at a rate, and for the rate that it has. Both run on the target's `CommandClient`.
+
+MAV_CMD_SET_MESSAGE_INTERVAL comes first. Who answers UNSUPPORTED is asked by REQUEST_DATA_STREAM for the
+message's whole group, which no one acknowledges: that it worked shows when the message, or a DATA_STREAM,
+comes. That a group was turned off shows by nothing, so it is said more than once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, MessageTimeout
+from mavstack.services.addressing import message_ids
+from mavstack.services.command import Command, CommandOperation
+from mavstack.services.message_request.client import RequestMessage
+from mavstack.services.message_request.interval import (
+    DEFAULT,
+    OFF,
+    Interval,
+    group_of,
+    message_id_of,
+    name_of,
+)
+from mavstack.services.operation import Operation, Procedure
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+    from mavstack.dialects import Message
+    from mavstack.wire import Packet
+
+STREAM_ATTEMPTS = 5
+OFF_ATTEMPTS = 3
+#: REQUEST_DATA_STREAM cannot say less than this.
+SLOWEST_STREAM = 1
+FASTEST_STREAM = 0xFFFF
+
+
+@dataclass(frozen=True, slots=True)
+class RateSet:
+    """A rate was set; `whole_group` is the MAV_DATA_STREAM that was set along, in the older way."""
+
+    interval: Interval
+    whole_group: int | None = None
+
+
+class SetMessageInterval(Procedure[RateSet]):
+    """Have the target send a message at an interval, at its default rate, or no more."""
+
+    timeout_error = MessageTimeout
+
+    def __init__(
+        self, message: type[Message] | int, interval: Interval, *, limit: float | None = None
+    ) -> None:
+        super().__init__(f"the interval of {name_of(message)}", limit=limit, patience=60.0)
+        self._message_id = message_id_of(message)
+        self._interval = interval
+
+    def steps(self) -> Generator[Operation[Any], Any, RateSet]:
+        """The command; if it is not known, the stream of the older way."""
+        microseconds = float(self._interval.microseconds)
+        command = Command(common.MavCmd.SET_MESSAGE_INTERVAL, float(self._message_id), microseconds)
+        try:
+            yield CommandOperation(command)
+        except CommandDenied as denied:
+            group = group_of(self._message_id)
+            if denied.code != common.MavResult.UNSUPPORTED or group is None or self._interval == DEFAULT:
+                raise
+            yield _RequestDataStream(group, self._message_id, self._interval)
+            return RateSet(self._interval, group)
+        return RateSet(self._interval)
+
+
+class GetMessageInterval(Procedure[Interval]):
+    """At which interval the target sends a message; `DEFAULT` (0) if it cannot send it at all."""
+
+    timeout_error = MessageTimeout
+
+    def __init__(self, message: type[Message] | int, *, limit: float | None = None) -> None:
+        super().__init__(f"the interval of {name_of(message)}", limit=limit, patience=60.0)
+        self._message_id = message_id_of(message)
+
+    def steps(self) -> Generator[Operation[Any], Any, Interval]:
+        """MESSAGE_INTERVAL, asked for as any message."""
+        answer: common.MessageInterval = yield RequestMessage(
+            common.MessageInterval,
+            (float(self._message_id),),
+            match=lambda message: message.message_id == self._message_id,
+        )
+        return Interval(max(answer.interval_us, OFF.microseconds))
+
+
+class _RequestDataStream(Operation[None]):
+    """A group of messages in the older way."""
+
+    timeout_error = MessageTimeout
+
+    def __init__(self, group: int, message_id: int, interval: Interval) -> None:
+        super().__init__(f"data stream {group}", patience=60.0)
+        self._group, self._message_id = group, message_id
+        self._rate = min(max(round(interval.rate), SLOWEST_STREAM), FASTEST_STREAM)
+        self._on = interval != OFF
+        self.handles = message_ids(common.DataStream) | {message_id}
+
+    def start(self, now: float) -> None:
+        self._ask(now)
+
+    def receive(self, packet: Packet, now: float) -> None:
+        match packet.message:
+            case common.DataStream(stream_id=self._group, on_off=on) if bool(on) == self._on:
+                self.finish(None)
+            case _ if self._on and packet.message_id == self._message_id:
+                self.finish(None)
+
+    def handle_timeout(self, now: float) -> None:
+        if self.attempts < (STREAM_ATTEMPTS if self._on else OFF_ATTEMPTS):
+            self._ask(now)
+        elif self._on:
+            self.give_up(now)
+        else:
+            self.finish(None)
+
+    def _ask(self, now: float) -> None:
+        self.attempts += 1
+        self.timeout = now + (1.0 + 2.0 / self._rate if self._on else 0.5)
+        self.send(
+            common.RequestDataStream(
+                target_system=self.target.system,
+                target_component=self.target.component,
+                req_stream_id=self._group,
+                req_message_rate=self._rate,
+                start_stop=int(self._on),
+            )
+        )

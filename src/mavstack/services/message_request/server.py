@@ -1,0 +1,191 @@
+"""Sending messages at rates that others may change, and singly when they are asked for.
+
+A producer makes a message of one kind when it is due, so that it is as fresh as can be. Streams ask for room
+with the priority of telemetry: on a full link a message waits until there is room, is made then, and those
+that fell due in between are left out. What is most overdue goes first, so that all kinds are thinned alike.
+
+The commands are answered through the component's `CommandServer`; this service listens to their ids only to
+be looked at after they came.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING, TypeAlias
+
+from mavstack.dialects import Message, common
+from mavstack.services.addressing import EVERYBODY, Address, message_ids
+from mavstack.services.message_request.interval import LONGEST, message_id_of, stream_groups
+from mavstack.services.message_request.older import older_request
+from mavstack.services.service import HasRoom, Outgoing, Priority, Service, always_room
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.services.command import CommandRequest, CommandServer
+    from mavstack.wire import Packet
+
+#: What makes a message at a time; None if there is nothing to tell.
+Producer: TypeAlias = Callable[[float], Message | None]
+#: What makes the message of an index or id, as param 2 of a request says.
+InstanceProducer: TypeAlias = Callable[[float, float], Message | None]
+
+#: No message is sent more often than this, whatever is asked for, in microseconds.
+SHORTEST = 1_000
+#: How soon a stream that found no room looks again if nobody tells it of room.
+RETRY = 0.5
+
+_REQUESTER, _BROADCAST = 1, 2
+_INTERVAL_ID = next(iter(message_ids(common.MessageInterval)))
+
+
+@dataclass(slots=True)
+class _Stream:
+    """A kind of message: its producer and its interval in microseconds, -1 if off."""
+
+    produce: Producer
+    default: int
+    interval: int
+    due: float | None = None
+
+    def set_interval(self, microseconds: int, now: float) -> None:
+        self.interval = microseconds
+        self.due = now if microseconds > 0 else None
+
+    def sent(self, now: float) -> None:
+        if self.due is not None:
+            seconds = self.interval / 1e6
+            self.due = self.due + seconds if self.due + seconds > now else now + seconds
+
+
+class MessageServer(Service):
+    """The messages of one component: streams, single requests, and their rates."""
+
+    handles = message_ids(common.CommandLong, common.CommandInt, common.RequestDataStream)
+
+    def __init__(self, local: Address, commands: CommandServer) -> None:
+        super().__init__(local)
+        self._commands = commands
+        self._streams: dict[int, _Stream] = {}
+        self._instances: dict[int, InstanceProducer] = {_INTERVAL_ID: self._message_interval}
+        self._retry_at: float | None = None
+        self._others = commands.handler_of(common.MavCmd.REQUEST_MESSAGE)
+        commands.support(common.MavCmd.REQUEST_MESSAGE, self._request_message)
+        commands.support(common.MavCmd.SET_MESSAGE_INTERVAL, self._set_message_interval)
+        self._support_older(_INTERVAL_ID)
+
+    def provide(
+        self, message: type[Message] | int, producer: Producer, *, interval: float = 0.0, now: float = 0.0
+    ) -> None:
+        """Send a kind of message every `interval` seconds from `now` on; 0: only if it is asked for."""
+        message_id = message_id_of(message)
+        microseconds = min(max(round(interval * 1e6), SHORTEST), LONGEST) if interval > 0 else -1
+        due = now if microseconds > 0 else None
+        self._streams[message_id] = _Stream(producer, microseconds, microseconds, due)
+        self._support_older(message_id)
+
+    def provide_instances(self, message: type[Message] | int, producer: InstanceProducer) -> None:
+        """Answer requests for a kind of message of which there are several, by its index or id."""
+        message_id = message_id_of(message)
+        self._instances[message_id] = producer
+        self._support_older(message_id)
+
+    def interval_of(self, message: type[Message] | int) -> int:
+        """The interval of a message in microseconds: -1 if it is not sent by itself, 0 if it is not known."""
+        message_id = message_id_of(message)
+        stream = self._streams.get(message_id)
+        return stream.interval if stream else -1 if message_id in self._instances else 0
+
+    def receive(self, packet: Packet, now: float) -> None:
+        match packet.message:
+            case common.RequestDataStream() as request:
+                self._request_data_stream(request, Address(packet.system, packet.component), now)
+
+    def bulk_messages(self, now: float, has_room: HasRoom = always_room) -> Iterator[Outgoing]:
+        self._retry_at = None
+        due = [stream for stream in self._streams.values() if stream.due is not None and stream.due <= now]
+        for stream in sorted(due, key=lambda stream: stream.due or 0.0):
+            if not has_room(EVERYBODY, Priority.STREAM):
+                self._retry_at = now + RETRY
+                return
+            stream.sent(now)
+            message = stream.produce(now)
+            if message is not None:
+                yield Outgoing(message, EVERYBODY, Priority.STREAM)
+
+    def next_timeout(self) -> float | None:
+        if self._retry_at is not None:
+            return self._retry_at
+        return min((stream.due for stream in self._streams.values() if stream.due is not None), default=None)
+
+    def _support_older(self, message_id: int) -> None:
+        older = older_request(message_id)
+        if older is not None:
+
+            def answer(request: CommandRequest) -> common.MavResult:
+                return self._send_one(message_id, older.instance_in(request.command), EVERYBODY, request)
+
+            self._commands.support(older.command, answer)
+
+    def _request_message(
+        self, request: CommandRequest
+    ) -> common.MavResult | tuple[common.MavResult, int] | None:
+        message_id, wish = request.command.param1, request.command.param7
+        if self._others and message_id not in self._instances and message_id not in self._streams:
+            return self._others(request)  # who answered such requests before
+        target = EVERYBODY if wish == _BROADCAST else request.source
+        return self._send_one(message_id, request.command.param2, target, request)
+
+    def _send_one(
+        self, message_id: float, instance: float, target: Address, request: CommandRequest
+    ) -> common.MavResult:
+        now = request.received_at
+        if message_id in self._instances:
+            message = self._instances[int(message_id)](instance, now)
+        elif message_id in self._streams:
+            message = self._streams[int(message_id)].produce(now)
+        else:
+            return common.MavResult.DENIED
+        if message is None:
+            return common.MavResult.FAILED
+        self.send(message, target)
+        return common.MavResult.ACCEPTED
+
+    def _set_message_interval(self, request: CommandRequest) -> common.MavResult:
+        wanted = request.command.param2
+        stream = self._streams.get(_whole(request.command.param1))
+        if stream is None or not isfinite(wanted) or wanted < -1:
+            return common.MavResult.DENIED
+        self._change(stream, -1 if wanted < 0 else round(wanted) or stream.default, request.received_at)
+        return common.MavResult.ACCEPTED
+
+    def _change(self, stream: _Stream, microseconds: int, now: float) -> None:
+        if microseconds > 0:
+            microseconds = min(max(microseconds, SHORTEST), LONGEST)
+        if microseconds != stream.interval:
+            stream.set_interval(microseconds, now)
+
+    def _message_interval(self, instance: float, now: float) -> Message | None:
+        message_id = _whole(instance)
+        if not 0 <= message_id <= 0xFFFF:
+            return None
+        return common.MessageInterval(message_id=message_id, interval_us=self.interval_of(message_id))
+
+    def _request_data_stream(self, request: common.RequestDataStream, source: Address, now: float) -> None:
+        group, rate = int(request.req_stream_id), request.req_message_rate
+        on = bool(request.start_stop) and rate > 0
+        everything = group == common.MavDataStream.ALL
+        members = self._streams.keys() if everything else stream_groups().get(group, frozenset())
+        for message_id in members & self._streams.keys():
+            stream = self._streams[message_id]
+            if on and (stream.default > 0 or not everything):
+                self._change(stream, round(1e6 / rate), now)
+            elif not on:
+                self._change(stream, -1, now)
+        self.send(common.DataStream(stream_id=group, message_rate=rate, on_off=int(on)), source)
+
+
+def _whole(value: float) -> int:
+    return int(value) if isfinite(value) and value == int(value) else -1

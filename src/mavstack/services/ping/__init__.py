@@ -1,0 +1,7 @@
+"""How long a message takes there and back (guide: PING protocol)."""
+
+from mavstack.services.ping.client import PingClient, PingOperation
+from mavstack.services.ping.server import PingServer
+from mavstack.services.ping.statistics import PingStatistics
+
+__all__ = ["PingClient", "PingOperation", "PingServer", "PingStatistics"]

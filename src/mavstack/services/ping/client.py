@@ -1,0 +1,97 @@
+"""Measuring how long messages take to a component and back (guide: PING protocol).
+
+A PING whose target fields are 0 is a request, and everybody who hears it answers with its number and its
+time, addressed to the sender. So the request is routed toward one component only, and answers of others are
+not taken. An answer counts once, and late ones count as long as the last ping is waited for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError
+from mavstack.services.addressing import Address, message_ids
+from mavstack.services.operation import Client, Operation
+from mavstack.services.ping.statistics import PingStatistics
+
+if TYPE_CHECKING:
+    from mavstack.wire import Packet
+
+SEQUENCES = 1 << 32
+
+
+class PingOperation(Operation[PingStatistics]):
+    """Several pings; it ends when `enough` came back, or fails if none did."""
+
+    def __init__(self, first: int, count: int, interval: float, enough: int, wait: float) -> None:
+        super().__init__("PING", patience=count * interval + wait + 1.0)
+        self._next = first
+        self._count, self._interval, self._enough, self._wait = count, interval, enough, wait
+        self._outstanding: dict[int, tuple[int, float]] = {}  # number: what was said, when it was sent
+        self._answered: set[int] = set()
+        self._round_trips: list[float] = []
+        self._doubled = 0
+
+    def start(self, now: float) -> None:
+        self._transmit(now)
+
+    def receive(self, packet: Packet, now: float) -> None:
+        match packet.message:
+            case common.Ping(seq=number, time_usec=stamp, target_system=to) if to:
+                self._answer(number, stamp, now)
+
+    def handle_timeout(self, now: float) -> None:
+        if self.attempts < self._count:
+            self._transmit(now)
+        elif self._round_trips:
+            self._end()
+        else:
+            self.give_up(now)
+
+    def _transmit(self, now: float) -> None:
+        number, stamp = self._next, round(now * 1e6)
+        self._next = (self._next + 1) % SEQUENCES
+        self._outstanding[number] = stamp, now
+        self.attempts += 1
+        self.timeout = now + (self._interval if self.attempts < self._count else self._wait)
+        self.send(common.Ping(time_usec=stamp, seq=number))
+
+    def _answer(self, number: int, stamp: int, now: float) -> None:
+        if number in self._answered:
+            self._doubled += 1
+        elif number in self._outstanding and self._outstanding[number][0] == stamp:
+            sent_at = self._outstanding.pop(number)[1]
+            self._answered.add(number)
+            self._round_trips.append(now - sent_at)
+            self.moved(now, len(self._round_trips), self._count)
+            if len(self._round_trips) >= self._enough:
+                self._end()
+
+    def _end(self) -> None:
+        self.finish(PingStatistics(self.attempts, tuple(self._round_trips), self._doubled))
+
+
+class PingClient(Client):
+    """Pings one component."""
+
+    handles = message_ids(common.Ping)
+
+    def __init__(self, local: Address, target: Address) -> None:
+        super().__init__(local, target)
+        self._next = 0
+
+    def ping(
+        self,
+        now: float,
+        *,
+        count: int = 4,
+        interval: float = 1.0,
+        enough: int | None = None,
+        wait: float = 2.0,
+    ) -> PingOperation:
+        """Send up to `count` pings until `enough` (usually all) came back; `wait` for the last."""
+        if count < 1 or interval <= 0 or wait <= 0 or (enough is not None and not 1 <= enough <= count):
+            raise LocalProtocolError("a ping needs a count, an interval and a wait above 0")
+        first, self._next = self._next, (self._next + count) % SEQUENCES
+        return self.begin(PingOperation(first, count, interval, enough or count, wait), now)

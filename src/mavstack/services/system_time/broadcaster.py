@@ -1,0 +1,36 @@
+"""Telling everybody our time, as SYSTEM_TIME."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.services.addressing import EVERYBODY, Address
+from mavstack.services.streaming import StreamSender
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+class SystemTimeBroadcaster(StreamSender):
+    """Sends SYSTEM_TIME `rate` times a second; `unix_time` gives None while the clock is not set."""
+
+    def __init__(
+        self,
+        local: Address,
+        started_at: float,
+        *,
+        rate: float = 1.0,
+        unix_time: Callable[[float], float | None] = lambda now: now,
+    ) -> None:
+        super().__init__(local, EVERYBODY, rate)
+        self._started_at = started_at
+        self._unix_time = unix_time
+        self.start(started_at)
+
+    def current_message(self, now: float) -> common.SystemTime:
+        unix = self._unix_time(now)
+        return common.SystemTime(
+            time_unix_usec=0 if unix is None else max(round(unix * 1e6), 0),
+            time_boot_ms=round((now - self._started_at) * 1000) % (1 << 32),
+        )

@@ -1,0 +1,133 @@
+"""What AUTOPILOT_VERSION says, in words that a program can use.
+
+A version is four bytes: major, minor, patch, and a FIRMWARE_VERSION_TYPE. A git hash is eight bytes, which
+ArduPilot fills with the letters of the hash and PX4 with a number, least byte first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from mavstack.dialects import common
+
+if TYPE_CHECKING:
+    from typing import Self
+
+_HEXADECIMAL = frozenset(b"0123456789abcdefABCDEF")
+
+
+class FirmwareVersion(NamedTuple):
+    """A version number as MAVLink packs it into 32 bits; `kind` is a FIRMWARE_VERSION_TYPE."""
+
+    major: int
+    minor: int
+    patch: int = 0
+    kind: int = common.FirmwareVersionType.OFFICIAL
+
+    @classmethod
+    def unpack(cls, packed: int) -> Self:
+        """From the field of a message."""
+        kind = packed & 0xFF
+        return cls(packed >> 24 & 0xFF, packed >> 16 & 0xFF, packed >> 8 & 0xFF, kind)
+
+    def pack(self) -> int:
+        """As the field of a message."""
+        return self.major << 24 | self.minor << 16 | self.patch << 8 | self.kind
+
+    @property
+    def kind_name(self) -> str:
+        """The step of a release in which it is, such as "beta"; between two, the one before."""
+        steps = sorted(common.FirmwareVersionType, reverse=True)
+        return next(step.name.lower() for step in steps if step <= self.kind)
+
+    def __str__(self) -> str:
+        number = f"{self.major}.{self.minor}.{self.patch}"
+        return number if self.kind == common.FirmwareVersionType.OFFICIAL else f"{number}-{self.kind_name}"
+
+
+UNKNOWN = FirmwareVersion(0, 0, 0, 0)
+
+
+def git_hash(custom: bytes) -> str:
+    """The hash in one of the custom version fields, as git writes it; "" if there is none."""
+    if not any(custom):
+        return ""
+    letters = custom.rstrip(b"\0")
+    if letters and _HEXADECIMAL.issuperset(letters):
+        return letters.decode("ascii").lower()
+    return custom[::-1].hex()
+
+
+@dataclass(frozen=True, slots=True)
+class AutopilotVersion:
+    """The software and the hardware of a component, and what it can do."""
+
+    capabilities: int = 0
+    flight: FirmwareVersion = UNKNOWN
+    middleware: FirmwareVersion = UNKNOWN
+    operating_system: FirmwareVersion = UNKNOWN
+    board_version: int = 0
+    vendor_id: int = 0
+    product_id: int = 0
+    uid: int = 0
+    uid2: bytes = b""
+    flight_custom: bytes = bytes(8)
+    middleware_custom: bytes = bytes(8)
+    operating_system_custom: bytes = bytes(8)
+
+    def can(self, capability: int) -> bool:
+        """Whether it says that it has all of these MAV_PROTOCOL_CAPABILITY flags."""
+        return self.capabilities & capability == capability
+
+    @property
+    def git_hash(self) -> str:
+        """The commit of the flight software."""
+        return git_hash(self.flight_custom)
+
+    @property
+    def board(self) -> tuple[int, int, int]:
+        """The hardware: vendor, product and board version."""
+        return self.vendor_id, self.product_id, self.board_version
+
+    @property
+    def unique_id(self) -> str:
+        """What no other board has, in hexadecimal: the long one if it is given; "" if none is."""
+        if any(self.uid2):
+            return self.uid2.hex()
+        return f"{self.uid:016x}" if self.uid else ""
+
+    @classmethod
+    def read(cls, message: common.AutopilotVersion) -> Self:
+        """What a message says."""
+        return cls(
+            capabilities=int(message.capabilities),
+            flight=FirmwareVersion.unpack(message.flight_sw_version),
+            middleware=FirmwareVersion.unpack(message.middleware_sw_version),
+            operating_system=FirmwareVersion.unpack(message.os_sw_version),
+            board_version=message.board_version,
+            vendor_id=message.vendor_id,
+            product_id=message.product_id,
+            uid=message.uid,
+            uid2=message.uid2,
+            flight_custom=message.flight_custom_version,
+            middleware_custom=message.middleware_custom_version,
+            operating_system_custom=message.os_custom_version,
+        )
+
+    def to_message(self) -> common.AutopilotVersion:
+        """The message that says this."""
+        return common.AutopilotVersion(
+            capabilities=self.capabilities,
+            flight_sw_version=self.flight.pack(),
+            middleware_sw_version=self.middleware.pack(),
+            os_sw_version=self.operating_system.pack(),
+            board_version=self.board_version,
+            vendor_id=self.vendor_id,
+            product_id=self.product_id,
+            uid=self.uid,
+            uid2=self.uid2,
+            flight_custom_version=self.flight_custom,
+            middleware_custom_version=self.middleware_custom,
+            os_custom_version=self.operating_system_custom,
+        )

@@ -1,0 +1,43 @@
+"""Asking for versions; both run on the target's `CommandClient`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mavstack.dialects import common
+from mavstack.errors import MessageTimeout
+from mavstack.services.message_request import RequestMessage
+from mavstack.services.operation import Operation, Procedure
+from mavstack.services.version.autopilot_version import AutopilotVersion
+from mavstack.services.version.protocol_version import ProtocolVersion
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+
+class RequestAutopilotVersion(Procedure[AutopilotVersion]):
+    """The target's software, hardware and capabilities."""
+
+    timeout_error = MessageTimeout
+
+    def __init__(self, *, limit: float | None = None) -> None:
+        super().__init__("AUTOPILOT_VERSION", limit=limit, patience=60.0)
+
+    def steps(self) -> Generator[Operation[Any], Any, AutopilotVersion]:
+        """One message."""
+        message: common.AutopilotVersion = yield RequestMessage(common.AutopilotVersion)
+        return AutopilotVersion.read(message)
+
+
+class RequestProtocolVersion(Procedure[ProtocolVersion]):
+    """The MAVLink versions that the target speaks; that an answer comes at all shows that 2 gets through."""
+
+    timeout_error = MessageTimeout
+
+    def __init__(self, *, limit: float | None = None) -> None:
+        super().__init__("PROTOCOL_VERSION", limit=limit, patience=60.0)
+
+    def steps(self) -> Generator[Operation[Any], Any, ProtocolVersion]:
+        """One message."""
+        message: common.ProtocolVersion = yield RequestMessage(common.ProtocolVersion)
+        return ProtocolVersion.read(message)

@@ -1,0 +1,47 @@
+"""Which versions of MAVLink a component speaks, as PROTOCOL_VERSION says it: 100 is 1.0, 200 is 2.0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+
+if TYPE_CHECKING:
+    from typing import Self
+
+
+@dataclass(frozen=True, slots=True)
+class ProtocolVersion:
+    """The version in use, and the least and the most that are understood, times 100."""
+
+    version: int = 200
+    least: int = 100
+    most: int = 200
+    specification_hash: bytes = bytes(8)
+    library_hash: bytes = bytes(8)
+
+    def speaks(self, major: int) -> bool:
+        """Whether it understands MAVLink `major`."""
+        return self.least <= major * 100 + 99 and major * 100 <= self.most
+
+    @classmethod
+    def read(cls, message: common.ProtocolVersion) -> Self:
+        """What a message says; a most version of 0 is the version in use."""
+        return cls(
+            version=message.version,
+            least=message.min_version,
+            most=message.max_version or message.version,
+            specification_hash=message.spec_version_hash,
+            library_hash=message.library_version_hash,
+        )
+
+    def to_message(self) -> common.ProtocolVersion:
+        """The message that says this."""
+        return common.ProtocolVersion(
+            version=self.version,
+            min_version=self.least,
+            max_version=self.most,
+            spec_version_hash=self.specification_hash,
+            library_version_hash=self.library_hash,
+        )

@@ -1,0 +1,370 @@
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import LogTimeout, RemoteCancelled, RemoteDenied, RemoteProtocolError
+from mavstack.links import Impairment
+from mavstack.services import Progress
+from mavstack.services.log import LogClient, LogEntry, LogServer
+from tests.services.log.autopilots import ArduPilotLogs, PX4Logs
+from tests.services.log.store import MemoryStore
+from tests.services.network import GROUND, START, VEHICLE, Air, Network
+from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
+
+SIZES = [0, 1, 89, 90, 91, 900, 30_000]
+LOSSY = Impairment(loss=0.1, latency=0.02, seed=1)
+
+
+class Site:
+    """A vehicle with logs, and a ground station."""
+
+    def __init__(
+        self, kind: type = LogServer, impairment: Impairment | None = None, sizes=SIZES, **link
+    ) -> None:
+        random = Random(1)
+        first = 0 if kind is PX4Logs else 1
+        self.store = MemoryStore({first + n: random.randbytes(size) for n, size in enumerate(sizes)})
+        self.contents = dict(self.store.contents)
+        self.network = Network(1, keep_packets=True)
+        self.vehicle = self.network.node(VEHICLE)
+        self.server = self.vehicle.engine.add(kind(VEHICLE, self.store))
+        self.ground = self.network.node(GROUND)
+        self.client = self.ground.engine.add(LogClient(GROUND, VEHICLE))
+        self.pipes = self.network.connect(self.ground, self.vehicle, impairment, **link)
+
+    def run(self, operation, limit: float = 600.0):
+        self.ground.engine.touch(self.client)
+        assert self.network.run(lambda: operation.done, limit=limit), "it hangs"
+        return operation
+
+    def download(self, log):
+        return self.run(self.client.download(log, self.network.now))
+
+    def list(self):
+        return self.run(self.client.list_logs(self.network.now))
+
+    def heard(self, kind: type) -> list:
+        return [packet.message for packet in self.vehicle.heard if isinstance(packet.message, kind)]
+
+
+KINDS = pytest.mark.parametrize("kind", [LogServer, ArduPilotLogs, PX4Logs])
+LINKS = pytest.mark.parametrize("impairment", [None, LOSSY], ids=["clean", "lossy"])
+
+
+@KINDS
+@LINKS
+def test_every_log_of_every_kind_of_autopilot(kind: type, impairment: Impairment | None) -> None:
+    site = Site(kind, impairment)
+    entries = site.list().result()
+    assert list(entries) == site.store.logs(), "ids may start at 0 or at 1"
+    for entry in entries:
+        assert site.download(entry).result() == site.contents[entry.id]
+
+
+@pytest.mark.parametrize("kind", [LogServer, ArduPilotLogs])
+def test_no_logs_are_told_by_an_entry_of_none(kind: type) -> None:
+    assert Site(kind, sizes=[]).list().result() == ()
+
+
+def test_a_log_by_its_id_alone() -> None:
+    site = Site()
+    assert site.download(7).result() == site.contents[7]
+    error = site.download(77).error
+    assert isinstance(error, RemoteDenied)
+    assert str(error) == "log 77 asked of 1/1: it has no such log"
+
+
+def test_px4_that_restarted_within_a_log_is_listed_again() -> None:
+    site = Site(PX4Logs, air=Air(), bandwidth=5760.0)
+    entry = site.list().result()[-1]
+
+    def restart() -> None:
+        site.server.listed, site.server.sending = False, None
+
+    site.network.at(2.0, restart)
+    assert site.download(entry).result() == site.contents[entry.id]
+
+
+def test_a_transfer_that_got_stuck_is_ended_and_begun_anew() -> None:
+    site = Site(StuckLogs, air=Air(), bandwidth=5760.0)
+    entry = site.list().result()[-1]
+    site.network.at(2.0, lambda: setattr(site.server, "ends", 0))
+    assert site.download(entry).result() == site.contents[entry.id]
+
+
+@KINDS
+def test_a_transfer_ends_by_log_request_end(kind: type) -> None:
+    site = Site(kind)
+    site.download(site.list().result()[-1])
+    site.network.run(limit=1)
+    kinds = common.LogRequestList | common.LogRequestData | common.LogRequestEnd
+    messages = [p.message for p in site.vehicle.heard if isinstance(p.message, kinds)]
+    assert isinstance(messages[-1], common.LogRequestEnd)
+
+
+def test_cancelling_sends_log_request_end_and_the_server_stops() -> None:
+    site = Site(air=Air(), bandwidth=5760.0)
+    operation = site.client.download(7, site.network.now)
+    site.network.at(1.0, lambda: site.client.cancel(operation, site.network.now))
+    site.network.at(1.0, lambda: site.ground.engine.touch(site.client))
+    site.run(operation)
+    assert isinstance(operation.error, RemoteCancelled)
+    assert not site.client.busy
+    site.network.run(limit=1)
+    assert site.heard(common.LogRequestEnd)
+    before = len(site.ground.heard)
+    site.network.run(limit=10)
+    assert len(site.ground.heard) == before
+
+
+def test_progress_is_told_of_the_download() -> None:
+    site = Site()
+    operation = site.download(7)
+    told = [event for event in site.ground.events_of(Progress) if event.operation is operation]
+    done = [event.done for event in told]
+    assert done == sorted(done)
+    assert (told[-1].done, told[-1].total) == (29_970, 30_000)
+
+
+def test_nobody_there_is_a_typed_error_in_time() -> None:
+    site = Site()
+    site.vehicle.restart()
+    assert isinstance(site.list().error, LogTimeout)
+    assert isinstance(site.download(LogEntry(1, 5, 5)).error, LogTimeout)
+    assert isinstance(site.run(site.client.erase(site.network.now)).error, LogTimeout)
+    assert site.network.now - START < 120
+
+
+def test_a_vehicle_that_falls_silent_within_a_log() -> None:
+    site = Site(air=Air(), bandwidth=5760.0)
+    site.network.at(2.0, lambda: [setattr(pipe, "cut", True) for pipe in site.pipes])
+    operation = site.download(7)
+    assert isinstance(operation.error, LogTimeout)
+    assert "stopped sending" in str(operation.error)
+
+
+def test_the_limit_is_kept() -> None:
+    site = Site(air=Air(), bandwidth=5760.0)
+    operation = site.run(site.client.download(7, site.network.now, limit=3.0))
+    assert isinstance(operation.error, LogTimeout)
+    assert site.network.now - START == pytest.approx(3.0)
+
+
+class StuckLogs(ArduPilotLogs):
+    """Still sends to somebody who is gone, and has no time for others."""
+
+    def bulk_messages(self, now, has_room):
+        return super().bulk_messages(now, has_room) if self.ends else iter(())
+
+
+def test_what_another_left_unfinished_is_ended_before_a_list() -> None:
+    site = Site(StuckLogs)
+    site.server.sending = (1, 0, 1 << 30)
+    assert list(site.list().result()) == site.store.logs()
+
+
+def test_an_id_that_means_another_log_now_is_refused() -> None:
+    site = Site()
+    entry = site.list().result()[6]
+    site.store.contents[7] = b"x" * 30_000
+    site.store.times[7] = 5
+    assert isinstance(site.download(entry).error, RemoteProtocolError)
+
+
+def test_a_log_replaced_while_it_is_read_is_refused() -> None:
+    site = Site(air=Air(), bandwidth=5760.0)
+
+    def replace() -> None:
+        site.store.contents[7], site.store.times[7] = b"x" * 30_000, 5
+
+    site.network.at(2.0, replace)
+    assert isinstance(site.download(7).error, RemoteProtocolError)
+
+
+def test_a_log_that_grows_while_it_is_read() -> None:
+    site = Site(air=Air(), bandwidth=5760.0)
+
+    def grow() -> None:
+        site.store.contents[7] += b"more" * 100
+
+    site.network.at(2.0, grow)
+    content = site.download(7).result()
+    assert site.store.contents[7].startswith(content)
+    assert len(content) >= 30_000
+
+
+def test_a_size_that_is_too_large_is_approximate() -> None:
+    site = Site()
+    logs = site.store.logs
+    site.store.logs = lambda: [LogEntry(log.id, log.time_utc, log.size + 3000) for log in logs()]
+    assert site.download(7).result() == site.contents[7]
+
+
+def test_the_tails_of_other_clients_do_not_end_our_log() -> None:
+    site = Site(air=Air(), bandwidth=5760.0)
+
+    def overhear() -> None:
+        for offset in range(0, 29_000, 90):
+            content = site.contents[7][offset : offset + 10]
+            site.vehicle.engine.send(
+                common.LogData(id=7, ofs=offset, count=10, data=content), site.network.now
+            )
+
+    site.network.at(1.5, overhear)
+    assert site.download(7).result() == site.contents[7]
+
+
+def test_a_wrong_offset_or_count_is_not_taken() -> None:
+    site = Site()
+    operation = site.client.download(7, START)
+    for ofs, count, number in ((90 << 20, 90, 7), (45, 90, 7), (0, 91, 7), (0, 255, 7), (0, 90, 6)):
+        site.client.receive(packet_of(common.LogData(id=number, ofs=ofs, count=count)), START)
+    assert site.run(operation).result() == site.contents[7]
+
+
+class Hand:
+    """A download driven by hand, up to where its first chunks are asked for."""
+
+    def __init__(self, size: int) -> None:
+        self.client = LogClient(GROUND, VEHICLE)
+        self.operation = self.client.download(LogEntry(1, 5, size), START)
+        self.now = START
+        self.hear(common.LogEntry(id=1, num_logs=1, last_log_num=1, time_utc=5, size=size))
+
+    def hear(self, message) -> None:
+        self.client.receive(packet_of(message), self.now)
+
+    def asked(self) -> list[tuple[int, int]]:
+        sent = sent_by(self.client, self.now)
+        return [(m.ofs, m.count) for m in sent if isinstance(m, common.LogRequestData)]
+
+    def wait(self) -> None:
+        self.now = self.client.next_timeout()
+        self.client.handle_timeout(self.now)
+
+
+def test_copies_of_one_answer_are_one_claim_that_the_log_ends() -> None:
+    hand = Hand(1000)
+    for claim in range(3):
+        assert hand.asked() == [(0, 1080)], claim
+        assert not hand.operation.done
+        for _ in range(5):
+            hand.hear(common.LogData(id=1, ofs=0, count=3, data=b"abc"))
+        if claim < 2:
+            assert hand.asked() == [], "an answer that may be doubled is not asked after at once"
+            hand.wait()
+    hand.hear(common.LogEntry(id=1, num_logs=1, last_log_num=1, time_utc=5, size=1000))
+    assert hand.operation.result() == b"abc"
+
+
+def test_memory_grows_by_what_was_asked_for() -> None:
+    hand = Hand(0xFFFFFFFF)
+    hand.hear(common.LogData(id=1, ofs=90 << 20, count=90))
+    (transfer,) = (part for part in hand.client._running if part is not hand.operation)
+    assert len(transfer._collector._data) == 0
+
+
+def test_the_next_window_is_asked_for_with_the_last_chunk_of_the_one_before() -> None:
+    hand = Hand(90 * 1000 + 1)
+    ((offset, count),) = hand.asked()
+    for start in range(offset, offset + count, 90):
+        hand.hear(common.LogData(id=1, ofs=start, count=90))
+    assert hand.asked() == [(count, 2 * count)]
+
+
+def test_gaps_are_asked_for_after_the_end() -> None:
+    hand = Hand(90 * 60 + 1)
+    assert hand.asked() == [(0, 61 * 90)]
+    for chunk in (*range(10), *range(12, 60)):
+        hand.hear(common.LogData(id=1, ofs=chunk * 90, count=90))
+    hand.hear(common.LogData(id=1, ofs=5400, count=1))
+    ((offset, count),) = hand.asked()
+    assert offset == 900
+    assert count >= 180
+
+
+def listed(*entries: tuple[int, int], last: int = 9) -> tuple:
+    """A list driven by hand: (id, number of logs) of what comes; what is asked next, and the operation."""
+    client = LogClient(GROUND, VEHICLE)
+    operation = client.list_logs(START)
+    sent_by(client)
+    for number, total in entries:
+        client.receive(packet_of(common.LogEntry(id=number, num_logs=total, last_log_num=last)), START)
+    requests = [message for message in sent_by(client) if isinstance(message, common.LogRequestList)]
+    return operation, [(request.start, request.end) for request in requests]
+
+
+def test_a_gap_in_the_list_is_asked_for_by_its_ids() -> None:
+    assert listed((1, 6), (2, 6), (5, 6), (6, 6), last=6)[1] == [(3, 4)]
+
+
+def test_if_an_end_of_the_list_is_missing_all_is_asked_for() -> None:
+    assert listed((2, 4), (3, 4), (4, 4), last=4)[1] == [(0, 0xFFFF)]
+
+
+def test_a_list_that_changes_its_length_begins_anew() -> None:
+    operation, _ = listed((5, 3), (1, 2), (2, 2))
+    assert [entry.id for entry in operation.result()] == [1, 2]
+
+
+def test_two_operations_go_one_after_the_other() -> None:
+    client = LogClient(GROUND, VEHICLE)
+    client.list_logs(START)
+    client.erase(START)
+    assert [type(message) for message in sent_by(client)] == [common.LogRequestList]
+
+
+@pytest.mark.parametrize(
+    ("kind", "impairment"), [(LogServer, None), (LogServer, LOSSY)], ids=["clean", "lossy"]
+)
+def test_erasing_is_seen_to_have_happened(kind: type, impairment: Impairment | None) -> None:
+    site = Site(kind, impairment)
+    assert site.run(site.client.erase(site.network.now)).error is None
+    assert site.store.contents == {}
+
+
+def test_erasing_that_does_nothing_is_a_typed_error() -> None:
+    site = Site()
+    site.store.erase = lambda: None
+    error = site.run(site.client.erase(site.network.now)).error
+    assert isinstance(error, RemoteDenied)
+    assert "7 of its logs are still there" in str(error)
+
+
+def test_a_slow_radio_is_used_well() -> None:
+    site = Site(air=(air := Air()), bandwidth=5760.0)
+    site.download(7)
+    least = 30_000 / 90 * 102 / 5760
+    assert site.network.now - START < 1.25 * least
+    assert air.overflowed == 0
+
+
+@pytest.mark.parametrize("kind", [ArduPilotLogs, PX4Logs])
+def test_a_sender_that_overruns_a_radio_is_slowed_by_smaller_windows(kind: type) -> None:
+    site = Site(kind, air=(air := Air()), sizes=[100_000])
+    (entry,) = site.list().result()
+    assert site.download(entry).result() == site.contents[entry.id]
+    assert site.network.now - START < 1.4 * 100_000 / 90 * 102 / 5760
+    assert air.overflowed < 100
+
+
+def test_on_a_link_that_loses_much_windows_stay_large() -> None:
+    site = Site(impairment=LOSSY, sizes=[300_000])
+    site.download(1)
+    assert site.network.now - START < 8
+    assert len(site.heard(common.LogRequestData)) < 40
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_garbage_never_raises(seed: int) -> None:
+    for begin in (
+        lambda client: client.list_logs(START),
+        lambda client: client.download(LogEntry(0, 0, 100), START),
+        lambda client: client.erase(START),
+    ):
+        client = LogClient(GROUND, VEHICLE)
+        begin(client)
+        feed_garbage(client, [common.LogEntry, common.LogData], seed)

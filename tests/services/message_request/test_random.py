@@ -1,0 +1,46 @@
+"""Requests and rates over a network that does its worst."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, CommandTimeout, MessageTimeout
+from mavstack.services.message_request import GetMessageInterval, Interval, RequestMessage, SetMessageInterval
+from tests.services.message_request.peers import Peers
+from tests.services.network import bad_weather, with_cuts
+
+if TYPE_CHECKING:
+    from tests.seeds import Seeds
+
+DEADLINE = 300.0
+
+
+def scenario(seed: int) -> None:
+    random = Random(seed)
+    peers = Peers(seed, bad_weather(random))
+    with_cuts(peers.network, peers.pipes)
+    if random.random() < 0.2:
+        peers.network.at(random.uniform(0, 3), peers.vehicle.restart)
+    home = peers.begin(RequestMessage(common.HomePosition))
+    denied = peers.begin(RequestMessage(common.GpsRawInt))
+    rate = Interval.hertz(random.choice([1, 2, 5]))
+    setting = peers.begin(SetMessageInterval(common.Attitude, rate))
+    getting = peers.begin(GetMessageInterval(common.Attitude))
+    operations = [home, denied, setting, getting]
+    assert peers.network.run(lambda: all(operation.done for operation in operations), limit=DEADLINE)
+    if home.error is None:
+        assert home.result().altitude == 584_000
+    else:
+        assert isinstance(home.error, MessageTimeout)
+    assert isinstance(denied.error, CommandDenied | MessageTimeout)
+    if getting.error is None:
+        assert getting.result() in (rate, Interval.hertz(4))
+    else:
+        assert isinstance(getting.error, MessageTimeout)
+    assert setting.error is None or isinstance(setting.error, CommandTimeout)
+
+
+def test_requests_over_bad_links(seeds: Seeds) -> None:
+    seeds.check(scenario)

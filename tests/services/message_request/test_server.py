@@ -1,0 +1,154 @@
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.services import EVERYBODY, Priority
+from mavstack.services.command import Command, CommandOperation, CommandServer
+from mavstack.services.message_request import MessageServer, RequestMessage
+from tests.services.message_request.peers import Peers
+from tests.services.network import GROUND, START, VEHICLE, Air
+from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
+
+
+def stream_request(group: int, rate: int = 10, on: int = 1) -> common.RequestDataStream:
+    return common.RequestDataStream(
+        target_system=1, target_component=1, req_stream_id=group, req_message_rate=rate, start_stop=on
+    )
+
+
+def test_a_default_rate_is_kept() -> None:
+    peers = Peers()
+    peers.let_pass(10.1)
+    assert len(peers.heard(common.Attitude)) == 41
+    assert peers.heard(common.HomePosition) == []
+
+
+def test_a_rate_that_was_asked_for_is_kept() -> None:
+    peers = Peers()
+    peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 20_000)))
+    before = len(peers.heard(common.Attitude))
+    peers.let_pass(10)
+    assert len(peers.heard(common.Attitude)) - before == pytest.approx(500, abs=2)
+
+
+@pytest.mark.parametrize("wanted", [-2.0, float("nan"), float("inf")])
+def test_an_interval_that_is_none_is_denied(wanted: float) -> None:
+    peers = Peers()
+    operation = peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, wanted)))
+    assert operation.error.code == common.MavResult.DENIED
+    assert peers.messages.interval_of(30) == 250_000
+
+
+def test_no_rate_floods() -> None:
+    peers = Peers()
+    peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 1.0)))
+    assert peers.messages.interval_of(common.Attitude) == 1_000
+
+
+def test_a_producer_with_nothing_to_tell() -> None:
+    peers = Peers()
+    operation = peers.run(RequestMessage(common.VfrHud))
+    assert operation.error.code == common.MavResult.FAILED
+
+
+def test_instances_by_request_and_by_the_older_command() -> None:
+    peers = Peers()
+
+    def storage(number: float, now: float) -> common.StorageInformation | None:
+        return common.StorageInformation(storage_id=int(number)) if number in (1, 2) else None
+
+    peers.messages.provide_instances(common.StorageInformation, storage)
+    assert peers.run(RequestMessage(common.StorageInformation, (2,))).result().storage_id == 2
+    peers.run(CommandOperation(Command(common.MavCmd.REQUEST_STORAGE_INFORMATION, 1, 1)))
+    assert peers.heard(common.StorageInformation)[-1].storage_id == 1
+    assert peers.run(RequestMessage(common.StorageInformation, (9,))).error is not None
+    assert peers.messages.interval_of(common.StorageInformation) == -1
+
+
+def test_data_streams_of_the_older_way() -> None:
+    peers = Peers()
+    client, server = peers.ground.engine, peers.messages
+    client.send(stream_request(common.MavDataStream.EXTRA1), peers.network.now)
+    peers.let_pass(1)
+    assert server.interval_of(common.Attitude) == 100_000
+    assert peers.heard(common.DataStream) == [common.DataStream(stream_id=10, message_rate=10, on_off=1)]
+    client.send(stream_request(common.MavDataStream.EXTRA1, on=0), peers.network.now)
+    peers.let_pass(1)
+    assert server.interval_of(common.Attitude) == -1
+    client.send(stream_request(common.MavDataStream.ALL, 2), peers.network.now)
+    peers.let_pass(1)
+    assert server.interval_of(common.Attitude) == 500_000
+    assert server.interval_of(common.HomePosition) == -1, "what is sent only on request stays so"
+
+
+def test_a_full_link_thins_telemetry_instead_of_queueing_it() -> None:
+    air = Air()
+    peers = Peers(air=air, bandwidth=5760.0)
+    now = peers.network.now
+    for kind in (common.GlobalPositionInt, common.RawImu, common.SysStatus):
+        peers.messages.provide(kind, lambda _, kind=kind: kind(), interval=0.01, now=now)
+    peers.messages.provide(
+        common.SystemTime,
+        lambda now: common.SystemTime(time_unix_usec=round(now * 1e6)),
+        interval=0.01,
+        now=now,
+    )
+    peers.vehicle.engine.touch(peers.messages)
+    worst = 0.0
+    for _ in range(400):
+        peers.let_pass(0.05)
+        worst = max(worst, air.waiting(1, peers.network.now))
+    assert air.overflowed == 0
+    assert worst < 5760 * 0.25
+    counts = [len(peers.heard(kind)) for kind in (common.GlobalPositionInt, common.RawImu, common.SysStatus)]
+    assert min(counts) > 0.8 * max(counts), "all kinds are thinned alike"
+    ages = [p.timestamp for p in peers.ground.heard if isinstance(p.message, common.SystemTime)]
+    assert len(ages) > 100
+
+
+def test_what_is_most_overdue_goes_first() -> None:
+    server = MessageServer(VEHICLE, CommandServer(VEHICLE))
+    kinds = (common.Attitude, common.RawImu, common.SysStatus)
+    for kind in kinds:
+        server.provide(kind, lambda _, kind=kind: kind(), interval=0.01, now=START)
+    sent = []
+    for turn in range(30):
+        room = iter([True, False])
+        sent += server.messages_to_send(START + turn, lambda *_, room=room: next(room))
+    assert [sum(isinstance(outgoing.message, kind) for outgoing in sent) for kind in kinds] == [10, 10, 10]
+
+
+def test_what_is_late_is_made_fresh_and_not_made_up_for() -> None:
+    server = MessageServer(VEHICLE, CommandServer(VEHICLE))
+    server.provide(
+        common.SystemTime,
+        lambda now: common.SystemTime(time_boot_ms=round(now - START)),
+        interval=1,
+        now=START,
+    )
+
+    def full(target, priority=Priority.BULK) -> bool:
+        assert (target, priority) == (EVERYBODY, Priority.STREAM)
+        return False
+
+    assert list(server.messages_to_send(START, full)) == []
+    assert server.next_timeout() > START, "a stream without room may not spin"
+    messages = sent_by(server, START + 10)
+    assert [message.time_boot_ms for message in messages] == [10]
+    assert server.next_timeout() == START + 11
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_garbage_never_raises(seed: int) -> None:
+    commands = CommandServer(VEHICLE)
+    server = MessageServer(VEHICLE, commands)
+    server.provide(common.Attitude, lambda _: common.Attitude(), interval=1, now=START)
+    feed_garbage(server, [common.RequestDataStream, common.CommandLong, common.CommandInt], seed)
+    for command in (511, 512, 510):
+        for value in (-1.0, 0.0, 30.0, 1e30, float("nan"), float("inf"), 30.5):
+            for other in (-1.0, float("nan"), float("-inf"), 1e30, 0.4):
+                message = common.CommandLong(command=command, param1=value, param2=other, confirmation=0)
+                commands.receive(packet_of(message, GROUND), START + value if value < 99 else START)
+                sent_by(commands)
+                sent_by(server, START + 1)

@@ -1,0 +1,58 @@
+"""Texts over a network that does its worst: whole and once, or marked, and never made up."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING
+
+from mavstack.services.statustext import GAP, StatusText, StatustextReceiver, StatustextSender
+from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+
+if TYPE_CHECKING:
+    from tests.seeds import Seeds
+
+
+def scenario(seed: int) -> None:
+    network, random = Network(seed), Random(seed)
+    letters = "abcdefghijklmnopqrstuvwxyzäöü€𝛑"
+    senders: list[StatustextSender] = []
+    texts = [
+        f"<{number}> " + "".join(random.choices(letters, k=random.choice([5, 50, 46, random.randrange(300)])))
+        for number in range(20)
+    ]
+    vehicle = network.node(VEHICLE, lambda engine: senders.append(engine.add(StatustextSender(VEHICLE))))
+    ground = network.node(GROUND)
+    ground.engine.add(StatustextReceiver(GROUND))
+    weather = bad_weather(random)
+    pipes = network.connect(ground, vehicle, weather)
+    with_cuts(network, pipes)
+
+    starting_until = [0.0]
+
+    def restart() -> None:
+        starting_until[0] = network.now + 3.0  # no sender starts faster
+        vehicle.restart()
+
+    def say(text: str) -> None:
+        if not network.now < starting_until[0]:
+            senders[-1].say(text)
+            vehicle.engine.touch(senders[-1])
+
+    for number, text in enumerate(texts):
+        network.at(0.4 * number, lambda text=text: say(text))
+    if random.random() < 0.3:
+        network.at(random.uniform(0, 8), restart)
+    network.run(limit=60)
+    told: list[StatusText] = ground.events_of(StatusText)
+    whole = [event.text for event in told if event.complete]
+    assert len(set(whole)) == len(whole)
+    assert set(whole) <= set(texts)
+    for event in told:
+        assert event.complete != (GAP in event.text)
+        if not event.complete:
+            parts = [part.strip("\N{REPLACEMENT CHARACTER}") for part in event.text.split(GAP)]
+            assert any(all(part in text for part in parts) for text in texts)
+
+
+def test_texts_over_bad_links(seeds: Seeds) -> None:
+    seeds.check(scenario)

@@ -1,0 +1,32 @@
+"""Over a network that does its worst every restart is seen, and nothing else is taken for one."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING
+
+from mavstack.services.system_time import Rebooted, SystemTimeBroadcaster, SystemTimeObserver
+from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+
+if TYPE_CHECKING:
+    from tests.seeds import Seeds
+
+
+def scenario(seed: int) -> None:
+    network, random = Network(seed), Random(seed)
+
+    def setup(engine) -> None:
+        engine.add(SystemTimeBroadcaster(VEHICLE, network.now, rate=5))
+
+    vehicle, ground = network.node(VEHICLE, setup), network.node(GROUND)
+    ground.engine.add(SystemTimeObserver(GROUND))
+    with_cuts(network, network.connect(ground, vehicle, bad_weather(random)))
+    restarts = random.randrange(3)
+    for number in range(restarts):
+        network.at(20 + 30 * number, vehicle.restart)
+    network.run(limit=100)
+    assert len(ground.events_of(Rebooted)) == restarts
+
+
+def test_restarts_over_bad_links(seeds: Seeds) -> None:
+    seeds.check(scenario)
