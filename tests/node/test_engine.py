@@ -234,3 +234,24 @@ def test_a_message_that_version_1_cannot_carry_is_counted_and_our_own_raises() -
     assert old.unsendable == 1
     with pytest.raises(EncodeError):
         engine.send(common.ProtocolVersion(), START)
+
+
+def test_a_slow_channel_thins_its_own_telemetry_only() -> None:
+    class Telemetry(Service):
+        def __init__(self) -> None:
+            super().__init__(GROUND)
+            self.due = 50
+
+        def bulk_messages(self, now, has_room) -> Iterator[Outgoing]:
+            while self.due and has_room(Address(0, 0), Priority.STREAM):
+                self.due -= 1
+                yield Outgoing(common.Attitude(), Address(0, 0), Priority.STREAM)
+
+    engine = Engine(GROUND)
+    slow, fast = engine.open_channel("slow", bandwidth=1000), engine.open_channel("fast")
+    engine.add(Telemetry())
+    sent = [channel.name for channel, _ in engine.data_to_send(START)]
+    assert sent.count("fast") == 50
+    assert sent.count("slow") + slow.thinned == 50
+    assert 0 < slow.thinned < 50
+    assert fast.thinned == 0

@@ -31,6 +31,7 @@ class ChannelState:
         #: Whether signing keys may be set over it: a cable, not a radio.
         self.trusted = False
         self.pacer = Pacer(bandwidth, half_duplex=half_duplex)
+        self.thinned = 0  # messages of streams for which there was no room
         self.unsendable = 0  # messages that this MAVLink version cannot carry
         self._dialect = dialect
         self._version = version

@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from mavstack.services import Service
 
 LETTING_GO = 0.1
-Value = TypeVar("Value", contravariant=True)
+Value_contra = TypeVar("Value_contra", contravariant=True)
 Sent = TypeVar("Sent")
 
 
-class Sender(Protocol[Value]):
+class Sender(Protocol[Value_contra]):
     """What sends a stream: a service of `setpoints` or `manual_control`."""
 
     @property
     def active(self) -> bool:
         """Whether it still sends."""
 
-    def set(self, value: Value, now: float, /) -> None:
+    def set(self, value: Value_contra, now: float, /) -> None:
         """Send this from now on."""
 
     def stop(self, now: float, /) -> None:
@@ -64,6 +64,6 @@ class ControlStream(Generic[Sent]):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.stop()
-        while self._sender.active:  # it says more than once that it lets go
+        while self._sender.active:  # noqa: ASYNC110 (it says more than once that it lets go, by timers)
             await asyncio.sleep(LETTING_GO)
         self._node.engine.remove(self._service)

@@ -219,6 +219,8 @@ class Engine:
     def _has_room(self, service: Service, target: Address, priority: Priority, now: float) -> bool:
         channels = self.routes.channels_to(target, self.channels)
         full = [channel for channel in channels if not channel.pacer.has_room(priority, now)]
+        if priority is Priority.STREAM and len(full) < len(channels):
+            return True  # a slow link thins what goes over it, not what goes over the others
         if full:
             again = max(channel.pacer.room_at(now) for channel in full)
             known = self._waiting_for_room.get(service, again)
@@ -227,6 +229,9 @@ class Engine:
 
     def _dispatch(self, outgoing: Outgoing, source: Address, now: float) -> None:
         for channel in self.routes.channels_to(outgoing.target, self.channels):
+            if outgoing.priority is Priority.STREAM and not channel.pacer.has_room(Priority.STREAM, now):
+                channel.thinned += 1
+                continue
             try:
                 self._encode(outgoing, channel, source, now)
             except EncodeError:

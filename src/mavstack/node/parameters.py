@@ -63,7 +63,7 @@ class Parameters:
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Mapping[str, Parameter]:
-        """Fetch them all: the packed file where there is one, else the list; nothing if `known` still holds."""
+        """Fetch them all: by the packed file, or the list, or not at all if `known` still holds."""
         await self._know_encoding()
         if not await self._fetched_packed():
             node = self._remote.node

@@ -4,8 +4,7 @@ A component is found by its first HEARTBEAT, or by HIGH_LATENCY2, whose senders 
 What a vehicle is, its type says, not its component id. It is lost after `timeout` seconds without a sign of
 life; other regular messages count as such, since on a bad link five heartbeats in a row are easily lost.
 
-A reboot shows in `time_boot_ms` falling by more than a second, twice in a row: one such message alone is a
-late one. The counter also falls, and nobody rebooted, when its 32 bits are full after 49.7 days.
+A reboot shows in `time_boot_ms`, which begins anew (see `RebootDetector`).
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.service import Event, Service
+from mavstack.services.system_time import RebootDetector
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet
@@ -25,9 +25,6 @@ TIMEOUT = 5.0
 HIGH_LATENCY_TIMEOUT = 30.0
 #: So many components are remembered; beyond it new ones are not, since real networks are far smaller.
 MOST_COMPONENTS = 4096
-#: `time_boot_ms` falls by this much only in a reboot.
-REBOOT_FALL = 1000
-BOOT_TIME_PERIOD = 1 << 32
 
 _WITH_BOOT_TIME = (
     common.SystemTime,
@@ -109,31 +106,6 @@ class ComponentRebooted(Event):
     component: ComponentInfo
 
 
-class _BootTime:
-    """The newest `time_boot_ms` of a component, and the first that was lower."""
-
-    __slots__ = ("highest", "suspect")
-
-    def __init__(self) -> None:
-        self.highest = 0
-        self.suspect: int | None = None
-
-    def fell(self, milliseconds: int) -> bool:
-        """Take in a boot time; True if it proves a reboot."""
-        fall = self.highest - milliseconds
-        if fall > BOOT_TIME_PERIOD // 2:  # the counter was full
-            fall -= BOOT_TIME_PERIOD
-        if fall <= REBOOT_FALL:
-            self.highest = milliseconds if fall < 0 else self.highest
-            self.suspect = None
-            return False
-        if self.suspect is None or milliseconds < self.suspect:
-            self.suspect = milliseconds
-            return False
-        self.highest, self.suspect = milliseconds, None
-        return True
-
-
 class Discovery(Service):
     """The components that are or were heard, by address."""
 
@@ -142,7 +114,7 @@ class Discovery(Service):
     def __init__(self, local: Address) -> None:
         super().__init__(local)
         self.components: dict[Address, ComponentInfo] = {}
-        self._boot_times: dict[Address, _BootTime] = {}
+        self._boot_times: dict[Address, RebootDetector] = {}
 
     def receive(self, packet: Packet, now: float) -> None:
         address = Address(packet.system, packet.component)
@@ -155,7 +127,7 @@ class Discovery(Service):
                 known = self.components.get(address)
                 if known is not None:
                     self._take_in(replace(known, last_seen=now))
-                    self._check_boot_time(address, message.time_boot_ms)
+                    self._check_boot_time(address, message.time_boot_ms, now)
 
     def next_timeout(self) -> float | None:
         alive = (info for info in self.components.values() if info.alive)
@@ -213,7 +185,6 @@ class Discovery(Service):
             self.tell(ComponentReturned(info))
         self.components[info.address] = info
 
-    def _check_boot_time(self, address: Address, milliseconds: int) -> None:
-        boot_time = self._boot_times.setdefault(address, _BootTime())
-        if boot_time.fell(milliseconds):
+    def _check_boot_time(self, address: Address, milliseconds: int, now: float) -> None:
+        if self._boot_times.setdefault(address, RebootDetector()).observe(milliseconds, now):
             self.tell(ComponentRebooted(self.components[address]))

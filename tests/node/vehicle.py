@@ -1,0 +1,93 @@
+"""A component that offers every service, on a node over a memory link, for tests of the asking side."""
+
+from __future__ import annotations
+
+from mavstack.dialects import common
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node
+from mavstack.services.log import LogEntry, LogServer
+from mavstack.services.manual_control import ManualControlReceiver
+from mavstack.services.mission import MissionServer
+from mavstack.services.modes import ModeChanged, ModeServer, modes_of
+from mavstack.services.parameters import Encoding, ParameterServer
+from mavstack.services.serial_control import ShellInput, ShellServer
+from mavstack.services.setpoints import SetpointReceiver
+from mavstack.services.version import AutopilotVersion, provide_versions
+
+COPTER = common.MavType.QUADROTOR
+CAN = common.MavProtocolCapability
+
+
+class MemoryLogs:
+    """Logs in memory."""
+
+    def __init__(self) -> None:
+        self.contents = {1: bytes(range(256)) * 40, 2: b"short"}
+
+    def logs(self):
+        return [LogEntry(number, 1_700_000_000, len(data)) for number, data in self.contents.items()]
+
+    def read(self, number, offset, count, /):
+        return self.contents[number][offset : offset + count]
+
+    def erase(self):
+        self.contents.clear()
+
+
+class Vehicle(Node):
+    """Everything a vehicle answers to."""
+
+    def __init__(self, link, *, autopilot: int = common.MavAutopilot.PX4) -> None:
+        super().__init__(link, system=1, component=1, type=COPTER, autopilot=autopilot)
+        bytewise = autopilot == common.MavAutopilot.PX4
+        encoding = Encoding.BYTEWISE if bytewise else Encoding.C_CAST
+        self.parameters = self.serve(ParameterServer(self.address, encoding))
+        for number in range(40):
+            self.parameters.add(f"P_{number:02}", number)
+        self.logs = MemoryLogs()
+        self.serve(LogServer(self.address, self.logs))
+        self.serve(MissionServer(self.address))
+        modes = modes_of(autopilot, COPTER, MODES[autopilot])
+        self.modes = self.serve(ModeServer(self.address, modes, 0, autopilot=autopilot))
+        self.modes.register(self.commands.server)
+        self.shell = self.serve(ShellServer(self.address))
+        self.setpoints = self.serve(SetpointReceiver(self.address))
+        self.sticks = self.serve(ManualControlReceiver(self.address))
+        capabilities = CAN.PARAM_ENCODE_BYTEWISE if bytewise else CAN.PARAM_ENCODE_C_CAST | CAN.FTP
+        provide_versions(self.message_server, AutopilotVersion(capabilities=capabilities))
+
+    def _happened(self, event, service) -> None:
+        super()._happened(event, service)
+        match event:
+            case ModeChanged():
+                self.beacon.custom_mode = self.modes.current.custom_mode
+                self.beacon.soon(self.now())
+                self.changed(self.beacon)
+            case ShellInput(data=data):
+                self.shell.feed(b"you said " + data)
+                self.changed(self.shell)
+
+
+MODES = {
+    common.MavAutopilot.PX4: [0, 0x04040000, 0x05040000],
+    common.MavAutopilot.ARDUPILOTMEGA: [0, 4, 6],
+}
+
+
+class Pair:
+    """A ground station and a vehicle."""
+
+    def __init__(self, **options) -> None:
+        network = MemoryNetwork()
+        self.ground = Node(network.link())
+        self.vehicle = Vehicle(network.link(), **options)
+
+    async def __aenter__(self):
+        await self.ground.open()
+        await self.vehicle.open()
+        self.remote = await self.ground.autopilot()
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.vehicle.close()
+        await self.ground.close()
