@@ -7,8 +7,9 @@ import asyncio
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import ParameterDenied
+from mavstack.errors import FileDenied, ParameterDenied
 from mavstack.services import Address
+from mavstack.services.ftp import file_crc32
 from mavstack.services.manual_control import ManualInput
 from mavstack.services.setpoints import LocalSetpoint
 from tests.links.virtual import run_virtually
@@ -116,5 +117,64 @@ def test_a_message_is_addressed_by_the_way() -> None:
             pair.remote.send(common.PlayTuneV2(tune="MFT200"))
             message = await anext(heard)
         assert Address(message.target_system, message.target_component) == (1, 1)
+
+    with_pair(work)
+
+
+def test_files() -> None:
+    async def work(pair: Pair) -> None:
+        files = pair.remote.files
+        assert {entry.name for entry in await files.list("/")} >= {"logs", "hello.txt"}
+        steps: list = []
+        data = await files.read("/logs/flight.bin", progress=lambda *step: steps.append(step))
+        assert data == bytes(range(256)) * 200
+        assert steps[-1] == (len(data), len(data))
+        assert await files.read("/logs/flight.bin", offset=100, size=3) == bytes([100, 101, 102])
+        await files.make_directory("/plans")
+        await files.write("/plans/a.txt", b"a" * 1000)
+        assert await files.checksum("/plans/a.txt") == file_crc32(b"a" * 1000)
+        await files.rename("/plans/a.txt", "/plans/b.txt")
+        await files.truncate("/plans/b.txt", 10)
+        assert pair.vehicle.files["plans/b.txt"] == b"a" * 10
+        await files.remove("/plans/b.txt")
+        await files.remove_directory("/plans")
+        with pytest.raises(FileDenied, match=r"plans/b.txt"):
+            await files.read("/plans/b.txt")
+
+    with_pair(work)
+
+
+def test_a_cancelled_read_leaves_no_session() -> None:
+    async def work(pair: Pair) -> None:
+        def stop(_done: int, _total: int) -> None:
+            task.cancel()
+
+        task = asyncio.ensure_future(pair.remote.files.read("/logs/flight.bin", progress=stop))
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        await asyncio.sleep(2)
+        assert not pair.vehicle.ftp.sessions
+
+    with_pair(work)
+
+
+def test_ardupilots_parameters_come_as_one_file() -> None:
+    async def work(pair: Pair) -> None:
+        async with pair.ground.packets(common.ParamValue) as values:
+            fetched = await pair.remote.parameters.fetch()
+            assert len(values.take()) == 0
+        assert {name: parameter.value for name, parameter in fetched.items()} == {
+            f"P_{number:02}": number for number in range(40)
+        }
+
+    with_pair(work, autopilot=common.MavAutopilot.ARDUPILOTMEGA)
+
+
+def test_extended_parameters() -> None:
+    async def work(pair: Pair) -> None:
+        extended = pair.remote.extended_parameters
+        assert (await extended.get("CAM_MODE")).value == "photo"
+        assert (await extended.set("CAM_MODE", "video")).value == "video"
+        assert list(await extended.fetch()) == ["CAM_MODE"]
 
     with_pair(work)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from mavstack.dialects import common
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
+from mavstack.services.extended_parameters import ExtendedParameterServer
+from mavstack.services.ftp import FtpServer, MemoryStore
 from mavstack.services.log import LogEntry, LogServer
 from mavstack.services.manual_control import ManualControlReceiver
 from mavstack.services.mission import MissionServer
@@ -50,6 +52,13 @@ class Vehicle(Node):
         modes = modes_of(autopilot, COPTER, MODES[autopilot])
         self.modes = self.serve(ModeServer(self.address, modes, 0, autopilot=autopilot))
         self.modes.register(self.commands.server)
+        self.files = MemoryStore(
+            {"logs/flight.bin": bytes(range(256)) * 200, "hello.txt": b"hello"},
+            {"@PARAM/param.pck": self.parameters.table.packed},
+        )
+        self.ftp = self.serve(FtpServer(self.address, self.files))
+        self.extended = self.serve(ExtendedParameterServer(self.address))
+        self.extended.add("CAM_MODE", "photo")
         self.shell = self.serve(ShellServer(self.address))
         self.setpoints = self.serve(SetpointReceiver(self.address))
         self.sticks = self.serve(ManualControlReceiver(self.address))

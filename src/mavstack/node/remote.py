@@ -12,6 +12,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.node.control import ControlStream
+from mavstack.node.extended_parameters import ExtendedParameters
+from mavstack.node.files import Files
 from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
 from mavstack.node.parameters import Parameters
@@ -136,6 +138,16 @@ class RemoteComponent:
     def parameters(self) -> Parameters:
         """Its parameters."""
         return Parameters(self)
+
+    @cached_property
+    def extended_parameters(self) -> ExtendedParameters:
+        """Its extended parameters, which cameras have."""
+        return ExtendedParameters(self)
+
+    @cached_property
+    def files(self) -> Files:
+        """The files on it."""
+        return Files(self)
 
     @cached_property
     def logs(self) -> Logs:

@@ -126,9 +126,14 @@ class Operation(Generic[Result]):
             self.done, self.error, self.timeout = True, error, None
 
     def moved(self, now: float, done: int = 0, total: int = 0) -> None:
-        """Say that the other end is alive: patience starts anew, and progress is told if it is given."""
+        """Say that the other end is alive: patience starts anew, and progress is told if it is given.
+
+        A part of another operation says it for the whole.
+        """
         self._quiet_until = now + self._patience
-        if done or total:
+        if self.parent is not None:
+            self.parent.moved(now, done, total)
+        elif done or total:
             self.client.tell(Progress(self, done, total))
 
     def begin(self, child: AnyOperation, now: float) -> AnyOperation:

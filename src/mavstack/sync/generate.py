@@ -20,6 +20,14 @@ from typing import TypeAlias
 MODULES = (
     "subscription",
     "command_handlers",
+    "control",
+    "extended_parameters",
+    "files",
+    "logs",
+    "modes",
+    "parameters",
+    "plans",
+    "shell",
     "remote",
     "node",
 )
@@ -40,7 +48,7 @@ def stub() -> str:
     trees = [_parsed(name) for name in MODULES]
     classes = [item for tree in trees for item in tree.body if _is_public_class(item)]
     own = {item.name for item in classes if isinstance(item, ast.ClassDef)}
-    variables = {ast.unparse(item): None for tree in trees for item in tree.body if _is_type_variable(item)}
+    variables = _type_variables(trees).values()
     texts = ["\n" + ast.unparse(_blocking(item)) for item in classes]
     used = set(re.findall(r"\w+", " ".join((*variables, *texts))))
     imports = {line: None for tree in trees for line in _imports(tree, used - own)}
@@ -70,6 +78,12 @@ def _is_public_class(item: ast.stmt) -> bool:
 
 def _is_type_variable(item: ast.stmt) -> bool:
     return isinstance(item, ast.Assign) and ast.unparse(item.value).startswith("TypeVar(")
+
+
+def _type_variables(trees: list[ast.Module]) -> dict[str, str]:
+    """The lines that make type variables, by name: several modules may have the same."""
+    items = [item for tree in trees for item in tree.body if _is_type_variable(item)]
+    return {ast.unparse(item).partition(" ")[0]: ast.unparse(item) for item in items}
 
 
 def _imports(tree: ast.Module, used: set[str]) -> list[str]:

@@ -1,0 +1,29 @@
+"""Extended parameters, whose values may be text: the client and the server."""
+
+from mavstack.services.extended_parameters.client import ExtendedParameterChanged, ExtendedParameterClient
+from mavstack.services.extended_parameters.operations import (
+    ListExtendedParameters,
+    ReadExtendedParameter,
+    SetExtendedParameter,
+)
+from mavstack.services.extended_parameters.server import (
+    ExtendedParameterServer,
+    ExtendedParameterWritten,
+    ExtendedSetRequest,
+    ExtendedSetStarted,
+)
+from mavstack.services.extended_parameters.value import ExtendedParameter, ExtendedValue
+
+__all__ = [
+    "ExtendedParameter",
+    "ExtendedParameterChanged",
+    "ExtendedParameterClient",
+    "ExtendedParameterServer",
+    "ExtendedParameterWritten",
+    "ExtendedSetRequest",
+    "ExtendedSetStarted",
+    "ExtendedValue",
+    "ListExtendedParameters",
+    "ReadExtendedParameter",
+    "SetExtendedParameter",
+]

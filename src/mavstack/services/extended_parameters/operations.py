@@ -1,0 +1,237 @@
+"""What an `ExtendedParameterClient` asks: one parameter, a new value, or all of them; see `client`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar, cast
+
+from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError, ParameterDenied, ParameterTimeout
+from mavstack.services.extended_parameters.value import (
+    ExtendedParameter,
+    ExtendedValue,
+    encode,
+    is_known,
+    with_field,
+)
+from mavstack.services.operation import Operation
+from mavstack.services.parameters.listing import Listing
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from mavstack.dialects import Message
+    from mavstack.services.extended_parameters.client import ExtendedParameterClient, HeardExtended
+    from mavstack.services.timing import RoundTrip
+    from mavstack.wire import Packet
+
+Result = TypeVar("Result")
+
+ATTEMPTS = 6
+#: So many acknowledgements with another value say that the component keeps it.
+REFUSALS = 3
+#: How often the value is asked for while it is being set, and how long that may take in silence.
+PROGRESS_INTERVAL = 2.0
+PROGRESS_PATIENCE = 30.0
+
+
+class ExtendedOperation(Operation[Result]):
+    """An operation that sends one request until it is answered."""
+
+    timeout_error = ParameterTimeout
+
+    def __init__(self, request: str, *, limit: float | None = None) -> None:
+        super().__init__(request, limit=limit, patience=PROGRESS_PATIENCE)
+        self._sent_at = 0.0
+
+    @property
+    def parameters(self) -> ExtendedParameterClient:
+        """The client that runs it."""
+        return cast("ExtendedParameterClient", self.client)
+
+    def start(self, now: float) -> None:
+        self.transmit(now)
+
+    def handle_timeout(self, now: float) -> None:
+        if self.attempts >= ATTEMPTS:
+            self.give_up(now)
+        else:
+            self.transmit(now)
+
+    def transmit(self, now: float) -> None:
+        """Send the request and wait."""
+        self.send_request()
+        self.attempts += 1
+        self._sent_at = now
+        self.timeout = now + self.parameters.round_trip.timeout(self.attempts)
+
+    def send_request(self) -> None:
+        """Send what is asked."""
+
+    def answered(self, now: float) -> None:
+        """An answer came; an only request measures the round trip."""
+        if self.attempts == 1:
+            self.parameters.round_trip.measured(now - self._sent_at)
+
+    def receive(self, packet: Packet, now: float) -> None:
+        heard = self.parameters.heard
+        if heard is not None and not heard.overtaken:
+            self.value_came(heard, now)
+
+    def value_came(self, heard: HeardExtended, now: float) -> None:
+        """The target told a value or acknowledged one."""
+
+
+class ReadExtendedParameter(ExtendedOperation[ExtendedParameter]):
+    """Asks for one parameter by name or index."""
+
+    def __init__(self, which: str | int, *, limit: float | None = None) -> None:
+        super().__init__(f"extended parameter {which}", limit=limit)
+        self.which = which
+
+    def send_request(self) -> None:
+        self.send(read_request(self.target.system, self.target.component, self.which))
+
+    def value_came(self, heard: HeardExtended, now: float) -> None:
+        if heard.result is None and self.which in (heard.parameter.name, heard.parameter.index):
+            self.answered(now)
+            self.finish(heard.parameter)
+
+
+class SetExtendedParameter(ExtendedOperation[ExtendedParameter]):
+    """Sets one parameter; begins by asking for its type, if that is not known."""
+
+    def __init__(self, name: str, value: ExtendedValue, kind: int | None, *, limit: float | None) -> None:
+        super().__init__(f"{name} = {value!r}", limit=limit)
+        self.name = name
+        self._asked = value
+        self._kind = kind
+        self._wanted: bytes | None = None
+        self._kept: ExtendedParameter | None = None
+        self._refusals = 0
+        self._in_progress = False
+
+    def start(self, now: float) -> None:
+        known = self.parameters.parameters.get(self.name)
+        if self._kind is None and known is not None:
+            self._kind = known.type
+        if self._kind is None:
+            self.begin(ReadExtendedParameter(self.name), now)
+        else:
+            self._begin_setting(now)
+
+    def child_ended(self, child: Operation[Any], now: float) -> None:
+        if self.done:
+            return
+        if child.error is not None:
+            self.fail(child.error)
+        else:
+            self._kind = child.result().type
+            self.moved(now)
+            self._begin_setting(now)
+
+    def handle_timeout(self, now: float) -> None:
+        if self._in_progress:
+            self.send(read_request(self.target.system, self.target.component, self.name))
+            self.timeout = now + PROGRESS_INTERVAL
+            return
+        if self._kept is not None:
+            self._refusals += 1
+            if self._refusals >= REFUSALS:
+                self._deny(common.ParamAck.FAILED, f"it became {self._kept.value!r}")
+                return
+        super().handle_timeout(now)
+
+    def give_up(self, now: float, answer: str = "no answer") -> None:
+        super().give_up(now, "began, and then fell silent" if self._in_progress else answer)
+
+    def send_request(self) -> None:
+        message = common.ParamExtSet(
+            target_system=self.target.system,
+            target_component=self.target.component,
+            param_id=self.name,
+            param_type=self._kind or 0,
+        )
+        self.send(with_field(message, self._wanted or b""))
+        self._kept = None
+
+    def value_came(self, heard: HeardExtended, now: float) -> None:
+        if heard.parameter.name != self.name or self._wanted is None:
+            return
+        if heard.result is None:
+            if self._in_progress and self._is_wanted(heard.parameter):
+                self.finish(heard.parameter)
+        elif heard.result == common.ParamAck.IN_PROGRESS:
+            self._in_progress = True
+            self.moved(now)
+            self.timeout = now + PROGRESS_INTERVAL
+        elif heard.result != common.ParamAck.ACCEPTED:
+            self.answered(now)
+            self._deny(heard.result)
+        elif self._is_wanted(heard.parameter):
+            self.answered(now)
+            self.finish(self.parameters.parameters.get(self.name, heard.parameter))
+        else:
+            self._kept = heard.parameter
+
+    def _is_wanted(self, parameter: ExtendedParameter) -> bool:
+        return (
+            parameter.type == self._kind
+            and is_known(parameter.type)
+            and encode(parameter.value, parameter.type) == self._wanted
+        )
+
+    def _begin_setting(self, now: float) -> None:
+        try:
+            self._wanted = encode(self._asked, self._kind or 0)
+        except LocalProtocolError as error:
+            self.fail(error)
+            return
+        self.transmit(now)
+
+    def _deny(self, code: int, answer: str = "") -> None:
+        known = code in {entry.value for entry in common.ParamAck}
+        reason = answer or (common.ParamAck(code).name if known else f"result {code}")
+        self.fail(
+            ParameterDenied(
+                self.request, str(self.target), attempts=self.attempts, answer=reason, code=int(code)
+            )
+        )
+
+
+class ListExtendedParameters(Listing["dict[str, ExtendedParameter]"]):
+    """Fetches all extended parameters."""
+
+    def __init__(self, round_trip: RoundTrip, *, limit: float | None = None, patience: float = 10.0) -> None:
+        super().__init__("all extended parameters", round_trip, limit=limit, patience=patience)
+
+    @property
+    def parameters(self) -> ExtendedParameterClient:
+        """The client that runs it."""
+        return cast("ExtendedParameterClient", self.client)
+
+    def list_request(self) -> Message:
+        target = self.target
+        return common.ParamExtRequestList(target_system=target.system, target_component=target.component)
+
+    def entry_request(self, index: int) -> Message:
+        return read_request(self.target.system, self.target.component, index)
+
+    def receive(self, packet: Packet, now: float) -> None:
+        heard = self.parameters.heard
+        if heard is not None and heard.result is None and heard.parameter.index is not None:
+            parameter = heard.parameter
+            self.entry_came(parameter.index or 0, heard.count, parameter.name, now, overtaken=heard.overtaken)
+
+    def listed(self, names: list[str], now: float) -> None:
+        self.parameters.now_whole(names)
+        self.finish(dict(self.parameters.parameters))
+
+
+def read_request(system: int, component: int, which: str | int) -> common.ParamExtRequestRead:
+    """The message that asks for one parameter by name or index."""
+    return common.ParamExtRequestRead(
+        target_system=system,
+        target_component=component,
+        param_id=which if isinstance(which, str) else "",
+        param_index=-1 if isinstance(which, str) else which,
+    )

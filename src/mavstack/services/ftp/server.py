@@ -1,0 +1,314 @@
+"""Giving others access to files (guide: file transfer protocol).
+
+Each request is carried out at once and answered once; the same request again (its number and content) gets
+the same reply and is not carried out. A burst is made packet by packet while there is room on the links to
+the client, up to a limit, so that a client which is gone costs little; its last packet says `burst_complete`.
+`paced=False` sends it at once, as a server does that knows nothing of the links behind it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from errno import EEXIST, ENOENT, ENOTDIR
+from typing import TYPE_CHECKING, TypeAlias
+
+from mavstack.dialects import common
+from mavstack.services.addressing import Address, message_ids
+from mavstack.services.ftp.entries import pack_entries
+from mavstack.services.ftp.payload import MOST_DATA, SEQUENCES, FtpError, FtpPayload, Opcode, file_crc32
+from mavstack.services.ftp.sessions import Burst, Memory, Session, Sessions
+from mavstack.services.service import HasRoom, Outgoing, Priority, Service
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.services.ftp.stores import FileStore
+    from mavstack.wire import Packet
+
+#: A burst ends after so many bytes; the client asks for the next.
+MOST_IN_BURST = 150 * MOST_DATA
+_CRC_PIECE = 1 << 16
+_CHANGES = frozenset(
+    {
+        Opcode.CREATEFILE,
+        Opcode.OPENFILEWO,
+        Opcode.WRITEFILE,
+        Opcode.REMOVEFILE,
+        Opcode.CREATEDIRECTORY,
+        Opcode.REMOVEDIRECTORY,
+        Opcode.TRUNCATEFILE,
+        Opcode.RENAME,
+    }
+)
+
+
+#: What carries out a request: the request, its source, now; gives the reply.
+_Operation: TypeAlias = Callable[[FtpPayload, Address, float], FtpPayload]
+
+
+class _RefusedError(Exception):
+    """A request is answered by a NAK."""
+
+    def __init__(self, code: int) -> None:
+        super().__init__(code)
+        self.code = code
+
+
+class FtpServer(Service):
+    """Serves the files of a store to whoever asks."""
+
+    handles = message_ids(common.FileTransferProtocol)
+
+    def __init__(
+        self, local: Address, store: FileStore, *, read_only: bool = False, paced: bool = True
+    ) -> None:
+        super().__init__(local)
+        self.store = store
+        self.read_only = read_only
+        self.sessions = Sessions()
+        self._paced = paced
+        self._memory = Memory()
+        self._operations: dict[int, _Operation] = {
+            Opcode.NONE: self._nothing,
+            Opcode.TERMINATESESSION: self._terminate,
+            Opcode.RESETSESSION: self._reset,
+            Opcode.LISTDIRECTORY: self._list,
+            Opcode.LISTDIRECTORYWITHTIME: self._list,
+            Opcode.OPENFILERO: self._open,
+            Opcode.OPENFILEWO: self._open,
+            Opcode.CREATEFILE: self._open,
+            Opcode.READFILE: self._read,
+            Opcode.WRITEFILE: self._write,
+            Opcode.REMOVEFILE: self._change_path,
+            Opcode.CREATEDIRECTORY: self._change_path,
+            Opcode.REMOVEDIRECTORY: self._change_path,
+            Opcode.TRUNCATEFILE: self._truncate,
+            Opcode.RENAME: self._rename,
+            Opcode.CALCFILECRC: self._crc,
+        }
+
+    def receive(self, packet: Packet, now: float) -> None:
+        request = None if packet.message is None else FtpPayload.read(packet.message)
+        if request is None or request.opcode in (Opcode.ACK, Opcode.NAK):
+            return
+        source = Address(packet.system, packet.component)
+        known = self._memory.recall(source, request, now)
+        if known is not None:
+            self.send(known, source)
+            return
+        reply = self._carry_out(request, source, now)
+        if reply is not None:
+            self._answer(request, reply, source, now)
+
+    def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
+        bursting = [session for session in self.sessions if session.burst is not None]
+        while bursting:
+            for session in tuple(bursting):
+                burst = session.burst
+                if burst is None or (self._paced and not has_room(session.owner)):
+                    bursting.remove(session)
+                    continue
+                session.used_at = now
+                reply = self._next_of_burst(session, burst)
+                yield Outgoing(reply.to_message(*session.owner), session.owner, Priority.BULK)
+
+    def next_timeout(self) -> float | None:
+        return self.sessions.next_timeout()
+
+    def handle_timeout(self, now: float) -> None:
+        self.sessions.close_idle(now)
+
+    # Answering
+
+    def _carry_out(self, request: FtpPayload, source: Address, now: float) -> FtpPayload | None:
+        try:
+            if request.size > MOST_DATA and request.opcode not in (Opcode.READFILE, Opcode.BURSTREADFILE):
+                raise _RefusedError(FtpError.INVALIDDATASIZE)
+            if self.read_only and request.opcode in _CHANGES:
+                raise _RefusedError(FtpError.FILEPROTECTED)
+            if request.opcode == Opcode.BURSTREADFILE:
+                self._begin_burst(request, source, now)
+                return None
+            operation = self._operations.get(request.opcode)
+            if operation is None:
+                raise _RefusedError(FtpError.UNKNOWNCOMMAND)
+            return operation(request, source, now)
+        except _RefusedError as refused:
+            return _nak(request, refused.code)
+        except OSError as error:
+            return _nak(request, *_code_of(error))
+        except ValueError:  # a path with characters that the file system cannot have
+            return _nak(request, FtpError.FAIL)
+
+    def _answer(self, request: FtpPayload, reply: FtpPayload, source: Address, now: float) -> None:
+        if request.opcode in (Opcode.TERMINATESESSION, Opcode.RESETSESSION):
+            self._memory.forget(source)
+        message = reply.to_message(*source)
+        self._memory.keep(source, request, message, now)
+        self.send(message, source)
+
+    # Operations
+
+    def _nothing(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        return _ack(request)
+
+    def _terminate(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        self.sessions.close(self._session(request, source, now))
+        return _ack(request)
+
+    def _reset(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        for session in self.sessions:
+            if session.owner == source:
+                self.sessions.close(session)
+        return _ack(request)
+
+    def _list(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        entries = self.store.list_directory(_path(request.data))
+        if request.offset >= len(entries):
+            raise _RefusedError(FtpError.EOF)
+        with_time = request.opcode == Opcode.LISTDIRECTORYWITHTIME
+        return _ack(request, pack_entries(entries, request.offset, with_time=with_time))
+
+    def _open(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        path = _path(request.data)
+        if not self.sessions.make_place(now):
+            raise _RefusedError(FtpError.NOSESSIONSAVAILABLE)
+        writable = request.opcode != Opcode.OPENFILERO
+        file = self.store.open_file(path, write=writable, truncate=request.opcode == Opcode.CREATEFILE)
+        session = self.sessions.add(source, file, now, writable=writable)
+        size = min(file.size(), 0xFFFFFFFF)
+        return _ack(request, size.to_bytes(4, "little"), session=session.number)
+
+    def _read(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        session = self._session(request, source, now)
+        data = session.file.read(request.offset, min(request.size, MOST_DATA))
+        if not data and request.size:
+            raise _RefusedError(FtpError.EOF)
+        return _ack(request, data)
+
+    def _write(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        session = self._session(request, source, now)
+        if not session.writable:
+            raise _RefusedError(FtpError.FILEPROTECTED)
+        session.file.write(request.offset, request.data)
+        return _ack(request, len(request.data).to_bytes(4, "little"))
+
+    def _change_path(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        change = {
+            Opcode.REMOVEFILE: self.store.remove,
+            Opcode.CREATEDIRECTORY: self.store.make_directory,
+            Opcode.REMOVEDIRECTORY: self.store.remove_directory,
+        }[Opcode(request.opcode)]
+        change(_path(request.data))
+        return _ack(request)
+
+    def _truncate(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        self.store.truncate(_path(request.data), request.offset)
+        return _ack(request)
+
+    def _rename(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        one, found, other = request.data.partition(b"\0")
+        if not found:
+            raise _RefusedError(FtpError.INVALIDDATASIZE)
+        self.store.rename(_path(one), _path(other))
+        return _ack(request)
+
+    def _crc(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        file = self.store.open_file(_path(request.data))
+        crc = offset = 0
+        try:
+            while piece := file.read(offset, _CRC_PIECE):
+                crc, offset = file_crc32(piece, crc), offset + len(piece)
+        finally:
+            file.close()
+        return _ack(request, crc.to_bytes(4, "little"))
+
+    def _session(self, request: FtpPayload, source: Address, now: float) -> Session:
+        session = self.sessions.find(request.session, source)
+        if session is None:
+            raise _RefusedError(FtpError.INVALIDSESSION)
+        session.used_at = now
+        return session
+
+    # Bursts
+
+    def _begin_burst(self, request: FtpPayload, source: Address, now: float) -> None:
+        session = self._session(request, source, now)
+        size = min(request.size or MOST_DATA, MOST_DATA)
+        session.burst = Burst(request.sequence, request.offset, size)
+
+    def _next_of_burst(self, session: Session, burst: Burst) -> FtpPayload:
+        burst.packets += 1
+        reply = FtpPayload(
+            (burst.sequence + burst.packets) % SEQUENCES,
+            Opcode.ACK,
+            session.number,
+            req_opcode=Opcode.BURSTREADFILE,
+            offset=burst.offset,
+        )
+        try:
+            data = session.file.read(burst.offset, burst.size)
+        except OSError as error:
+            session.burst = None
+            return _nak(reply, *_code_of(error), of_burst=True)
+        if not data:
+            session.burst = None
+            return _nak(reply, FtpError.EOF, of_burst=True)
+        burst.offset += len(data)
+        complete = burst.packets * burst.size >= MOST_IN_BURST
+        if complete:
+            session.burst = None
+        return FtpPayload(
+            reply.sequence,
+            Opcode.ACK,
+            session.number,
+            len(data),
+            Opcode.BURSTREADFILE,
+            complete,
+            reply.offset,
+            data,
+        )
+
+
+def _ack(request: FtpPayload, data: bytes = b"", *, session: int | None = None) -> FtpPayload:
+    return FtpPayload(
+        (request.sequence + 1) % SEQUENCES,
+        Opcode.ACK,
+        request.session if session is None else session,
+        len(data),
+        request.opcode,
+        offset=request.offset,
+        data=data,
+    )
+
+
+def _nak(request: FtpPayload, code: int, errno: int | None = None, *, of_burst: bool = False) -> FtpPayload:
+    data = bytes([code]) if errno is None else bytes([code, errno & 0xFF])
+    return FtpPayload(
+        request.sequence if of_burst else (request.sequence + 1) % SEQUENCES,
+        Opcode.NAK,
+        request.session,
+        len(data),
+        request.req_opcode if of_burst else request.opcode,
+        of_burst,
+        request.offset,
+        data,
+    )
+
+
+def _code_of(error: OSError) -> tuple[int, int | None]:
+    if isinstance(error, FileNotFoundError) or error.errno in (ENOENT, ENOTDIR):
+        return FtpError.FILENOTFOUND, None
+    if isinstance(error, FileExistsError) or error.errno == EEXIST:
+        return FtpError.FILEEXISTS, None
+    if isinstance(error, PermissionError):
+        return FtpError.FILEPROTECTED, None
+    return FtpError.FAILERRNO, error.errno or 0
+
+
+def _path(data: bytes) -> str:
+    """A path as it was sent; some clients count its NUL."""
+    path = data.removesuffix(b"\0")
+    if not path or b"\0" in path:
+        raise _RefusedError(FtpError.INVALIDDATASIZE)
+    return path.decode("utf-8", "surrogateescape")

@@ -1,0 +1,139 @@
+"""What a server remembers: open files, and for each client its last replies."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.dialects import Message
+    from mavstack.services.addressing import Address
+    from mavstack.services.ftp.payload import FtpPayload
+    from mavstack.services.ftp.stores import OpenFile
+
+MOST_SESSIONS = 16
+MOST_CLIENTS = 64
+#: After so long without a request a session is closed, and when all are in use already after the shorter.
+IDLE, IDLE_WHEN_FULL = 15.0, 3.0
+#: So many replies to one client are remembered, for so long: it may have several requests under way.
+MOST_REPLIES, MEMORY = 64, 10.0
+SESSION_IDS = 256
+
+
+@dataclass(slots=True)
+class Burst:
+    """A burst that is being sent."""
+
+    sequence: int
+    offset: int
+    size: int
+    packets: int = 0
+
+
+@dataclass(slots=True, eq=False)
+class Session:
+    """An open file of one client."""
+
+    number: int
+    owner: Address
+    file: OpenFile
+    writable: bool
+    used_at: float
+    burst: Burst | None = None
+
+
+class Sessions:
+    """The open files; their number is bounded."""
+
+    def __init__(self) -> None:
+        self._open: dict[int, Session] = {}
+        self._last = 0
+
+    def __iter__(self) -> Iterator[Session]:
+        return iter(tuple(self._open.values()))
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def find(self, number: int, owner: Address) -> Session | None:
+        """A client's session."""
+        session = self._open.get(number)
+        return session if session is not None and session.owner == owner else None
+
+    def make_place(self, now: float) -> bool:
+        """Whether another fits, if need be in the place of one that is idle."""
+        if len(self._open) < MOST_SESSIONS:
+            return True
+        oldest = min(self._open.values(), key=lambda session: session.used_at)
+        if now - oldest.used_at < IDLE_WHEN_FULL:
+            return False
+        self.close(oldest)
+        return True
+
+    def add(self, owner: Address, file: OpenFile, now: float, *, writable: bool) -> Session:
+        """Open one; numbers go round, so that a late request does not meet another file."""
+        self._last = next(
+            number % SESSION_IDS
+            for number in range(self._last + 1, self._last + 1 + SESSION_IDS)
+            if number % SESSION_IDS not in self._open
+        )
+        session = Session(self._last, owner, file, writable, now)
+        self._open[session.number] = session
+        return session
+
+    def close(self, session: Session) -> None:
+        """Close one."""
+        del self._open[session.number]
+        session.file.close()
+
+    def close_idle(self, now: float) -> None:
+        """Close those that nobody used for long."""
+        for session in self:
+            if now - session.used_at >= IDLE:
+                self.close(session)
+
+    def next_timeout(self) -> float | None:
+        """When one may have become idle."""
+        return min((session.used_at + IDLE for session in self._open.values()), default=None)
+
+
+@dataclass(slots=True)
+class Remembered:
+    """A reply, and to what."""
+
+    request: FtpPayload
+    message: Message
+    said_at: float
+
+
+@dataclass(slots=True)
+class Memory:
+    """The last replies to each client."""
+
+    _clients: OrderedDict[Address, OrderedDict[int, Remembered]] = field(default_factory=OrderedDict)
+
+    def recall(self, source: Address, request: FtpPayload, now: float) -> Message | None:
+        """The reply to this very request, if it was answered lately."""
+        replies = self._clients.get(source)
+        known = None if replies is None else replies.get(request.sequence)
+        if known is None or known.request != request or now - known.said_at > MEMORY:
+            return None
+        return known.message
+
+    def keep(self, source: Address, request: FtpPayload, message: Message, now: float) -> None:
+        """Remember a reply."""
+        replies = self._clients.setdefault(source, OrderedDict())
+        self._clients.move_to_end(source)
+        replies[request.sequence] = Remembered(request, message, now)
+        replies.move_to_end(request.sequence)
+        while len(replies) > MOST_REPLIES:
+            replies.popitem(last=False)
+        while len(self._clients) > MOST_CLIENTS:
+            self._clients.popitem(last=False)
+
+    def forget(self, source: Address) -> None:
+        """A client begins anew."""
+        self._clients.pop(source, None)

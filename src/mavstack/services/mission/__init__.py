@@ -1,0 +1,28 @@
+"""The mission protocol: missions, fences and rally points, up and down (guide: mission protocol)."""
+
+from mavstack.services.mission.client import ItemReached, MissionClient, MissionProgress
+from mavstack.services.mission.download import DownloadPlan
+from mavstack.services.mission.item import MissionItem
+from mavstack.services.mission.manage import ClearPlan, SetCurrentItem, set_current_item
+from mavstack.services.mission.plan import PLAN_TYPES, Plan, PlanStore, PlanType
+from mavstack.services.mission.server import CurrentItemSet, MissionServer, PlanReplaced
+from mavstack.services.mission.upload import UploadPlan
+
+__all__ = [
+    "PLAN_TYPES",
+    "ClearPlan",
+    "CurrentItemSet",
+    "DownloadPlan",
+    "ItemReached",
+    "MissionClient",
+    "MissionItem",
+    "MissionProgress",
+    "MissionServer",
+    "Plan",
+    "PlanReplaced",
+    "PlanStore",
+    "PlanType",
+    "SetCurrentItem",
+    "UploadPlan",
+    "set_current_item",
+]

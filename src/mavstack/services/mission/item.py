@@ -1,0 +1,129 @@
+"""One item of a plan, and its two forms on the wire.
+
+MISSION_ITEM_INT carries params 5 and 6 as integers, degrees times 1e7 or metres times 1e4; the older
+MISSION_ITEM carries them as float32, which for a longitude is good to about a metre. Both kinds of global
+frame, with and without `_INT`, mean the same: autopilots take either and give back the one they like, so two
+items are equal if they are the same in MISSION_ITEM_INT but for that. `current` is not part of the plan: it
+tells, on downloading, which item the vehicle is at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isnan, nan
+from typing import TYPE_CHECKING, Any
+
+from mavstack.dialects import common
+from mavstack.services.addressing import EVERYBODY
+from mavstack.services.frames import as_float32, from_integer, scale_of, to_integer
+
+if TYPE_CHECKING:
+    from typing import Self
+
+    from mavstack.services.addressing import Address
+
+_SYNONYMS: dict[int, int] = {
+    common.MavFrame.GLOBAL_INT: common.MavFrame.GLOBAL,
+    common.MavFrame.GLOBAL_RELATIVE_ALT_INT: common.MavFrame.GLOBAL_RELATIVE_ALT,
+    common.MavFrame.GLOBAL_TERRAIN_ALT_INT: common.MavFrame.GLOBAL_TERRAIN_ALT,
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MissionItem:
+    """A MAV_CMD in a plan; params 5 and 6 are degrees in a global frame and metres in a local one."""
+
+    command: int
+    param1: float = 0.0
+    param2: float = 0.0
+    param3: float = 0.0
+    param4: float = 0.0
+    param5: float = 0.0
+    param6: float = 0.0
+    param7: float = 0.0
+    frame: int = common.MavFrame.GLOBAL_RELATIVE_ALT
+    autocontinue: bool = True
+    current: bool = False
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, MissionItem) and self.to_bytes() == other.to_bytes()
+
+    def __hash__(self) -> int:
+        return hash(self.to_bytes())
+
+    @property
+    def name(self) -> str:
+        """The command's official name without MAV_CMD_, or its number if it has none."""
+        try:
+            return common.MavCmd(self.command).official_name.removeprefix("MAV_CMD_")
+        except ValueError:
+            return f"MAV_CMD {self.command}"
+
+    def to_int(
+        self, target: Address, seq: int, plan_type: int, *, current: bool | None = None
+    ) -> common.MissionItemInt:
+        """As MISSION_ITEM_INT; `current` stands in for the item's own."""
+        scale = scale_of(self.command, self.frame)
+        return common.MissionItemInt(
+            **self._common_fields(target, seq, plan_type, current),
+            x=to_integer(self.param5, scale),
+            y=to_integer(self.param6, scale),
+        )
+
+    def to_float(
+        self, target: Address, seq: int, plan_type: int, *, current: bool | None = None
+    ) -> common.MissionItem:
+        """As MISSION_ITEM, for those that know nothing newer."""
+        return common.MissionItem(
+            **self._common_fields(target, seq, plan_type, current),
+            x=_single(self.param5),
+            y=_single(self.param6),
+        )
+
+    @classmethod
+    def read(cls, message: common.MissionItemInt | common.MissionItem) -> Self:
+        """The item in either message."""
+        command, frame = int(message.command), int(message.frame)
+        if isinstance(message, common.MissionItem):
+            position = (message.x, message.y, message.z)
+        else:
+            scale = scale_of(command, frame)
+            position = (from_integer(message.x, scale), from_integer(message.y, scale), message.z)
+        first = (message.param1, message.param2, message.param3, message.param4)
+        return cls(
+            command,
+            *first,
+            *position,
+            frame=frame,
+            autocontinue=bool(message.autocontinue),
+            current=message.current == 1,
+        )
+
+    def to_bytes(self) -> bytes:
+        """What makes two items the same."""
+        message = self.to_int(EVERYBODY, 0, 0, current=False)
+        message.frame = _SYNONYMS.get(self.frame, self.frame)
+        return message.to_payload()
+
+    def _common_fields(
+        self, target: Address, seq: int, plan_type: int, current: bool | None
+    ) -> dict[str, Any]:
+        return {
+            "target_system": target.system,
+            "target_component": target.component,
+            "seq": seq,
+            "frame": self.frame,
+            "command": self.command,
+            "current": self.current if current is None else current,
+            "autocontinue": self.autocontinue,
+            "param1": _single(self.param1),
+            "param2": _single(self.param2),
+            "param3": _single(self.param3),
+            "param4": _single(self.param4),
+            "z": _single(self.param7),
+            "mission_type": plan_type,
+        }
+
+
+def _single(value: float) -> float:
+    return nan if isnan(value) else as_float32(value)

@@ -1,0 +1,121 @@
+"""The small operations on plans: clearing them, and saying which item of the mission is to be flown.
+
+MAV_CMD_DO_SET_MISSION_CURRENT goes through the command service, whose acknowledgement tells whether it was
+done. MISSION_SET_CURRENT is the older way: success is a MISSION_CURRENT with that number, failure is a
+STATUSTEXT that names nothing, so here it is silence.
+"""
+
+from __future__ import annotations
+
+from math import nan
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError, MissionTimeout
+from mavstack.services.command import Command, CommandOperation
+from mavstack.services.mission.plan import PLAN_TYPES, PlanType, name_of
+from mavstack.services.mission.transfer import Transfer
+from mavstack.services.operation import Operation
+from mavstack.services.timing import RoundTrip
+
+if TYPE_CHECKING:
+    from mavstack.wire import Packet
+
+_Result = common.MavMissionResult
+
+SET_CURRENT_PATIENCE = 5.0
+
+
+class ClearPlan(Transfer[None]):
+    """The plan of one type, or of all, is to be forgotten.
+
+    A vehicle that does not know `PlanType.ALL` is asked for each type that it knows.
+    """
+
+    writes = True
+
+    def __init__(self, plan_type: int, *, limit: float | None = None) -> None:
+        if plan_type not in (*PLAN_TYPES, PlanType.ALL):
+            raise LocalProtocolError(f"there is no plan of type {plan_type} to clear")
+        super().__init__(f"clearing {name_of(plan_type)}", plan_type, limit)
+        self._left = [int(plan_type)]
+
+    def open(self, now: float) -> None:
+        self._ask(now)
+
+    def silent(self, now: float) -> None:
+        self._ask(now)
+
+    def hear(self, packet: Packet, now: float) -> None:
+        match packet.message:
+            # What is cleared has no id: an acknowledgement with one is a late one, of an upload.
+            case common.MissionAck(type=result, mission_type=kind, opaque_id=0) if kind == self._left[0]:
+                self._acknowledged(result, now)
+
+    def clean_up(self, now: float) -> None:
+        self._strays.held_back = True  # nothing is left open
+
+    def _ask(self, now: float) -> None:
+        target = self.target
+        message = common.MissionClearAll(
+            target_system=target.system, target_component=target.component, mission_type=self._left[0]
+        )
+        self.ask(message, now)
+
+    def _acknowledged(self, result: int, now: float) -> None:
+        one_of_all = self.type == PlanType.ALL and self._left[0] != PlanType.ALL
+        if result == _Result.UNSUPPORTED and self._left == [PlanType.ALL]:
+            self._left += [int(kind) for kind in PLAN_TYPES]
+        elif result != _Result.ACCEPTED and not (one_of_all and result == _Result.UNSUPPORTED):
+            self.refused(result)
+            return
+        self.answered(now)
+        self.moved(now)
+        del self._left[0]
+        if self._left:
+            self._ask(now)
+        else:
+            self.finish(None)
+
+
+class SetCurrentItem(Operation[int]):
+    """MISSION_SET_CURRENT, repeated until MISSION_CURRENT has the number; the result is it."""
+
+    timeout_error = MissionTimeout
+
+    def __init__(self, seq: int, *, limit: float | None = None) -> None:
+        super().__init__(f"setting mission item {seq}", limit=limit, patience=SET_CURRENT_PATIENCE)
+        self.seq = seq
+        self._round_trip = RoundTrip(most=1.5)
+
+    def start(self, now: float) -> None:
+        self._transmit(now)
+
+    def handle_timeout(self, now: float) -> None:
+        self._transmit(now)
+
+    def receive(self, packet: Packet, now: float) -> None:
+        match packet.message:
+            case common.MissionCurrent(seq=seq) if seq == self.seq:
+                self.finish(seq)
+
+    def _transmit(self, now: float) -> None:
+        target = self.target
+        self.attempts += 1
+        self.timeout = now + self._round_trip.timeout(self.attempts)
+        self.send(
+            common.MissionSetCurrent(
+                target_system=target.system, target_component=target.component, seq=self.seq
+            )
+        )
+
+
+def set_current_item(seq: int, *, reset: bool = False, limit: float | None = None) -> CommandOperation:
+    """MAV_CMD_DO_SET_MISSION_CURRENT, for the target's `CommandClient.begin`.
+
+    `reset` lets the mission begin anew, its jump counters too; with it, -1 keeps the current item.
+    """
+    command = Command(
+        common.MavCmd.DO_SET_MISSION_CURRENT, seq, 1.0 if reset else 0.0, nan, nan, nan, nan, nan
+    )
+    return CommandOperation(command, limit=limit)

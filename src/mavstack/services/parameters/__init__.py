@@ -1,0 +1,40 @@
+"""Parameters: read, set, listed and watched, in both encodings, and the server that offers them."""
+
+from mavstack.services.parameters.client import (
+    ParameterChanged,
+    ParameterClient,
+    ParameterRounded,
+    Snapshot,
+)
+from mavstack.services.parameters.hashing import HASH_NAME, hash_of
+from mavstack.services.parameters.operations import ListParameters, ReadHash, ReadParameter, SetParameter
+from mavstack.services.parameters.packed import PACKED_NAME, PackedFile, unpack, write, write_upload
+from mavstack.services.parameters.server import ParameterServer, ParameterWritten
+from mavstack.services.parameters.table import ParameterDefinition, ParameterTable
+from mavstack.services.parameters.value import Encoding, Parameter, Value, encoding_of
+
+__all__ = [
+    "HASH_NAME",
+    "PACKED_NAME",
+    "Encoding",
+    "ListParameters",
+    "PackedFile",
+    "Parameter",
+    "ParameterChanged",
+    "ParameterClient",
+    "ParameterDefinition",
+    "ParameterRounded",
+    "ParameterServer",
+    "ParameterTable",
+    "ParameterWritten",
+    "ReadHash",
+    "ReadParameter",
+    "SetParameter",
+    "Snapshot",
+    "Value",
+    "encoding_of",
+    "hash_of",
+    "unpack",
+    "write",
+    "write_upload",
+]

@@ -1,0 +1,168 @@
+"""Which entries of a numbered list have come, and which to ask for singly, and when.
+
+A component that was asked for its list sends the entries in order, and some are lost. An entry counts as lost
+once later ones have come, or when the list has fallen quiet: when nothing came for several times the longest
+pause that it made before. Lost entries are asked for singly, so many at a time as the `window` says: one more
+for each answer, less if answers stay out, since a vehicle's queue and a radio's are both short. How long
+an answer is awaited follows from those that surely belong to their question, also from late ones; each time
+that answers stay out it doubles, each answer takes a doubling back. A list that
+goes on after a silence is listened to again instead.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from mavstack.services.service import earliest
+
+if TYPE_CHECKING:
+    from mavstack.services.timing import RoundTrip
+
+#: Packets overtake one another by so much.
+REORDERED = 2
+#: A longer leap is believed when the next entry confirms it: it may have been a single value, not the list.
+LEAP = 32
+FIRST_WINDOW = 8.0
+LEAST_WINDOW = 4.0
+#: ArduPilot has room for so many requests.
+MOST_WINDOW = 20.0
+#: How far the doubling goes.
+MOST_BACKOFF = 3
+#: The list is quiet after so many of its longest pauses, within limits in seconds.
+PAUSES = 3.0
+SHORTEST_QUIET = 0.05
+LONGEST_QUIET = 2.0
+#: What the longest pause is multiplied by with each entry: old pauses are forgotten.
+FORGETTING = 0.98
+
+
+class Gaps:
+    """The state of one listing; entries have indexes from 0 to `total` - 1."""
+
+    def __init__(self, round_trip: RoundTrip, now: float) -> None:
+        self.total = 0
+        self.window = FIRST_WINDOW
+        self.received: set[int] = set()
+        self._round_trip = round_trip
+        self._frontier = -1
+        self._leap = -1
+        self._pointer = 0  # all below it have come, or were asked for
+        self._asked: dict[int, float] = {}  # when, for the last time
+        self._attempts: dict[int, int] = {}
+        self._first_asked: dict[int, float] = {}
+        self.answers = 0  # to single requests
+        self._backoff = 1
+        self._unclear: dict[int, float] = {}  # how long after the first of several requests
+        self._narrow_again_at = now
+        self._again: deque[int] = deque()
+        self._last_entry = now
+        self._longest_pause = 0.0
+        self._quiet = False
+
+    @property
+    def complete(self) -> bool:
+        """Whether every entry has come."""
+        return 0 < self.total == len(self.received)
+
+    @property
+    def most_attempts(self) -> int:
+        """How often the most stubborn entry was asked for in vain."""
+        return max((self._attempts[index] for index in self._again), default=0)
+
+    def take(self, index: int, now: float) -> bool:
+        """An entry came; True if it is new."""
+        if not 0 <= index < self.total:
+            return False
+        if self._asked.pop(index, None) is not None:
+            self.answers += 1
+            self.window = min(self.window + 1, MOST_WINDOW)
+            self._backoff = max(self._backoff - 1, 1)
+        if index not in self._attempts:
+            self._flowed(index, now)
+        elif index in self._first_asked:
+            self._measure(index, now)
+        if index in self.received:
+            return False
+        self.received.add(index)
+        return True
+
+    def next_wanted(self) -> int | None:
+        """The entry to ask for next, if there is one and the window has room."""
+        if len(self._asked) >= int(self.window):
+            return None
+        while self._again:
+            if self._again[0] not in self.received:
+                return self._again[0]
+            self._again.popleft()
+        reach = self.total if self._quiet else self._frontier - REORDERED
+        while self._pointer < reach:
+            if self._pointer not in self.received:
+                return self._pointer
+            self._pointer += 1
+        return None
+
+    def ask(self, index: int, now: float) -> None:
+        """The entry that `next_wanted` gave was asked for."""
+        if self._again and self._again[0] == index:
+            self._again.popleft()
+        else:
+            self._pointer = index + 1
+        self._first_asked.setdefault(index, now)
+        self._attempts[index] = self._attempts.get(index, 0) + 1
+        self._asked[index] = now
+
+    def next_timeout(self) -> float | None:
+        """When `handle_timeout` has something to do."""
+        quiet_at = None if self._quiet else self._quiet_at
+        return earliest(quiet_at, *map(self._due, self._asked))
+
+    def handle_timeout(self, now: float) -> None:
+        """See what stayed out."""
+        if now >= self._quiet_at:
+            self._quiet = True
+        late = [index for index in self._asked if now >= self._due(index)]
+        for index in late:
+            del self._asked[index]
+            self._again.append(index)
+        if late and now >= self._narrow_again_at:
+            self.window = max(self.window * 0.7, LEAST_WINDOW)
+            self._backoff = min(self._backoff + 1, MOST_BACKOFF)
+            self._narrow_again_at = now + self._round_trip.timeout(self._backoff)
+
+    @property
+    def _quiet_at(self) -> float:
+        if not self._longest_pause:
+            return self._last_entry + self._round_trip.timeout()
+        pause = PAUSES * self._longest_pause
+        return self._last_entry + min(max(pause, SHORTEST_QUIET), LONGEST_QUIET)
+
+    def _due(self, index: int) -> float:
+        return self._asked[index] + self._round_trip.timeout(self._backoff)
+
+    def _measure(self, index: int, now: float) -> None:
+        """Learn the round trip from an answer.
+
+        Which of two requests was answered nobody knows, until the other is answered as well: then the first
+        answer was to the first request, and the waiting is too short.
+        """
+        if index in self.received:
+            self._round_trip.measured(self._unclear.pop(index, 0.0) or now - self._first_asked[index])
+            del self._first_asked[index]
+        elif self._attempts[index] == 1:
+            self._backoff = 1
+            self._round_trip.measured(now - self._first_asked.pop(index))
+        else:
+            self._unclear[index] = now - self._first_asked[index]
+
+    def _flowed(self, index: int, now: float) -> None:
+        """An entry came by itself: of the list, or a single value that someone changed."""
+        if index <= self._frontier:
+            return
+        if index > self._frontier + LEAP and not self._leap < index <= self._leap + LEAP:
+            self._leap = index
+            return
+        if self._frontier >= 0:
+            self._longest_pause = max(self._longest_pause * FORGETTING, now - self._last_entry)
+        self._frontier, self._leap, self._last_entry = index, -1, now
+        self._quiet = index == self.total - 1

@@ -1,0 +1,29 @@
+"""`_HASH_CHECK`: PX4 tells one number for all of its parameters, so that a known set need not be fetched.
+
+The number is a CRC-32 (reflected, beginning at 0, without final inversion) over the name and the value bytes
+of each parameter in the order of the table. Volatile parameters are left out, and which those are is known
+to the vehicle alone; so the number it told beside a set is as good as one computed here, and often better.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from zlib import crc32
+
+from mavstack.services.parameters.value import Parameter, is_known, whole_bytes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+HASH_NAME = "_HASH_CHECK"
+_ALL_ONES = 0xFFFFFFFF
+
+
+def hash_of(parameters: Iterable[Parameter]) -> int:
+    """The hash of parameters that are given in the order of their table."""
+    state = _ALL_ONES  # zlib inverts before and after; PX4 does neither
+    for parameter in parameters:
+        state = crc32(parameter.name.encode(errors="surrogateescape"), state)
+        if is_known(parameter.type):
+            state = crc32(whole_bytes(parameter.value, parameter.type), state)
+    return state ^ _ALL_ONES

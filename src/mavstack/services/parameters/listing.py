@@ -1,0 +1,197 @@
+"""Fetching a whole list, of parameters or of extended ones.
+
+    asked for the list ── entries ──► whole ──► result
+      │                      ├── gaps ──► asked for singly, as `gaps` says
+      │                      ├── silence ──► ParameterTimeout, saying how many came
+      │                      └── the table changed (its count, or a name in two places) ──► asked for anew
+      └── silence ──► asked again
+
+An entry fills its place in the list only if it tells its index: a value that someone set is told without, and
+says nothing about which place it has. What has come stays known to the client even if the listing fails.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, TypeVar
+
+from mavstack.dialects import common
+from mavstack.errors import ParameterDenied, ParameterTimeout
+from mavstack.services.operation import Operation
+from mavstack.services.parameters.gaps import Gaps
+from mavstack.services.service import Outgoing, earliest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.dialects import Message
+    from mavstack.services.service import HasRoom
+    from mavstack.services.timing import RoundTrip
+
+Result = TypeVar("Result")
+
+#: A greater index cannot be asked for.
+MOST_ENTRIES = 32768
+#: So often a table may change while it is listed.
+MOST_RESTARTS = 5
+#: After so many vain requests for one entry, and none answered, the list is asked for once more.
+ATTEMPTS_BEFORE_LIST = 4
+
+
+class Listing(Operation[Result]):
+    """Fetches a list of which each entry tells its index, the count and its name."""
+
+    timeout_error = ParameterTimeout
+
+    def __init__(
+        self, request: str, round_trip: RoundTrip, *, limit: float | None = None, patience: float = 10.0
+    ) -> None:
+        super().__init__(request, limit=limit, patience=patience)
+        self.round_trip = round_trip
+        self._gaps = Gaps(round_trip, 0.0)
+        self._names: dict[int, str] = {}
+        self._places: dict[str, int] = {}
+        self._restarts = 0
+        self._changed = False
+        self._list_asked_at = 0.0
+        self._list_due: float | None = None
+        self._asked_again_for = 0
+
+    # What a listing overrides
+
+    @abstractmethod
+    def list_request(self) -> Message:
+        """The message that asks for the list."""
+
+    @abstractmethod
+    def entry_request(self, index: int) -> Message:
+        """The message that asks for one entry."""
+
+    @abstractmethod
+    def listed(self, names: list[str], now: float) -> None:
+        """The list is whole, with these names in its order: finish."""
+
+    # What a listing calls
+
+    def entry_came(self, index: int, count: int, name: str, now: float, *, overtaken: bool) -> None:
+        """An entry came that told its index."""
+        if count > MOST_ENTRIES:
+            return
+        if overtaken and (self._gaps.total != count or index in self._gaps.received):
+            return  # a copy, or of a table that is no more
+        self._count_came(count, now)
+        if not 0 <= index < self._gaps.total:
+            return
+        known = self._names.get(index)
+        if known not in (None, name) or self._places.get(name, index) != index:
+            self._changed = True
+        first = not self._gaps.received
+        if self._gaps.take(index, now):
+            self._names[index], self._places[name] = name, index
+            self.moved(now, len(self._gaps.received), self._gaps.total)
+        if first and self.attempts == 1:
+            self.round_trip.measured(now - self._list_asked_at)
+        self._list_due = None
+        self._look(now)
+
+    def entry_refused(self, index: int, error: int, now: float) -> None:
+        """The component says that there is no such entry, or that it cannot be read."""
+        if self.done or not 0 <= index < self._gaps.total or index in self._gaps.received:
+            return
+        if error == common.MavParamError.DOES_NOT_EXIST:
+            self._restart(now)
+        else:
+            self.fail(denied(self, error))
+
+    # As an operation
+
+    def start(self, now: float) -> None:
+        self._ask_for_list(now)
+
+    def handle_timeout(self, now: float) -> None:
+        if self._list_due is not None and now >= self._list_due:
+            self._ask_for_list(now)
+        self._gaps.handle_timeout(now)
+        stubborn = self._gaps.most_attempts >= ATTEMPTS_BEFORE_LIST * (self._asked_again_for + 1)
+        if stubborn and not self._gaps.answers:
+            self._asked_again_for += 1
+            self.send(self.list_request())
+        self._arm()
+
+    def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
+        while (index := self._gaps.next_wanted()) is not None and has_room(self.target):
+            self._gaps.ask(index, now)
+            self._arm()
+            yield Outgoing(self.entry_request(index), self.target)
+
+    def give_up(self, now: float, answer: str = "no answer") -> None:
+        if self._gaps.total:
+            answer = f"{len(self._gaps.received)} of {self._gaps.total} came"
+        super().give_up(now, answer)
+
+    def _ask_for_list(self, now: float) -> None:
+        self.attempts += 1
+        self.send(self.list_request())
+        if self.attempts == 1:
+            self._begin_anew(now)
+        self._list_asked_at = now
+        self._list_due = now + self.round_trip.timeout(self.attempts)
+        self._arm()
+
+    def _count_came(self, count: int, now: float) -> None:
+        if count == self._gaps.total or count == 0:
+            return
+        if self._gaps.total:
+            self._changed = True
+            grown = count > self._gaps.total
+            self._gaps.total = count
+            if not grown:
+                self._forget_from(count)
+        self._gaps.total = count
+
+    def _forget_from(self, count: int) -> None:
+        self._gaps.received = {index for index in self._gaps.received if index < count}
+        for index in [index for index in self._names if index >= count]:
+            self._places.pop(self._names.pop(index), None)
+
+    def _look(self, now: float) -> None:
+        if not self._gaps.complete:
+            self._arm()
+        elif self._changed:
+            self._restart(now)
+        else:
+            self.listed([self._names[index] for index in range(self._gaps.total)], now)
+
+    def _restart(self, now: float) -> None:
+        """Fetch it all again: indexes that were told before and after a change do not fit together."""
+        self._restarts += 1
+        if self._restarts > MOST_RESTARTS:
+            super().give_up(now, "the table kept changing")
+            return
+        self._begin_anew(now)
+        self._ask_for_list(now)
+
+    def _begin_anew(self, now: float) -> None:
+        self._gaps = Gaps(self.round_trip, now)
+        self._names, self._places = {}, {}
+        self._changed = False
+        self._asked_again_for = 0
+
+    def _arm(self) -> None:
+        if not self.done:
+            self.timeout = earliest(self._list_due, self._gaps.next_timeout())
+
+
+def denied(operation: Operation[Result], error: int, answer: str = "") -> ParameterDenied:
+    """The error of a PARAM_ERROR."""
+    try:
+        reason = common.MavParamError(error).name
+    except ValueError:
+        reason = f"error {error}"
+    return ParameterDenied(
+        operation.request,
+        str(operation.target),
+        attempts=operation.attempts,
+        answer=answer or reason,
+        code=error,
+    )

@@ -1,0 +1,197 @@
+"""ArduPilot's packed file of parameters, `@PARAM/param.pck`: all of them in a few bytes each.
+
+    header      magic u16 · parameters in this file u16 · parameters in all u16
+    parameter   type and flags u8 · name lengths u8 · end of the name · value · default, if flag 1 is set
+
+The low half of the first byte is the type (1 int8, 2 int16, 3 int32, 4 float), never 0; zero bytes before it
+are padding, by which a value never lies across the border of two blocks, as one read of the file may fetch
+another moment's value than the next. The low half of the second byte says how much of the name is that of
+the parameter before, the high half how many characters follow, less one. Defaults exist only under the
+second magic. A file that is written to the vehicle has no padding and no defaults, and its third number is
+its length in bytes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from struct import calcsize, pack, unpack_from
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError
+from mavstack.services.parameters.value import Parameter, Value, fitted, is_integer, name_field
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+PACKED_NAME = "@PARAM/param.pck"
+MAGIC = 0x671B
+MAGIC_WITH_DEFAULTS = 0x671C
+HEADER_SIZE = 6
+MOST_PARAMETERS = 65535
+
+_KINDS = {
+    1: (common.MavParamType.INT8, "<b"),
+    2: (common.MavParamType.INT16, "<h"),
+    3: (common.MavParamType.INT32, "<i"),
+    4: (common.MavParamType.REAL32, "<f"),
+}
+_WIDER = {
+    common.MavParamType.INT8: 1,
+    common.MavParamType.UINT8: 2,
+    common.MavParamType.INT16: 2,
+    common.MavParamType.UINT16: 3,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class PackedFile:
+    """What a packed file holds; `total` is how many parameters the vehicle has in all."""
+
+    parameters: tuple[Parameter, ...]
+    defaults: dict[str, Value]
+    total: int
+    with_defaults: bool = False
+
+    @property
+    def whole(self) -> bool:
+        """Whether these are all parameters."""
+        return len(self.parameters) == self.total
+
+
+def unpack(data: bytes, *, start: int = 0) -> PackedFile | None:
+    """Read a packed file, whose first parameter has the index `start`; None if it is damaged or cut off."""
+    if len(data) < HEADER_SIZE:
+        return None
+    magic, number, total = unpack_from("<HHH", data)
+    if magic not in (MAGIC, MAGIC_WITH_DEFAULTS):
+        return None
+    reader = _Reader(data, magic == MAGIC_WITH_DEFAULTS, start)
+    while reader.find_next():
+        if len(reader.parameters) >= number or not reader.take():
+            return None
+    if len(reader.parameters) != number:
+        return None
+    if magic == MAGIC and total == len(data) != number:
+        total = number  # written for upload, where it is the length
+    return PackedFile(tuple(reader.parameters), reader.defaults, total, reader.with_defaults)
+
+
+def write(
+    parameters: Sequence[Parameter],
+    *,
+    total: int | None = None,
+    defaults: Mapping[str, Value] | None = None,
+    block_size: int | None = None,
+) -> bytes:
+    """Pack parameters for reading; `block_size` is how much one read of the file fetches."""
+    _check_number(len(parameters))
+    magic = MAGIC if defaults is None else MAGIC_WITH_DEFAULTS
+    data = bytearray(pack("<HHH", magic, len(parameters), len(parameters) if total is None else total))
+    last = ""
+    for parameter in parameters:
+        head, value = _entry(parameter, last, None if defaults is None else defaults.get(parameter.name))
+        size = calcsize(_KINDS[head[0] & 15][1])
+        data += b"\0" * _padding(len(data) + len(head) + len(value), size, block_size) + head + value
+        last = parameter.name
+    return bytes(data)
+
+
+def write_upload(parameters: Sequence[Parameter]) -> bytes:
+    """Pack parameters to be written to a vehicle in one file."""
+    data = bytearray(write(parameters))
+    if len(data) > MOST_PARAMETERS:
+        raise LocalProtocolError(f"a packed upload holds {MOST_PARAMETERS} bytes at most")
+    data[4:6] = pack("<H", len(data))
+    return bytes(data)
+
+
+class _Reader:
+    """Goes through the entries of a file."""
+
+    def __init__(self, data: bytes, with_defaults: bool, start: int) -> None:
+        self.parameters: list[Parameter] = []
+        self.defaults: dict[str, Value] = {}
+        self.with_defaults = with_defaults
+        self._data = data
+        self._at = HEADER_SIZE
+        self._start = start
+        self._last = b""
+
+    def find_next(self) -> bool:
+        """Go past padding; False at the end."""
+        rest = self._data[self._at :]
+        self._at += len(rest) - len(rest.lstrip(b"\0"))
+        return self._at < len(self._data)
+
+    def take(self) -> bool:
+        """Read one entry; False if it is damaged."""
+        head = self._data[self._at : self._at + 2]
+        kind = _KINDS.get(head[0] & 15)
+        if len(head) < 2 or kind is None:
+            return False
+        common_length, length = head[1] & 15, (head[1] >> 4) + 1
+        end_of_name = self._at + 2 + length
+        name = self._last[:common_length] + self._data[self._at + 2 : end_of_name]
+        has_default = self.with_defaults and bool(head[0] & 16)
+        end = end_of_name + calcsize(kind[1]) * (2 if has_default else 1)
+        if end > len(self._data) or common_length > len(self._last) or len(name) > 16:
+            return False
+        self._keep(name, kind, end_of_name, has_default)
+        self._at, self._last = end, name
+        return True
+
+    def _keep(self, raw: bytes, kind: tuple[common.MavParamType, str], at: int, has_default: bool) -> None:
+        name = raw.decode(errors="replace")
+        value: Value = unpack_from(kind[1], self._data, at)[0]
+        index = self._start + len(self.parameters)
+        self.parameters.append(Parameter(name, value, kind[0], index))
+        if self.with_defaults:
+            offset = calcsize(kind[1]) if has_default else 0
+            self.defaults[name] = unpack_from(kind[1], self._data, at + offset)[0]
+
+
+def _check_number(number: int) -> None:
+    if number > MOST_PARAMETERS:
+        raise LocalProtocolError(f"a packed file holds {MOST_PARAMETERS} parameters at most")
+
+
+def _kind_for(parameter: Parameter) -> int:
+    """The type of the file that holds a parameter; a float for what no integer of the file can."""
+    kind = _WIDER.get(common.MavParamType(parameter.type))
+    if kind is None and is_integer(parameter.type):
+        kind = 3 if fitted(parameter.value, common.MavParamType.INT32) is not None else 4
+    return kind or 4
+
+
+def _entry(parameter: Parameter, last: str, default: Value | None) -> tuple[bytes, bytes]:
+    name = name_field(parameter.name).encode()
+    kind = _kind_for(parameter)
+    shared = min(_shared(name, last.encode()), len(name) - 1, 15)
+    value = _packed(parameter.value, kind)
+    if default is not None:
+        standard = _packed(default, kind)
+        with_default = standard != value
+        value += standard if with_default else b""
+        kind |= 16 if with_default else 0
+    return bytes((kind, shared | len(name) - shared - 1 << 4)) + name[shared:], value
+
+
+def _shared(one: bytes, other: bytes) -> int:
+    """How many characters two names begin with alike."""
+    unlike = (at for at, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
+    return next(unlike, min(len(one), len(other)))
+
+
+def _packed(value: Value, kind: int) -> bytes:
+    held = fitted(value, _KINDS[kind][0])
+    if held is None:
+        raise LocalProtocolError(f"{value!r} does not fit into its type")
+    return pack(_KINDS[kind][1], held)
+
+
+def _padding(end: int, size: int, block_size: int | None) -> int:
+    if block_size is None or size == 1:
+        return 0
+    beyond = end % block_size
+    return size - beyond if 0 < beyond < size else 0

@@ -1,0 +1,109 @@
+"""MAVSDK in a process of its own, told what to do by lines of JSON: a crash in C++ must not end the tests.
+
+`python mavsdk_agent.py ROLE SYSTEM COMPONENT` with ROLE `client` or `server`. Each line asked is a JSON object:
+
+    {"id": 1, "connect": "udpout://127.0.0.1:14550"}                                    add a connection
+    {"id": 2, "discover": 10.0}                                                         wait for an autopilot
+    {"id": 3, "plugin": "param", "method": "get_param_int", "arguments": ["P_1"]}       call, and answer
+    {"id": 4, "plugin": "telemetry", "method": "subscribe_home", "stream": true, ...}   call with a callback
+
+and each is answered by `{"id": 1, "result": …}` or `{"id": 1, "error": "…"}`. What a callback hears comes as
+`{"stream": 4, "values": […]}`. Classes of MAVSDK go as an object of their fields, with `"class"` where one is to
+be made; members of enums as their names. The end of the input ends the process.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+from enum import Enum
+from importlib import import_module
+
+from mavsdk import Configuration, Mavsdk
+
+
+class Agent:
+    """One MAVSDK instance and its plugins."""
+
+    def __init__(self, role: str, system: int, component: int, replies) -> None:
+        self.mavsdk = Mavsdk(Configuration.create_manual(system, component, True))
+        self.owner = self.mavsdk.server_component_by_id(component) if role == "server" else None
+        self.plugins: dict = {}
+        self._replies, self._lock = replies, threading.Lock()
+
+    def answer(self, request: dict) -> None:
+        try:
+            reply = {"id": request["id"], "result": encode(self.carry_out(request))}
+        except Exception as error:  # noqa: BLE001 (it is told to the test)
+            reply = {"id": request["id"], "error": f"{type(error).__name__}: {error}"}
+        self.say(reply)
+
+    def carry_out(self, request: dict):
+        if "connect" in request:
+            return self.mavsdk.add_any_connection(request["connect"])
+        if "discover" in request:
+            self.owner = self.mavsdk.first_autopilot(request["discover"])
+            return self.owner is not None
+        if request["plugin"] == "system":
+            return getattr(self.owner, request["method"])(*request["arguments"])
+        method = getattr(self.plugin(request["plugin"]), request["method"])
+        arguments = [make(argument) for argument in request["arguments"]]
+        if request.get("stream"):
+            number = request["id"]
+            arguments.append(lambda *values: self.say({"stream": number, "values": encode(values[:-1])}))
+        return method(*arguments)
+
+    def plugin(self, name: str):
+        if name not in self.plugins:
+            class_name = "".join(word.capitalize() for word in name.split("_"))
+            self.plugins[name] = getattr(import_module(f"mavsdk.plugins.{name}"), class_name)(self.owner)
+        return self.plugins[name]
+
+    def say(self, reply: dict) -> None:
+        with self._lock:
+            self._replies.write(json.dumps(reply) + "\n")
+            self._replies.flush()
+
+
+def encode(value):
+    match value:
+        case Enum():
+            return value.name
+        case list() | tuple():
+            return [encode(each) for each in value]
+        case bool() | int() | float() | str() | None:
+            return value
+        case _:
+            return (
+                {name: encode(each) for name, each in vars(value).items()}
+                if hasattr(value, "__dict__")
+                else None
+            )
+
+
+def make(value):
+    match value:
+        case {"class": name, **fields}:
+            module, _, class_name = name.partition(".")
+            kind = getattr(import_module(f"mavsdk.plugins.{module}"), class_name)
+            return kind(**{field: make(each) for field, each in fields.items()})
+        case list():
+            return [make(each) for each in value]
+        case _:
+            return value
+
+
+def main() -> None:
+    replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # MAVSDK writes its log to standard output
+    role, system, component = sys.argv[1:]
+    agent = Agent(role, int(system), int(component), replies)
+    for line in sys.stdin:
+        threading.Thread(target=agent.answer, args=(json.loads(line),), daemon=True).start()
+    os._exit(0)  # plugins may still have callbacks under way; the system takes back what is left
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,138 @@
+"""Driving one state machine by hand: what it is told, what it says, when."""
+
+from __future__ import annotations
+
+from itertools import count
+from typing import TYPE_CHECKING
+
+import mavstack
+from mavstack.dialects import common
+from mavstack.services.mission import MissionItem, Plan, PlanType
+from mavstack.wire import Packet
+from tests.services.network import GROUND, START, VEHICLE
+
+if TYPE_CHECKING:
+    from mavstack.dialects import Message
+    from mavstack.services import Address, Service
+
+_sequence = count()
+
+
+def waypoints(number: int, *, speed: float = 0.0) -> list[MissionItem]:
+    return [
+        MissionItem(
+            common.MavCmd.NAV_WAYPOINT, speed, param5=47.0 + index / 1e4, param6=8.5, param7=float(index)
+        )
+        for index in range(number)
+    ]
+
+
+def plan_of(number: int, plan_type: int = PlanType.MISSION, *, speed: float = 0.0) -> Plan:
+    return Plan.of(waypoints(number, speed=speed), plan_type)
+
+
+class Hand:
+    """Plays the other end of `service`, whose address is `other`."""
+
+    def __init__(self, service: Service, other: Address) -> None:
+        self.service, self.other = service, other
+        self.now = START
+
+    def tell(self, message: Message, *, source: Address | None = None, version: int = 2) -> list[Message]:
+        """Give it a message; gives what it says to that."""
+        system, component = source or self.other
+        raw = mavstack.encode(
+            message, system=system, component=component, sequence=next(_sequence) % 256, version=version
+        )
+        return self.tell_raw(raw)
+
+    def tell_raw(self, raw: bytes) -> list[Message]:
+        self.service.receive(Packet(raw, common), self.now)
+        return self.said()
+
+    def said(self) -> list[Message]:
+        return [outgoing.message for outgoing in self.service.messages_to_send(self.now)]
+
+    def wait(self, seconds: float = 0.0) -> list[Message]:
+        """Let time pass to its next timer, or so many seconds; gives what it says then."""
+        due = self.service.next_timeout()
+        if seconds:
+            self.now += seconds
+        else:
+            assert due is not None, "it waits for nothing"
+            self.now = max(self.now, due)
+        self.service.handle_timeout(self.now)
+        return self.said()
+
+    def wait_for_all(self, seconds: float) -> list[Message]:
+        """Let so many seconds pass, timer by timer; gives all that it says."""
+        end, messages = self.now + seconds, self.said()
+        while (due := self.service.next_timeout()) is not None and due <= end:
+            messages += self.wait()
+        self.now = end
+        return messages
+
+
+class Vehicle(Hand):
+    """Plays a vehicle to a client."""
+
+    def __init__(self, service: Service) -> None:
+        super().__init__(service, VEHICLE)
+
+    def request(self, seq: int, kind: int = 0) -> list[Message]:
+        return self.tell(common.MissionRequestInt(seq=seq, mission_type=kind, **to_ground()))
+
+    def ack(self, result: int, kind: int = 0, plan_id: int = 0) -> list[Message]:
+        ack = common.MissionAck(type=result, mission_type=kind, opaque_id=plan_id, **to_ground())
+        return self.tell(ack)
+
+    def count(self, number: int, kind: int = 0, plan_id: int = 0) -> list[Message]:
+        count = common.MissionCount(count=number, mission_type=kind, opaque_id=plan_id, **to_ground())
+        return self.tell(count)
+
+    def item(self, plan: Plan, seq: int) -> list[Message]:
+        return self.tell(plan.items[seq].to_int(GROUND, seq, plan.type))
+
+
+class Station(Hand):
+    """Plays a ground station to a server."""
+
+    def __init__(self, service: Service) -> None:
+        super().__init__(service, GROUND)
+
+    def count(self, number: int, kind: int = 0, **other: object) -> list[Message]:
+        return self.tell(common.MissionCount(count=number, mission_type=kind, **to_vehicle()), **other)
+
+    def item(self, plan: Plan, seq: int, **other: object) -> list[Message]:
+        return self.tell(plan.items[seq].to_int(VEHICLE, seq, plan.type), **other)
+
+    def list(self, kind: int = 0, **other: object) -> list[Message]:
+        return self.tell(common.MissionRequestList(mission_type=kind, **to_vehicle()), **other)
+
+    def request(self, seq: int, kind: int = 0, **other: object) -> list[Message]:
+        return self.tell(common.MissionRequestInt(seq=seq, mission_type=kind, **to_vehicle()), **other)
+
+    def clear(self, kind: int = 0, **other: object) -> list[Message]:
+        return self.tell(common.MissionClearAll(mission_type=kind, **to_vehicle()), **other)
+
+    def upload(self, plan: Plan) -> list[Message]:
+        said = self.count(len(plan), plan.type)
+        for seq in range(len(plan)):
+            said = self.item(plan, seq)
+        return said
+
+
+def to_ground() -> dict[str, int]:
+    return {"target_system": GROUND.system, "target_component": GROUND.component}
+
+
+def to_vehicle() -> dict[str, int]:
+    return {"target_system": VEHICLE.system, "target_component": VEHICLE.component}
+
+
+def kinds(messages: list[Message]) -> list[str]:
+    return [type(message).__name__ for message in messages]
+
+
+def seqs(messages: list[Message]) -> list[int]:
+    return [message.seq for message in messages]

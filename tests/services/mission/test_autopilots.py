@@ -1,0 +1,91 @@
+"""Our client with vehicles that behave as PX4 and ArduPilot do, over links that lose, double and reorder."""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING
+
+import pytest
+
+from mavstack.errors import MissionDenied, MissionTimeout, RemoteCancelled
+from mavstack.links import Impairment
+from mavstack.services.mission import MissionClient, PlanType
+from tests.services.mission.autopilots import ArduPilot, Autopilot, Px4
+from tests.services.mission.by_hand import plan_of
+from tests.services.network import GROUND, VEHICLE, Network
+
+if TYPE_CHECKING:
+    from tests.seeds import Seeds
+
+
+class World:
+    def __init__(self, kind: type[Autopilot], seed: int, impairment: Impairment) -> None:
+        self.network = Network(seed)
+        self.ground, vehicle = self.network.node(GROUND), self.network.node(VEHICLE)
+        self.client = self.ground.engine.add(MissionClient(GROUND, VEHICLE))
+        self.autopilot = vehicle.engine.add(kind(VEHICLE))
+        self.network.connect(self.ground, vehicle, impairment)
+
+    def run(self, operation) -> float:
+        begin = self.network.now
+        self.ground.engine.touch(self.client)
+        assert self.network.run(lambda: operation.done, limit=400), "it hangs"
+        return self.network.now - begin
+
+
+@pytest.mark.parametrize(("kind", "most"), [(Px4, 10.0), (ArduPilot, 12.0)])
+def test_200_items_at_20_ms_and_10_percent_loss(kind, most) -> None:
+    """The best peer takes 20 s up and 35 s down with PX4, and does not end with ArduPilot.
+
+    ArduPilot does not say its last acknowledgement again; if it is lost, the plan is read back.
+    """
+    up, down = [], []
+    for seed in range(7):
+        world = World(kind, seed, Impairment(latency=0.02, loss=0.1))
+        plan = plan_of(200)
+        upload = world.client.upload(plan, world.network.now)
+        up.append(world.run(upload))
+        assert upload.result().items == plan.items == tuple(world.autopilot.plan)
+        download = world.client.download(world.network.now)
+        down.append(world.run(download))
+        assert download.result().items == plan.items
+    print(f"{kind.__name__}: up {median(up):.2f} s, down {median(down):.2f} s")
+    assert median(up) <= most
+    assert median(down) <= 17.5
+
+
+def scenario_with(kind: type[Autopilot], seed: int) -> int:
+    """Three plans up and down; gives how many of the six transfers succeeded."""
+    succeeded = 0
+    world = World(kind, seed, Impairment(latency=0.02, loss=0.15, duplicate=0.1, reorder=0.1, hold=0.1))
+    network = world.network
+    for number in range(3):
+        plan = plan_of(network.random.choice([1, 2, 5, 12]), PlanType.MISSION, speed=float(number))
+        upload = world.client.upload(plan, network.now)
+        world.run(upload)
+        if upload.error is None:
+            assert tuple(world.autopilot.plan) == plan.items
+            succeeded += 1
+        else:
+            assert isinstance(upload.error, MissionTimeout | MissionDenied | RemoteCancelled)
+        held = tuple(world.autopilot.plan)
+        download = world.client.download(network.now)
+        world.run(download)
+        if download.error is None:
+            assert download.result().items == tuple(world.autopilot.plan)
+            assert held == tuple(world.autopilot.plan) or upload.error is not None
+            succeeded += 1
+    return succeeded
+
+
+def test_px4_over_bad_links(seeds: Seeds) -> None:
+    seeds.check(lambda seed: scenario_with(Px4, seed))
+
+
+def test_ardupilot_over_bad_links(seeds: Seeds) -> None:
+    seeds.check(lambda seed: scenario_with(ArduPilot, seed))
+
+
+@pytest.mark.parametrize("kind", [Px4, ArduPilot])
+def test_most_transfers_succeed(kind) -> None:
+    assert sum(scenario_with(kind, seed) for seed in range(50)) > 0.9 * 6 * 50

@@ -1,0 +1,363 @@
+"""Uploads, against a vehicle played by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError, MissionDenied, MissionTimeout, RemoteCancelled
+from mavstack.services import OperationEnded, Progress
+from mavstack.services.mission import MissionClient, MissionItem, Plan, PlanType
+from tests.services.mission.by_hand import Vehicle, kinds, plan_of, seqs, to_ground, waypoints
+from tests.services.network import GROUND, VEHICLE
+
+Result = common.MavMissionResult
+
+
+@pytest.fixture
+def client() -> MissionClient:
+    return MissionClient(GROUND, VEHICLE)
+
+
+@pytest.fixture
+def vehicle(client) -> Vehicle:
+    return Vehicle(client)
+
+
+def begin(vehicle: Vehicle, plan: Plan, **options):
+    upload = vehicle.service.upload(plan, vehicle.now, **options)
+    return upload, vehicle.said()
+
+
+def test_items_go_up_one_by_one_and_the_id_comes_back(vehicle, client) -> None:
+    plan = plan_of(3)
+    upload, said = begin(vehicle, plan)
+    assert [(kinds(said), said[0].count, said[0].mission_type)] == [(["MissionCount"], 3, 0)]
+    for seq in range(3):
+        (item,) = vehicle.request(seq)
+        assert isinstance(item, common.MissionItemInt)
+        assert item.seq == seq
+        assert MissionItem.read(item) == plan.items[seq]
+    assert vehicle.ack(Result.ACCEPTED, plan_id=77) == []
+    assert upload.result() == plan
+    assert upload.result().plan_id == 77
+    events = client.events()
+    assert [(event.done, event.total) for event in events if isinstance(event, Progress)][-1] == (3, 3)
+    assert isinstance(events[-1], OperationEnded)
+
+
+def test_message_type_of_each_plan_type_is_kept_apart(vehicle) -> None:
+    upload, said = begin(vehicle, plan_of(1, PlanType.RALLY))
+    assert said[0].mission_type == PlanType.RALLY
+    assert vehicle.request(0, PlanType.FENCE) == []
+    (item,) = vehicle.request(0, PlanType.RALLY)
+    assert item.mission_type == PlanType.RALLY
+    vehicle.ack(Result.ACCEPTED, PlanType.MISSION)
+    assert not upload.done
+    vehicle.ack(Result.ACCEPTED, PlanType.RALLY)
+    assert upload.result().type == PlanType.RALLY
+
+
+def test_mission_request_is_answered_with_integers_too(vehicle) -> None:
+    begin(vehicle, plan_of(1))
+    said = vehicle.tell(common.MissionRequest(seq=0, **to_ground()))
+    assert kinds(said) == ["MissionItemInt"]
+
+
+def test_old_vehicle_that_refuses_integers_gets_floats(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(2))
+    assert kinds(vehicle.tell(common.MissionRequest(seq=0, **to_ground()))) == ["MissionItemInt"]
+    assert kinds(vehicle.ack(Result.UNSUPPORTED)) == ["MissionItem"]
+    assert kinds(vehicle.tell(common.MissionRequest(seq=1, **to_ground()))) == ["MissionItem"]
+    vehicle.ack(Result.UNSUPPORTED)
+    with pytest.raises(MissionDenied):
+        upload.result()
+
+
+def test_out_of_sequence_request_is_served_and_no_error(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(5))
+    for seq in (0, 1, 2, 0, 4, 3, 4):
+        vehicle.now += 1.0
+        assert seqs(vehicle.request(seq)) == [seq]
+    assert vehicle.request(5) == []
+    vehicle.ack(Result.ACCEPTED)
+    assert upload.error is None
+
+
+def test_silence_brings_the_due_item_and_the_next_again_after_a_round_trip(vehicle) -> None:
+    """Not after the second or more that vehicles take to ask again."""
+    begin(vehicle, plan_of(10))
+    for seq in range(5):
+        vehicle.now += 0.04
+        vehicle.request(seq)
+    before = vehicle.now
+    assert seqs(vehicle.wait()) == [4, 5]
+    assert vehicle.now - before < 0.1
+    # The next request may have been made before that item came: it is not sent a third time.
+    vehicle.now += 0.02
+    assert vehicle.request(5) == []
+    assert seqs(vehicle.wait()) == [5, 6]
+    vehicle.now += 0.04
+    assert seqs(vehicle.request(7)) == [7]
+
+
+def test_count_is_sent_again(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(1))
+    assert kinds(vehicle.wait_for_all(5)).count("MissionCount") >= 3
+    vehicle.wait_for_all(10)
+    with pytest.raises(MissionTimeout, match=r"uploading the mission asked of 1/1 .* times: no answer"):
+        upload.result()
+
+
+def test_invalid_sequence_does_not_end_the_upload(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.request(0)
+    for _ in range(5):
+        assert vehicle.ack(Result.INVALID_SEQUENCE) == []
+    for seq in (1, 2):
+        vehicle.now += 1
+        vehicle.request(seq)
+    vehicle.ack(Result.ACCEPTED)
+    assert upload.error is None
+
+
+def test_early_acceptance_is_not_believed(vehicle) -> None:
+    """It can only be a late one, of another upload."""
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.ack(Result.ACCEPTED)
+    vehicle.request(0)
+    vehicle.request(1)
+    vehicle.ack(Result.ACCEPTED)
+    assert not upload.done
+
+
+def test_denial_tells_code_and_item(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.request(0)
+    vehicle.request(1)
+    vehicle.ack(Result.INVALID_PARAM2)
+    with pytest.raises(MissionDenied, match="INVALID_PARAM2 at item 1") as caught:
+        upload.result()
+    assert (caught.value.code, caught.value.item) == (Result.INVALID_PARAM2, 1)
+
+
+@pytest.mark.parametrize("code", [Result.NO_SPACE, Result.DENIED, Result.UNSUPPORTED, 99])
+def test_count_can_be_denied(vehicle, code) -> None:
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.ack(code)
+    with pytest.raises(MissionDenied) as caught:
+        upload.result()
+    assert (caught.value.code, caught.value.item) == (code, None)
+
+
+def test_error_to_the_count_is_believed_the_third_time(vehicle) -> None:
+    """PX4 says so while it is in another transfer, even of ours."""
+    upload, _ = begin(vehicle, plan_of(3))
+    for _ in range(2):
+        (ack,) = vehicle.ack(Result.ERROR)
+        assert ack.type == Result.OPERATION_CANCELLED
+        assert kinds(vehicle.wait()) == ["MissionCount"]
+    vehicle.ack(Result.ERROR)
+    with pytest.raises(MissionDenied):
+        upload.result()
+
+
+def test_error_about_a_late_copy_does_not_end_a_living_upload(vehicle) -> None:
+    """PX4 says ERROR to a second count when items have come, and goes on."""
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.request(0)
+    vehicle.now += 0.1
+    vehicle.request(1)
+    assert seqs(vehicle.ack(Result.ERROR)) == [1]
+    vehicle.now += 0.1
+    assert seqs(vehicle.request(2)) == [2]
+    vehicle.ack(Result.ACCEPTED)
+    assert upload.error is None
+
+
+def test_denial_of_something_late_does_not_end_a_living_upload(vehicle) -> None:
+    """ArduPilot says DENIED to a late request for a list, and goes on."""
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.request(0)
+    vehicle.now += 0.1
+    vehicle.request(1)
+    assert seqs(vehicle.ack(Result.DENIED)) == [1]
+    vehicle.now += 0.1
+    assert seqs(vehicle.request(2)) == [2]
+    vehicle.ack(Result.DENIED)
+    with pytest.raises(MissionDenied):
+        upload.result()
+
+
+def test_vehicle_that_forgot_the_upload_is_begun_with_again(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.request(0)
+    vehicle.ack(Result.ERROR)
+    assert kinds(vehicle.ack(Result.ERROR)) == ["MissionCount"]
+    for seq in range(3):
+        vehicle.now += 1
+        vehicle.request(seq)
+    vehicle.ack(Result.ACCEPTED)
+    assert upload.error is None
+
+
+def test_vehicle_that_always_errs_is_believed_in_the_end(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(3))
+    for _ in range(5):
+        assert seqs(vehicle.request(0)) == [0]
+        assert seqs(vehicle.ack(Result.ERROR)) == [0]
+        vehicle.ack(Result.ERROR)
+    with pytest.raises(MissionDenied) as caught:
+        upload.result()
+    assert caught.value.code == Result.ERROR
+
+
+def all_sent(vehicle: Vehicle, plan: Plan, **options):
+    upload, _ = begin(vehicle, plan, **options)
+    for seq in range(len(plan)):
+        vehicle.now += 0.04
+        vehicle.request(seq)
+    return upload
+
+
+def test_lost_final_ack_is_asked_for_by_the_last_item(vehicle) -> None:
+    """PX4 then says it again."""
+    upload = all_sent(vehicle, plan_of(3))
+    assert seqs(vehicle.wait()) == [2]
+    vehicle.ack(Result.ACCEPTED, plan_id=5)
+    assert upload.result().plan_id == 5
+
+
+def read_back(vehicle: Vehicle, held: Plan) -> list:
+    vehicle.count(len(held), plan_id=9)
+    for seq in range(len(held)):
+        said = vehicle.item(held, seq)
+    return said
+
+
+def test_lost_final_ack_is_verified_by_reading_back(vehicle) -> None:
+    """ArduPilot says ERROR to an item after its upload has ended."""
+    plan = plan_of(3)
+    upload = all_sent(vehicle, plan)
+    assert kinds(vehicle.ack(Result.ERROR)) == ["MissionRequestList"]
+    assert not upload.done
+    said = read_back(vehicle, plan)
+    assert [(type(message), message.type) for message in said] == [(common.MissionAck, Result.ACCEPTED)]
+    assert upload.result() == plan
+    assert upload.result().plan_id == 9
+
+
+def test_silence_after_the_last_item_is_verified_too(vehicle) -> None:
+    upload = all_sent(vehicle, plan_of(3))
+    said = vehicle.wait_for_all(5.0)
+    assert "MissionRequestList" in kinds(said)
+    read_back(vehicle, plan_of(3))
+    assert upload.error is None
+
+
+def test_vehicle_that_holds_something_else_gets_the_plan_again(vehicle) -> None:
+    upload = all_sent(vehicle, plan_of(3))
+    vehicle.ack(Result.ERROR)
+    said = read_back(vehicle, plan_of(3, speed=1.0))
+    assert kinds(said) == ["MissionAck", "MissionCount"]
+    assert not upload.done
+
+
+def test_home_takes_the_place_of_the_first_item_where_it_does() -> None:
+    sent, home = waypoints(3), MissionItem(common.MavCmd.NAV_WAYPOINT, param5=1.0)
+    for home_first, ends in ((True, True), (False, False)):
+        vehicle = Vehicle(MissionClient(GROUND, VEHICLE, home_first=home_first))
+        upload = all_sent(vehicle, Plan.of(sent))
+        vehicle.ack(Result.ERROR)
+        read_back(vehicle, Plan.of([home, *sent[1:]]))
+        assert upload.done is ends
+
+
+def test_when_nothing_can_be_learned_nothing_is_claimed(vehicle) -> None:
+    upload = all_sent(vehicle, plan_of(3))
+    vehicle.wait_for_all(60)
+    with pytest.raises(MissionTimeout, match="whether it took them is not known"):
+        upload.result()
+
+
+def test_cancelling_tells_the_vehicle(vehicle, client) -> None:
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.request(0)
+    client.cancel(upload, vehicle.now)
+    (ack,) = vehicle.said()
+    assert (type(ack), ack.type) == (common.MissionAck, Result.OPERATION_CANCELLED)
+    with pytest.raises(RemoteCancelled):
+        upload.result()
+    # If that was lost, the vehicle asks again, and is told again.
+    (ack,) = vehicle.request(1)
+    assert ack.type == Result.OPERATION_CANCELLED
+    vehicle.now += 60
+    assert vehicle.request(1) == []
+
+
+def test_timeout_tells_the_vehicle(vehicle) -> None:
+    begin(vehicle, plan_of(3))
+    vehicle.request(0)
+    said = vehicle.wait_for_all(30)
+    assert (type(said[-1]), said[-1].type) == (common.MissionAck, Result.OPERATION_CANCELLED)
+
+
+def test_vehicle_can_cancel(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(3))
+    vehicle.request(0)
+    vehicle.ack(Result.OPERATION_CANCELLED)
+    with pytest.raises(RemoteCancelled, match="OPERATION_CANCELLED"):
+        upload.result()
+
+
+def test_vehicle_that_asks_for_one_item_for_ever_does_not_hold_us(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(3))
+    for _ in range(100):
+        vehicle.request(0)
+        vehicle.wait(0.2)
+    assert isinstance(upload.error, MissionTimeout)
+
+
+def test_limit_holds_even_if_it_moves(vehicle) -> None:
+    upload, _ = begin(vehicle, plan_of(500), limit=5.0)
+    for seq in range(60):
+        vehicle.request(seq)
+        vehicle.wait(0.1)
+    assert isinstance(upload.error, MissionTimeout)
+
+
+def test_empty_plan_needs_no_items(vehicle) -> None:
+    upload, said = begin(vehicle, plan_of(0))
+    assert said[0].count == 0
+    vehicle.ack(Result.ACCEPTED)
+    assert upload.result() == plan_of(0)
+
+
+def test_one_transfer_at_a_time(vehicle, client) -> None:
+    """PX4 has one state for all types."""
+    first, said = begin(vehicle, plan_of(1))
+    second, more = begin(vehicle, plan_of(1, PlanType.FENCE))
+    assert (kinds(said), more) == (["MissionCount"], [])
+    vehicle.request(0)
+    (count,) = vehicle.ack(Result.ACCEPTED)
+    assert count.mission_type == PlanType.FENCE
+    assert first.done
+    assert not second.done
+
+
+def test_next_upload_of_the_type_waits_until_late_packets_are_gone(vehicle) -> None:
+    begin(vehicle, plan_of(1))
+    vehicle.request(0)
+    vehicle.ack(Result.ACCEPTED)
+    second, said = begin(vehicle, plan_of(1, speed=1.0))
+    assert said == []
+    vehicle.ack(Result.ACCEPTED)
+    assert not second.done
+    assert kinds(vehicle.wait()) == ["MissionCount"]
+    assert vehicle.now > 0.3
+
+
+def test_what_is_no_plan_is_refused_at_once(client) -> None:
+    for plan in (Plan.of([], PlanType.ALL), Plan.of([], 7), Plan.of(waypoints(1) * 65536)):
+        with pytest.raises(LocalProtocolError):
+            client.upload(plan, 0.0)

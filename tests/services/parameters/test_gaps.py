@@ -1,0 +1,133 @@
+"""What is asked for singly, and when."""
+
+from __future__ import annotations
+
+from mavstack.services import RoundTrip
+from mavstack.services.parameters.gaps import LEAST_WINDOW, MOST_WINDOW, Gaps
+
+
+def listing(total: int, *, round_trip: float = 0.05) -> Gaps:
+    trips = RoundTrip(initial=1.0, least=0.02)
+    trips.measured(round_trip)
+    gaps = Gaps(trips, 0.0)
+    gaps.total = total
+    return gaps
+
+
+def wanted(gaps: Gaps, now: float) -> list[int]:
+    asked = []
+    while (index := gaps.next_wanted()) is not None:
+        gaps.ask(index, now)
+        asked.append(index)
+    return asked
+
+
+def test_a_gap_is_asked_for_once_later_entries_came_and_not_before() -> None:
+    gaps = listing(10)
+    for index in (0, 1, 3, 4):
+        gaps.take(index, 0.01)
+    assert wanted(gaps, 0.01) == []  # 2 may still come
+    gaps.take(5, 0.01)
+    assert wanted(gaps, 0.01) == [2]
+
+
+def test_the_tail_is_asked_for_when_the_list_falls_quiet() -> None:
+    gaps = listing(10)
+    for index in range(7):
+        gaps.take(index, 0.1 * index)
+    gaps.handle_timeout(0.7)
+    assert wanted(gaps, 0.7) == []  # its pauses are of 0.1 s
+    due = gaps.next_timeout()
+    assert due is not None
+    assert 0.85 < due < 1.0
+    gaps.handle_timeout(due)
+    assert wanted(gaps, due) == [7, 8, 9]
+
+
+def test_the_last_entry_ends_the_list_at_once() -> None:
+    gaps = listing(5)
+    for index in (0, 1, 4):
+        gaps.take(index, 0.0)
+    assert wanted(gaps, 0.0) == [2, 3]
+
+
+def test_a_list_that_goes_on_is_listened_to_again() -> None:
+    gaps = listing(100)
+    for index in range(10):
+        gaps.take(index, 0.001 * index)
+    gaps.handle_timeout(0.5)
+    asked = wanted(gaps, 0.5)
+    assert asked == list(range(10, 18))
+    gaps.take(30, 0.51)
+    for index in asked:
+        gaps.take(index, 0.52)
+    assert wanted(gaps, 0.52) == list(range(18, 28))  # and none beyond 30
+
+
+def test_a_single_value_from_afar_is_not_taken_for_the_list() -> None:
+    gaps = listing(100)
+    gaps.take(0, 0.0)
+    gaps.take(90, 0.0)
+    gaps.take(1, 0.0)
+    assert wanted(gaps, 0.0) == []
+
+
+def test_a_long_leap_is_believed_when_it_is_confirmed() -> None:
+    gaps = listing(100)
+    for index in (0, 60, 61):
+        gaps.take(index, 0.0)
+    assert wanted(gaps, 0.0) == list(range(1, 9))
+
+
+def test_the_window_grows_with_answers_and_shrinks_with_silence() -> None:
+    gaps = listing(200)
+    for index in (0, 30, 60, 90, 120, 150, 199, 199):
+        gaps.take(index, 0.0)
+    gaps.handle_timeout(10.0)
+    now = 10.0
+    for _ in range(5):
+        for index in wanted(gaps, now):
+            gaps.take(index, now + 0.04)
+        now += 0.05
+    assert gaps.window == MOST_WINDOW
+    assert len(wanted(gaps, now)) == MOST_WINDOW
+    for _ in range(20):
+        now = gaps.next_timeout() or now
+        gaps.handle_timeout(now)
+        wanted(gaps, now)
+    assert gaps.window == LEAST_WINDOW
+
+
+def test_what_stays_out_is_asked_for_again_until_it_comes() -> None:
+    gaps = listing(3)
+    gaps.take(0, 0.0)
+    gaps.take(2, 0.0)
+    assert wanted(gaps, 0.0) == [1]
+    for _ in range(5):
+        now = gaps.next_timeout()
+        assert now is not None
+        gaps.handle_timeout(now)
+        assert wanted(gaps, now) == [1]
+    assert gaps.take(1, now)
+    assert gaps.complete
+    assert gaps.next_timeout() is None
+    assert wanted(gaps, now + 9) == []
+
+
+def test_a_second_answer_shows_that_the_waiting_was_too_short() -> None:
+    gaps = listing(3, round_trip=0.01)
+    gaps.take(0, 0.0)
+    gaps.take(2, 0.0)
+    wanted(gaps, 0.0)
+    gaps.handle_timeout(0.2)
+    wanted(gaps, 0.2)
+    gaps.take(1, 0.4)
+    before = gaps._round_trip.timeout()
+    gaps.take(1, 0.6)
+    assert gaps._round_trip.timeout() > before
+
+
+def test_indexes_out_of_range_are_nothing() -> None:
+    gaps = listing(3)
+    assert not gaps.take(3, 0.0)
+    assert not gaps.take(-1, 0.0)

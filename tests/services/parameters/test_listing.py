@@ -1,0 +1,343 @@
+"""Fetching all parameters: the traps, and how long it takes on which link."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import ParameterDenied, ParameterTimeout, RemoteCancelled
+from mavstack.links import Impairment
+from mavstack.services import Address, Progress
+from mavstack.services.parameters import Encoding, ParameterClient, Snapshot
+from mavstack.services.parameters.value import NO_INDEX
+from tests.services.network import GROUND, START, VEHICLE, Air, Network
+from tests.services.parameters.tables import Pair, table_of, values_of
+
+PX4_COUNT = 955
+
+
+def requests_of(pair: Pair, name: str = "PARAM_REQUEST_READ") -> list:
+    return [packet.message for packet in pair.vehicle.heard if packet.name == name]
+
+
+class ByHand:
+    """A client whose vehicle is the test: what it sends is heard, and answered by `tell`."""
+
+    def __init__(self, encoding: Encoding = Encoding.BYTEWISE) -> None:
+        self.network = Network(keep_packets=True)
+        self.ground = self.network.node(GROUND)
+        self.vehicle = self.network.node(VEHICLE)
+        self.network.connect(self.ground, self.vehicle)
+        self.client = self.ground.engine.add(ParameterClient(GROUND, VEHICLE, encoding))
+
+    def tell(self, name: str, value: float, index: int, count: int) -> None:
+        message = common.ParamValue(
+            param_id=name,
+            param_value=value,
+            param_type=common.MavParamType.REAL32,
+            param_index=index,
+            param_count=count,
+        )
+        self.send(message)
+
+    def send(self, message) -> None:
+        self.vehicle.engine.send(message, self.network.now)
+
+    def run(self, seconds: float) -> list:
+        """Let time pass; gives what the vehicle heard."""
+        self.ground.engine.touch(self.client)
+        del self.vehicle.heard[:]
+        self.network.run(limit=seconds)
+        return [packet.message for packet in self.vehicle.heard]
+
+
+def indexes(messages) -> set[int]:
+    return {message.param_index for message in messages if isinstance(message, common.ParamRequestRead)}
+
+
+@pytest.mark.parametrize("encoding", Encoding)
+def test_all_parameters_come(encoding) -> None:
+    pair = Pair(200, encoding=encoding)
+    listing = pair.client.fetch_all(pair.network.now)
+    pair.run(listing)
+    assert values_of(listing.result()) == table_of(pair.server)
+    assert list(listing.result()) == list(table_of(pair.server))
+    assert pair.client.complete
+    assert requests_of(pair) == []
+
+
+def test_an_unsolicited_value_does_not_mask_a_missing_index() -> None:
+    hand = ByHand()
+    listing = hand.client.fetch_all(hand.network.now)
+    hand.run(0.1)
+    hand.tell("A", 1.0, 0, 3)
+    hand.tell("C", 3.0, 2, 3)
+    hand.run(0.01)
+    hand.tell("B", 2.0, NO_INDEX, 3)  # B is known now, but not that it is number 1
+    asked = hand.run(1.0)
+    assert indexes(asked) == {1}
+    assert not listing.done
+    hand.tell("B", 2.0, 1, 3)
+    hand.run(0.1)
+    assert list(listing.result()) == ["A", "B", "C"]
+
+
+def test_a_count_that_changes_while_listing_starts_it_again() -> None:
+    hand = ByHand()
+    listing = hand.client.fetch_all(hand.network.now)
+    hand.run(0.1)
+    hand.tell("A", 1.0, 0, 2)
+    hand.run(0.01)
+    for index, name in enumerate(["NEW", "A", "B"]):
+        hand.tell(name, 5.0, index, 3)
+    asked = hand.run(0.1)
+    assert any(isinstance(message, common.ParamRequestList) for message in asked)
+    assert not listing.done
+    for index, name in enumerate(["NEW", "A", "B"]):
+        hand.tell(name, 5.0, index, 3)
+    hand.run(0.1)
+    assert list(listing.result()) == ["NEW", "A", "B"]
+
+
+def test_a_count_that_shrinks_is_no_endless_wait() -> None:
+    pair = Pair(30, air=Air(5760.0), bandwidth=5760.0)
+    listing = pair.client.fetch_all(pair.network.now)
+    name = pair.rows[3][0]
+
+    def shrink() -> None:
+        pair.server.table.remove(name)
+        del pair.rows[3]
+        pair.touch()
+
+    pair.network.at(0.05, shrink)
+    pair.run(listing)
+    assert values_of(listing.result()) == table_of(pair.server)
+    assert name not in pair.client.parameters
+
+
+def test_a_table_that_never_stops_changing_ends_in_a_timeout() -> None:
+    hand = ByHand()
+    listing = hand.client.fetch_all(hand.network.now)
+    for count in range(3, 40):
+        hand.run(0.05)
+        hand.tell("A", 1.0, 0, count)
+        hand.tell("B", 1.0, 1, 2)
+    hand.run(60.0)
+    assert isinstance(listing.error, ParameterTimeout)
+
+
+def test_one_name_in_two_places_is_not_believed() -> None:
+    hand = ByHand()
+    listing = hand.client.fetch_all(hand.network.now)
+    hand.run(0.1)
+    hand.tell("A", 1.0, 0, 2)
+    hand.tell("A", 1.0, 1, 2)
+    hand.run(0.1)
+    assert not listing.done
+    hand.tell("NEW", 1.0, 0, 2)
+    hand.tell("A", 1.0, 1, 2)
+    hand.run(0.1)
+    assert list(listing.result()) == ["NEW", "A"]
+
+
+def test_a_parameter_that_cannot_be_read_is_told() -> None:
+    hand = ByHand()
+    listing = hand.client.fetch_all(hand.network.now)
+    hand.run(0.1)
+    hand.tell("A", 1.0, 0, 2)
+    hand.run(0.2)
+    error = common.MavParamError.READ_FAIL
+    hand.send(common.ParamError(target_system=255, target_component=190, param_index=1, error=error))
+    hand.run(1.5)
+    assert isinstance(listing.error, ParameterDenied)
+    assert listing.error.code == error
+
+
+def test_silence_ends_in_a_timeout_that_says_how_many_came() -> None:
+    hand = ByHand()
+    listing = hand.client.fetch_all(hand.network.now, patience=5.0)
+    asked = hand.run(4.0)
+    assert len([message for message in asked if isinstance(message, common.ParamRequestList)]) > 1
+    hand.tell("A", 1.0, 0, 2)
+    hand.run(20.0)
+    assert isinstance(listing.error, ParameterTimeout)
+    assert "1 of 2 came" in str(listing.error)
+    assert hand.client.parameters["A"].value == 1.0
+
+
+def test_gaps_are_not_asked_for_all_at_once() -> None:
+    hand = ByHand()
+    hand.client.fetch_all(hand.network.now)
+    hand.run(0.1)
+    hand.tell("A", 1.0, 0, 500)
+    hand.tell("Z", 1.0, 499, 500)
+    hand.run(0.01)
+    hand.run(1.0)
+    assert len(indexes(hand.run(0.05))) <= 20
+
+
+@pytest.mark.parametrize("count", [32768, 65535])
+def test_a_count_that_cannot_be_harms_nothing(count) -> None:
+    hand = ByHand()
+    listing = hand.client.fetch_all(hand.network.now, patience=5.0)
+    hand.run(0.1)
+    for index in (0, count - 2, count - 1):
+        hand.tell("A", 1.0, index, count)
+    hand.run(60.0)
+    assert isinstance(listing.error, ParameterTimeout)
+
+
+def test_a_restarted_vehicle_goes_on_where_it_was() -> None:
+    pair = Pair(100, impairment=Impairment(bandwidth=5760.0, queue=1 << 16))
+    listing = pair.client.fetch_all(pair.network.now)
+    pair.network.at(0.3, pair.vehicle.restart)
+    pair.run(listing)
+    assert values_of(listing.result()) == table_of(pair.server)
+
+
+def test_two_lists_of_one_client_go_one_after_the_other() -> None:
+    pair = Pair(50)
+    lists = [pair.client.fetch_all(pair.network.now) for _ in range(2)]
+    pair.run(*lists)
+    assert [len(listing.result()) for listing in lists] == [50, 50]
+    assert len(requests_of(pair, "PARAM_REQUEST_LIST")) == 2
+
+
+def test_progress_is_told() -> None:
+    pair = Pair(10)
+    listing = pair.client.fetch_all(pair.network.now)
+    pair.run(listing)
+    assert [(event.done, event.total) for event in pair.ground.events_of(Progress)][-1] == (10, 10)
+
+
+# The hash
+
+
+def test_a_known_hash_saves_the_transfer() -> None:
+    first = Pair(300)
+    first.run(first.client.fetch_all(first.network.now))
+    snapshot = first.client.snapshot()
+    assert snapshot is not None
+    assert snapshot.hash == first.server.table.hash()
+    again = Pair(300, air=Air(), bandwidth=5760.0)
+    listing = again.client.fetch_all(again.network.now, known=snapshot)
+    assert again.run(listing) < 0.3
+    assert values_of(listing.result()) == table_of(again.server)
+    again.network.run(limit=5.0)
+    values = [packet for packet in again.ground.heard if packet.name == "PARAM_VALUE"]
+    assert len(values) < 30  # the list was stopped
+
+
+def test_a_changed_hash_means_fetching() -> None:
+    first = Pair(50)
+    first.run(first.client.fetch_all(first.network.now))
+    snapshot = first.client.snapshot()
+    again = Pair(50)
+    again.server.set(again.rows[7][0], 1)
+    listing = again.client.fetch_all(again.network.now, known=snapshot)
+    again.run(listing)
+    assert values_of(listing.result()) == table_of(again.server)
+
+
+def test_a_vehicle_without_hash_is_fetched_without_delay() -> None:
+    pair = Pair(50, hash_check=False)
+    listing = pair.client.fetch_all(pair.network.now, known=Snapshot((), 5))
+    assert pair.run(listing) < 0.2
+    assert len(listing.result()) == 50
+
+
+def test_the_hash_of_older_values_is_not_kept() -> None:
+    pair = Pair(20)
+    pair.run(pair.client.fetch_all(pair.network.now))
+    pair.run(pair.client.set(pair.rows[0][0], 1, pair.network.now))
+    snapshot = pair.client.snapshot()
+    assert snapshot is not None
+    assert snapshot.hash is None
+
+
+def test_cancelling_stops_the_list() -> None:
+    pair = Pair(300, air=Air(), bandwidth=5760.0)
+    listing = pair.client.fetch_all(pair.network.now)
+    pair.network.run(limit=0.5)
+    pair.ground.engine.touch(pair.client)
+    pair.network.run(limit=0.5)
+    pair.client.cancel(listing, pair.network.now)
+    pair.ground.engine.touch(pair.client)
+    pair.network.run(limit=0.5)
+    assert isinstance(listing.error, RemoteCancelled)
+    heard = len(pair.ground.heard)
+    pair.network.run(limit=5.0)
+    assert len(pair.ground.heard) == heard
+
+
+# How long it takes
+
+
+def seconds_for(**link) -> float:
+    pair = Pair(PX4_COUNT, **link)
+    listing = pair.client.fetch_all(pair.network.now)
+    seconds = pair.run(listing)
+    assert values_of(listing.result()) == table_of(pair.server)
+    return seconds
+
+
+def test_a_clean_link_takes_a_moment() -> None:
+    assert seconds_for() < 0.5
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_one_percent_of_loss_costs_little(seed) -> None:
+    assert seconds_for(impairment=Impairment(latency=0.02, loss=0.01, seed=seed), seed=seed) < 1.5
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_ten_percent_of_loss_costs_a_second_or_two(seed) -> None:
+    assert seconds_for(impairment=Impairment(latency=0.02, loss=0.1), seed=seed) < 3.5
+
+
+def test_a_half_duplex_radio_is_used_to_the_full() -> None:
+    air = Air(5760.0)
+    seconds = seconds_for(air=air, bandwidth=5760.0)
+    assert seconds < 1.05 * PX4_COUNT * 37 / 5760.0
+    assert air.overflowed == 0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_half_duplex_radio_that_loses_some(seed) -> None:
+    impairment = Impairment(loss=0.05)
+    assert seconds_for(air=Air(5760.0), bandwidth=5760.0, impairment=impairment, seed=seed) < 1.25 * 6.13
+
+
+def test_a_vehicle_that_does_not_pace_itself_is_survived() -> None:
+    air = Air(5760.0)
+    seconds = seconds_for(air=air)
+    assert air.overflowed > 500  # the radio's queue dropped most of the list
+    assert seconds < 1.6 * PX4_COUNT * 37 / 5760.0
+
+
+def test_a_radio_that_tells_its_queue_is_used_well() -> None:
+    air = Air(5760.0)
+    pair = Pair(PX4_COUNT, air=air)
+
+    def report() -> None:
+        for node, direction in ((pair.ground, 0), (pair.vehicle, 1)):
+            free = air.free_percent(direction, pair.network.now)
+            node.ports[0].channel.pacer.radio_status(free, pair.network.now)
+        pair.network.at(0.5, report)
+
+    report()
+    listing = pair.client.fetch_all(pair.network.now)
+    seconds = pair.run(listing)
+    assert values_of(listing.result()) == table_of(pair.server)
+    assert seconds < 1.25 * 6.13
+
+
+def test_two_clients_list_at_once_over_one_radio() -> None:
+    from mavstack.services.parameters import ParameterClient
+
+    pair = Pair(200, air=Air(5760.0), bandwidth=5760.0)
+    other = pair.ground.engine.add(ParameterClient(Address(255, 191), VEHICLE))
+    lists = [pair.client.fetch_all(START), other.fetch_all(START)]
+    pair.ground.engine.touch(other)
+    assert pair.run(*lists) < 1.3 * 2 * 200 * 37 / 5760.0
+    assert values_of(lists[0].result()) == values_of(lists[1].result()) == table_of(pair.server)

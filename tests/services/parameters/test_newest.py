@@ -1,0 +1,22 @@
+"""Packets that were overtaken."""
+
+from __future__ import annotations
+
+from mavstack.services.parameters.newest import Newest
+
+
+def test_copies_and_overtaken_packets_are_told_from_new_ones() -> None:
+    newest = Newest()
+    assert not newest.is_overtaken(250, 0.0)
+    assert newest.is_overtaken(250, 0.1)
+    assert newest.is_overtaken(240, 0.1)
+    assert not newest.is_overtaken(3, 0.2)
+    assert newest.is_overtaken(255, 0.3)
+    assert not newest.is_overtaken(200, 0.3)
+
+
+def test_after_a_while_everything_is_new() -> None:
+    newest = Newest()
+    assert not newest.is_overtaken(100, 0.0)
+    assert newest.is_overtaken(99, 0.4)
+    assert not newest.is_overtaken(99, 0.6)
