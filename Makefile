@@ -5,7 +5,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust/core rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
-.PHONY: demo test check lint format bench fuzz generate clean
+.PHONY: demo test check nightly lint format bench fuzz generate clean
 
 demo: $(VENV)/installed ## Fly a scripted vehicle over loopback and show its live picture
 	@$(BIN)/mav demo
@@ -23,6 +23,9 @@ test: $(VENV)/installed ## Run everything that continuous integration runs
 
 check: $(VENV)/installed ## The Python tests alone
 	$(BIN)/pytest -n auto
+
+nightly: $(VENV)/installed ## The randomised tests alone, each over SEEDS (10000)
+	$(BIN)/pytest -n auto -m seeds --seeds $(or $(SEEDS),10000)
 
 bench: $(VENV)/installed ## Compare speed and memory with the peers
 	$(BIN)/python -m benchmarks

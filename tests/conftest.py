@@ -24,6 +24,12 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("seeds", blocks_of(metafunc.config), indirect=True, ids=str)
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if "seeds" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.seeds)
+
+
 @pytest.fixture
 def seeds(request: pytest.FixtureRequest) -> Seeds:
     return Seeds(request.param, request.node)

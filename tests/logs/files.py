@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from wire.values import comparable, text_of
 
 import mavstack
+from tests.wire.values import comparable, text_of
 
 START = 1_700_000_000_000_000
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wire import forge
-from wire.values import random_message
 
 import mavstack
 from mavstack.dialects import Dialect, ardupilotmega, common
 from mavstack.errors import DialectError, LogError, UnknownMessageError
 from mavstack.logs import HEADER_COLUMNS, LogFile, open_log, table_dtype
+from tests.wire import forge
+from tests.wire.values import random_message
 
 from .files import START, assert_same, encoded, parsed, stamped
 

@@ -48,7 +48,7 @@ class Vehicle(Node):
             self.parameters.add(f"P_{number:02}", number)
         self.logs = MemoryLogs()
         self.serve(LogServer(self.address, self.logs))
-        self.serve(MissionServer(self.address))
+        self.mission = self.serve(MissionServer(self.address))
         modes = modes_of(autopilot, COPTER, MODES[autopilot])
         self.modes = self.serve(ModeServer(self.address, modes, 0, autopilot=autopilot))
         self.modes.register(self.commands.server)
