@@ -61,23 +61,47 @@ def test_control_never_waits_and_streams_go_before_bulk() -> None:
     assert pacer.has_room(BULK, again + 0.001)
 
 
+def second_of(pacer: Pacer, second: int, share: float, free_percent: int) -> None:
+    """Use a share of the bandwidth for a second, then hear how full the radio is."""
+    if pacer.bandwidth is not None:
+        pacer.sent(round(share * pacer.bandwidth), second - 0.5)
+    pacer.radio_status(free_percent, float(second))
+
+
 def test_radio_status_teaches_the_bandwidth_down_quickly_and_up_slowly() -> None:
     pacer = Pacer()
-    pacer.radio_status(100, 0.0)
+    pacer.radio_status(70, 0.0)
     assert pacer.learned
+    assert pacer.bandwidth == FIRST_ESTIMATE
+    second_of(pacer, 1, 1.0, 100)
     assert pacer.bandwidth == pytest.approx(FIRST_ESTIMATE * 1.15)
-    for second in range(3):
-        pacer.radio_status(10, float(second))
+    for second in range(2, 5):
+        second_of(pacer, second, 1.0, 10)
     assert pacer.bandwidth < FIRST_ESTIMATE / 3
     before = pacer.bandwidth
-    pacer.radio_status(70, 4.0)
+    second_of(pacer, 5, 1.0, 70)
     assert pacer.bandwidth == before
-    for second in range(1000):
-        pacer.radio_status(0, float(second))
+    for second in range(6, 100):
+        second_of(pacer, second, 1.0, 0)
     assert pacer.bandwidth == LEAST_ESTIMATE
-    for second in range(1000):
-        pacer.radio_status(100, float(second))
+    for second in range(100, 300):
+        second_of(pacer, second, 1.0, 100)
     assert pacer.bandwidth == MOST_ESTIMATE
+
+
+def test_an_idle_radio_teaches_nothing_about_what_it_could_carry() -> None:
+    pacer = Pacer()
+    for second in range(100):
+        second_of(pacer, second, 0.1, 100)
+    assert pacer.bandwidth <= FIRST_ESTIMATE * 1.15
+
+
+def test_a_full_queue_tells_that_what_was_sent_was_too_much() -> None:
+    pacer = Pacer()
+    for second in range(3):
+        second_of(pacer, second, 1.0, 100)
+    second_of(pacer, 3, 0.4, 10)  # others used the air
+    assert pacer.bandwidth < FIRST_ESTIMATE * 0.4
 
 
 def test_a_radio_that_does_not_know_and_a_bandwidth_that_is_known_teach_nothing() -> None:

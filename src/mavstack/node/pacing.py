@@ -9,7 +9,8 @@ share.
 
 The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or learned: a radio reports in
 RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on the rate follows it,
-down quickly and up slowly, as autopilots do; without either there is no limit.
+down quickly and up slowly, as autopilots do; without either there is no limit. The queue of a radio that has
+little to send is empty and says nothing about what it could carry, so the rate rises only while it is used.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ LEAST_DEPTH = 300.0
 #: Where learning begins: what a radio at its factory settings carries, in bytes a second.
 FIRST_ESTIMATE = 5760.0
 LEAST_ESTIMATE = 200.0
+#: The rate rises only if this share of it was used.
+USED = 0.6
 MOST_ESTIMATE = 1e6
 
 
@@ -43,6 +46,8 @@ class Pacer:
         self._known = bandwidth is not None
         self._level = LEAST_DEPTH
         self._stream_level = 0.0
+        self._sent_since_status = 0
+        self._status_at: float | None = None
         self._bulk_waited_at = -inf
         self._filled_at: float | None = None
 
@@ -51,6 +56,7 @@ class Pacer:
         if self.bandwidth is not None:
             self._fill(now)
             self._level -= size
+            self._sent_since_status += size
             if priority is Priority.STREAM:
                 self._stream_level = max(self._stream_level - size, -LEAST_DEPTH)
 
@@ -86,9 +92,20 @@ class Pacer:
             return
         if self.bandwidth is None:
             self.bandwidth, self.learned = FIRST_ESTIMATE, True
-        else:
-            self._fill(now)
-        self.bandwidth = min(max(self.bandwidth * _change(free_percent), LEAST_ESTIMATE), MOST_ESTIMATE)
+        self._fill(now)
+        used = self._rate_since_status(now)
+        change = _change(free_percent)
+        if change > 1 and used < USED * self.bandwidth:
+            return
+        if change < 1:
+            self.bandwidth = min(self.bandwidth, max(used, LEAST_ESTIMATE))
+        self.bandwidth = min(max(self.bandwidth * change, LEAST_ESTIMATE), MOST_ESTIMATE)
+
+    def _rate_since_status(self, now: float) -> float:
+        """What was sent since the last report, in bytes a second; infinite at the first."""
+        since, sent = self._status_at, self._sent_since_status
+        self._status_at, self._sent_since_status = now, 0
+        return inf if since is None else sent / max(now - since, 0.001)
 
     def _fill(self, now: float) -> None:
         bandwidth = self.bandwidth or 0.0

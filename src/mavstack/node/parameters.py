@@ -60,12 +60,13 @@ class Parameters:
         self,
         *,
         known: Snapshot | None = None,
+        packed: bool = True,
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Mapping[str, Parameter]:
         """Fetch them all: by the packed file, or the list, or not at all if `known` still holds."""
         await self._know_encoding()
-        if not await self._fetched_packed():
+        if not (packed and await self._fetched_packed(timeout, progress)):
             node = self._remote.node
             operation = self.client.fetch_all(node.now(), known=known, limit=timeout)
             await node.driver.finish(self.client, operation, progress)
@@ -75,13 +76,15 @@ class Parameters:
         """Each parameter that changes from now on, whoever changes it."""
         return self._remote.node.events(ParameterChanged, of=self.client)
 
-    async def _fetched_packed(self) -> bool:
+    async def _fetched_packed(
+        self, timeout: float | None, progress: Callable[[int, int], None] | None
+    ) -> bool:
         """ArduPilot packs all parameters into a file, which is smaller and comes at a file's speed."""
         if not (self._is_ardupilot and self._can(_Capability.FTP)):
             return False
         begun = self._remote.node.now()
         try:
-            data = await self._remote.files.read(PACKED_NAME)
+            data = await self._remote.files.read(PACKED_NAME, timeout=timeout, progress=progress)
         except (RemoteTimeout, RemoteDenied):
             return False
         return self.client.take_packed(data, self._remote.node.now(), begun=begun)

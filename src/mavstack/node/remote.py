@@ -11,6 +11,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from mavstack.dialects import common
 from mavstack.node.control import ControlStream
 from mavstack.node.extended_parameters import ExtendedParameters
 from mavstack.node.files import Files
@@ -226,7 +227,8 @@ class RemoteComponent:
     @cached_property
     def mission_client(self) -> MissionClient:
         """The client that all its plans go through."""
-        return self.node.serve(MissionClient(self.node.address, self.address))
+        ardupilot = self.info is not None and self.info.autopilot == common.MavAutopilot.ARDUPILOTMEGA
+        return self.node.serve(MissionClient(self.node.address, self.address, home_first=ardupilot))
 
     @cached_property
     def clock(self) -> TimesyncClient:

@@ -276,7 +276,7 @@ class Parameters:
     def set(self, name: str, value: Value, *, timeout: float | None=...) -> Parameter:
         """Set a parameter and see it read back; the result is what the component holds now."""
 
-    def fetch(self, *, known: Snapshot | None=..., timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> Mapping[str, Parameter]:
+    def fetch(self, *, known: Snapshot | None=..., packed: bool=..., timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> Mapping[str, Parameter]:
         """Fetch them all: by the packed file, or the list, or not at all if `known` still holds."""
 
     def changes(self) -> Subscription[ParameterChanged]:

@@ -23,8 +23,14 @@ if TYPE_CHECKING:
 REMEMBERED = 8
 #: Added to the wait for a burst to begin, in seconds: asked for twice it comes twice.
 SLACK = 0.05
+#: So many packets earlier is the next burst asked for if the end of this one is only known from experience.
+EARLIER = 3.0
+#: So many bursts in a row must bring all that was expected before more is.
+FULL_ONES = 16
 #: Below this share of new data among what bursts bring they are not worth it.
 LEAST_NOVELTY = 0.85
+#: Reads ask for each packet and lose some, so bursts are worth it while they leave less than this idle.
+LEAST_USE, LEAST_CYCLES = 0.75, 12
 
 
 @dataclass(slots=True)
@@ -38,6 +44,7 @@ class Burst:
     received: int = 0
     run: int = field(init=False)  # where its unbroken beginning ends
     furthest: int = field(init=False)
+    first_at: float = 0.0
     last_at: float = 0.0
 
     def __post_init__(self) -> None:
@@ -65,7 +72,11 @@ class Bursts:
         self._recent: list[Burst] = []
         self._exact = False
         self._heard_at = 0.0
+        self._cycles = 0
+        self._use = 1.0
         self._doubling = True
+        self._full = 0
+        self._short_ones = 0
         self._gaps = RoundTrip(initial=0.2, least=0.005, most=2.0)
         self._latency = RoundTrip(initial=0.5, least=0.02, most=3.0)
 
@@ -88,7 +99,8 @@ class Bursts:
         else:
             if burst.attempts == 1:
                 self._latency.measured(now - burst.sent_at)
-            self._settle_before(burst)
+            burst.first_at = now
+            self._settle_before(burst, now)
         burst.packets += 1
         self._heard_at = now
         burst.received += end - start
@@ -96,7 +108,7 @@ class Bursts:
         burst.furthest = max(burst.furthest, end)
         if start == burst.run:
             burst.run = end
-        self.novelty += ((new > 0) - self.novelty) / 32
+        self.novelty += (new / (end - start) - self.novelty) * (end - start) / MOST_DATA / 32
 
     def completed(self, burst: Burst) -> None:
         """The server said that it stops here."""
@@ -120,6 +132,21 @@ class Bursts:
             return silent_since + self._latency.timeout(burst.attempts) + SLACK
         return burst.last_at + max(2 * self._gaps.timeout(), self._latency.smoothed or 0.0, 0.03)
 
+    @property
+    def delay(self) -> float:
+        """How long a request takes to show effect, 0 if not known."""
+        return self._latency.smoothed or 0.0
+
+    @property
+    def overrun(self) -> bool:
+        """Whether bursts end where a queue is full: then a hole's answer would take the place of a packet."""
+        return self.expected is not None and not self._exact
+
+    @property
+    def leave_link_idle(self) -> bool:
+        """Whether the link waits for requests so much that several reads at once use it better."""
+        return self.overrun and self._cycles >= LEAST_CYCLES and self._use < LEAST_USE
+
     def next_start(self) -> int | None:
         """Where to ask for the next burst while this one still comes; None: not yet."""
         burst = self.active
@@ -133,22 +160,43 @@ class Bursts:
         gap, latency = self._gaps.smoothed, self._latency.smoothed
         if gap is None or latency is None:
             return 0.0
-        return (0.8 * latency / max(gap, 1e-5)) * MOST_DATA
+        packets = 0.8 * latency / max(gap, 1e-5) + (0.0 if self._exact else EARLIER)
+        return packets * MOST_DATA
 
-    def _settle_before(self, burst: Burst) -> None:
+    def _settle_before(self, burst: Burst, now: float) -> None:
         """The first packet of a burst ends the one before it."""
         place = next(index for index, known in enumerate(self._recent) if known is burst)
         if place and self._recent[place - 1].packets and burst is self.active and self.expected is not None:
             self._learn(self._recent[place - 1])
+            self._measure_use(self._recent[place - 1], now)
+
+    def _measure_use(self, burst: Burst, now: float) -> None:
+        """What share of the time from one burst to the next its packets took, at their own pace."""
+        cycle = now - burst.first_at
+        use = burst.packets * (self._gaps.smoothed or 0.0) / max(cycle, 1e-6)
+        self._cycles += 1
+        self._use += (min(use, 1.0) - self._use) / 8
 
     def _learn(self, burst: Burst) -> None:
-        length = max(burst.length, MOST_DATA)
-        if self.expected is None:
+        length, expected = max(burst.length, MOST_DATA), self.expected
+        if expected is None:
             self.expected = length
-        elif self._exact and length * 2 >= self.expected:
+        elif self._exact and length * 2 >= expected:
             return
-        elif length >= self.expected:
-            grown = 2 * self.expected if self._doubling else self.expected + MOST_DATA
-            self.expected = max(length, grown)
-        else:
+        elif length >= expected:
+            self._brought_all(length, expected)
+        elif self._short_ones or length * 4 < expected * 3:
             self.expected, self._doubling, self._exact = length, False, False
+            self._full = self._short_ones = 0
+        else:
+            self._full, self._short_ones, self._doubling = 0, 1, False
+
+    def _brought_all(self, length: int, expected: int) -> None:
+        """What comes twice is dearer than a hole, so what was brought beyond is expected at once."""
+        self._full, self._short_ones = self._full + 1, 0
+        if self._doubling:
+            self.expected = max(length, 2 * expected)
+        elif self._full >= FULL_ONES:
+            self.expected, self._full = max(length, expected + MOST_DATA), 0
+        else:
+            self.expected = length

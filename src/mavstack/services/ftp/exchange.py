@@ -92,7 +92,10 @@ class Exchange(Operation[FtpPayload]):
         self.attempts += 1
         self._sent_at = now
         self.send(self._payload.to_message(*self.target))
-        self.timeout = now + self._peer.round_trip.timeout(min(self.attempts, MOST_DOUBLED))
+        wait = self._peer.round_trip.timeout(min(self.attempts, MOST_DOUBLED))
+        if self.attempts > 2:  # the server may be busy with it: a checksum, a copy
+            wait = max(wait, min(0.05 * 2.0**self.attempts, 2.0))
+        self.timeout = now + wait
 
     def _answered(self, reply: FtpPayload) -> None:
         code = reply.error

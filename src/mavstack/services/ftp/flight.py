@@ -14,10 +14,10 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, TypeVar
 
+from mavstack.services.timing import RoundTrip
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from mavstack.services.timing import RoundTrip
 
 What = TypeVar("What")
 
@@ -48,10 +48,13 @@ class _Request(Generic[What]):
 class Flight(Generic[What]):
     """What is under way to one peer, by sequence number."""
 
-    def __init__(self, round_trip: RoundTrip) -> None:
+    def __init__(self) -> None:
         self.window = FIRST_WINDOW
         self.attempts = 1
-        self._round_trip = round_trip
+        self.known_delay = 0.0  # what other traffic tells of the round trip
+        self._round_trip = RoundTrip(
+            initial=0.5, least=0.05, most=3.0
+        )  # full packets take longer than others
         self._requests: dict[int, _Request[What]] = {}
         self._answered: OrderedDict[int, tuple[float, int]] = OrderedDict()
         self._order = 0
@@ -128,12 +131,12 @@ class Flight(Generic[What]):
 
     def _wait(self, attempt: int) -> float:
         learned = self._round_trip.timeout(min(attempt, MOST_DOUBLED))
-        return max(learned, 2 * self._latest) + SLACK
+        return max(learned, 2 * self._latest, 2 * self.known_delay) + SLACK
 
     def _grow(self) -> None:
-        if self._latest > FULL * self._shortest:
+        if self._latest > QUEUED * self._shortest:
             self._starting = False
-        else:
+        if self._latest <= FULL * self._shortest:
             self.window += 1.0 if self._starting else 1.0 / self.window
         self.window = min(self.window, MOST_WINDOW)
 

@@ -1,10 +1,11 @@
 """The 251 bytes of FILE_TRANSFER_PROTOCOL (guide: file transfer protocol).
 
-    0 sequence (2) · 2 session · 3 opcode · 4 size · 5 req_opcode · 6 burst_complete · 7 padding · 8 offset (4)
-    12 data (up to 239)
+    0 sequence (2) · 2 session · 3 opcode · 4 size · 5 req_opcode · 6 burst_complete · 7 padding
+    8 offset (4) · 12 data (up to 239)
 
 A reply carries the sequence number of its request plus one, ACK or NAK as opcode, and the request's opcode
-in `req_opcode`. A NAK's first byte of data is the error, for FAILERRNO the second is the server's errno. The checksum of a file is CRC-32 with a register that starts at 0 and is not inverted at the end: not zlib's.
+in `req_opcode`. A NAK's first byte of data is the error, for FAILERRNO the second is the server's errno. The
+checksum of a file is CRC-32 with a register that starts at 0 and is not inverted at the end: not zlib's.
 """
 
 from __future__ import annotations

@@ -24,6 +24,8 @@ class Ranges:
 
     def take(self, start: int, end: int) -> list[tuple[int, int]]:
         """Remove what lies between; gives the parts that were there."""
+        if end <= start:
+            return []
         first = max(bisect_right(self._ranges, (start, start)) - 1, 0)
         taken: list[tuple[int, int]] = []
         kept: list[tuple[int, int]] = []

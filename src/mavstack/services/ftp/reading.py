@@ -2,9 +2,9 @@
 
 What is missing is kept as ranges; a piece goes where its offset says, whoever asked for it and when. The
 long missing stretch at the end is asked for by bursts (see `bursts`), holes by reads whose window follows
-from their answers (see `flight`). Bursts are given up for reads if the server does not know them, never
-answers them, or brings too much twice. Reads go out before a burst's request: behind it their answers would
-find the queue full.
+from their answers (see `flight`); if bursts overrun a queue, the holes wait for the last one. Bursts are
+given up for reads if the server does not know them, never answers them, or brings too much twice.
+Reads go out before a burst's request: behind it their answers would find the queue full.
 
 The announced size may be a guess (virtual files) or grow stale; the end of the file is where the server says
 EOF. A file that gets shorter than what was read of it already is an error, not a mix.
@@ -63,9 +63,10 @@ class ReadTransfer(Operation[bytes]):
         self._start, self._session, self._peer = start, session, peer
         self._missing = Ranges(start, end)
         self._pieces: dict[int, bytes] = {}
-        self._flight: Flight[FtpPayload] = Flight(peer.round_trip)
+        self._flight: Flight[FtpPayload] = Flight()
         self._bursts = Bursts()
         self._no_bursts = peer.no_bursts
+        self._last_burst = False  # nothing more is worth one
 
     def start(self, now: float) -> None:
         self.attempts = 1
@@ -120,9 +121,10 @@ class ReadTransfer(Operation[bytes]):
         elif reply.data:
             new = self._store(reply, now)
             self._bursts.arrived(burst, reply.offset, reply.offset + len(reply.data), new, now)
+            self._flight.known_delay = self._bursts.delay
             if reply.burst_complete:
                 self._bursts.completed(burst)
-            if self._bursts.novelty < LEAST_NOVELTY:
+            if self._bursts.novelty < LEAST_NOVELTY or self._bursts.leave_link_idle:
                 self._give_up_bursts()
         self._go_on(now)
 
@@ -136,7 +138,8 @@ class ReadTransfer(Operation[bytes]):
         self.counts.duplicates += not new
         if new:
             total = self.end - self._start
-            self.moved(now, total - self._missing.total, total)
+            self.moved(now)
+            (self.parent or self).moved(now, total - self._missing.total, total)
         return new
 
     def _ends_at(self, offset: int) -> None:
@@ -207,10 +210,15 @@ class ReadTransfer(Operation[bytes]):
         if self._no_bursts:
             return high
         burst = self._bursts.active
-        if burst is None or low < burst.start:
-            reach = high if burst is None else min(high, burst.start)
-            return low if self._worth_a_burst(low, high) else reach
-        return min(high, max(low, burst.furthest - 2 * MOST_DATA))
+        if burst is None:
+            return low if self._worth_a_burst(low, high) else high
+        if self._bursts.overrun:
+            outside = high <= burst.start or low >= burst.start + (self._bursts.expected or 0)
+            return high if self._last_burst and outside else low
+        if low < burst.start:
+            return low if self._worth_a_burst(low, high) else min(high, burst.start)
+        end = min(high, max(low, burst.furthest - 2 * MOST_DATA))
+        return low if end - low > WORTH_A_BURST else end
 
     def _worth_a_burst(self, low: int, high: int) -> bool:
         return high - low > (REST_WORTH_A_BURST if high == self.end else WORTH_A_BURST)
@@ -221,7 +229,7 @@ class ReadTransfer(Operation[bytes]):
         start = 0
         if self._bursts.active is not None:
             follow = self._bursts.next_start()
-            if follow is None or follow >= self.end:
+            if follow is None:
                 return
             start = follow
         for low, high in self._missing.after(start):
@@ -233,7 +241,9 @@ class ReadTransfer(Operation[bytes]):
                 self._bursts.begin(request, now)
                 self.counts.bursts += 1
                 self._transmit(request)
+                self._last_burst = False
                 return
+        self._last_burst = True
 
     def _read(self, offset: int, size: int, now: float) -> None:
         request = FtpPayload.request(Opcode.READFILE, session=self._session, size=size, offset=offset)

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from mavstack.services.ftp.stores import FileStore
     from mavstack.wire import Packet
 
-#: A burst ends after so many bytes; the client asks for the next.
-MOST_IN_BURST = 150 * MOST_DATA
+#: A burst ends after so many bytes or packets; the client asks for the next.
+MOST_IN_BURST, MOST_PACKETS = 150 * MOST_DATA, 500
 _CRC_PIECE = 1 << 16
 _CHANGES = frozenset(
     {
@@ -142,9 +142,10 @@ class FtpServer(Service):
 
     def _answer(self, request: FtpPayload, reply: FtpPayload, source: Address, now: float) -> None:
         if request.opcode in (Opcode.TERMINATESESSION, Opcode.RESETSESSION):
-            self._memory.forget(source)
+            self._memory.fade(source, now)
         message = reply.to_message(*source)
-        self._memory.keep(source, request, message, now)
+        long = request.opcode in _CHANGES or request.opcode == Opcode.OPENFILERO
+        self._memory.keep(source, request, message, now, long=long)
         self.send(message, source)
 
     # Operations
@@ -255,7 +256,7 @@ class FtpServer(Service):
             session.burst = None
             return _nak(reply, FtpError.EOF, of_burst=True)
         burst.offset += len(data)
-        complete = burst.packets * burst.size >= MOST_IN_BURST
+        complete = burst.packets >= MOST_PACKETS or burst.packets * burst.size >= MOST_IN_BURST
         if complete:
             session.burst = None
         return FtpPayload(

@@ -18,8 +18,11 @@ MOST_SESSIONS = 16
 MOST_CLIENTS = 64
 #: After so long without a request a session is closed, and when all are in use already after the shorter.
 IDLE, IDLE_WHEN_FULL = 15.0, 3.0
-#: So many replies to one client are remembered, for so long: it may have several requests under way.
-MOST_REPLIES, MEMORY = 64, 10.0
+#: So many replies to one client are remembered (it may have several requests under way): to what changes
+#: something for as long as anybody repeats it, to the rest only for copies of a packet.
+MOST_REPLIES, MEMORY, SHORT_MEMORY = 256, 60.0, 3.0
+#: Once its session has ended a client may begin anew with the same numbers; copies on the way are younger.
+MEMORY_AFTER_END = 1.0
 SESSION_IDS = 256
 
 
@@ -106,7 +109,7 @@ class Remembered:
 
     request: FtpPayload
     message: Message
-    said_at: float
+    until: float
 
 
 @dataclass(slots=True)
@@ -119,21 +122,22 @@ class Memory:
         """The reply to this very request, if it was answered lately."""
         replies = self._clients.get(source)
         known = None if replies is None else replies.get(request.sequence)
-        if known is None or known.request != request or now - known.said_at > MEMORY:
+        if known is None or known.request != request or now > known.until:
             return None
         return known.message
 
-    def keep(self, source: Address, request: FtpPayload, message: Message, now: float) -> None:
+    def keep(self, source: Address, request: FtpPayload, message: Message, now: float, *, long: bool) -> None:
         """Remember a reply."""
         replies = self._clients.setdefault(source, OrderedDict())
         self._clients.move_to_end(source)
-        replies[request.sequence] = Remembered(request, message, now)
+        replies[request.sequence] = Remembered(request, message, now + (MEMORY if long else SHORT_MEMORY))
         replies.move_to_end(request.sequence)
         while len(replies) > MOST_REPLIES:
             replies.popitem(last=False)
         while len(self._clients) > MOST_CLIENTS:
             self._clients.popitem(last=False)
 
-    def forget(self, source: Address) -> None:
-        """A client begins anew."""
-        self._clients.pop(source, None)
+    def fade(self, source: Address, now: float) -> None:
+        """A session has ended: what was said before is soon forgotten."""
+        for reply in self._clients.get(source, OrderedDict[int, Remembered]()).values():
+            reply.until = min(reply.until, now + MEMORY_AFTER_END)

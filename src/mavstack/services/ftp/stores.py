@@ -222,7 +222,7 @@ def resize(data: bytearray, size: int) -> None:
 
 
 class MemoryStore:
-    """Files in memory by path ("logs/1.bin"), and virtual ones that are made when opened, for reading only."""
+    """Files in memory by path ("logs/1.bin"), and virtual ones, made when opened and for reading only."""
 
     def __init__(
         self,

@@ -38,7 +38,7 @@ class WriteTransfer(Operation[None]):
     ) -> None:
         super().__init__(request, limit=limit, patience=10.0)
         self._session, self._data, self._offset, self._peer = session, data, offset, peer
-        self._flight: Flight[FtpPayload] = Flight(peer.round_trip)
+        self._flight: Flight[FtpPayload] = Flight()
         self._next = 0
         self._written = 0
         self._again: list[FtpPayload] = []
@@ -57,6 +57,8 @@ class WriteTransfer(Operation[None]):
     def receive(self, packet: Packet, now: float) -> None:
         reply = FtpPayload.read(packet.message) if packet.message is not None else None
         asked = None if reply is None else self._flight.find((reply.sequence - 1) % SEQUENCES)
+        if reply is not None and asked is None and reply.req_opcode == Opcode.WRITEFILE:
+            self._flight.answered_again((reply.sequence - 1) % SEQUENCES)
         if reply is None or asked is None or not reply.answers(asked):
             return
         if reply.error is not None:
@@ -65,7 +67,8 @@ class WriteTransfer(Operation[None]):
         self._flight.answered(asked.sequence, now)
         self._again = [request for request in self._again if request is not asked]
         self._written += asked.size
-        self.moved(now, self._written, len(self._data))
+        self.moved(now)
+        (self.parent or self).moved(now, self._written, len(self._data))
         self._repeat_lost(now)
         if self._written == len(self._data):
             self.finish(None)

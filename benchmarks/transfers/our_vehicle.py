@@ -1,0 +1,70 @@
+"""Mavstack as the vehicle: 955 parameters, a file of 300 kB, a mission; telemetry as over a radio.
+
+`python -m benchmarks.transfers.our_vehicle PORT CONDITION` is run as any other vehicle program.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from random import Random
+from time import monotonic
+
+from mavstack.dialects import common
+from mavstack.node import Node
+from mavstack.services.ftp import FtpServer, MemoryStore
+from mavstack.services.mission import MissionServer
+from mavstack.services.parameters import ParameterServer
+from mavstack.services.version import AutopilotVersion, provide_versions
+
+PARAMETERS = 955
+REMOTE_FILE = "file300k.bin"
+FILE_SIZE = 300_000
+
+
+def file_content() -> bytes:
+    """What the file holds: the same in every process, and not compressible."""
+    return Random(0).randbytes(FILE_SIZE)
+
+
+def telemetry(node: Node, rate: float) -> None:
+    """What a vehicle tells at `rate` a second of each."""
+    begun = monotonic()
+
+    def attitude(_now: float) -> common.Attitude:
+        return common.Attitude(time_boot_ms=round(1000 * (monotonic() - begun)), roll=0.1, yaw=1.0)
+
+    def position(_now: float) -> common.GlobalPositionInt:
+        return common.GlobalPositionInt(lat=-353632610, lon=1491652300, alt=600_000, relative_alt=20_000)
+
+    for kind, producer in ((common.Attitude, attitude), (common.GlobalPositionInt, position)):
+        node.provide(kind, producer, interval=1 / rate)
+    node.provide(common.SysStatus, lambda _: common.SysStatus(voltage_battery=12_000), interval=1 / rate)
+    node.provide(common.VfrHud, lambda _: common.VfrHud(airspeed=15, throttle=40), interval=1 / rate)
+
+
+async def fly(port: int, condition: str) -> None:
+    """Be a vehicle until the process is ended."""
+    capability = common.MavProtocolCapability
+    async with Node(
+        f"udpout://127.0.0.1:{port}",
+        system=1,
+        component=1,
+        type=common.MavType.QUADROTOR,
+        autopilot=common.MavAutopilot.PX4,
+    ) as node:
+        provide_versions(
+            node.message_server,
+            AutopilotVersion(capabilities=capability.FTP | capability.PARAM_ENCODE_BYTEWISE),
+        )
+        parameters = node.serve(ParameterServer(node.address))
+        for number in range(PARAMETERS):
+            parameters.add(f"TEST_PARAM_{number}", number if number % 2 else number / 7)
+        node.serve(MissionServer(node.address))
+        node.serve(FtpServer(node.address, MemoryStore({REMOTE_FILE: file_content()})))
+        telemetry(node, rate=2.0 if condition == "c" else 10.0)
+        await node.wait()
+
+
+if __name__ == "__main__":
+    asyncio.run(fly(int(sys.argv[1]), sys.argv[2]))
