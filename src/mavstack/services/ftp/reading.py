@@ -217,8 +217,7 @@ class ReadTransfer(Operation[bytes]):
             return high if self._last_burst and outside else low
         if low < burst.start:
             return low if self._worth_a_burst(low, high) else min(high, burst.start)
-        end = min(high, max(low, burst.furthest - 2 * MOST_DATA))
-        return low if end - low > WORTH_A_BURST else end
+        return min(high, max(low, burst.furthest - 2 * MOST_DATA))
 
     def _worth_a_burst(self, low: int, high: int) -> bool:
         return high - low > (REST_WORTH_A_BURST if high == self.end else WORTH_A_BURST)

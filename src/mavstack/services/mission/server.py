@@ -96,6 +96,8 @@ class MissionServer(Service):
         self.state: int = common.MissionState.NOT_STARTED
         self._validate, self._plan_ids, self._home_first = validate, plan_ids, home_first
         self._current = 0
+        #: What `plan` gave last, and of what it was made: it is asked for with every item.
+        self._shown: dict[int, tuple[Plan, MissionItem | None, Plan]] = {}
         self._cleared: dict[Address, tuple[bytes, float]] = {}
         self._uploads = Uploads(self._complete, check, self._reply)
         self._downloads = Downloads(self.plan, self._current_of, self._uploads.acknowledge, self._reply)
@@ -104,10 +106,11 @@ class MissionServer(Service):
 
     def plan(self, plan_type: int) -> Plan:
         """The plan of a type as it is shown to others, under its id."""
-        plan = self.store.get(plan_type)
-        if self._home_first and plan_type == PlanType.MISSION and self.home is not None and plan.items:
-            plan = Plan(plan.type, (self.home, *plan.items[1:]))
-        return plan.with_id(self.store.get(plan_type).checksum() if self._plan_ids else 0)
+        held = self.store.get(plan_type)
+        made_of = self._shown.get(plan_type)
+        if made_of is None or made_of[0] is not held or made_of[1] is not self.home:
+            made_of = self._shown[plan_type] = (held, self.home, self._as_shown(held))
+        return made_of[2]
 
     def replace(self, plan: Plan) -> None:
         """Put a plan of the program's own in the place of the one of its type."""
@@ -185,6 +188,12 @@ class MissionServer(Service):
 
     def handle_timeout(self, now: float) -> None:
         self._uploads.handle_timeout(now)
+
+    def _as_shown(self, held: Plan) -> Plan:
+        plan = held
+        if self._home_first and held.type == PlanType.MISSION and self.home is not None and held.items:
+            plan = Plan(held.type, (self.home, *held.items[1:]))
+        return plan.with_id(held.checksum() if self._plan_ids else 0)
 
     def _supports(self, kind: int, source: Address) -> bool:
         if kind not in self.limits:
