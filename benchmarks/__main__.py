@@ -1,4 +1,4 @@
-"""`python -m benchmarks [--quick] [--json] [--only ROW …] [--definitions DIR]`."""
+"""`python -m benchmarks [--quick] [--json] [--only ROW …] [--definitions DIR] [--vehicles FILE]`."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from . import c_library, report, rows, workload
 from .measure import pinned
+from .transfers import __main__ as transfers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -28,6 +29,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "memory": lambda bench: iter([rows.log_memory(bench)]),
 }
 ON_ALL_CORES = ("tlog", "memory")
+TRANSFERS = "transfers"  # a table of its own, and only when asked for: it takes an hour
 
 
 def main() -> None:
@@ -35,7 +37,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure against the peers.")
     parser.add_argument("--quick", action="store_true", help="fewer messages and turns: about a minute")
     parser.add_argument("--json", action="store_true", help="every turn of every ratio, for a script")
-    parser.add_argument("--only", nargs="+", choices=list(ROWS), help="some rows only")
+    parser.add_argument("--only", nargs="+", choices=[*ROWS, TRANSFERS], help="some rows only")
+    parser.add_argument("--vehicles", help="for the transfers: JSON, see transfers/vehicles.py")
     parser.add_argument(
         "--definitions",
         type=Path,
@@ -43,6 +46,21 @@ def main() -> None:
         help="where the C headers are generated from (default: the project's own)",
     )
     options = parser.parse_args()
+    wanted = options.only or list(ROWS)
+    if TRANSFERS in wanted:
+        _transfers(parser, options)
+    if set(wanted) != {TRANSFERS}:
+        _rows(options, wanted)
+
+
+def _transfers(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
+    if options.vehicles is None:
+        parser.error("transfers need --vehicles")
+    flags = [f"--{name}" for name in ("quick", "json") if getattr(options, name)]
+    transfers.main(["--vehicles", options.vehicles, *flags])
+
+
+def _rows(options: argparse.Namespace, wanted: list[str]) -> None:
     amounts = rows.QUICK if options.quick else rows.WHOLE
     _say("building the workload and the C library …")
     try:
@@ -53,7 +71,7 @@ def main() -> None:
     flight = workload.build(amounts.log)
     with tempfile.TemporaryDirectory(prefix="mavstack-bench-") as folder:
         bench = rows.Bench(flight, program, amounts, Path(folder))
-        measured = _measure(bench, options.only or list(ROWS))
+        measured = _measure(bench, wanted)
     told = f"{len(flight):,} messages, {flight.mean_size:.1f} B a packet, seed {workload.SEED}"
     conditions = report.Conditions(told, compiler, amounts.turns)
     print((report.as_json if options.json else report.table)(measured, conditions))

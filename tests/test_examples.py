@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -18,9 +19,24 @@ def run(*command: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120, check=False)
 
 
+@contextmanager
+def vehicle_for(program):
+    """A vehicle that speaks to the port where the program listens, if it listens at all."""
+    port = re.search(r"udpin://0.0.0.0:(\d+)", program)
+    if port is None:
+        yield
+        return
+    with subprocess.Popen([sys.executable, "-m", "tests.node.vehicle", port[1]], cwd=ROOT) as vehicle:
+        try:
+            yield
+        finally:
+            vehicle.terminate()
+
+
 @pytest.mark.parametrize("number", range(len(PROGRAMS)))
 def test_the_readmes_programs_run(number):
-    done = run(sys.executable, "-W", "error", "-c", PROGRAMS[number])
+    with vehicle_for(PROGRAMS[number]):
+        done = run(sys.executable, "-W", "error", "-c", PROGRAMS[number])
     assert done.returncode == 0, done.stderr
     assert done.stdout
 

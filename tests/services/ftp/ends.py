@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mavstack.services import Outgoing, Priority, earliest
 from mavstack.services.ftp import FtpClient, FtpServer, MemoryStore
 from tests.services.network import GROUND, VEHICLE, Network
 
@@ -39,3 +40,39 @@ class Ends:
     def settle(self, limit: float = 60.0) -> None:
         self.ground.engine.touch(self.client)
         self.network.run(lambda: not self.client.busy, limit=limit)
+
+
+class SpreadingServer(FtpServer):
+    """Bursts blindly like PX4 over UDP: four packets each 1.25 ms, whatever the link behind it carries."""
+
+    TICK, PACKETS = 0.00125, 4
+
+    def __init__(self, *args, **options) -> None:
+        super().__init__(*args, **options)
+        self._tick = None
+
+    def bulk_messages(self, now, has_room):
+        bursting = [session for session in self.sessions if session.burst is not None]
+        if not bursting:
+            self._tick = None
+        elif self._tick is None or now >= self._tick:
+            self._tick = now + self.TICK
+            for session in bursting:
+                yield from self._some_of(session, now)
+
+    def _some_of(self, session, now):
+        session.used_at = now
+        for _ in range(self.PACKETS):
+            if session.burst is not None:
+                reply = self._next_of_burst(session, session.burst)
+                yield Outgoing(reply.to_message(*session.owner), session.owner, Priority.BULK)
+
+    def next_timeout(self):
+        return earliest(super().next_timeout(), self._tick)
+
+
+class SpreadingEnds(Ends):
+    def serve(self, engine) -> None:
+        self.servers.append(engine.add(SpreadingServer(self.vehicle_address, self.store)))
+
+    vehicle_address = VEHICLE

@@ -1,0 +1,47 @@
+"""`python -m benchmarks.transfers --vehicles FILE [--conditions a b …] [--works …] [--turns N] [--json]`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from benchmarks.channels import CONDITIONS
+
+from . import report, session, vehicles
+from .model import Work
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+TURNS, QUICK_TURNS = 5, 3
+LIMIT = 180.0
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, and print the table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.transfers", description="Compare transfers.")
+    parser.add_argument("--vehicles", type=Path, required=True, help="JSON: see transfers/vehicles.py")
+    parser.add_argument("--conditions", nargs="+", choices=list(CONDITIONS), default=list(CONDITIONS))
+    parser.add_argument("--works", nargs="+", type=Work, choices=list(Work), default=list(Work))
+    parser.add_argument("--clients", nargs="+", default=[], help="some clients only, by name")
+    parser.add_argument("--only", nargs="+", default=[], help="some vehicles only, by name")
+    parser.add_argument("--turns", type=int, default=TURNS)
+    parser.add_argument("--limit", type=float, default=LIMIT, help="seconds that count as never")
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK_TURNS} turns")
+    parser.add_argument("--json", action="store_true", help="every turn, for a script")
+    options = parser.parse_args(arguments)
+    chosen = [one for one in vehicles.read(options.vehicles) if not options.only or one.name in options.only]
+    turns = QUICK_TURNS if options.quick else options.turns
+    run = session.Run(options.conditions, options.works, turns, options.limit, _say, options.clients)
+    cells = list(session.measure(chosen, run))
+    print((report.as_json if options.json else report.table)(cells))
+
+
+def _say(what: str) -> None:
+    print(what, file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,65 @@
+"""Everyone who takes part, in the order of the table."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from .model import Work
+from .program import Program
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from .model import Transfer
+    from .vehicles import Vehicle
+
+# name, the module with its program, the distribution it needs, and its works by the program's own names
+PEERS: tuple[tuple[str, str, str, tuple[tuple[Work, str], ...]], ...] = (
+    (
+        "MAVSDK",
+        "peer_mavsdk",
+        "mavsdk",
+        (
+            (Work.PARAMETERS, "parameters"),
+            (Work.FILE, "file"),
+            (Work.MISSION_UP, "mission-up"),
+            (Work.MISSION_DOWN, "mission-down"),
+        ),
+    ),
+    ("MAVSDK, bursts", "peer_mavsdk", "mavsdk", ((Work.FILE, "file-burst"),)),
+    (
+        "pymavlink script",
+        "peer_pymavlink",
+        "pymavlink",
+        (
+            (Work.PARAMETERS, "parameters"),
+            (Work.MISSION_UP, "mission-up"),
+            (Work.MISSION_DOWN, "mission-down"),
+        ),
+    ),
+    ("mavftp", "peer_pymavlink", "pymavlink", ((Work.FILE, "file"),)),
+    ("mavftp, packed", "peer_pymavlink", "pymavlink", ((Work.PARAMETERS, "packed"),)),
+    (
+        "MAVProxy",
+        "peer_mavproxy",
+        "MAVProxy",
+        (
+            (Work.PARAMETERS, "parameters"),
+            (Work.MISSION_UP, "mission-up"),
+            (Work.MISSION_DOWN, "mission-down"),
+        ),
+    ),
+    ("MAVProxy, packed", "peer_mavproxy", "MAVProxy", ((Work.PARAMETERS, "packed"),)),
+)
+PACKED = "packed"
+
+
+def transfers(work: Work, vehicle: Vehicle) -> Iterator[Transfer]:
+    """Everyone who can do that work with that vehicle, and is installed."""
+    for name, module, needs, works in PEERS:
+        if find_spec(needs) is None:
+            continue
+        for can, what in works:
+            if can == work and (vehicle.packed or what != PACKED):
+                yield Program(name, work, module, what)

@@ -1,0 +1,202 @@
+"""pymavlink as a client: its own `mavftp`, and the plain scripts that people write around `mavutil`.
+
+The scripts ask once, take what comes, and after a second of silence ask for what is missing: ten parameters
+at a time, as MAVProxy does, or the item that is due. An upload leaves asking again to the vehicle.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import struct
+from pathlib import Path
+from time import monotonic, perf_counter
+from typing import TYPE_CHECKING, Any
+
+from .child import Answer, Job, serve
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+HEARD_WITHIN = 15.0
+SILENCE = 1.0
+AT_ONCE = 10
+STREAM_RATE = 2  # Hz, of all streams of a vehicle that is asked for them
+RESET_SESSIONS = 2
+SESSION_TIMEOUT = 3.5
+TRANSFERRED = ["PARAM_VALUE", "FILE_TRANSFER_PROTOCOL", "MISSION_REQUEST", "MISSION_REQUEST_INT"]
+PX4 = 12  # MAV_AUTOPILOT_PX4, which puts integers into the float's bytes
+INTEGERS = {1: "<B", 2: "<b", 3: "<H", 4: "<h", 5: "<I", 6: "<i"}
+MISSION_REQUESTS = ["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"]
+
+
+def connect(job: Job) -> Any:  # noqa: ANN401 (the package has no types)
+    """A connection that has heard the vehicle, and speaks MAVLink 2."""
+    os.environ["MAVLINK20"] = "1"
+    mavutil: Any = importlib.import_module("pymavlink.mavutil")
+    link = mavutil.mavlink_connection(
+        f"udpout:127.0.0.1:{job['port']}", source_system=255, source_component=190
+    )
+    deadline = monotonic() + HEARD_WITHIN
+    while monotonic() < deadline:
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        heartbeat = link.recv_match(type="HEARTBEAT", blocking=True, timeout=1)
+        if heartbeat is not None and heartbeat.get_srcComponent() == 1:
+            link.target_system, link.target_component = heartbeat.get_srcSystem(), 1
+            link.is_px4 = heartbeat.autopilot == PX4
+            return link
+    raise TimeoutError("no autopilot was heard")
+
+
+def _value(link: Any, message: Any) -> float:  # noqa: ANN401
+    form = INTEGERS.get(message.param_type)
+    if not link.is_px4 or form is None:
+        return float(message.param_value)
+    return float(struct.unpack_from(form, struct.pack("<f", message.param_value))[0])
+
+
+def _parameters(job: Job) -> Answer:
+    link = connect(job)
+    values: dict[str, float] = {}
+    seen: set[int] = set()
+    count = None
+    start = perf_counter()
+    link.mav.param_request_list_send(link.target_system, link.target_component)
+    while count is None or len(seen) < count:
+        message = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=SILENCE)
+        if message is None:
+            _ask_again(link, seen, count)
+        elif message.param_index < message.param_count:
+            count = message.param_count
+            seen.add(message.param_index)
+            values[message.param_id] = _value(link, message)
+    return {"seconds": perf_counter() - start, "parameters": values}
+
+
+def _ask_again(link: Any, seen: set[int], count: int | None) -> None:  # noqa: ANN401
+    target = (link.target_system, link.target_component)
+    if count is None:
+        link.mav.param_request_list_send(*target)
+        return
+    missing = [index for index in range(count) if index not in seen]
+    for index in missing[:AT_ONCE]:
+        link.mav.param_request_read_send(*target, b"", index)
+
+
+def _packed(job: Job) -> Answer:
+    link = connect(job)
+    mavftp: Any = importlib.import_module("pymavlink.mavftp")
+    got: list[bytes] = []
+    start = perf_counter()
+    ftp = mavftp.MAVFTP(link, link.target_system, link.target_component)
+    ftp.cmd_get(["@PARAM/param.pck"], callback=lambda file: got.append(file.read() if file else b""))
+    result = ftp.process_ftp_reply("OpenFileRO", timeout=job["limit"])
+    seconds = perf_counter() - start
+    decoded = mavftp.MAVFTP.ftp_param_decode(got[0]) if got and got[0] else None
+    if decoded is None:
+        return {"problem": f"mavftp error {result.return_code}", "seconds": seconds}
+    return {
+        "seconds": seconds,
+        "parameters": {name.decode(): float(value) for name, value, _ in decoded.params},
+    }
+
+
+def _file(job: Job) -> Answer:
+    link = connect(job)
+    mavftp: Any = importlib.import_module("pymavlink.mavftp")
+    local = Path(job["folder"]) / Path(job["remote_file"]).name
+    start = perf_counter()
+    ftp = mavftp.MAVFTP(link, link.target_system, link.target_component)
+    ftp.cmd_get([job["remote_file"], str(local)])
+    result = ftp.process_ftp_reply("OpenFileRO", timeout=job["limit"])
+    seconds = perf_counter() - start
+    if result.error_code != mavftp.FtpError.Success:
+        return {"problem": f"mavftp error {result.return_code}", "seconds": seconds}
+    return {"seconds": seconds}
+
+
+def _mission_up(job: Job) -> Answer:
+    link = connect(job)
+    target = (link.target_system, link.target_component)
+    asked = False
+    start = perf_counter()
+    link.mav.mission_count_send(*target, len(job["plan"]), 0)
+    while True:
+        message = link.recv_match(type=MISSION_REQUESTS, blocking=True, timeout=SILENCE)
+        if message is None:
+            if not asked:
+                link.mav.mission_count_send(*target, len(job["plan"]), 0)
+        elif message.get_type() == "MISSION_ACK":
+            seconds = perf_counter() - start
+            return {"seconds": seconds, "problem": f"MISSION_ACK {message.type}" if message.type else ""}
+        else:
+            f, c, x, y, z = job["plan"][message.seq]
+            asked, current = True, int(message.seq == 0)
+            link.mav.mission_item_int_send(*target, message.seq, f, c, current, 1, 0, 0, 0, 0, x, y, z, 0)
+
+
+def _mission_down(job: Job) -> Answer:
+    link = connect(job)
+    target = (link.target_system, link.target_component)
+    items: list[tuple[int, int, int, int, float]] = []
+    count = None
+    start = perf_counter()
+    link.mav.mission_request_list_send(*target, 0)
+    while count is None or len(items) < count:
+        message = link.recv_match(type=["MISSION_COUNT", "MISSION_ITEM_INT"], blocking=True, timeout=SILENCE)
+        if message is not None and message.get_type() == "MISSION_COUNT":
+            count = message.count
+        elif message is not None and message.seq == len(items):
+            items.append((message.frame, message.command, message.x, message.y, message.z))
+        elif message is not None:  # a duplicate must not be asked for again
+            continue
+        if count is None:
+            link.mav.mission_request_list_send(*target, 0)
+        elif len(items) < count:
+            link.mav.mission_request_int_send(*target, len(items), 0)
+    link.mav.mission_ack_send(*target, 0, 0)
+    return {"seconds": perf_counter() - start, "plan": items}
+
+
+def _mission_clear(job: Job) -> Answer:
+    link = connect(job)
+    start = perf_counter()
+    link.mav.mission_clear_all_send(link.target_system, link.target_component, 0)
+    if link.recv_match(type="MISSION_ACK", blocking=True, timeout=5) is None:
+        return {"problem": "no answer to MISSION_CLEAR_ALL"}
+    return {"seconds": perf_counter() - start}
+
+
+def _settle(job: Job) -> Answer:
+    """Close what an earlier client left open, wait until nothing is sent for it, and ask for telemetry.
+
+    PX4 is told to reset its sessions. ArduPilot lets go of one after three seconds without a request, and a
+    reset would make it answer the next client as if it were this one.
+    """
+    link = connect(job)
+    start = perf_counter()
+    system, component = link.target_system, link.target_component
+    if link.is_px4:
+        reset = struct.pack("<HBB", 0, 0, RESET_SESSIONS) + bytes(247)
+        link.mav.file_transfer_protocol_send(0, system, component, reset)
+    else:
+        link.mav.request_data_stream_send(system, component, 0, STREAM_RATE, 1)
+    quiet = SESSION_TIMEOUT if job["remote_file"] and not link.is_px4 else SILENCE
+    while perf_counter() - start < job["limit"]:
+        if link.recv_match(type=TRANSFERRED, blocking=True, timeout=quiet) is None:
+            break
+    return {"seconds": perf_counter() - start}
+
+
+WORKS: dict[str, Callable[[Job], Answer]] = {
+    "parameters": _parameters,
+    "packed": _packed,
+    "file": _file,
+    "mission-up": _mission_up,
+    "mission-down": _mission_down,
+    "mission-clear": _mission_clear,
+    "settle": _settle,
+}
+
+if __name__ == "__main__":
+    serve(WORKS)
