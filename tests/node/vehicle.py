@@ -17,7 +17,7 @@ from mavstack.services.modes import ModeChanged, ModeServer, modes_of
 from mavstack.services.parameters import Encoding, ParameterServer
 from mavstack.services.serial_control import ShellInput, ShellServer
 from mavstack.services.setpoints import SetpointReceiver
-from mavstack.services.version import AutopilotVersion, provide_versions
+from mavstack.services.version import AutopilotVersion, FirmwareVersion, provide_versions
 
 COPTER = common.MavType.QUADROTOR
 CAN = common.MavProtocolCapability
@@ -66,7 +66,10 @@ class Vehicle(Node):
         self.setpoints = self.serve(SetpointReceiver(self.address))
         self.sticks = self.serve(ManualControlReceiver(self.address))
         capabilities = CAN.PARAM_ENCODE_BYTEWISE if bytewise else CAN.PARAM_ENCODE_C_CAST | CAN.FTP
-        provide_versions(self.message_server, AutopilotVersion(capabilities=capabilities))
+        provide_versions(
+            self.message_server,
+            AutopilotVersion(capabilities=capabilities, flight=FirmwareVersion(1, 2, 3, 255)),
+        )
 
     def _happened(self, event, service) -> None:
         super()._happened(event, service)
