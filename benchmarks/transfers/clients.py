@@ -17,6 +17,18 @@ if TYPE_CHECKING:
 # name, the module with its program, the distribution it needs, and its works by the program's own names
 PEERS: tuple[tuple[str, str, str, tuple[tuple[Work, str], ...]], ...] = (
     (
+        "Mavstack",
+        "ours",
+        "mavstack",
+        (
+            (Work.PARAMETERS, "parameters"),
+            (Work.FILE, "file"),
+            (Work.MISSION_UP, "mission-up"),
+            (Work.MISSION_DOWN, "mission-down"),
+        ),
+    ),
+    ("Mavstack, listed", "ours", "mavstack", ((Work.PARAMETERS, "listed"),)),
+    (
         "MAVSDK",
         "peer_mavsdk",
         "mavsdk",

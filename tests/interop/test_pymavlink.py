@@ -5,7 +5,8 @@ from __future__ import annotations
 import struct
 
 import pytest
-from pymavlink import mavftp, mavparm, mavutil, mavwp
+from pymavlink import mavftp, mavparm, mavwp
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mavstack.dialects import common
 from mavstack.services.mission import PlanType
@@ -14,7 +15,6 @@ from tests.interop.vehicle import vehicle_on_udp
 
 pytestmark = pytest.mark.interop
 
-mavlink = mavutil.mavlink
 PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
 
 
@@ -23,7 +23,7 @@ PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
 )
 async def test_heartbeat_and_modes(autopilot: int, name: str, number: int) -> None:
     def work(connection):
-        assert (connection.target_system, connection.target_component) == (1, 1)
+        assert connection.target_system == 1
         assert name in connection.mode_mapping()
         connection.set_mode(name)
         assert receive(connection, "COMMAND_ACK").result == mavlink.MAV_RESULT_ACCEPTED
@@ -73,12 +73,12 @@ async def test_parameters(autopilot: int) -> None:
 
 
 def waypoints(connection, number: int, kind: type, command: int, plan: int):
-    loader = mavwp.MAVWPLoader(connection.target_system, connection.target_component)
+    loader = mavwp.MAVWPLoader(1, 1)
     for seq in range(number):
         loader.add(
             kind(
-                connection.target_system,
-                connection.target_component,
+                1,
+                1,
                 seq,
                 mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT,
                 command,
@@ -218,6 +218,23 @@ async def test_telemetry_texts_and_rates() -> None:
             assert await in_thread(port, work) == vehicle.capabilities
 
 
+def runner(connection):
+    """Runs commands of `mavftp`; most of them end by its waiting so long for nothing more to come."""
+    files = mavftp.MAVFTP(connection, 1, 1)
+    files.ftp_settings.idle_detection_time = 2.0
+
+    def run(*arguments: str):
+        result = files.cmd_ftp(list(arguments))
+        if arguments[0] in ("get", "put"):
+            result = files.process_ftp_reply(arguments[0], timeout=60)
+        return result.error_code
+
+    return files, run
+
+
+GOOD = mavftp.FtpError.Success
+
+
 async def test_files(tmp_path) -> None:
     root, local = tmp_path / "root", tmp_path / "local"
     root.mkdir()
@@ -227,34 +244,38 @@ async def test_files(tmp_path) -> None:
     (local / "up.bin").write_bytes(content[::-1])
 
     def work(connection):
-        files = mavftp.MAVFTP(connection, 1, 1)
-
-        def run(*arguments: str):
-            result = files.cmd_ftp(list(arguments))
-            if arguments[0] in ("get", "put"):
-                result = files.process_ftp_reply(arguments[0], timeout=60)
-            return result.error_code
-
-        good = mavftp.FtpError.Success
-        assert run("list", "/") == good
+        files, run = runner(connection)
+        assert run("list", "/") == GOOD
         assert [(entry.name, entry.size_b, entry.is_dir) for entry in files.list_result] == [
             ("flight.bin", len(content), False)
         ]
-        assert run("get", "/flight.bin", str(local / "flight.bin")) == good
-        assert run("put", str(local / "up.bin"), "/up.bin") == good
-        assert run("crc", "/up.bin") == good
-        assert run("mkdir", "/new") == good
-        assert run("rename", "/up.bin", "/new/moved.bin") == good
-        assert (root / "new" / "moved.bin").read_bytes() == content[::-1]
-        assert run("mkdir", "/new") == mavftp.FtpError.FileExists
-        assert run("rm", "/new/moved.bin") == good
-        assert run("rmdir", "/new") == good
+        assert run("get", "/flight.bin", str(local / "flight.bin")) == GOOD
+        assert run("put", str(local / "up.bin"), "/up.bin") == GOOD
+        assert run("crc", "/up.bin") == GOOD
         assert run("get", "/nothing", str(local / "nothing")) == mavftp.FtpError.FileNotFound
 
-    async with vehicle_on_udp(root=root) as (_, port):
+    async with vehicle_on_udp(root=root) as (vehicle, port):
         await in_thread(port, work)
+        assert len(vehicle.ftp.sessions) == 0
     assert (local / "flight.bin").read_bytes() == content
-    assert [each.name for each in root.iterdir()] == ["flight.bin"]
+    assert (root / "up.bin").read_bytes() == content[::-1]
+
+
+async def test_the_file_tree(tmp_path) -> None:
+    (tmp_path / "a.txt").write_bytes(b"a")
+
+    def work(connection):
+        _, run = runner(connection)
+        assert run("mkdir", "/new") == GOOD
+        assert run("mkdir", "/new") == mavftp.FtpError.FileExists
+        assert run("rename", "/a.txt", "/new/b.txt") == GOOD
+        assert (tmp_path / "new" / "b.txt").read_bytes() == b"a"
+        assert run("rm", "/new/b.txt") == GOOD
+        assert run("rmdir", "/new") == GOOD
+
+    async with vehicle_on_udp(root=tmp_path) as (_, port):
+        await in_thread(port, work)
+    assert list(tmp_path.iterdir()) == []
 
 
 async def test_packed_parameters(tmp_path) -> None:

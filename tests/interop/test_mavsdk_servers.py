@@ -1,0 +1,209 @@
+"""MAVSDK as a vehicle, its server plugins against our clients."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, FileDenied, ParameterDenied
+from mavstack.links import open_link
+from mavstack.node import Node
+from mavstack.services.mission import MissionItem, Plan, PlanType
+from tests.interop.mavsdk_peer import made, mavsdk_peer, needs_mavsdk
+
+pytestmark = [pytest.mark.interop, needs_mavsdk]
+
+
+@asynccontextmanager
+async def remote_and_server():
+    """MAVSDK's vehicle as our ground station sees it, and what makes the vehicle do things."""
+    link = open_link("udpin://127.0.0.1:0")
+    async with (
+        Node(link) as node,
+        mavsdk_peer(f"udpout://127.0.0.1:{link.address[1]}", "server", 1, 1) as server,
+    ):
+        yield await node.autopilot(), server
+
+
+async def test_it_is_found() -> None:
+    async with remote_and_server() as (remote, server):
+        assert remote.address == (1, 1)
+        await server.call("action_server", "set_armable", True, False)
+        version = await remote.version()
+        assert version.can(common.MavProtocolCapability.MAVLINK2)
+        statistics = await remote.ping()
+        print(statistics)
+
+
+async def test_parameters() -> None:
+    async with remote_and_server() as (remote, server):
+        await server.call("param_server", "provide_param_int", "LARGE", (1 << 31) - 1)
+        await server.call("param_server", "provide_param_int", "NEGATIVE", -7)
+        await server.call("param_server", "provide_param_float", "GAIN", -0.25)
+        for number in range(60):
+            await server.call("param_server", "provide_param_int", f"P_{number}", number)
+        changes = await server.stream("param_server", "subscribe_changed_param_int")
+        assert (await remote.parameters.get("LARGE")).value == (1 << 31) - 1
+        fetched = await remote.parameters.fetch()
+        expected = {"LARGE": (1 << 31) - 1, "NEGATIVE": -7, "GAIN": -0.25, **{f"P_{n}": n for n in range(60)}}
+        assert {name: parameter.value for name, parameter in fetched.items()} == expected
+        assert (await remote.parameters.set("NEGATIVE", -1_000_001)).value == -1_000_001
+        assert await changes.get() == {"name": "NEGATIVE", "value": -1_000_001}
+        assert (await remote.parameters.set("GAIN", 0.5)).value == 0.5
+        assert await server.call("param_server", "retrieve_param_float", "GAIN") == 0.5
+        with pytest.raises(ParameterDenied, match="DOES_NOT_EXIST"):
+            await remote.parameters.get("NOPE")
+
+
+def plan(number: int, kind: int = PlanType.MISSION) -> Plan:
+    commands = {
+        PlanType.MISSION: common.MavCmd.NAV_WAYPOINT,
+        PlanType.FENCE: common.MavCmd.NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+        PlanType.RALLY: common.MavCmd.NAV_RALLY_POINT,
+    }
+    items = [
+        MissionItem(
+            commands[kind],
+            param1=float(number) if kind == PlanType.FENCE else 1.5,
+            param5=47.3977415 + seq / 1e4,
+            param6=-8.5455941,
+            param7=20.5 + seq,
+        )
+        for seq in range(number)
+    ]
+    return Plan.of(items, kind)
+
+
+@pytest.mark.parametrize(("kind", "face"), [(PlanType.MISSION, "mission"), (PlanType.FENCE, "fence"), (PlanType.RALLY, "rally")])
+async def test_plans(kind: int, face: str) -> None:
+    async with remote_and_server() as (remote, server):
+        incoming = await server.stream("mission_raw_server", "subscribe_incoming_mission")
+        cleared = await server.stream("mission_raw_server", "subscribe_clear_all")
+        plans, sent = getattr(remote, face), plan(100, kind)
+        await plans.upload(sent)
+        result, heard = await incoming.get()
+        assert result == "SUCCESS"
+        assert [item["seq"] for item in heard["mission_items"]] == list(range(100))
+        assert heard["mission_items"][3]["x"] == 473_980_415
+        assert await plans.download() == sent
+        await plans.clear()
+        assert await cleared.get() == kind
+        assert len(await plans.download()) == 0
+
+
+async def test_the_current_item() -> None:
+    async with remote_and_server() as (remote, server):
+        changed = await server.stream("mission_raw_server", "subscribe_current_item_changed")
+        await remote.mission.upload(plan(5))
+        await changed.until(lambda item: item["seq"] == 0)
+        await remote.mission.set_current(3)
+        await changed.until(lambda item: item["seq"] == 3)
+
+
+async def test_files(tmp_path) -> None:
+    content = bytes(range(256)) * 300 + b"end"
+    (tmp_path / "flight.ulg").write_bytes(content)
+    (tmp_path / "empty.txt").write_bytes(b"")
+    (tmp_path / "logs").mkdir()
+    async with remote_and_server() as (remote, server):
+        await server.call("ftp_server", "set_root_dir", str(tmp_path))
+        files = remote.files
+        listed = {entry.name: entry for entry in await files.list("/")}
+        assert sorted(listed) == ["empty.txt", "flight.ulg", "logs"]
+        assert listed["flight.ulg"].size == len(content)
+        assert await files.read("/flight.ulg") == content
+        assert await files.read("/empty.txt") == b""
+        assert await files.read("/flight.ulg", offset=1000, size=700) == content[1000:1700]
+        await files.write("/logs/up.bin", content[::-1])
+        assert (tmp_path / "logs" / "up.bin").read_bytes() == content[::-1]
+        await files.write("/logs/up.bin", b"shorter now")
+        assert (tmp_path / "logs" / "up.bin").read_bytes() == b"shorter now"
+        await files.rename("/logs/up.bin", "/moved.bin")
+        await files.truncate("/moved.bin", 7)
+        assert (tmp_path / "moved.bin").read_bytes() == b"shorter"
+        await files.remove("/moved.bin")
+        await files.make_directory("/new")
+        with pytest.raises(FileDenied):
+            await files.make_directory("/new")
+        await files.remove_directory("/new")
+        with pytest.raises(FileDenied):
+            await files.read("/nothing")
+        assert sorted(each.name for each in tmp_path.iterdir()) == ["empty.txt", "flight.ulg", "logs"]
+
+
+async def test_actions() -> None:
+    async with remote_and_server() as (remote, server):
+        arms = await server.stream("action_server", "subscribe_arm_disarm")
+        takeoffs = await server.stream("action_server", "subscribe_takeoff")
+        with pytest.raises(CommandDenied, match="TEMPORARILY_REJECTED"):
+            await remote.command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
+        assert (await arms.get())[0] == "COMMAND_DENIED"
+        await server.call("action_server", "set_armable", True, True)
+        await server.call("action_server", "set_allow_takeoff", True)
+        await remote.command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
+        assert await arms.get() == ("SUCCESS", {"arm": True, "force": False})
+        await remote.command(common.MavCmd.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 20)
+        assert await takeoffs.get() == ("SUCCESS", True)
+        with pytest.raises(CommandDenied, match="UNSUPPORTED"):
+            await remote.command(common.MavCmd.DO_PARACHUTE, 1)
+
+
+TELEMETRY = {
+    common.GlobalPositionInt: (
+        "publish_position",
+        [
+            made(
+                "telemetry_server.Position",
+                latitude_deg=47.3977415,
+                longitude_deg=8.5455941,
+                absolute_altitude_m=488.5,
+                relative_altitude_m=12.25,
+            ),
+            made("telemetry_server.VelocityNed", north_m_s=1.5, east_m_s=-2.5, down_m_s=-0.5),
+            made("telemetry_server.Heading", heading_deg=90.0),
+        ],
+        {"relative_alt": 12_250, "alt": 488_500, "vx": 150, "vy": -250, "vz": -50, "hdg": 9_000},
+    ),
+    common.BatteryStatus: (
+        "publish_battery",
+        [made("telemetry_server.Battery", voltage_v=12.4, remaining_percent=87.0)],
+        {"battery_remaining": 87},
+    ),
+    common.ExtendedSysState: (
+        "publish_extended_sys_state",
+        [0, 2],
+        {"landed_state": common.MavLandedState.IN_AIR},
+    ),
+    common.Attitude: (
+        "publish_attitude",
+        [
+            made("telemetry_server.EulerAngle", roll_deg=90.0, pitch_deg=0.0, yaw_deg=-90.0),
+            made("telemetry_server.AngularVelocityBody", roll_rad_s=0.25, pitch_rad_s=0.5, yaw_rad_s=-0.5),
+        ],
+        {"roll": 1.5707964, "yaw": -1.5707964, "rollspeed": 0.25},
+    ),
+    common.Statustext: (
+        "publish_status_text",
+        [made("telemetry_server.StatusText", type=4, text="Ready to fly")],
+        {"text": "Ready to fly"},
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", TELEMETRY, ids=lambda kind: kind.__name__)
+async def test_telemetry(kind: type) -> None:
+    method, arguments, expected = TELEMETRY[kind]
+    async with remote_and_server() as (remote, server), remote.messages(kind) as heard:
+        assert await server.call("telemetry_server", method, *arguments) == "SUCCESS"
+        message = await anext(heard)
+        assert {name: getattr(message, name) for name in expected} == pytest.approx(expected)
+
+
+async def test_two_clients_of_ours_and_its_heartbeat() -> None:
+    async with remote_and_server() as (remote, server):
+        async with remote.messages(common.Heartbeat) as beats:
+            first, second = await anext(beats), await anext(beats)
+        assert first.type == second.type
+        assert remote.info.alive
