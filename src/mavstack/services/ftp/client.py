@@ -115,7 +115,7 @@ class _InSession(_Asked[Result]):
 
     def _open_once(self, opcode: int) -> Generator[Operation[Any], Any, FtpPayload]:
         self._unclear = True
-        opening = self.ask(opcode, self._path)
+        opening = self.ask(opcode, self._path, session=self.ftp.new_session())
         try:
             reply: FtpPayload = yield opening
         except FileDenied:
@@ -305,6 +305,12 @@ class FtpClient(Client):
     def __init__(self, local: Address, target: Address) -> None:
         super().__init__(local, target)
         self.peer = Peer()
+        self._sessions = 0
+
+    def new_session(self) -> int:
+        """What to call the next session; its own, so that late packets of another do not touch its file."""
+        self._sessions = self._sessions % LAST_SESSION + 1
+        return self._sessions
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         if new.parent is not None or running.parent is not None:

@@ -172,13 +172,13 @@ class FtpServer(Service):
 
     def _open(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         path = _path(request.data)
-        if not self.sessions.make_place(now):
+        if not self.sessions.make_place(source, request.session, now):
             raise _RefusedError(FtpError.NOSESSIONSAVAILABLE)
         writable = request.opcode != Opcode.OPENFILERO
         file = self.store.open_file(path, write=writable, truncate=request.opcode == Opcode.CREATEFILE)
-        session = self.sessions.add(source, file, now, writable=writable)
+        self.sessions.add(source, request.session, file, now, writable=writable)
         size = min(file.size(), 0xFFFFFFFF)
-        return _ack(request, size.to_bytes(4, "little"), session=session.number)
+        return _ack(request, size.to_bytes(4, "little"))
 
     def _read(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         session = self._session(request, source, now)
@@ -271,11 +271,11 @@ class FtpServer(Service):
         )
 
 
-def _ack(request: FtpPayload, data: bytes = b"", *, session: int | None = None) -> FtpPayload:
+def _ack(request: FtpPayload, data: bytes = b"") -> FtpPayload:
     return FtpPayload(
         (request.sequence + 1) % SEQUENCES,
         Opcode.ACK,
-        request.session if session is None else session,
+        request.session,
         len(data),
         request.opcode,
         offset=request.offset,

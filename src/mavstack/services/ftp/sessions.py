@@ -23,7 +23,6 @@ IDLE, IDLE_WHEN_FULL = 15.0, 3.0
 MOST_REPLIES, MEMORY, SHORT_MEMORY = 256, 60.0, 3.0
 #: Once its session has ended a client may begin anew with the same numbers; copies on the way are younger.
 MEMORY_AFTER_END = 1.0
-SESSION_IDS = 256
 
 
 @dataclass(slots=True)
@@ -49,11 +48,14 @@ class Session:
 
 
 class Sessions:
-    """The open files; their number is bounded."""
+    """The open files; how many there can be is bounded.
+
+    The client chooses the number of its session in the request that opens it, as with ArduPilot: there are
+    clients that do not look at what the reply says, or expect in it what they sent.
+    """
 
     def __init__(self) -> None:
-        self._open: dict[int, Session] = {}
-        self._last = 0
+        self._open: dict[tuple[Address, int], Session] = {}
 
     def __iter__(self) -> Iterator[Session]:
         return iter(tuple(self._open.values()))
@@ -63,33 +65,29 @@ class Sessions:
 
     def find(self, number: int, owner: Address) -> Session | None:
         """A client's session."""
-        session = self._open.get(number)
-        return session if session is not None and session.owner == owner else None
+        return self._open.get((owner, number))
 
-    def make_place(self, now: float) -> bool:
-        """Whether another fits, if need be in the place of one that is idle."""
-        if len(self._open) < MOST_SESSIONS:
-            return True
-        oldest = min(self._open.values(), key=lambda session: session.used_at)
-        if now - oldest.used_at < IDLE_WHEN_FULL:
+    def make_place(self, owner: Address, number: int, now: float) -> bool:
+        """Whether another fits under a number, if need be in the place of one that is idle."""
+        in_the_way = self._open.get((owner, number))
+        if in_the_way is None:
+            if len(self._open) < MOST_SESSIONS:
+                return True
+            in_the_way = min(self._open.values(), key=lambda session: session.used_at)
+        if now - in_the_way.used_at < IDLE_WHEN_FULL:
             return False
-        self.close(oldest)
+        self.close(in_the_way)
         return True
 
-    def add(self, owner: Address, file: OpenFile, now: float, *, writable: bool) -> Session:
-        """Open one; numbers go round, so that a late request does not meet another file."""
-        self._last = next(
-            number % SESSION_IDS
-            for number in range(self._last + 1, self._last + 1 + SESSION_IDS)
-            if number % SESSION_IDS not in self._open
-        )
-        session = Session(self._last, owner, file, writable, now)
-        self._open[session.number] = session
+    def add(self, owner: Address, number: int, file: OpenFile, now: float, *, writable: bool) -> Session:
+        """Open one under the number that the client gave; see `make_place`."""
+        session = Session(number, owner, file, writable, now)
+        self._open[owner, number] = session
         return session
 
     def close(self, session: Session) -> None:
         """Close one."""
-        del self._open[session.number]
+        del self._open[session.owner, session.number]
         session.file.close()
 
     def close_idle(self, now: float) -> None:
