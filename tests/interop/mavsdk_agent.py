@@ -1,15 +1,16 @@
 """MAVSDK in a process of its own, told what to do by lines of JSON: a crash in C++ must not end the tests.
 
-`python mavsdk_agent.py ROLE SYSTEM COMPONENT` with ROLE `client` or `server`. Each line asked is a JSON object:
+`python mavsdk_agent.py ROLE SYSTEM COMPONENT` with ROLE `client` or `server`. Each line is a JSON object, to
+add a connection, to wait for an autopilot, to call a method of a plugin, to call one with a callback:
 
-    {"id": 1, "connect": "udpout://127.0.0.1:14550"}                                    add a connection
-    {"id": 2, "discover": 10.0}                                                         wait for an autopilot
-    {"id": 3, "plugin": "param", "method": "get_param_int", "arguments": ["P_1"]}       call, and answer
-    {"id": 4, "plugin": "telemetry", "method": "subscribe_home", "stream": true, ...}   call with a callback
+    {"id": 1, "connect": "udpout://127.0.0.1:14550"}
+    {"id": 2, "discover": 10.0}
+    {"id": 3, "plugin": "param", "method": "get_param_int", "arguments": ["P_1"]}
+    {"id": 4, "plugin": "telemetry", "method": "subscribe_home", "arguments": [], "stream": true}
 
 and each is answered by `{"id": 1, "result": …}` or `{"id": 1, "error": "…"}`. What a callback hears comes as
-`{"stream": 4, "values": […]}`. Classes of MAVSDK go as an object of their fields, with `"class"` where one is to
-be made; members of enums as their names. The end of the input ends the process.
+`{"stream": 4, "values": […]}`. Objects of MAVSDK go as their fields, with `"class"` where one is to be made;
+members of enums as their names. The end of the input ends the process.
 """
 
 from __future__ import annotations
@@ -73,6 +74,8 @@ def encode(value):
             return value.name
         case list() | tuple():
             return [encode(each) for each in value]
+        case bytes():
+            return value.decode()
         case bool() | int() | float() | str() | None:
             return value
         case _:

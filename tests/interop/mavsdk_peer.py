@@ -14,7 +14,7 @@ import pytest
 
 AGENT = Path(__file__).with_name("mavsdk_agent.py")
 #: Longer than anything takes on a busy machine.
-PATIENCE = float(__import__("os").environ.get("PAT","40"))
+PATIENCE = 40.0
 
 needs_mavsdk = pytest.mark.skipif(find_spec("mavsdk") is None, reason="mavsdk has no wheel for this platform")
 
@@ -75,6 +75,8 @@ class MavsdkPeer:
         return stream
 
     async def _ask(self, number: int | None = None, **request):
+        if self._reader.done():
+            raise MavsdkError("MAVSDK's process ended")
         number = next(self._numbers) if number is None else number
         self._answers[number] = answer = asyncio.get_running_loop().create_future()
         self._process.stdin.write(json.dumps({"id": number, **request}).encode() + b"\n")
@@ -92,8 +94,8 @@ class MavsdkPeer:
             reply = json.loads(line)
             if "stream" in reply:
                 self._streams[reply["stream"]].heard.put_nowait(reply["values"])
-            else:
-                self._answers.pop(reply["id"]).set_result(reply)
+            elif not (answer := self._answers.pop(reply["id"])).done():
+                answer.set_result(reply)
         for answer in self._answers.values():
             if not answer.done():
                 answer.set_result({"error": "MAVSDK's process ended"})

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
 from contextlib import closing
 from time import monotonic
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pymavlink import mavutil
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 #: Longer than anything takes on a busy machine.
 PATIENCE = 40.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import asynccontextmanager
+import json
+from contextlib import asynccontextmanager, suppress
 from functools import partial
 from math import degrees
 
@@ -15,6 +16,8 @@ from tests.interop.vehicle import LATITUDE, LONGITUDE, vehicle_on_udp
 
 pytestmark = [pytest.mark.interop, needs_mavsdk]
 
+#: Of its `param.ProtocolVersion`.
+EXTENDED = 1
 PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
 
 
@@ -29,7 +32,7 @@ async def ground_and_vehicle(**options):
 
 @pytest.mark.parametrize(("autopilot", "name"), [(PX4, "PX4"), (ARDUPILOT, "ARDUPILOT")])
 async def test_it_discovers_an_autopilot(autopilot: int, name: str) -> None:
-    async with ground_and_vehicle(autopilot=autopilot) as (ground, vehicle):
+    async with ground_and_vehicle(autopilot=autopilot) as (ground, _):
         assert await ground.call("system", "autopilot_type") == name
         assert await ground.call("system", "vehicle_type") == "MULTICOPTER"
         assert await ground.call("system", "get_system_id") == 1
@@ -54,12 +57,25 @@ async def test_parameters(autopilot: int) -> None:
             await ground.call("param", "set_param_float", "MIS_TAKEOFF_ALT", 200.0)
         assert vehicle.parameters["MIS_TAKEOFF_ALT"] == 2.5
         every = await ground.call("param", "get_all_params")
-        heard = {each["name"]: each["value"] for kind in ("int_params", "float_params") for each in every[kind]}
+        heard = {
+            each["name"]: each["value"] for kind in ("int_params", "float_params") for each in every[kind]
+        }
         names = {name for name in heard if name != "_HASH_CHECK"}
         assert len(names) == 44
         assert {name: heard[name] for name in names} == pytest.approx(
             {name: vehicle.parameters[name] for name in names}
         )
+
+
+async def test_extended_parameters() -> None:
+    async with ground_and_vehicle() as (ground, vehicle):
+        with suppress(MavsdkError):  # MAVSDK 4.1 calls the result of this UNKNOWN, always, and does it
+            await ground.call("param", "select_component", 1, EXTENDED)
+        assert await ground.call("param", "get_param_custom", "CAM_MODE") == "photo"
+        assert await ground.call("param", "set_param_custom", "CAM_MODE", "video") == "SUCCESS"
+        assert vehicle.extended["CAM_MODE"] == "video"
+        every = await ground.call("param", "get_all_params")
+        assert every["custom_params"] == [{"name": "CAM_MODE", "value": "video"}]
 
 
 def items(number: int, kind: int = PlanType.MISSION) -> list[dict]:
@@ -182,7 +198,7 @@ async def test_log_files(tmp_path) -> None:
 
 
 async def test_telemetry() -> None:
-    # MAVSDK 4.1 gives VFR_HUD's throttle, which is in percent, divided by a hundred, and calls it a percentage.
+    # MAVSDK 4.1 divides VFR_HUD's throttle, which is in percent, by a hundred, and calls it a percentage.
     expected = {
         "position": {
             "latitude_deg": LATITUDE,
@@ -202,7 +218,7 @@ async def test_telemetry() -> None:
             "yaw_deg": degrees(1.5),
         },
         "fixedwing_metrics": {"airspeed_m_s": 5.0, "throttle_percentage": 0.4, "climb_rate_m_s": 0.5},
-        "rc_status": {"is_available": True},
+        "rc_status": {"signal_strength_percent": 80.0},
         "landed_state": "ON_GROUND",
         "armed": False,
         "in_air": False,
@@ -217,7 +233,10 @@ def agrees(wanted, value) -> bool:
     """Whether a value is as wanted, or has what is wanted, as close as float32 is."""
     if not isinstance(wanted, dict):
         return value == wanted
-    return all(value[name] == (each if isinstance(each, str) else pytest.approx(each, rel=1e-5)) for name, each in wanted.items())
+    return all(
+        value[name] == (each if isinstance(each, str) else pytest.approx(each, rel=1e-5))
+        for name, each in wanted.items()
+    )
 
 
 async def test_health_texts_and_rates() -> None:
@@ -226,7 +245,10 @@ async def test_health_texts_and_rates() -> None:
         long = "A text of more than fifty letters goes in several chunks, and comes as one: " + "x" * 60
         vehicle.say("Ready to fly", common.MavSeverity.WARNING)
         vehicle.say(long, common.MavSeverity.CRITICAL)
-        assert await texts.until(lambda heard: heard["type"] == "CRITICAL") == {"type": "CRITICAL", "text": long}
+        assert await texts.until(lambda heard: heard["type"] == "CRITICAL") == {
+            "type": "CRITICAL",
+            "text": long,
+        }
         health = await ground.stream("telemetry", "subscribe_health")
         await health.until(lambda heard: heard["is_gyrometer_calibration_ok"])
         assert await ground.call("telemetry", "set_rate_position", 20.0) == "SUCCESS"
@@ -238,7 +260,7 @@ async def test_actions() -> None:
         armed = await ground.stream("telemetry", "subscribe_armed")
         landed = await ground.stream("telemetry", "subscribe_landed_state")
         modes = await ground.stream("telemetry", "subscribe_flight_mode")
-        with pytest.raises(MavsdkError, match="BUSY|COMMAND_DENIED"):
+        with pytest.raises(MavsdkError, match=r"COMMAND_DENIED"):
             await ground.call("action", "takeoff")
         assert await ground.call("action", "arm") == "SUCCESS"
         await armed.until(lambda heard: heard)
@@ -258,16 +280,15 @@ async def test_actions() -> None:
         assert await ground.call("action", "disarm") == "SUCCESS"
         assert not vehicle.is_armed
         assert await ground.call("action", "set_home", True, 0.0, 0.0, 0.0) == "SUCCESS"
-        with pytest.raises(MavsdkError, match="UNSUPPORTED|COMMAND_DENIED"):
-            await ground.call("action", "kill")
+        with pytest.raises(MavsdkError, match="UNSUPPORTED"):
+            await ground.call("action", "set_relay", 0, 0)
 
 
 async def test_a_shell() -> None:
-    async with ground_and_vehicle() as (ground, vehicle):
+    async with ground_and_vehicle() as (ground, _):
         received = await ground.stream("shell", "subscribe_receive")
         assert await ground.call("shell", "send", "ver all", 10) == "SUCCESS"
-        heard = await received.get()
-        assert "you said ver all" in str(heard)
+        await received.until(lambda heard: "you said ver all" in heard["data"])
 
 
 async def test_any_message_direct() -> None:
@@ -285,6 +306,9 @@ async def test_any_message_direct() -> None:
             assert await ground.call("mavlink_direct", "send_message", tune) == "SUCCESS"
             message = await anext(heard)
         assert (message.tune, message.format) == ("MFT200L8<c", 1)
+        attitudes = await ground.stream("mavlink_direct", "subscribe_message", "ATTITUDE")
+        attitude = json.loads((await attitudes.get())["fields_json"])
+        assert (attitude["roll"], attitude["yaw"]) == pytest.approx((0.1, 1.5))
 
 
 async def test_files(tmp_path) -> None:

@@ -86,7 +86,11 @@ def waypoints(connection, number: int, kind: type, command: int, plan: int):
                 1,
                 float(number) if plan == PlanType.FENCE else 0.5,
                 *(0, 0, 0),
-                *((473_977_415 + seq, 85_455_941) if kind is mavlink.MAVLink_mission_item_int_message else (47.5, 8.5)),
+                *(
+                    (473_977_415 + seq, 85_455_941)
+                    if kind is mavlink.MAVLink_mission_item_int_message
+                    else (47.5, 8.5)
+                ),
                 20.0 + seq,
                 plan,
             )
@@ -111,7 +115,9 @@ def download(connection, plan: int, *, as_int: bool = True):
     items = []
     for seq in range(count):
         ask(1, 1, seq, plan)
-        items.append(receive(connection, ["MISSION_ITEM_INT", "MISSION_ITEM"], lambda item, seq=seq: item.seq == seq))
+        items.append(
+            receive(connection, ["MISSION_ITEM_INT", "MISSION_ITEM"], lambda item, seq=seq: item.seq == seq)
+        )
     connection.mav.mission_ack_send(1, 1, mavlink.MAV_MISSION_ACCEPTED, plan)
     return items
 
@@ -151,7 +157,11 @@ async def test_plans(plan: int, command: int) -> None:
 async def test_an_upload_of_old_items() -> None:
     def work(connection):
         loader = waypoints(
-            connection, 3, mavlink.MAVLink_mission_item_message, mavlink.MAV_CMD_NAV_WAYPOINT, PlanType.MISSION
+            connection,
+            3,
+            mavlink.MAVLink_mission_item_message,
+            mavlink.MAV_CMD_NAV_WAYPOINT,
+            PlanType.MISSION,
         )
         return upload(connection, loader, PlanType.MISSION).type
 
@@ -179,10 +189,12 @@ async def test_commands() -> None:
         assert ask(mavlink.MAV_CMD_NAV_LAND) == mavlink.MAV_RESULT_ACCEPTED
         connection.arducopter_disarm()
         connection.motors_disarmed_wait()
+        home = mavlink.MAV_CMD_DO_SET_HOME
+        connection.mav.command_int_send(1, 1, 5, home, 0, 0, 0, 0, 0, 0, 473_977_415, 85_455_941, 5.0)
+        assert receive(connection, "COMMAND_ACK", lambda ack: ack.command == home).result == 0
         assert ask(mavlink.MAV_CMD_DO_PARACHUTE, 1) == mavlink.MAV_RESULT_UNSUPPORTED
-        connection.mav.command_int_send(1, 1, 5, mavlink.MAV_CMD_DO_SET_HOME, 0, 0, 0, 0, 0, 0, 473_977_415, 0, 5.0)
-        first = receive(connection, "COMMAND_ACK", lambda ack: ack.command == mavlink.MAV_CMD_DO_SET_HOME)
-        assert first.result == mavlink.MAV_RESULT_IN_PROGRESS
+        calibrate = mavlink.MAV_CMD_PREFLIGHT_CALIBRATION
+        assert ask(calibrate, 1) == mavlink.MAV_RESULT_IN_PROGRESS
         receive(connection, "COMMAND_ACK", lambda ack: ack.result == mavlink.MAV_RESULT_ACCEPTED)
 
     async with vehicle_on_udp() as (vehicle, port):
@@ -209,13 +221,25 @@ async def test_telemetry_texts_and_rates() -> None:
             interval = receive(connection, "MESSAGE_INTERVAL")
             assert (interval.message_id, interval.interval_us) == (wanted, 5_000)
             connection.mav.command_long_send(
-                1, 1, mavlink.MAV_CMD_REQUEST_MESSAGE, 0, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION, 0, 0, 0, 0, 0, 0
+                1,
+                1,
+                mavlink.MAV_CMD_REQUEST_MESSAGE,
+                0,
+                mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION,
+                0,
+                0,
+                0,
+                0,
+                0,
+                0,
             )
             return receive(connection, "AUTOPILOT_VERSION").capabilities
 
-        async with vehicle.events(common.Heartbeat):
-            vehicle.provide(common.Statustext, lambda now: common.Statustext(text="hello there"), interval=0.3)
-            assert await in_thread(port, work) == vehicle.capabilities
+        def text(now: float) -> common.Statustext:
+            return common.Statustext(text="hello there")
+
+        vehicle.provide(common.Statustext, text, interval=0.3)
+        assert await in_thread(port, work) == vehicle.capabilities
 
 
 def runner(connection):

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.links import open_link
-from mavstack.services.command import CommandRequest
 from mavstack.services.ftp import DirectoryStore, FtpServer
 from mavstack.services.parameters import Encoding
 from mavstack.services.version import AutopilotVersion, FirmwareVersion, provide_versions
 from tests.node.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from mavstack.services.command import CommandRequest
 
 RESULT = common.MavResult
 CAN = common.MavProtocolCapability
@@ -38,7 +41,8 @@ class FlyingVehicle(Vehicle):
         self.on_command(common.MavCmd.COMPONENT_ARM_DISARM)(self._arm)
         self.on_command(common.MavCmd.NAV_TAKEOFF)(self._take_off)
         self.on_command(common.MavCmd.NAV_LAND)(self._land)
-        self.on_command(common.MavCmd.DO_SET_HOME)(self._set_home)
+        self.on_command(common.MavCmd.DO_SET_HOME)(lambda request: RESULT.ACCEPTED)
+        self.on_command(common.MavCmd.PREFLIGHT_CALIBRATION)(self._calibrate)
         self.mission.answer_commands(self.commands.server, self.engine.touch)
         version = AutopilotVersion(capabilities=self.capabilities, flight=FirmwareVersion(1, 16))
         provide_versions(self.message_server, version)
@@ -78,7 +82,7 @@ class FlyingVehicle(Vehicle):
         self.landed = common.MavLandedState.ON_GROUND
         return RESULT.ACCEPTED
 
-    async def _set_home(self, request: CommandRequest) -> int:
+    async def _calibrate(self, request: CommandRequest) -> int:
         self.commands.progress(request, 50)
         return RESULT.ACCEPTED
 
@@ -110,7 +114,7 @@ def telemetry(vehicle: FlyingVehicle) -> dict:
         ),
         common.ExtendedSysState: lambda now: common.ExtendedSysState(landed_state=vehicle.landed),
         common.VfrHud: lambda now: common.VfrHud(airspeed=5.0, groundspeed=4.5, throttle=40, climb=0.5),
-        common.RcChannels: lambda now: common.RcChannels(chancount=8, chan1_raw=1_500, rssi=127),
+        common.RcChannels: lambda now: common.RcChannels(chancount=8, chan1_raw=1_500, rssi=80),
     }
 
 

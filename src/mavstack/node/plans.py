@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, CommandTimeout
 from mavstack.services.mission import Plan, PlanType, set_current_item
 
 if TYPE_CHECKING:
@@ -11,6 +13,9 @@ if TYPE_CHECKING:
 
     from mavstack.node.remote import RemoteComponent
     from mavstack.services.mission import MissionItem, MissionProgress
+
+#: How long to wait for an answer to the newer way of setting the current item, before trying the older one.
+SET_CURRENT_PATIENCE = 6.0
 
 
 class Plans:
@@ -49,9 +54,19 @@ class Plans:
         await node.driver.finish(client, client.clear(node.now(), self.type, limit=timeout))
 
     async def set_current(self, seq: int, *, reset: bool = False) -> None:
-        """Let the mission go on at an item; `reset` lets it begin anew, its jump counters too."""
-        client = self._remote.command_client
-        await self._remote.node.perform(client, set_current_item(seq, reset=reset))
+        """Let the mission go on at an item; `reset` lets it begin anew, its jump counters too.
+
+        A vehicle that does not know the command, or leaves it unanswered, is told by MISSION_SET_CURRENT.
+        """
+        client, node = self._remote.mission_client, self._remote.node
+        try:
+            asked = set_current_item(seq, reset=reset, limit=SET_CURRENT_PATIENCE)
+            await node.perform(self._remote.command_client, asked)
+        except (CommandDenied, CommandTimeout) as error:
+            unknown = isinstance(error, CommandTimeout) or error.code == common.MavResult.UNSUPPORTED
+            if reset or not unknown:
+                raise
+            await node.driver.finish(client, client.set_current(seq, node.now()))
 
     @property
     def progress(self) -> MissionProgress | None:

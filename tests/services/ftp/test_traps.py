@@ -329,9 +329,12 @@ def test_read_only() -> None:
 
 def test_sessions_are_bounded_and_end_when_idle(server) -> None:
     for number in range(MOST_SESSIONS):
-        assert ask(server, Opcode.OPENFILERO, b"f", sequence=number)[0].error is None
-    assert ask(server, Opcode.OPENFILERO, b"f", sequence=100)[0].error == FtpError.NOSESSIONSAVAILABLE
-    assert ask(server, Opcode.OPENFILERO, b"f", sequence=101, now=START + 4)[0].error is None
+        assert ask(server, Opcode.OPENFILERO, b"f", sequence=number, session=number)[0].error is None
+    assert (
+        ask(server, Opcode.OPENFILERO, b"f", sequence=100, session=100)[0].error
+        == FtpError.NOSESSIONSAVAILABLE
+    )
+    assert ask(server, Opcode.OPENFILERO, b"f", sequence=101, session=101, now=START + 4)[0].error is None
     server.handle_timeout(START + 4 + IDLE)
     assert len(server.sessions) == 0
 

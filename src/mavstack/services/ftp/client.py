@@ -41,6 +41,7 @@ Result = TypeVar("Result")
 #: More than this is not read into memory unless the caller raises it.
 MOST_BYTES = 1 << 30
 MOST_ENTRIES = 100_000
+LAST_SESSION = 255
 
 
 class _Asked(Procedure[Result]):
