@@ -5,6 +5,8 @@ from __future__ import annotations
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from benchmarks.measure import OURS
+
 from .model import Work
 from .program import Program
 
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 # name, the module with its program, the distribution it needs, and its works by the program's own names
 PEERS: tuple[tuple[str, str, str, tuple[tuple[Work, str], ...]], ...] = (
     (
-        "Mavstack",
+        OURS,
         "ours",
         "mavstack",
         (
@@ -27,7 +29,7 @@ PEERS: tuple[tuple[str, str, str, tuple[tuple[Work, str], ...]], ...] = (
             (Work.MISSION_DOWN, "mission-down"),
         ),
     ),
-    ("Mavstack, listed", "ours", "mavstack", ((Work.PARAMETERS, "listed"),)),
+    (f"{OURS}, listed", "ours", "mavstack", ((Work.PARAMETERS, "listed"),)),
     (
         "MAVSDK",
         "peer_mavsdk",

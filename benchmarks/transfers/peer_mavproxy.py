@@ -90,7 +90,7 @@ def _mission_up(job: Job) -> Answer:
     start = perf_counter()
     console.say(f"wp load {file}")
     console.wait("Loaded ", " from ")
-    end = console.wait("Loaded ", " in ")
+    end = console.wait("Got MISSION_ACK", "ACCEPTED")  # "Loaded … in" is said before the last item is there
     console.close()
     return {"seconds": end - start}
 

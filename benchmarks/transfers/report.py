@@ -40,7 +40,7 @@ def median(outcomes: Sequence[Outcome]) -> float | None:
 
 def best_peer(cell: Cell) -> str | None:
     """The peer with the least median."""
-    medians = {name: median(seen) for name, seen in cell.outcomes.items() if name != OURS}
+    medians = {name: median(seen) for name, seen in cell.outcomes.items() if not name.startswith(OURS)}
     return (
         min((m, name) for name, m in medians.items() if m is not None)[1] if any(medians.values()) else None
     )
@@ -97,7 +97,7 @@ def _figures(seen: Sequence[Outcome]) -> tuple[str, str, str]:
 
 
 def _against(cell: Cell, name: str) -> tuple[str, str]:
-    told = ratio(cell, name) if name != OURS else None
+    told = ratio(cell, name) if not name.startswith(OURS) else None
     if told is None:
         return "", ""
     return f"{told.median:.2f}", f"{min(told.seen):.2f} … {max(told.seen):.2f}"
