@@ -48,16 +48,16 @@ def main() -> None:
     options = parser.parse_args()
     wanted = options.only or list(ROWS)
     if TRANSFERS in wanted:
-        _transfers(parser, options)
+        _transfers(options)
     if set(wanted) != {TRANSFERS}:
         _rows(options, wanted)
 
 
-def _transfers(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
-    if options.vehicles is None:
-        parser.error("transfers need --vehicles")
+def _transfers(options: argparse.Namespace) -> None:
     flags = [f"--{name}" for name in ("quick", "json") if getattr(options, name)]
-    transfers.main(["--vehicles", options.vehicles, *flags])
+    if options.vehicles is not None:
+        flags += ["--vehicles", options.vehicles]
+    transfers.main(flags)
 
 
 def _rows(options: argparse.Namespace, wanted: list[str]) -> None:

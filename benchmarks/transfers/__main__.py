@@ -1,9 +1,10 @@
-"""`python -m benchmarks.transfers --vehicles FILE [--conditions a b …] [--works …] [--turns N] [--json]`."""
+"""`python -m benchmarks.transfers [--vehicles FILE] [--conditions a b …] [--turns N] [--json]`."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ LIMIT = 180.0
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, and print the table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.transfers", description="Compare transfers.")
-    parser.add_argument("--vehicles", type=Path, required=True, help="JSON: see transfers/vehicles.py")
+    parser.add_argument("--vehicles", type=Path, help="JSON, see transfers/vehicles.py; else our own")
     parser.add_argument("--conditions", nargs="+", choices=list(CONDITIONS), default=list(CONDITIONS))
     parser.add_argument("--works", nargs="+", type=Work, choices=list(Work), default=list(Work))
     parser.add_argument("--clients", nargs="+", default=[], help="some clients only, by name")
@@ -32,10 +33,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--quick", action="store_true", help=f"{QUICK_TURNS} turns")
     parser.add_argument("--json", action="store_true", help="every turn, for a script")
     options = parser.parse_args(arguments)
-    chosen = [one for one in vehicles.read(options.vehicles) if not options.only or one.name in options.only]
     turns = QUICK_TURNS if options.quick else options.turns
     run = session.Run(options.conditions, options.works, turns, options.limit, _say, options.clients)
-    cells = list(session.measure(chosen, run))
+    with tempfile.TemporaryDirectory(prefix="mavstack-vehicle-") as folder:
+        known = vehicles.read(options.vehicles) if options.vehicles else [vehicles.ours(Path(folder))]
+        chosen = [one for one in known if not options.only or one.name in options.only]
+        cells = list(session.measure(chosen, run))
     print((report.as_json if options.json else report.table)(cells))
 
 

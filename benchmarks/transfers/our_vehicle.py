@@ -55,7 +55,9 @@ async def fly(port: int, condition: str) -> None:
     ) as node:
         provide_versions(
             node.message_server,
-            AutopilotVersion(capabilities=capability.FTP | capability.PARAM_ENCODE_BYTEWISE),
+            AutopilotVersion(
+                capabilities=capability.FTP | capability.MISSION_INT | capability.PARAM_ENCODE_BYTEWISE
+            ),
         )
         parameters = node.serve(ParameterServer(node.address))
         for number in range(PARAMETERS):

@@ -1,4 +1,4 @@
-"""The vehicles: programs that are started for a run, described in a JSON file.
+"""The vehicles: programs that are started for a run, our own or those that a JSON file describes.
 
     [{"name": "PX4", "command": ["/path/to/start"], "works": ["parameters", "file"],
       "remote_file": "300k.bin", "local_file": "/path/to/300k.bin", "packed": false, "home_first": false}]
@@ -13,12 +13,14 @@ import json
 import os
 import signal
 import subprocess
+import sys
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .model import Work
+from .our_vehicle import REMOTE_FILE, file_content
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -45,6 +47,7 @@ class Vehicle:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,
+            cwd=Path(__file__).parents[2],
         ) as process:
             try:
                 yield
@@ -54,6 +57,14 @@ class Vehicle:
     def file(self) -> bytes:
         """What its file holds."""
         return Path(self.local_file).read_bytes()
+
+
+def ours(folder: Path) -> Vehicle:
+    """Mavstack itself as the vehicle; `folder` gets a copy of its file, to compare with."""
+    local_file = folder / REMOTE_FILE
+    local_file.write_bytes(file_content())
+    program = "benchmarks.transfers.our_vehicle"
+    return Vehicle("mavstack", (sys.executable, "-m", program), tuple(Work), REMOTE_FILE, str(local_file))
 
 
 def read(path: Path) -> list[Vehicle]:

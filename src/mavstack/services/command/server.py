@@ -28,7 +28,7 @@ AUTOPILOT = common.MavComponent.AUTOPILOT1
 #: For so long a repetition is recognised as one.
 MEMORY = 30.0
 #: For so long the same bytes are one packet that came twice; sequence numbers begin anew after 256.
-DOUBLED_WITHIN = 3.0
+DOUBLED_WITHIN = 0.5
 MOST_REMEMBERED = 256
 #: How often IN_PROGRESS is said again if the program reports nothing new.
 PROGRESS_INTERVAL = 2.0
