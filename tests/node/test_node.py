@@ -251,3 +251,24 @@ def test_plans_go_up_and_down() -> None:
             assert len(await vehicle.mission.download()) == 0
 
     run_virtually(work())
+
+
+def test_a_command_that_is_cancelled_before_its_handler_began_is_over() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+
+            @pair.vehicle.on_command(common.MavCmd.DO_WINCH)
+            async def winch(_request) -> common.MavResult:
+                await asyncio.sleep(1000)
+                return common.MavResult.ACCEPTED
+
+            vehicle = await pair.ground.autopilot()
+            async with vehicle.messages(common.CommandAck) as answers:
+                vehicle.send(common.CommandLong(command=common.MavCmd.DO_WINCH))
+                vehicle.send(common.CommandCancel(command=common.MavCmd.DO_WINCH))
+                await asyncio.sleep(1)
+                results = [answer.result for answer in answers.take()]
+            assert results == [common.MavResult.IN_PROGRESS, common.MavResult.CANCELLED]
+            assert not pair.vehicle.commands.server.running
+
+    run_virtually(work())

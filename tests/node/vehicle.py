@@ -42,8 +42,8 @@ class MemoryLogs:
 class Vehicle(Node):
     """Everything a vehicle answers to."""
 
-    def __init__(self, link, *, autopilot: int = common.MavAutopilot.PX4) -> None:
-        super().__init__(link, system=1, component=1, type=COPTER, autopilot=autopilot)
+    def __init__(self, *links, system: int = 1, autopilot: int = common.MavAutopilot.PX4) -> None:
+        super().__init__(*links, system=system, component=1, type=COPTER, autopilot=autopilot)
         bytewise = autopilot == common.MavAutopilot.PX4
         encoding = Encoding.BYTEWISE if bytewise else Encoding.C_CAST
         self.parameters = self.serve(ParameterServer(self.address, encoding))

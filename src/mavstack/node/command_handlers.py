@@ -9,8 +9,9 @@
         ...
 
 A plain function answers at once. An async one is a long command: its sender hears IN_PROGRESS until it
-returns; if the sender cancels the command, its task is cancelled and the answer is CANCELLED; an exception
-is told to the loop's handler, and the answer is FAILED.
+returns; if the sender cancels the command, its task is cancelled and the answer is CANCELLED. An exception,
+or an outcome that is none, is told to the loop's handler, and the answer is FAILED. Closing the node cancels
+the tasks.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError
 from mavstack.services.command import CommandCancelRequested, CommandServer
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Callable, Coroutine
 
     from mavstack.node.node import Node
     from mavstack.services.command import CommandRequest
@@ -50,7 +52,7 @@ class CommandHandlers:
     def __init__(self, node: Node) -> None:
         self.node = node
         self.server = node.serve(_Commands(self))
-        self._tasks: dict[CommandRequest, asyncio.Task[None]] = {}
+        self._tasks: dict[CommandRequest, asyncio.Task[Any]] = {}
 
     def register(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
         """A decorator for the handler of a command."""
@@ -75,30 +77,47 @@ class CommandHandlers:
         if task is not None:
             task.cancel()
 
+    async def stop(self) -> None:
+        """Stop the tasks of all long commands, and wait until they have ended."""
+        tasks = tuple(self._tasks.values())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
     def _at_once(self, handler: Callable[..., Any], request: CommandRequest) -> Any:  # noqa: ANN401
         try:
-            return handler(request)
+            outcome = handler(request)
+            return None if outcome is None else _checked(outcome)
         except Exception as error:  # noqa: BLE001 (the sender is owed an answer, the program its trace)
             self._report(request, error)
             return common.MavResult.FAILED
 
-    def _begin(self, handler: Callable[..., Awaitable[Any]], request: CommandRequest) -> None:
-        self._tasks[request] = asyncio.get_running_loop().create_task(self._carry_out(handler, request))
+    def _begin(self, handler: Callable[..., Coroutine[Any, Any, Any]], request: CommandRequest) -> None:
+        self._tasks[request] = task = asyncio.get_running_loop().create_task(handler(request))
+        # A task that is cancelled before it began runs nothing of its own; this is called all the same.
+        task.add_done_callback(lambda ended: self._ended(request, ended))
 
-    async def _carry_out(self, handler: Callable[..., Awaitable[Any]], request: CommandRequest) -> None:
-        outcome: Any = common.MavResult.FAILED
+    def _ended(self, request: CommandRequest, task: asyncio.Task[Any]) -> None:
+        del self._tasks[request]
+        result, detail = int(common.MavResult.FAILED), 0
         try:
-            outcome = await handler(request)
+            result, detail = _checked(task.result())
         except asyncio.CancelledError:
-            outcome = common.MavResult.CANCELLED
+            result = int(common.MavResult.CANCELLED)
         except Exception as error:  # noqa: BLE001 (as above)
             self._report(request, error)
-        finally:
-            del self._tasks[request]
-        result, detail = outcome if isinstance(outcome, tuple) else (outcome, 0)
         self.server.complete(request, result, detail)
         self.node.changed(self.server)
 
     def _report(self, request: CommandRequest, error: Exception) -> None:
         message = f"the handler of {request.command.name} failed"
         asyncio.get_running_loop().call_exception_handler({"message": message, "exception": error})
+
+
+def _checked(outcome: Any) -> tuple[int, int]:  # noqa: ANN401 (whatever a handler returned)
+    """MAV_RESULT and `result_param2`; raises LocalProtocolError if a handler returned neither."""
+    result, detail = outcome if isinstance(outcome, tuple) and len(outcome) == 2 else (outcome, 0)
+    if type(result) is bool or not isinstance(result, int) or not isinstance(detail, int):
+        raise LocalProtocolError(f"a handler returns a MAV_RESULT, or that and a number, not {outcome!r}")
+    common.CommandAck(result=result, result_param2=detail)  # raises if a number is out of its range
+    return int(result), detail

@@ -56,6 +56,11 @@ class ControlStream(Generic[Sent]):
         self._sender.stop(self._node.now())
         self._node.changed(self._service)
 
+    async def _let_go(self) -> None:
+        self.stop()
+        while self._sender.active and self._node.is_open:  # noqa: ASYNC110 (it lets go more than once, by timers)
+            await asyncio.sleep(LETTING_GO)
+
     async def __aenter__(self) -> Self:
         self._node.serve(self._service)
         return self
@@ -63,7 +68,8 @@ class ControlStream(Generic[Sent]):
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.stop()
-        while self._sender.active:  # noqa: ASYNC110 (it says more than once that it lets go, by timers)
-            await asyncio.sleep(LETTING_GO)
-        self._node.engine.remove(self._service)
+        try:
+            if self._node.is_open:
+                await self._let_go()
+        finally:
+            self._node.engine.remove(self._service)

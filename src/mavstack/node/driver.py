@@ -3,6 +3,9 @@
 One task a link reads its batches of events; one timer wakes the engine when something is due. The clock is
 Unix time as it was when the driver was made, carried on by the loop's own clock: it never goes back, and
 with a loop in virtual time it is virtual too.
+
+What functions of the program raise (handlers, producers, progress callbacks) is told to the loop's exception
+handler and stops nothing.
 """
 
 from __future__ import annotations
@@ -46,6 +49,7 @@ class Driver:
         self._signing = signing
         self._version = version
         self._loop = asyncio.get_running_loop()
+        engine.on_failure = self._failed
         self._epoch = time() - self._loop.time()
         self._by_state: dict[ChannelState, Channel] = {}
         self._tasks: set[asyncio.Task[None]] = set()
@@ -131,8 +135,20 @@ class Driver:
             case Progress(operation, done, total):
                 report = self._progress.get(operation)
                 if report is not None:
-                    report(done, total)
+                    self._guarded(f"the progress callback of {operation.request}", report, done, total)
         self._on_event(event, service)
+
+    def _guarded(self, what: str, function: Callable[..., None], *arguments: object) -> None:
+        try:
+            function(*arguments)
+        except Exception as error:  # noqa: BLE001 (a defect of the program must not deafen the link)
+            self._report(what, error)
+
+    def _failed(self, service: Service, error: Exception) -> None:
+        self._report(f"a function that {type(service).__name__} called", error)
+
+    def _report(self, what: str, error: Exception) -> None:
+        self._loop.call_exception_handler({"message": f"{what} failed", "exception": error})
 
     def _write(self, state: ChannelState, data: bytes) -> None:
         channel = self._by_state.get(state)
@@ -146,7 +162,7 @@ class Driver:
         try:
             async for batch in link.batches():
                 for event in batch:
-                    self._take(link, event)
+                    self._guarded(f"taking in what {link.url} gave", self._take, link, event)
                 self.step()
         except LinkError as error:
             self._on_event(LinkDown(str(error), float("inf")), None)
@@ -172,13 +188,7 @@ class Driver:
         self._on_event(event, None)
 
     def _received(self, channel: Channel, data: bytes) -> None:
-        try:
-            packets = self.engine.receive(self.channels[channel], data, self.now())
-        except Exception as error:  # noqa: BLE001 (a defect in a program's handler must not deafen the link)
-            context = {"message": f"a handler failed on what {channel.name} sent", "exception": error}
-            self._loop.call_exception_handler(context)
-            return
-        for packet in packets:
+        for packet in self.engine.receive(self.channels[channel], data, self.now()):
             self._on_packet(packet)
 
     def _set_timer(self) -> None:

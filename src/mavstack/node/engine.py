@@ -9,11 +9,14 @@ The asyncio driver runs it over links, tests run two of them over a simulated ne
 therefore run the same routing, the same pacing and the same services. A packet goes to a service if its id
 is among those that the service handles and it is addressed to the service's component or to all. Work is
 done only for services that something happened to: their timers lie in a heap.
+
+A service may run a function of the program (a handler, a producer, a policy). If that raises, `on_failure` is
+told, the service is left alone for a moment, and all others go on; without an `on_failure` it is raised.
 """
 
 from __future__ import annotations
 
-from heapq import heappop, heappush
+from heapq import heapify, heappop, heappush
 from itertools import count
 from typing import TYPE_CHECKING, TypeVar
 
@@ -37,11 +40,19 @@ from mavstack.services import (
 from mavstack.services.signing_setup import KeyEvent
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
     from mavstack.wire import Packet, Signing
 
 AnyService = TypeVar("AnyService", bound=Service)
+
+#: For so long a service that failed is not called by its timer: long enough not to spin, short enough that
+#: what else it does goes on.
+AFTER_FAILURE = 0.05
+#: The heap is built anew when more than so many of its entries are overtaken.
+MOST_OVERTAKEN = 1000
 
 _RADIO_STATUS = next(iter(message_ids(common.RadioStatus)))
 
@@ -57,6 +68,8 @@ class Engine:
         self.channels: list[ChannelState] = []
         #: The channel of the packet that services are looking at, while they do.
         self.arrived_on: ChannelState | None = None
+        #: Told of each exception out of a service; see the head of this file.
+        self.on_failure: Callable[[Service, Exception], None] = _raise
         self._services: dict[Service, None] = {}
         self._listeners = Listeners()
         self._touched: dict[Service, None] = {}
@@ -65,6 +78,7 @@ class Engine:
         self._timers: list[tuple[float, int, Service]] = []
         self._due: dict[Service, float] = {}
         self._waiting_for_room: dict[Service, float] = {}
+        self._failed: dict[Service, None] = {}
         self._order = count()
 
     # Channels
@@ -111,7 +125,7 @@ class Engine:
         """Take a service away; what it still wanted to send is not sent."""
         if self._services.pop(service, service) is None:
             self._listeners.remove(service)
-            for register in (self._touched, self._due, self._waiting_for_room):
+            for register in (self._touched, self._due, self._waiting_for_room, self._failed):
                 register.pop(service, None)
 
     def touch(self, service: Service) -> None:
@@ -160,8 +174,11 @@ class Engine:
             due, _, service = heappop(self._timers)
             if self._due.get(service) == due:
                 del self._due[service]
-                service.handle_timeout(now)
                 self._touched[service] = None
+                try:
+                    service.handle_timeout(now)
+                except Exception as error:  # noqa: BLE001 (whatever it is, the others go on)
+                    self._fail(service, error)
         for service in [key for key, due in self._waiting_for_room.items() if due <= now]:
             self._touched[service] = None
 
@@ -180,10 +197,17 @@ class Engine:
             self.arrived_on = channel
             for service in services:
                 if target.covers(service.local) and source != service.local:
-                    service.receive(packet, now)
                     self._touched[service] = None
+                    try:
+                        service.receive(packet, now)
+                    except Exception as error:  # noqa: BLE001 (as above)
+                        self.on_failure(service, error)
             self.arrived_on = None
         return True
+
+    def _fail(self, service: Service, error: Exception) -> None:
+        self._failed[service] = None
+        self.on_failure(service, error)
 
     def _radio_status(self, packet: Packet, channel: ChannelState, now: float) -> None:
         match packet.message:
@@ -196,10 +220,13 @@ class Engine:
             service = next(iter(self._touched))
             del self._touched[service]
             self._collect_events(service)  # a change of keys is meant for what is sent after it
-            self._drain(service, now)
+            try:
+                self._drain(service, now)
+            except Exception as error:  # noqa: BLE001 (as above)
+                self._fail(service, error)
             self._collect_events(service)
             self._listeners.update(service)
-            self._arm(service)
+            self._arm(service, now)
 
     def _collect_events(self, service: Service) -> None:
         for event in service.events():
@@ -241,10 +268,20 @@ class Engine:
         data = channel.encode(outgoing.message, source, now, outgoing.priority)
         self._to_send.append((channel, data))
 
-    def _arm(self, service: Service) -> None:
+    def _arm(self, service: Service, now: float) -> None:
         due = service.next_timeout()
+        failed = self._failed.pop(service, service) is None
+        if failed and due is not None:
+            due = max(due, now + AFTER_FAILURE)
         if due is None:
             self._due.pop(service, None)
         elif self._due.get(service) != due:
             self._due[service] = due
             heappush(self._timers, (due, next(self._order), service))
+            if len(self._timers) > len(self._due) + MOST_OVERTAKEN:
+                self._timers = [timer for timer in self._timers if self._due.get(timer[2]) == timer[0]]
+                heapify(self._timers)
+
+
+def _raise(service: Service, error: Exception) -> None:
+    raise error

@@ -111,6 +111,11 @@ class Node:
             raise MavstackError("the node is not open: use `async with` or `await node.open()`")
         return self._driver
 
+    @property
+    def is_open(self) -> bool:
+        """Whether its links are open."""
+        return self._driver is not None
+
     async def open(self) -> Self:
         """Open the links; raises `LinkError` for the first that cannot be."""
         if self._driver is not None:
@@ -140,6 +145,8 @@ class Node:
         """Cancel what has not ended on both sides, and close the links. Closing twice does nothing."""
         driver, self._driver = self._driver, None
         if driver is not None:
+            if self._commands is not None:
+                await self._commands.stop()
             await driver.stop()
             self._keep_timestamp()
             for link in self.links:

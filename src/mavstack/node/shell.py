@@ -46,12 +46,18 @@ class Shell:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        try:
+            if self._node.is_open:
+                await self._give_back()
+        finally:
+            self._output.close()
+            self._node.engine.remove(self._client)
+
+    async def _give_back(self) -> None:
         async with self._node.events(ShellReleased, of=self._client) as released:
             self._client.close(self._node.now())
             self._node.changed(self._client)
             await anext(released, None)
-        self._output.close()
-        self._node.engine.remove(self._client)
 
     def __aiter__(self) -> Self:
         return self

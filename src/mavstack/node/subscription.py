@@ -32,7 +32,7 @@ class Subscription(Generic[Item]):
         self._close = close
         self._most = None if keep_all else queue
         self._items: deque[Item] = deque()
-        self._waiting: asyncio.Future[None] | None = None
+        self._news = asyncio.Event()  # several tasks may wait for it
 
     def put(self, item: Item) -> None:
         """Hand an item over; never waits."""
@@ -40,12 +40,12 @@ class Subscription(Generic[Item]):
             self._items.popleft()
             self.dropped += 1
         self._items.append(item)
-        self._wake()
+        self._news.set()
 
     def end(self) -> None:
         """No more will come; what is queued can still be read."""
         self.closed = True
-        self._wake()
+        self._news.set()
 
     def close(self) -> None:
         """Listen no more."""
@@ -59,10 +59,6 @@ class Subscription(Generic[Item]):
         self._items.clear()
         return items
 
-    def _wake(self) -> None:
-        if self._waiting is not None and not self._waiting.done():
-            self._waiting.set_result(None)
-
     def __aiter__(self) -> Self:
         return self
 
@@ -70,8 +66,8 @@ class Subscription(Generic[Item]):
         while not self._items:
             if self.closed:
                 raise StopAsyncIteration
-            self._waiting = asyncio.get_running_loop().create_future()
-            await self._waiting
+            self._news.clear()
+            await self._news.wait()
         return self._items.popleft()
 
     async def __aenter__(self) -> Self:

@@ -7,6 +7,8 @@ from functools import cached_property
 from itertools import count
 from mavstack._core import HasCoreDialect
 from mavstack.dialects import Message
+from mavstack.errors import CommandDenied
+from mavstack.errors import CommandTimeout
 from mavstack.errors import RemoteDenied
 from mavstack.errors import RemoteTimeout
 from mavstack.links import Link
@@ -116,6 +118,9 @@ class CommandHandlers:
 
     def cancel(self, request: CommandRequest) -> None:
         """Stop the task of a long command."""
+
+    def stop(self) -> None:
+        """Stop the tasks of all long commands, and wait until they have ended."""
 
 class Sender(Protocol[Value_contra]):
     """What sends a stream: a service of `setpoints` or `manual_control`."""
@@ -305,7 +310,10 @@ class Plans:
         """Let the vehicle forget the plan."""
 
     def set_current(self, seq: int, *, reset: bool=...) -> None:
-        """Let the mission go on at an item; `reset` lets it begin anew, its jump counters too."""
+        """Let the mission go on at an item; `reset` lets it begin anew, its jump counters too.
+
+        A vehicle that does not know the command, or leaves it unanswered, is told by MISSION_SET_CURRENT.
+        """
 
     @property
     def progress(self) -> MissionProgress | None:
@@ -469,6 +477,10 @@ class Node:
     @property
     def driver(self) -> Driver:
         """What runs the engine; there is one while the node is open."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its links are open."""
 
     def open(self) -> Self:
         """Open the links; raises `LinkError` for the first that cannot be."""

@@ -2,6 +2,7 @@
 
 Everything of a node happens in that thread, callbacks and handlers too. A wait that Ctrl-C interrupts
 cancels what it waited for, lets it leave the other end clean, and then raises KeyboardInterrupt.
+Any number of threads may wait at once; closing ends their waits with an error.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import asyncio
 from concurrent.futures import CancelledError
 from contextlib import suppress
-from threading import Thread, get_ident
+from threading import Lock, Thread, get_ident
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.errors import MavstackError
@@ -29,24 +30,25 @@ class Portal:
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
+        self._tasks: set[asyncio.Task[Any]] = set()
+        self._lock = Lock()
+        self._closed = False
         self._thread = Thread(target=self._loop.run_forever, name="mavstack", daemon=True)
         self._thread.start()
 
     @property
     def closed(self) -> bool:
         """Whether `close` was called."""
-        return self._loop.is_closed()
+        return self._closed
 
     def wait(self, work: Coroutine[Any, Any, Result]) -> Result:
         """Run a coroutine in the loop's thread and wait for its result."""
-        if self.closed or get_ident() == self._thread.ident:
-            work.close()
-            reason = "the node is closed" if self.closed else "a handler of the node would wait for itself"
-            raise MavstackError(f"a blocking call is not possible here: {reason}")
-        future = asyncio.run_coroutine_threadsafe(work, self._loop)
+        future = self._submit(work)
         try:
             return future.result()
         except CancelledError:
+            if self.closed:
+                raise MavstackError("the node was closed while this call waited") from None
             raise
         except BaseException:
             self._abandon(future)
@@ -64,18 +66,51 @@ class Portal:
 
     def close(self) -> None:
         """Stop the loop and its thread. Closing twice does nothing."""
-        if not self.closed:
-            self._loop.call_soon_threadsafe(self._loop.stop)
-            self._thread.join()
-            self._loop.run_until_complete(self._loop.shutdown_asyncgens())
-            self._loop.close()
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+            ending = asyncio.run_coroutine_threadsafe(self._end_tasks(), self._loop)
+        with suppress(TimeoutError):
+            ending.result(CLEANING_UP)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.run_until_complete(self._loop.shutdown_asyncgens())
+        self._loop.close()
+
+    def _submit(self, work: Coroutine[Any, Any, Result]) -> Future[Result]:
+        with self._lock:  # what is submitted is either done or cancelled by `close`
+            if self._closed or get_ident() == self._thread.ident:
+                work.close()
+                reason = (
+                    "the node is closed" if self._closed else "a handler of the node would wait for itself"
+                )
+                raise MavstackError(f"a blocking call is not possible here: {reason}")
+            return asyncio.run_coroutine_threadsafe(self._tracked(work), self._loop)
+
+    async def _tracked(self, work: Coroutine[Any, Any, Result]) -> Result:
+        task = asyncio.current_task()
+        assert task is not None  # noqa: S101 (run_coroutine_threadsafe makes one)
+        self._tasks.add(task)
+        try:
+            return await work
+        finally:
+            self._tasks.discard(task)
+
+    async def _end_tasks(self) -> None:
+        tasks = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     def _abandon(self, future: Future[Any]) -> None:
         if not future.done():
             future.cancel()
-
-            async def cleaned_up() -> None:
-                await asyncio.sleep(0)
-
             with suppress(Exception):
-                asyncio.run_coroutine_threadsafe(cleaned_up(), self._loop).result(CLEANING_UP)
+                asyncio.run_coroutine_threadsafe(self._cleaned_up(), self._loop).result(CLEANING_UP)
+
+    async def _cleaned_up(self) -> None:
+        """Wait until what was cancelled has ended."""
+        await asyncio.sleep(0)
+        ending = [task for task in self._tasks if task.cancelling()]
+        await asyncio.gather(*ending, return_exceptions=True)

@@ -8,11 +8,13 @@ attribute up in the loop's thread, and what it finds there tells what to give ba
     async iterator          an iterator
     async context manager   a context manager
     object of the node      a proxy of it
+    list, mapping           a copy of it
     anything else           itself: messages, packets, events and plain values cannot change
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import wraps
 from inspect import isawaitable
 from typing import TYPE_CHECKING, Any
@@ -38,8 +40,7 @@ class Blocking:
         if name.startswith("__"):
             raise AttributeError(name)
         inner = self._inner
-        found = self._portal.call(lambda: getattr(inner, name))
-        return self._method(found) if callable(found) and not _is_of_node(found) else self._face(found)
+        return self._portal.call(lambda: self._attribute(getattr(inner, name)))
 
     def __dir__(self) -> list[str]:
         return dir(self._inner)
@@ -71,12 +72,20 @@ class Blocking:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._portal.wait(self._inner.__aexit__(kind, error, trace))
+        if not self._portal.closed:  # else there is nothing left to leave
+            self._portal.wait(self._inner.__aexit__(kind, error, trace))
+
+    def _attribute(self, found: Any) -> Any:  # noqa: ANN401 (any value)
+        return self._method(found) if callable(found) and not _is_of_node(found) else self._face(found)
 
     def _method(self, method: Callable[..., Any]) -> Callable[..., Any]:
+        async def called(args: tuple[Any, ...], named: dict[str, Any]) -> Any:  # noqa: ANN401 (as below)
+            result = method(*map(_inner, args), **{name: _inner(value) for name, value in named.items()})
+            return self._face(await result if isawaitable(result) else result)
+
         @wraps(method)
         def blocking(*args: Any, **named: Any) -> Any:  # noqa: ANN401 (the method's own)
-            return self._face(self._portal.wait(_called(method, args, named)))
+            return self._portal.wait(called(args, named))
 
         return blocking
 
@@ -85,13 +94,11 @@ class Blocking:
             return Blocking(found, self._portal)
         if isinstance(found, list):
             return [self._face(item) for item in found]
-        return dict(found) if isinstance(found, dict) else found
+        return dict(found) if isinstance(found, Mapping) else found
 
 
-async def _called(method: Callable[..., Any], args: Any, named: Any) -> Any:  # noqa: ANN401 (the method's own)
-    arguments = [argument._inner if isinstance(argument, Blocking) else argument for argument in args]  # noqa: SLF001
-    result = method(*arguments, **named)
-    return await result if isawaitable(result) else result
+def _inner(argument: Any) -> Any:  # noqa: ANN401 (any value)
+    return argument._inner if isinstance(argument, Blocking) else argument  # noqa: SLF001 (of this module)
 
 
 def _is_of_node(found: object) -> bool:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
-from mavstack.services.service import Event, Service
+from mavstack.services.service import Event, Service, earliest
 from mavstack.services.system_time import RebootDetector
 
 if TYPE_CHECKING:
@@ -115,6 +115,9 @@ class Discovery(Service):
         super().__init__(local)
         self.components: dict[Address, ComponentInfo] = {}
         self._boot_times: dict[Address, RebootDetector] = {}
+        self._look_at: float | None = (
+            None  # no one is lost before; looking at all for each packet would be slow
+        )
 
     def receive(self, packet: Packet, now: float) -> None:
         address = Address(packet.system, packet.component)
@@ -130,14 +133,17 @@ class Discovery(Service):
                     self._check_boot_time(address, message.time_boot_ms, now)
 
     def next_timeout(self) -> float | None:
-        alive = (info for info in self.components.values() if info.alive)
-        return min((info.last_seen + info.timeout for info in alive), default=None)
+        return self._look_at
 
     def handle_timeout(self, now: float) -> None:
+        if self._look_at is None or now < self._look_at:
+            return
         for address, info in self.components.items():
             if info.alive and now >= info.last_seen + info.timeout:
                 self.components[address] = lost = replace(info, alive=False)
                 self.tell(ComponentLost(lost))
+        alive = (info for info in self.components.values() if info.alive)
+        self._look_at = min((info.last_seen + info.timeout for info in alive), default=None)
 
     def _introduced(self, address: Address, heartbeat: common.Heartbeat, now: float) -> None:
         known = self.components.get(address)
@@ -184,6 +190,7 @@ class Discovery(Service):
             info = replace(info, alive=True)
             self.tell(ComponentReturned(info))
         self.components[info.address] = info
+        self._look_at = earliest(self._look_at, info.last_seen + info.timeout)
 
     def _check_boot_time(self, address: Address, milliseconds: int, now: float) -> None:
         if self._boot_times.setdefault(address, RebootDetector()).observe(milliseconds, now):

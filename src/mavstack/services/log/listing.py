@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: How often in a row nothing may come.
 ATTEMPTS = 8
+#: So often the number of logs may change while they are listed.
+MOST_CHANGES = 64
 #: From this silence on, what another client left unfinished is ended first: it may be why nothing comes.
 UNBLOCK_AFTER = 3
 
@@ -55,6 +57,7 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
         super().__init__("the list of logs", limit=limit, patience=40.0)
         self._total: int | None = None
         self._found: dict[int, LogEntry] = {}
+        self._changes = 0
         self._asked_until = LAST_ID
         self._silences = 0
         self._round_trip = RoundTrip(initial=1.0, least=0.2, most=4.0)
@@ -82,6 +85,10 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
         if self._total != message.num_logs:
             self._total = message.num_logs
             self._found.clear()
+            self._changes += 1
+            if self._changes > MOST_CHANGES:
+                self.give_up(now, "the list kept changing")
+                return
         news = message.id not in self._found
         self._found[message.id] = LogEntry.read(message)
         if not news:

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 #: After so many requests for one item the vehicle seems to have forgotten the transfer.
 SILENT_TRIES = 6
+#: So often a vehicle may count anew; who does it for ever is not waited for.
+MOST_COUNTS = 64
 
 _Result = common.MavMissionResult
 
@@ -51,6 +53,7 @@ class DownloadPlan(Transfer[Plan]):
         self._plan_id = 0
         self._count_raw = b""
         self._rounds = 0
+        self._counts = 0
         self._float = False
 
     def open(self, now: float) -> None:
@@ -96,6 +99,10 @@ class DownloadPlan(Transfer[Plan]):
         self.ask(message, now)
 
     def _counted(self, message: common.MissionCount, now: float) -> None:
+        self._counts += 1
+        if self._counts > MOST_COUNTS:
+            self.give_up(now, "it began anew again and again")
+            return
         if self.stage is Stage.LISTING:
             self.answered(now)
         elif (message.count, message.opaque_id) != (self._count, self._plan_id):

@@ -11,6 +11,7 @@ there.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
@@ -20,7 +21,7 @@ from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
 from mavstack.services.mission.plan import MOST_ITEMS, PLAN_TYPES, Plan, PlanStore, PlanType
-from mavstack.services.mission.receiving import DOUBLED_WITHIN, Uploads
+from mavstack.services.mission.receiving import DOUBLED_WITHIN, MOST_REMEMBERED, Uploads
 from mavstack.services.mission.sending import Downloads
 from mavstack.services.service import Event, HasRoom, Outgoing, Service, always_room
 
@@ -98,7 +99,7 @@ class MissionServer(Service):
         self._current = 0
         #: What `plan` gave last, and of what it was made: it is asked for with every item.
         self._shown: dict[int, tuple[Plan, MissionItem | None, Plan]] = {}
-        self._cleared: dict[Address, tuple[bytes, float]] = {}
+        self._cleared: OrderedDict[Address, tuple[bytes, float]] = OrderedDict()
         self._uploads = Uploads(self._complete, check, self._reply)
         self._downloads = Downloads(self.plan, self._current_of, self._uploads.acknowledge, self._reply)
 
@@ -227,10 +228,10 @@ class MissionServer(Service):
         kinds = tuple(self.limits) if kind == PlanType.ALL else (kind,)
         result = self._may_clear(source, kinds)
         if result == _Result.ACCEPTED:
-            self._cleared = {
-                key: value for key, value in self._cleared.items() if now - value[1] < DOUBLED_WITHIN
-            }
             self._cleared[source] = (raw, now)
+            self._cleared.move_to_end(source)
+            if len(self._cleared) > MOST_REMEMBERED:
+                self._cleared.popitem(last=False)
             for each in kinds:
                 self._uploads.drop(each)
                 self._put(Plan(each))
