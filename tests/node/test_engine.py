@@ -12,6 +12,7 @@ from mavstack.node.duplicates import MOST_REMEMBERED, Duplicates
 from mavstack.node.engine import Engine
 from mavstack.security import SigningKey
 from mavstack.services import Address, Client, Event, Outgoing, Priority, Service, message_ids
+from mavstack.services.command import Command, CommandClient
 from mavstack.wire import Packet, Parser, encode
 from tests.services.network import GROUND, START, VEHICLE, Air, Network
 
@@ -255,3 +256,18 @@ def test_a_slow_channel_thins_its_own_telemetry_only() -> None:
     assert sent.count("slow") + slow.thinned == 50
     assert 0 < slow.thinned < 50
     assert fast.thinned == 0
+
+
+def test_an_answer_to_another_ground_station_is_not_ours() -> None:
+    engine, (wire,) = engine_with("wire")
+    client = engine.add(CommandClient(GROUND, VEHICLE))
+    operation = client.command(Command(common.MavCmd.DO_SET_SERVO), START)
+    for system, component in ((254, 190), (255, 191)):
+        ack = common.CommandAck(
+            command=common.MavCmd.DO_SET_SERVO, target_system=system, target_component=component
+        )
+        engine.receive(wire, bytes_of(ack), START)
+        assert not operation.done
+    mine = common.CommandAck(command=common.MavCmd.DO_SET_SERVO, target_system=255, target_component=190)
+    engine.receive(wire, bytes_of(mine), START)
+    assert operation.done

@@ -8,7 +8,8 @@
         node.commands.progress(request, 40)
         ...
 
-A plain function answers at once. An async one is a long command: its sender hears IN_PROGRESS until it
+A plain function answers at once; if it returns None, it began a long command, and the program ends it by
+`node.commands.server.complete`. An async one is a long command: its sender hears IN_PROGRESS until it
 returns; if the sender cancels the command, its task is cancelled and the answer is CANCELLED. An exception,
 or an outcome that is none, is told to the loop's handler, and the answer is FAILED. Closing the node cancels
 the tasks.

@@ -99,22 +99,27 @@ class RemoteComponent:
         answer: AnyMessage = await self.node.perform(self.command_client, asked)
         return answer
 
-    async def set_message_interval(self, message: type[Message] | int, interval: Interval | float) -> RateSet:
+    async def set_message_interval(
+        self, message: type[Message] | int, interval: Interval | float, *, timeout: float | None = None
+    ) -> RateSet:
         """Have it send a message so many times a second, or by an `Interval` (`DEFAULT`, `OFF`)."""
         wanted = interval if isinstance(interval, Interval) else Interval.hertz(interval)
-        return await self.node.perform(self.command_client, SetMessageInterval(message, wanted))
+        operation = SetMessageInterval(message, wanted, limit=timeout)
+        return await self.node.perform(self.command_client, operation)
 
-    async def message_interval(self, message: type[Message] | int) -> Interval:
+    async def message_interval(
+        self, message: type[Message] | int, *, timeout: float | None = None
+    ) -> Interval:
         """At which interval it sends a message."""
-        return await self.node.perform(self.command_client, GetMessageInterval(message))
+        return await self.node.perform(self.command_client, GetMessageInterval(message, limit=timeout))
 
     async def version(self, *, timeout: float | None = None) -> AutopilotVersion:
         """Its software, hardware and capabilities."""
         return await self.node.perform(self.command_client, RequestAutopilotVersion(limit=timeout))
 
-    async def protocol_version(self) -> ProtocolVersion:
+    async def protocol_version(self, *, timeout: float | None = None) -> ProtocolVersion:
         """Which versions of MAVLink it speaks."""
-        return await self.node.perform(self.command_client, RequestProtocolVersion())
+        return await self.node.perform(self.command_client, RequestProtocolVersion(limit=timeout))
 
     async def ping(self, count: int = 4) -> PingStatistics:
         """How long messages take to it and back, in seconds."""
@@ -160,13 +165,13 @@ class RemoteComponent:
         """Its flight modes."""
         return Modes(self)
 
-    async def set_up_signing(self, key: SigningKey | None, *, timeout: float | None = None) -> None:
+    async def set_up_signing(self, key: SigningKey | None, *, timeout: float = SIGNING_LIMIT) -> None:
         """Give it a signing key, or none, and use the key with it once it is proven that it does too.
 
         Raises `RemoteDenied` or `RemoteTimeout`; then both sides go on as before.
         """
         client = self.signing_client
-        operation = client.install(key, self.node.now(), limit=timeout or SIGNING_LIMIT)
+        operation = client.install(key, self.node.now(), limit=timeout)
         await self.node.driver.finish(client, operation)
 
     # Steering

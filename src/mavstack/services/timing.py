@@ -7,6 +7,10 @@ that got no answer. Only an answer that surely belongs to its question is measur
 
 from __future__ import annotations
 
+#: For so long the same bytes of one source are one packet that the network doubled. Longer, and they may be
+#: the same request again: sequence numbers begin anew after 256, and in each process that is started.
+DOUBLED_WITHIN = 0.5
+
 
 class RoundTrip:
     """The round trips to one peer, and the patience that follows from them, all in seconds."""

@@ -366,16 +366,16 @@ class RemoteComponent:
         Raises `CommandDenied` or `MessageTimeout`.
         """
 
-    def set_message_interval(self, message: type[Message] | int, interval: Interval | float) -> RateSet:
+    def set_message_interval(self, message: type[Message] | int, interval: Interval | float, *, timeout: float | None=...) -> RateSet:
         """Have it send a message so many times a second, or by an `Interval` (`DEFAULT`, `OFF`)."""
 
-    def message_interval(self, message: type[Message] | int) -> Interval:
+    def message_interval(self, message: type[Message] | int, *, timeout: float | None=...) -> Interval:
         """At which interval it sends a message."""
 
     def version(self, *, timeout: float | None=...) -> AutopilotVersion:
         """Its software, hardware and capabilities."""
 
-    def protocol_version(self) -> ProtocolVersion:
+    def protocol_version(self, *, timeout: float | None=...) -> ProtocolVersion:
         """Which versions of MAVLink it speaks."""
 
     def ping(self, count: int=...) -> PingStatistics:
@@ -407,7 +407,7 @@ class RemoteComponent:
     def modes(self) -> Modes:
         """Its flight modes."""
 
-    def set_up_signing(self, key: SigningKey | None, *, timeout: float | None=...) -> None:
+    def set_up_signing(self, key: SigningKey | None, *, timeout: float=...) -> None:
         """Give it a signing key, or none, and use the key with it once it is proven that it does too.
 
         Raises `RemoteDenied` or `RemoteTimeout`; then both sides go on as before.

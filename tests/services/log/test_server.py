@@ -130,7 +130,7 @@ def test_erasing_is_told_and_its_copy_ignored() -> None:
     assert server.events() == [LogsErased(GROUND)]
     assert sent_by(server) == []
     server._store.contents[1] = b"new"
-    ask(server, common.LogErase, now=START + 0.5)
+    ask(server, common.LogErase, now=START + 0.2)
     assert server._store.contents == {1: b"new"}
     ask(server, common.LogErase, now=START + 60)
     assert server._store.contents == {}

@@ -20,6 +20,7 @@ from mavstack.services.addressing import Address, message_ids, target_of
 from mavstack.services.command.client import PROGRESS_UNKNOWN
 from mavstack.services.command.command import Command
 from mavstack.services.service import Event, Service
+from mavstack.services.timing import DOUBLED_WITHIN
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 AUTOPILOT = common.MavComponent.AUTOPILOT1
 #: For so long a repetition is recognised as one.
 MEMORY = 30.0
-#: For so long the same bytes are one packet that came twice; sequence numbers begin anew after 256.
-DOUBLED_WITHIN = 0.5
 MOST_REMEMBERED = 256
 #: How often IN_PROGRESS is said again if the program reports nothing new.
 PROGRESS_INTERVAL = 2.0

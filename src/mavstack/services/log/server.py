@@ -15,6 +15,7 @@ from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.log.entry import CHUNK, LAST_ID, MOST, LogEntry
 from mavstack.services.service import Event, HasRoom, Outgoing, Service, always_room
+from mavstack.services.timing import DOUBLED_WITHIN
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 MOST_CLIENTS = 32
-#: For so long the same bytes are one packet that came twice; sequence numbers begin anew after 256.
-DOUBLED_WITHIN = 3.0
 
 
 class LogStore(Protocol):

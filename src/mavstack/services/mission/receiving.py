@@ -16,7 +16,7 @@ from mavstack.dialects import common
 from mavstack.services.mission.item import MissionItem
 from mavstack.services.mission.plan import Plan
 from mavstack.services.service import earliest
-from mavstack.services.timing import RoundTrip
+from mavstack.services.timing import DOUBLED_WITHIN, RoundTrip
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 PATIENCE = 8.0
 #: For so long a last item that comes again is answered as it was.
 MEMORY = 30.0
-#: For so long the same bytes are one packet that came twice; sequence numbers begin anew after 256.
-DOUBLED_WITHIN = 3.0
 #: A count like the last one that comes so soon after its upload is a late one of the same upload.
 LATE_COUNT = 0.3
 MOST_REMEMBERED = 64

@@ -21,9 +21,10 @@ from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
 from mavstack.services.mission.plan import MOST_ITEMS, PLAN_TYPES, Plan, PlanStore, PlanType
-from mavstack.services.mission.receiving import DOUBLED_WITHIN, MOST_REMEMBERED, Uploads
+from mavstack.services.mission.receiving import MOST_REMEMBERED, Uploads
 from mavstack.services.mission.sending import Downloads
 from mavstack.services.service import Event, HasRoom, Outgoing, Service, always_room
+from mavstack.services.timing import DOUBLED_WITHIN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -11,6 +11,7 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.services.timing import DOUBLED_WITHIN
 
 if TYPE_CHECKING:
     from mavstack.services.addressing import Address
@@ -23,8 +24,6 @@ RESPOND = int(common.SerialControlFlag.RESPOND)
 EXCLUSIVE = int(common.SerialControlFlag.EXCLUSIVE)
 MULTI = int(common.SerialControlFlag.MULTI)
 
-#: For so long the same bytes are one packet; sequence numbers begin anew after 256.
-DOUBLED_WITHIN = 3.0
 _MOST_REMEMBERED = 64
 #: A sequence number that is this far ahead, of 256, is behind.
 _BEHIND = 192

@@ -16,6 +16,7 @@ from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.service import Event, Service
 from mavstack.services.statustext.chunks import CHUNK
+from mavstack.services.timing import DOUBLED_WITHIN
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet
@@ -26,8 +27,6 @@ GAP = "[...]"
 PATIENCE = 2.0
 #: For so long a chunk of a text already told is known as a copy.
 MEMORY = 5.0
-#: For so long the same bytes with the same sequence number are one packet; numbers begin anew after 256.
-DOUBLED_WITHIN = 3.0
 MOST_TEXTS = 64
 MOST_REMEMBERED = 256
 
