@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import FileDenied, ParameterDenied
 from mavstack.services import Address
-from mavstack.services.ftp import file_crc32
+from mavstack.services.ftp import Entry, file_crc32
 from mavstack.services.manual_control import ManualInput
 from mavstack.services.setpoints import LocalSetpoint
 from tests.links.virtual import run_virtually
@@ -176,5 +176,27 @@ def test_extended_parameters() -> None:
         assert (await extended.get("CAM_MODE")).value == "photo"
         assert (await extended.set("CAM_MODE", "video")).value == "video"
         assert list(await extended.fetch()) == ["CAM_MODE"]
+
+    with_pair(work)
+
+
+def test_modes_that_a_firmware_does_not_tell_are_known_by_name() -> None:
+    async def work(pair: Pair) -> None:
+        pair.vehicle.commands.server.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.FAILED)
+        names = {mode.name.upper() for mode in await pair.remote.modes.list()}
+        assert {"STABILIZE", "GUIDED", "RTL", "LOITER"} <= names
+
+    with_pair(work, autopilot=common.MavAutopilot.ARDUPILOTMEGA)
+
+
+def test_a_listing_leaves_out_the_directory_itself_and_its_parent() -> None:
+    async def work(pair: Pair) -> None:
+        listed = pair.vehicle.files.list_directory
+        extra = [Entry(name, is_directory=True) for name in (".", "..")]
+        pair.vehicle.files.list_directory = lambda path: [*extra, *listed(path)]
+        names = [entry.name for entry in await pair.remote.files.list()]
+        assert "hello.txt" in names
+        assert "." not in names
+        assert ".." not in names
 
     with_pair(work)

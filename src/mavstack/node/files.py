@@ -29,8 +29,9 @@ class Files:
         return self._remote.node.serve(FtpClient(self._remote.node.address, self._remote.address))
 
     async def list(self, path: str = "/", *, timeout: float | None = None) -> tuple[Entry, ...]:
-        """What is in a directory."""
-        return await self._finish(self.client.list_directory(path, self._now(), limit=timeout))
+        """What is in a directory, without itself and its parent, which some servers list too."""
+        entries = await self._finish(self.client.list_directory(path, self._now(), limit=timeout))
+        return tuple(entry for entry in entries if entry.name not in (".", ".."))
 
     async def read(
         self,

@@ -5,7 +5,16 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from mavstack.services.modes import ListModes, ModeMonitor, ModeSeen, SetMode, SetStandardMode
+from mavstack.errors import CommandDenied
+from mavstack.services.modes import (
+    ListModes,
+    ModeMonitor,
+    ModeSeen,
+    SetMode,
+    SetStandardMode,
+    mode_names,
+    modes_of,
+)
 
 if TYPE_CHECKING:
     from mavstack.node.remote import RemoteComponent
@@ -39,8 +48,20 @@ class Modes:
         return await self._remote.node.perform(self._remote.command_client, operation)
 
     async def list(self, *, timeout: float = 60.0) -> tuple[AvailableMode, ...]:
-        """The modes that it says it has."""
-        return await self._remote.node.perform(self._remote.command_client, ListModes(limit=timeout))
+        """The modes that it says it has; of a firmware that does not tell, those that are known of it."""
+        try:
+            return await self._remote.node.perform(self._remote.command_client, ListModes(limit=timeout))
+        except CommandDenied:
+            known = self._known_modes()
+            if not known:
+                raise
+            return known
+
+    def _known_modes(self) -> tuple[AvailableMode, ...]:
+        info = self._remote.info
+        if info is None:
+            return ()
+        return tuple(modes_of(info.autopilot, info.type, list(mode_names(info.autopilot, info.type))))
 
     def changes(self) -> Subscription[ModeSeen]:
         """Each mode that is entered from now on."""

@@ -368,3 +368,31 @@ def test_garbage_never_raises(seed: int) -> None:
         client = LogClient(GROUND, VEHICLE)
         begin(client)
         feed_garbage(client, [common.LogEntry, common.LogData], seed)
+
+
+def growing(site: Site, replace: bool) -> None:
+    """The last log is written on, or another takes its id, while it is fetched."""
+    number = max(site.store.contents)
+
+    def change() -> None:
+        kept = Random(9).randbytes(30_000) if replace else site.store.contents[number]
+        site.store.contents[number] = kept + bytes(50_000)
+        site.store.times[number] = 1_700_000_000
+
+    site.network.at(0.2, change)
+
+
+def test_a_log_that_is_being_written_can_be_fetched() -> None:
+    site = Site(impairment=Impairment(latency=0.02, bandwidth=20_000.0, queue=1 << 20))
+    growing(site, replace=False)
+    download = site.download(max(site.store.contents))
+    content = download.result()
+    assert len(content) >= 30_000
+    assert site.store.contents[max(site.store.contents)].startswith(content)
+
+
+def test_a_larger_log_in_its_place_is_not_taken_for_it() -> None:
+    site = Site(impairment=Impairment(latency=0.02, bandwidth=20_000.0, queue=1 << 20))
+    growing(site, replace=True)
+    with pytest.raises(RemoteProtocolError, match="another log"):
+        site.download(max(site.store.contents)).result()

@@ -80,7 +80,9 @@ def replaced(seed: int) -> None:
     ground.engine.touch(client)
     assert network.run(lambda: download.done, limit=DEADLINE)
     if download.error is None:
-        assert download.result() in (old, new)
+        # A larger log under the same id may be the same one, written on: then its beginning is enough.
+        result = download.result()
+        assert result in (old, new) or (len(result) >= len(old) and new.startswith(result))
     else:
         assert isinstance(download.error, LogTimeout | RemoteProtocolError)
 

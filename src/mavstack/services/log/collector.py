@@ -15,6 +15,7 @@ CLAIMS = 3
 #: By how much a listed size may be too large, in bytes: a few blocks of flash memory.
 TOLERANCE = 1 << 16
 _MOST_PARTIAL = 64
+EARLIEST = 12
 
 
 class Collector:
@@ -25,6 +26,7 @@ class Collector:
         self.received = 0
         self.end_known = False
         self.contradicted = False
+        self.earliest: list[int] = []  # the first full chunks, as they came
         self._data = bytearray()
         self._full = bytearray()  # 1 for each chunk that is there
         self._partial: dict[int, bytes] = {}
@@ -98,6 +100,8 @@ class Collector:
         self._full[chunk] = 1
         self._partial.pop(chunk, None)
         self.received += CHUNK
+        if len(self.earliest) < EARLIEST:
+            self.earliest.append(chunk)
         if (chunk + 1) * CHUNK > self.size:
             self.size, self.end_known = (chunk + 1) * CHUNK, False
         return True

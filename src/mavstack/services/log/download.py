@@ -11,7 +11,9 @@ a radio's queue is overrun. Gaps are filled after the end was reached, in as man
 that lie closer together than what comes in one round trip are asked for in one.
 
 PX4 sends a log only after it was listed, hence the look-up before. The one after shows whether the id still
-means the same log: ids move when old logs are removed. LOG_REQUEST_END ends all of it, however it ends.
+means the same log: ids move when old logs are removed. Of the log that is being written comes what there was
+when the fetching began, or more; `proof` sees to it that it is of one log. LOG_REQUEST_END ends all of it,
+however it ends.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from mavstack.errors import LogTimeout, RemoteDenied, RemoteProtocolError
 from mavstack.services.log.collector import Collector
 from mavstack.services.log.entry import CHUNK, LogEntry
 from mavstack.services.log.listing import ListLogs, LogOperation, LookUpLog
+from mavstack.services.log.proof import StillTheSame
 from mavstack.services.operation import Operation, Procedure
 from mavstack.services.timing import RoundTrip
 
@@ -67,16 +70,20 @@ class DownloadLog(Procedure[bytes]):
             before: LogEntry | None = self._listed and (yield LookUpLog(self._number))
             if before is None or self._listed is None:
                 raise RemoteDenied(self.request, str(self.target), answer="it has no such log")
-            self._compare(before, self._listed)
-            content: bytes = yield _Transfer(before)
+            self._require(before.may_be(self._listed) or before.may_have_been(self._listed))
+            transfer = _Transfer(before)
+            content: bytes = yield transfer
             after: LogEntry | None = yield LookUpLog(self._number)
-            self._compare(after, before)
+            if after is None or not after.may_be(before):
+                self._require(after is not None and after.may_have_been(before))
+                same: bool = yield StillTheSame(self._number, content, transfer.earliest)
+                self._require(same)
             return content
         finally:
             _end(self)
 
-    def _compare(self, now_listed: LogEntry | None, earlier: LogEntry) -> None:
-        if now_listed is None or not now_listed.may_be(earlier):
+    def _require(self, same: bool) -> None:
+        if not same:
             raise RemoteProtocolError(
                 self.request, str(self.target), answer="the id stands for another log than before"
             )
@@ -106,6 +113,11 @@ class _Transfer(LogOperation[bytes]):
         self._silences = 0
         self._spacing = 0.0  # between chunks, smoothed
         self._round_trip = RoundTrip(initial=1.0, least=0.15, most=4.0)
+
+    @property
+    def earliest(self) -> list[int]:
+        """The chunks that came first."""
+        return self._collector.earliest
 
     def start(self, now: float) -> None:
         self._ask(now)

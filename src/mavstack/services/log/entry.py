@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -18,11 +18,15 @@ MOST = 0xFFFFFFFF
 
 @dataclass(frozen=True, slots=True)
 class LogEntry:
-    """A log's id, when it began (Unix seconds, 0 if not known), and its size, which may be approximate."""
+    """A log's id, its time (Unix seconds, 0 if not known), and its size, which may be approximate.
+
+    `is_last` says that no log has a higher id: it may be the one being written.
+    """
 
     id: int
     time_utc: int
     size: int
+    is_last: bool = field(default=False, compare=False)
 
     def may_be(self, earlier: LogEntry) -> bool:
         """Whether this is what `earlier` was: a log may grow, but begins once."""
@@ -30,7 +34,12 @@ class LogEntry:
             return False
         return self.size == earlier.size or (self.size > earlier.size and self.time_utc > 0)
 
+    def may_have_been(self, earlier: LogEntry) -> bool:
+        """Whether this may be `earlier`, written on: its time, being that of the last write, moved too."""
+        both_last = self.is_last and earlier.is_last
+        return both_last and self.size > earlier.size and self.time_utc >= earlier.time_utc
+
     @classmethod
     def read(cls, message: common.LogEntry) -> Self:
         """What a message says."""
-        return cls(message.id, message.time_utc, message.size)
+        return cls(message.id, message.time_utc, message.size, message.id == message.last_log_num)
