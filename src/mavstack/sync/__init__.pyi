@@ -190,7 +190,7 @@ class Files:
         """The state machine behind it."""
 
     def list(self, path: str=..., *, timeout: float | None=...) -> tuple[Entry, ...]:
-        """What is in a directory."""
+        """What is in a directory, without itself and its parent, which some servers list too."""
 
     def read(self, path: str, *, offset: int=..., size: int | None=..., timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> bytes:
         """Read a file, or `size` bytes from `offset`; a whole one is compared by checksum."""
@@ -256,7 +256,7 @@ class Modes:
         """Enter a MAV_STANDARD_MODE, which means the same on every vehicle that has it."""
 
     def list(self, *, timeout: float=...) -> tuple[AvailableMode, ...]:
-        """The modes that it says it has."""
+        """The modes that it says it has; of a firmware that does not tell, those that are known of it."""
 
     def changes(self) -> Subscription[ModeSeen]:
         """Each mode that is entered from now on."""
