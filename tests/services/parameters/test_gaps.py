@@ -22,12 +22,13 @@ def wanted(gaps: Gaps, now: float) -> list[int]:
     return asked
 
 
-def test_a_gap_is_asked_for_once_later_entries_came_and_not_before() -> None:
+def test_a_gap_is_asked_for_once_the_list_has_ended_and_not_before() -> None:
+    """ArduPilot's list stands still while it answers single requests."""
     gaps = listing(10)
-    for index in (0, 1, 3, 4):
+    for index in (0, 1, 3, 4, 5, 6, 7, 8):
         gaps.take(index, 0.01)
-    assert wanted(gaps, 0.01) == []  # 2 may still come
-    gaps.take(5, 0.01)
+    assert wanted(gaps, 0.01) == []
+    gaps.take(9, 0.01)
     assert wanted(gaps, 0.01) == [2]
 
 
@@ -41,7 +42,7 @@ def test_the_tail_is_asked_for_when_the_list_falls_quiet() -> None:
     assert due is not None
     assert 0.85 < due < 1.0
     gaps.handle_timeout(due)
-    assert wanted(gaps, due) == [7, 8, 9]
+    assert wanted(gaps, due) == [9, 8, 7]
 
 
 def test_the_last_entry_ends_the_list_at_once() -> None:
@@ -57,11 +58,55 @@ def test_a_list_that_goes_on_is_listened_to_again() -> None:
         gaps.take(index, 0.001 * index)
     gaps.handle_timeout(0.5)
     asked = wanted(gaps, 0.5)
-    assert asked == list(range(10, 18))
+    assert asked == list(range(99, 91, -1))  # where the list, if it goes on, comes last
+    for index in (10, 11, 12):
+        gaps.take(index, 0.51)
+    for index in asked:
+        gaps.take(index, 0.52)
+    assert wanted(gaps, 0.52) == []
+
+
+def test_a_list_that_goes_on_after_a_loss_is_asked_for_what_it_lost() -> None:
+    gaps = listing(100)
+    for index in range(10):
+        gaps.take(index, 0.001 * index)
+    gaps.handle_timeout(0.5)
+    asked = wanted(gaps, 0.5)
     gaps.take(30, 0.51)
     for index in asked:
         gaps.take(index, 0.52)
-    assert wanted(gaps, 0.52) == list(range(18, 28))  # and none beyond 30
+    assert wanted(gaps, 0.52) == []
+    due = gaps.next_timeout()
+    assert due is not None
+    gaps.handle_timeout(due)
+    assert wanted(gaps, due) == list(range(10, 26))
+
+
+def test_the_list_ends_where_it_meets_what_was_asked_for() -> None:
+    gaps = listing(20)
+    for index in range(6):
+        gaps.take(index, 0.001 * index)
+    gaps.handle_timeout(0.5)
+    asked = wanted(gaps, 0.5)
+    assert asked == list(range(19, 11, -1))
+    for index in (6, 7, 8, 10):  # 9 is lost
+        gaps.take(index, 0.51)
+    assert wanted(gaps, 0.51) == []  # 9 may still come
+    gaps.take(11, 0.51)
+    for index in asked:
+        gaps.take(index, 0.52)
+    assert wanted(gaps, 0.52) == [9]
+
+
+def test_a_total_that_changes_in_a_silence_leaves_nothing_out() -> None:
+    gaps = listing(10)
+    gaps.take(0, 0.0)
+    gaps.handle_timeout(9.0)
+    assert wanted(gaps, 9.0) == list(range(9, 1, -1))
+    gaps.total = 12
+    for index in range(9, 1, -1):
+        gaps.take(index, 9.1)
+    assert wanted(gaps, 9.1) == [11, 10, 1]
 
 
 def test_a_single_value_from_afar_is_not_taken_for_the_list() -> None:
@@ -76,7 +121,8 @@ def test_a_long_leap_is_believed_when_it_is_confirmed() -> None:
     gaps = listing(100)
     for index in (0, 60, 61):
         gaps.take(index, 0.0)
-    assert wanted(gaps, 0.0) == list(range(1, 9))
+    gaps.handle_timeout(9.0)
+    assert wanted(gaps, 9.0) == list(range(1, 9))
 
 
 def test_the_window_grows_with_answers_and_shrinks_with_silence() -> None:

@@ -1,12 +1,19 @@
 """Which entries of a numbered list have come, and which to ask for singly, and when.
 
-A component that was asked for its list sends the entries in order, and some are lost. An entry counts as lost
-once later ones have come, or when the list has fallen quiet: when nothing came for several times the longest
-pause that it made before. Lost entries are asked for singly, so many at a time as the `window` says: one more
-for each answer, less if answers stay out, since a vehicle's queue and a radio's are both short. How long
-an answer is awaited follows from those that surely belong to their question, also from late ones; each time
-that answers stay out it doubles, each answer takes a doubling back. A list that
-goes on after a silence is listened to again instead.
+A component that was asked for its list sends the entries in order, and some are lost. Nothing is asked for
+while the list goes on: ArduPilot answers single requests before it goes on with its list, so that a few of
+them under way hold the list up, and what it would have sent by the hundred comes one by one. When the list
+has come to its end, or fallen quiet (nothing came for several times the longest pause that it made before),
+what is missing is asked for singly, so many at a time as the `window` says: one more for each answer, less if
+answers stay out, since a vehicle's queue and a radio's are both short. How long an answer is awaited follows
+from those that surely belong to their question, also from late ones; each time that answers stay out it
+doubles, each answer takes a doubling back.
+
+A silence may be the list's end or a pause: autopilots pause when a radio tells that its queue is full, or to
+catch up with their telemetry. What has not come yet is therefore asked for from the last entry downwards. A
+list that goes on is known by its next entry, which nobody asked for; it is listened to again until it meets
+what was asked for. Asked for upwards, the answers and the list would tell the same entries side by side, and
+neither could be told from the other.
 """
 
 from __future__ import annotations
@@ -19,8 +26,6 @@ from mavstack.services.service import earliest
 if TYPE_CHECKING:
     from mavstack.services.timing import RoundTrip
 
-#: Packets overtake one another by so much.
-REORDERED = 2
 #: A longer leap is believed when the next entry confirms it: it may have been a single value, not the list.
 LEAP = 32
 FIRST_WINDOW = 8.0
@@ -33,6 +38,9 @@ MOST_BACKOFF = 3
 PAUSES = 3.0
 SHORTEST_QUIET = 0.05
 LONGEST_QUIET = 2.0
+#: So near its end a list that falls quiet has ended, and its last entries were lost; before, it may pause.
+NEAR_END = 32
+SHORTEST_PAUSE = 0.3
 #: What the longest pause is multiplied by with each entry: old pauses are forgotten.
 FORGETTING = 0.98
 
@@ -48,6 +56,8 @@ class Gaps:
         self._frontier = -1
         self._leap = -1
         self._pointer = 0  # all below it have come, or were asked for
+        self._end = 0  # from here to the end as well
+        self._end_of = 0  # the total that this end belongs to
         self._asked: dict[int, float] = {}  # when, for the last time
         self._attempts: dict[int, int] = {}
         self._first_asked: dict[int, float] = {}
@@ -89,25 +99,22 @@ class Gaps:
 
     def next_wanted(self) -> int | None:
         """The entry to ask for next, if there is one and the window has room."""
-        if len(self._asked) >= int(self.window):
+        if not self._quiet or len(self._asked) >= int(self.window):
             return None
         while self._again:
             if self._again[0] not in self.received:
                 return self._again[0]
             self._again.popleft()
-        reach = self.total if self._quiet else self._frontier - REORDERED
-        while self._pointer < reach:
-            if self._pointer not in self.received:
+        while self._pointer < min(self._frontier, self.total):
+            if self._is_open(self._pointer):
                 return self._pointer
             self._pointer += 1
-        return None
+        return self._last_wanted()
 
     def ask(self, index: int, now: float) -> None:
         """The entry that `next_wanted` gave was asked for."""
         if self._again and self._again[0] == index:
             self._again.popleft()
-        else:
-            self._pointer = index + 1
         self._first_asked.setdefault(index, now)
         self._attempts[index] = self._attempts.get(index, 0) + 1
         self._asked[index] = now
@@ -130,12 +137,27 @@ class Gaps:
             self._backoff = min(self._backoff + 1, MOST_BACKOFF)
             self._narrow_again_at = now + self._round_trip.timeout(self._backoff)
 
+    def _is_open(self, index: int) -> bool:
+        """Whether an entry neither came nor was ever asked for."""
+        return index not in self.received and index not in self._attempts
+
+    def _last_wanted(self) -> int | None:
+        """The last entry beyond the list's own that is open."""
+        if self._end_of != self.total:
+            self._end = self._end_of = self.total
+        while self._end - 1 > self._frontier:
+            if self._is_open(self._end - 1):
+                return self._end - 1
+            self._end -= 1
+        return None
+
     @property
     def _quiet_at(self) -> float:
         if not self._longest_pause:
             return self._last_entry + self._round_trip.timeout()
         pause = PAUSES * self._longest_pause
-        return self._last_entry + min(max(pause, SHORTEST_QUIET), LONGEST_QUIET)
+        least = SHORTEST_QUIET if self._frontier >= self._end - NEAR_END else SHORTEST_PAUSE
+        return self._last_entry + min(max(pause, least), LONGEST_QUIET)
 
     def _due(self, index: int) -> float:
         return self._asked[index] + self._round_trip.timeout(self._backoff)
@@ -165,4 +187,4 @@ class Gaps:
         if self._frontier >= 0:
             self._longest_pause = max(self._longest_pause * FORGETTING, now - self._last_entry)
         self._frontier, self._leap, self._last_entry = index, -1, now
-        self._quiet = index == self.total - 1
+        self._quiet = self._last_wanted() is None

@@ -34,6 +34,8 @@ Result = TypeVar("Result")
 MOST_ENTRIES = 32768
 #: So often a table may change while it is listed.
 MOST_RESTARTS = 5
+#: So often the count may change in all: a table that grows and shrinks for ever always has something new.
+MOST_COUNTS = 1000
 #: After so many vain requests for one entry, and none answered, the list is asked for once more.
 ATTEMPTS_BEFORE_LIST = 4
 
@@ -53,6 +55,7 @@ class Listing(Operation[Result]):
         self._places: dict[str, int] = {}
         self._restarts = 0
         self._changed = False
+        self._counts = 0
         self._list_asked_at = 0.0
         self._list_due: float | None = None
         self._asked_again_for = 0
@@ -80,7 +83,7 @@ class Listing(Operation[Result]):
         if overtaken and (self._gaps.total != count or index in self._gaps.received):
             return  # a copy, or of a table that is no more
         self._count_came(count, now)
-        if not 0 <= index < self._gaps.total:
+        if self.done or not 0 <= index < self._gaps.total:
             return
         known = self._names.get(index)
         if known not in (None, name) or self._places.get(name, index) != index:
@@ -140,6 +143,10 @@ class Listing(Operation[Result]):
 
     def _count_came(self, count: int, now: float) -> None:
         if count == self._gaps.total or count == 0:
+            return
+        self._counts += 1
+        if self._counts > MOST_COUNTS:
+            super().give_up(now, "the table kept changing")
             return
         if self._gaps.total:
             self._changed = True
