@@ -79,7 +79,7 @@ def test_a_list_that_pauses_is_not_fetched_twice(pause) -> None:
 
 
 class HeldUpServer(ParameterServer):
-    """A server with turns of 20 ms: one single value if any is wanted, else twenty of its list."""
+    """A server with turns of 20 ms: one single value if one is wanted, else twenty of the list."""
 
     turn_at = START
     turn = 0.02
