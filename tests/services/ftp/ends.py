@@ -64,7 +64,7 @@ class SpreadingServer(FtpServer):
         session.used_at = now
         for _ in range(self.PACKETS):
             if session.burst is not None:
-                reply = self._next_of_burst(session, session.burst)
+                reply = self._next_of_burst(session, session.burst, now)
                 yield Outgoing(reply.to_message(*session.owner), session.owner, Priority.BULK)
 
     def next_timeout(self):

@@ -361,6 +361,19 @@ def test_a_burst_is_paced_and_says_when_it_is_complete() -> None:
     assert [packet.burst_complete for packet in rest] == [False] * 147 + [True]
 
 
+def test_a_burst_through_a_slow_link_ends_before_mavftp_gives_up() -> None:
+    server = FtpServer(VEHICLE, MemoryStore({"f": bytes(100_000)}))
+    (session,) = ask(server, Opcode.OPENFILERO, b"f")
+    request = FtpPayload.request(Opcode.BURSTREADFILE, session=session.session, size=239).numbered(5)
+    give(server, request.to_message(*VEHICLE), GROUND, START)
+    packets = []
+    for step in range(100):
+        rooms = iter([True, False])
+        messages = sent(server, START + step * 0.05, lambda *_: next(rooms, False))  # noqa: B023
+        packets += [FtpPayload.read(message) for message in messages]
+    assert [packet.burst_complete for packet in packets] == [False] * 40 + [True]
+
+
 def test_a_burst_ends_by_eof(server) -> None:
     (session,) = ask(server, Opcode.OPENFILERO, b"d/g")
     packets = ask(server, Opcode.BURSTREADFILE, session=session.session, size=239, sequence=2)

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from mavstack.services.ftp.stores import FileStore
     from mavstack.wire import Packet
 
+#: A burst goes on for so long: mavftp gives up 3.7 s after its last request, whatever comes in.
+LONGEST_BURST = 2.0
 #: A burst ends after so many bytes or packets; the client asks for the next.
 MOST_IN_BURST, MOST_PACKETS = 150 * MOST_DATA, 500
 _CRC_PIECE = 1 << 16
@@ -109,7 +111,7 @@ class FtpServer(Service):
                     bursting.remove(session)
                     continue
                 session.used_at = now
-                reply = self._next_of_burst(session, burst)
+                reply = self._next_of_burst(session, burst, now)
                 yield Outgoing(reply.to_message(*session.owner), session.owner, Priority.BULK)
 
     def next_timeout(self) -> float | None:
@@ -236,9 +238,9 @@ class FtpServer(Service):
     def _begin_burst(self, request: FtpPayload, source: Address, now: float) -> None:
         session = self._session(request, source, now)
         size = min(request.size or MOST_DATA, MOST_DATA)
-        session.burst = Burst(request.sequence, request.offset, size)
+        session.burst = Burst(request.sequence, request.offset, size, now + LONGEST_BURST)
 
-    def _next_of_burst(self, session: Session, burst: Burst) -> FtpPayload:
+    def _next_of_burst(self, session: Session, burst: Burst, now: float) -> FtpPayload:
         burst.packets += 1
         reply = FtpPayload(
             (burst.sequence + burst.packets) % SEQUENCES,
@@ -256,7 +258,8 @@ class FtpServer(Service):
             session.burst = None
             return _nak(reply, FtpError.EOF, of_burst=True)
         burst.offset += len(data)
-        complete = burst.packets >= MOST_PACKETS or burst.packets * burst.size >= MOST_IN_BURST
+        sent = burst.packets * burst.size
+        complete = burst.packets >= MOST_PACKETS or sent >= MOST_IN_BURST or now >= burst.ends_at
         if complete:
             session.burst = None
         return FtpPayload(

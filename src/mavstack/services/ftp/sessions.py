@@ -32,6 +32,7 @@ class Burst:
     sequence: int
     offset: int
     size: int
+    ends_at: float
     packets: int = 0
 
 
