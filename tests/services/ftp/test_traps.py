@@ -371,7 +371,7 @@ def test_a_burst_through_a_slow_link_ends_before_mavftp_gives_up() -> None:
         rooms = iter([True, False])
         messages = sent(server, START + step * 0.05, lambda *_: next(rooms, False))  # noqa: B023
         packets += [FtpPayload.read(message) for message in messages]
-    assert [packet.burst_complete for packet in packets] == [False] * 40 + [True]
+    assert [packet.burst_complete for packet in packets] == [False] * 60 + [True]
 
 
 def test_a_burst_ends_by_eof(server) -> None:

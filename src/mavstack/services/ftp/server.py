@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 #: A burst goes on for so long: mavftp gives up 3.7 s after its last request, whatever comes in.
-LONGEST_BURST = 2.0
+LONGEST_BURST = 3.0
 #: A burst ends after so many bytes or packets; the client asks for the next.
 MOST_IN_BURST, MOST_PACKETS = 150 * MOST_DATA, 500
 _CRC_PIECE = 1 << 16
