@@ -39,7 +39,7 @@ class Driver:
         *,
         on_packet: Callable[[Packet], None],
         on_event: Callable[[object, Service | None], None],
-        signing: Callable[[], Signing | None],
+        signing: Callable[[str], Signing | None],
         version: int = 2,
     ) -> None:
         self.engine = engine
@@ -176,7 +176,7 @@ class Driver:
                 state = self.engine.open_channel(
                     channel.name,
                     version=self._version,
-                    signing=self._signing(),
+                    signing=self._signing(channel.name),
                     bandwidth=link.pace or None,
                     half_duplex=link.half_duplex,
                 )

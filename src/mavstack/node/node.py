@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import asyncio
 from functools import cached_property
-from itertools import count
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -26,6 +25,7 @@ from mavstack.node.command_handlers import CommandHandlers
 from mavstack.node.dispatch import EventDispatch, PacketDispatch
 from mavstack.node.driver import Driver
 from mavstack.node.engine import Engine
+from mavstack.node.keys import Keys
 from mavstack.node.remote import RemoteComponent
 from mavstack.node.subscription import QUEUE
 from mavstack.services import Address
@@ -33,6 +33,7 @@ from mavstack.services.addressing import describe
 from mavstack.services.heartbeat import Beacon, ComponentFound, ComponentReturned, Discovery
 from mavstack.services.message_request import MessageServer
 from mavstack.services.ping import PingServer
+from mavstack.services.signing_setup import KeySettled
 from mavstack.services.statustext import StatustextReceiver, StatustextSender
 from mavstack.services.timesync import TimesyncServer
 
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
     from mavstack.security import SigningKey, TimestampStore
     from mavstack.services import Client, Operation, Service
     from mavstack.services.heartbeat import ComponentInfo
-    from mavstack.wire import Packet, Signing
+    from mavstack.wire import Packet
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 AnyEvent = TypeVar("AnyEvent")
@@ -84,14 +85,12 @@ class Node:
         #: What every component does: it hears texts, and answers who asks whether and when it is there.
         self._everyones = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
         self._version = version
-        self._key = signing
-        self._timestamps = timestamps
+        self._keys = Keys(self.engine, signing, timestamps)
         self._sends_heartbeat = heartbeat
         self._packets = PacketDispatch()
         self._events = EventDispatch()
         self._remotes: dict[Address, RemoteComponent] = {}
         self._commands: CommandHandlers | None = None
-        self._link_ids = count()
         self._driver: Driver | None = None
 
     @property
@@ -124,13 +123,14 @@ class Node:
             self.engine,
             on_packet=self._packets.deliver,
             on_event=self._happened,
-            signing=self._new_signing,
+            signing=self._keys.new_signing,
             version=self._version,
         )
         for service in (self.discovery, *self._everyones):
             self.engine.add(service)
         if self._sends_heartbeat:
             self.engine.add(self.beacon)
+        self._keys.open()
         try:
             for link in self.links:
                 await link.open()
@@ -148,7 +148,7 @@ class Node:
             if self._commands is not None:
                 await self._commands.stop()
             await driver.stop()
-            self._keep_timestamp()
+            await self._keys.close()
             for link in self.links:
                 await link.close()
             self._packets.end()
@@ -301,18 +301,9 @@ class Node:
         if isinstance(event, ChannelOpened) and self._sends_heartbeat:
             self.beacon.soon(self.now())  # a new peer need not wait to know us
             self.engine.touch(self.beacon)
+        if isinstance(event, KeySettled):
+            self._keys.settled(event, service)
         self._events.deliver(event, service)
-
-    def _new_signing(self) -> Signing | None:
-        if self._key is None:
-            return None
-        timestamp = self._timestamps.load() if self._timestamps else 0
-        return self._key.signing(next(self._link_ids) % 256, timestamp=timestamp)
-
-    def _keep_timestamp(self) -> None:
-        newest = [state.signing.timestamp for state in self.engine.channels if state.signing]
-        if self._timestamps and newest:
-            self._timestamps.store(max(newest))
 
     async def __aenter__(self) -> Self:
         return await self.open()

@@ -1,8 +1,10 @@
 """A shell on the vehicle, such as PX4's nsh.
 
-async with vehicle.shell() as shell:
-shell.write_line("ver all")
-async for text in shell: ...
+    async with vehicle.shell() as shell:
+        shell.write_line("ver all")
+        async for text in shell: ...
+
+Leaving the block gives it back.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ class Shell:
 
     def __init__(self, remote: RemoteComponent, client: ShellClient) -> None:
         self._node = remote.node
-        self._client = self._node.serve(client)
+        self._client = client
         self._output = self._node.events(ShellOutput, of=client, queue=100_000)
         self._decoder = getincrementaldecoder("utf-8")("replace")
 
@@ -39,6 +41,7 @@ class Shell:
         self._node.changed(self._client)
 
     async def __aenter__(self) -> Self:
+        self._node.serve(self._client)
         self._client.open(self._node.now())
         self._node.changed(self._client)
         return self

@@ -1,7 +1,7 @@
 """MAVLink's microservices as state machines, client and server side, a folder each."""
 
 from mavstack.services.addressing import EVERYBODY, Address, message_ids, target_of
-from mavstack.services.operation import Client, Hear, Operation, OperationEnded, Pause, Procedure, Progress
+from mavstack.services.operation import Client, Operation, OperationEnded, Pause, Procedure, Progress
 from mavstack.services.service import Event, HasRoom, Outgoing, Priority, Service, always_room, earliest
 from mavstack.services.timing import RoundTrip
 
@@ -11,7 +11,6 @@ __all__ = [
     "Client",
     "Event",
     "HasRoom",
-    "Hear",
     "Operation",
     "OperationEnded",
     "Outgoing",

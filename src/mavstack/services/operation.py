@@ -356,19 +356,3 @@ class Pause(Operation[None]):
 
     def handle_timeout(self, now: float) -> None:
         self.finish(None)
-
-
-class Hear(Operation[Any]):
-    """Wait until a message of the target makes `match` return something other than None: the result."""
-
-    def __init__(self, request: str, match: Callable[[Packet], Any], *, patience: float) -> None:
-        super().__init__(request, patience=patience)
-        self._match = match
-
-    def start(self, now: float) -> None:
-        """Nothing is sent."""
-
-    def receive(self, packet: Packet, now: float) -> None:
-        found = self._match(packet)
-        if found is not None:
-            self.finish(found)

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from collections.abc import Iterable
 from collections.abc import Mapping
 from functools import cached_property
-from itertools import count
 from mavstack._core import HasCoreDialect
 from mavstack.dialects import Message
 from mavstack.errors import CommandDenied

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, ParameterDenied, ParameterTimeout
+from mavstack.errors import LocalProtocolError, ParameterDenied
 from mavstack.services.extended_parameters.value import (
     ExtendedParameter,
     ExtendedValue,
@@ -13,12 +13,10 @@ from mavstack.services.extended_parameters.value import (
     is_known,
     with_field,
 )
-from mavstack.services.operation import Operation
+from mavstack.services.parameters.asking import REFUSALS, Asking, Setting
 from mavstack.services.parameters.listing import Listing
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from mavstack.dialects import Message
     from mavstack.services.extended_parameters.client import ExtendedParameterClient, HeardExtended
     from mavstack.services.timing import RoundTrip
@@ -26,51 +24,21 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-ATTEMPTS = 6
-#: So many acknowledgements with another value say that the component keeps it.
-REFUSALS = 3
-#: How often the value is asked for while it is being set, and how long that may take in silence.
+#: How often the value is asked for while it is being set.
 PROGRESS_INTERVAL = 2.0
-PROGRESS_PATIENCE = 30.0
 
 
-class ExtendedOperation(Operation[Result]):
-    """An operation that sends one request until it is answered."""
-
-    timeout_error = ParameterTimeout
-
-    def __init__(self, request: str, *, limit: float | None = None) -> None:
-        super().__init__(request, limit=limit, patience=PROGRESS_PATIENCE)
-        self._sent_at = 0.0
+class ExtendedOperation(Asking[Result]):
+    """An operation of an `ExtendedParameterClient` that sends one request until it is answered."""
 
     @property
     def parameters(self) -> ExtendedParameterClient:
         """The client that runs it."""
         return cast("ExtendedParameterClient", self.client)
 
-    def start(self, now: float) -> None:
-        self.transmit(now)
-
-    def handle_timeout(self, now: float) -> None:
-        if self.attempts >= ATTEMPTS:
-            self.give_up(now)
-        else:
-            self.transmit(now)
-
-    def transmit(self, now: float) -> None:
-        """Send the request and wait."""
-        self.send_request()
-        self.attempts += 1
-        self._sent_at = now
-        self.timeout = now + self.parameters.round_trip.timeout(self.attempts)
-
-    def send_request(self) -> None:
-        """Send what is asked."""
-
-    def answered(self, now: float) -> None:
-        """An answer came; an only request measures the round trip."""
-        if self.attempts == 1:
-            self.parameters.round_trip.measured(now - self._sent_at)
+    @property
+    def round_trip(self) -> RoundTrip:
+        return self.parameters.round_trip
 
     def receive(self, packet: Packet, now: float) -> None:
         heard = self.parameters.heard
@@ -97,37 +65,22 @@ class ReadExtendedParameter(ExtendedOperation[ExtendedParameter]):
             self.finish(heard.parameter)
 
 
-class SetExtendedParameter(ExtendedOperation[ExtendedParameter]):
-    """Sets one parameter; begins by asking for its type, if that is not known."""
+class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[ExtendedParameter]):
+    """Sets one parameter; its end may take a while, which the component says."""
 
     def __init__(self, name: str, value: ExtendedValue, kind: int | None, *, limit: float | None) -> None:
-        super().__init__(f"{name} = {value!r}", limit=limit)
-        self.name = name
+        super().__init__(name, kind, repr(value), limit=limit)
         self._asked = value
-        self._kind = kind
         self._wanted: bytes | None = None
         self._kept: ExtendedParameter | None = None
-        self._refusals = 0
         self._in_progress = False
 
-    def start(self, now: float) -> None:
+    def known_kind(self) -> int | None:
         known = self.parameters.parameters.get(self.name)
-        if self._kind is None and known is not None:
-            self._kind = known.type
-        if self._kind is None:
-            self.begin(ReadExtendedParameter(self.name), now)
-        else:
-            self._begin_setting(now)
+        return None if known is None else known.type
 
-    def child_ended(self, child: Operation[Any], now: float) -> None:
-        if self.done:
-            return
-        if child.error is not None:
-            self.fail(child.error)
-        else:
-            self._kind = child.result().type
-            self.moved(now)
-            self._begin_setting(now)
+    def reading(self) -> ReadExtendedParameter:
+        return ReadExtendedParameter(self.name)
 
     def handle_timeout(self, now: float) -> None:
         if self._in_progress:
@@ -180,7 +133,7 @@ class SetExtendedParameter(ExtendedOperation[ExtendedParameter]):
             and encode(parameter.value, parameter.type) == self._wanted
         )
 
-    def _begin_setting(self, now: float) -> None:
+    def begin_setting(self, now: float) -> None:
         try:
             self._wanted = encode(self._asked, self._kind or 0)
         except LocalProtocolError as error:

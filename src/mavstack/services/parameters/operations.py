@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, ParameterTimeout
+from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import message_ids
-from mavstack.services.operation import Operation
+from mavstack.services.parameters.asking import REFUSALS, Asking, Setting
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
 from mavstack.services.parameters.listing import Listing, denied
 from mavstack.services.parameters.value import (
@@ -31,8 +31,6 @@ from mavstack.services.parameters.value import (
 )
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from mavstack.dialects import Message
     from mavstack.services.parameters.client import Heard, ParameterClient, Snapshot
     from mavstack.services.timing import RoundTrip
@@ -40,54 +38,24 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-ATTEMPTS = 6
-#: So many answers with another value say that the component keeps it.
-REFUSALS = 3
 BY_NAME = -1
 UNKNOWN_TEXT = "unknown param: "
 UNKNOWN_INDEX_TEXT = "unknown param ID: "
 
 
-class ParameterOperation(Operation[Result]):
+class ParameterOperation(Asking[Result]):
     """An operation of a `ParameterClient` that sends one request until it is answered."""
 
-    timeout_error = ParameterTimeout
     handles = message_ids(common.Statustext)
-
-    def __init__(self, request: str, *, limit: float | None = None) -> None:
-        super().__init__(request, limit=limit, patience=30.0)
-        self._sent_at = 0.0
-        self._silent = 0  # attempts in a row without any answer
 
     @property
     def parameters(self) -> ParameterClient:
         """The client that runs it."""
         return cast("ParameterClient", self.client)
 
-    def start(self, now: float) -> None:
-        self.transmit(now)
-
-    def handle_timeout(self, now: float) -> None:
-        if self.attempts >= ATTEMPTS:
-            self.give_up(now)
-        else:
-            self._silent += 1
-            self.transmit(now)
-
-    def transmit(self, now: float) -> None:
-        """Send the request and wait."""
-        self.send_request()
-        self.attempts += 1
-        self._sent_at = now
-        self.timeout = now + self.parameters.round_trip.timeout(self._silent + 1)
-
-    def send_request(self) -> None:
-        """Send what is asked."""
-
-    def answered(self, now: float) -> None:
-        """An answer came; an only request measures the round trip."""
-        if self.attempts == 1:
-            self.parameters.round_trip.measured(now - self._sent_at)
+    @property
+    def round_trip(self) -> RoundTrip:
+        return self.parameters.round_trip
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
@@ -139,37 +107,22 @@ class ReadParameter(ParameterOperation[Parameter]):
             self.finish(heard.parameter)
 
 
-class SetParameter(ParameterOperation[Parameter]):
-    """Sets one parameter and reads it back; begins by asking for its type, if that is not known."""
+class SetParameter(Setting[Parameter], ParameterOperation[Parameter]):
+    """Sets one parameter and reads it back."""
 
     def __init__(self, name: str, value: Value, kind: int | None, *, limit: float | None = None) -> None:
-        super().__init__(f"{name} = {shortest(value)}", limit=limit)
-        self.name = name
+        super().__init__(name, kind, shortest(value), limit=limit)
         self._asked = value
-        self._kind = kind
         self._wanted: Value | None = None
         self._kept: Parameter | None = None
-        self._refusals = 0
         self._asks_beside = False
 
-    def start(self, now: float) -> None:
+    def known_kind(self) -> int | None:
         known = self.parameters.parameters.get(self.name)
-        if self._kind is None and known is not None:
-            self._kind = known.type
-        if self._kind is None:
-            self.begin(ReadParameter(self.name), now)
-        else:
-            self._begin_setting(now)
+        return None if known is None else known.type
 
-    def child_ended(self, child: Operation[Any], now: float) -> None:
-        if self.done:
-            return
-        if child.error is not None:
-            self.fail(child.error)
-        else:
-            self._kind = child.result().type
-            self.moved(now)
-            self._begin_setting(now)
+    def reading(self) -> ReadParameter:
+        return ReadParameter(self.name)
 
     def handle_timeout(self, now: float) -> None:
         if self._kept is not None:
@@ -213,7 +166,7 @@ class SetParameter(ParameterOperation[Parameter]):
         else:
             self._kept = heard.parameter
 
-    def _begin_setting(self, now: float) -> None:
+    def begin_setting(self, now: float) -> None:
         kind, encoding = self._kind or 0, self.parameters.encoding
         try:
             value = as_type(self.name, self._asked, kind)
