@@ -7,7 +7,7 @@ SOURCES := $(shell find rust/core rust/python -name '*.rs' -o -name Cargo.toml) 
 
 .PHONY: demo test check nightly lint format bench fuzz generate clean
 
-demo: $(VENV)/installed ## Fly a scripted vehicle over loopback and show its live picture
+demo: $(VENV)/installed ## Fly seven simulated vehicles and show their live picture
 	@$(BIN)/mav demo
 
 test: $(VENV)/installed ## Run everything that continuous integration runs

@@ -9,7 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import c_library, report, rows, workload
+from . import c_library, report, rows, simulation, workload
 from .measure import pinned
 from .transfers import __main__ as transfers
 
@@ -30,6 +30,7 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
 }
 ON_ALL_CORES = ("tlog", "memory")
 TRANSFERS = "transfers"  # a table of its own, and only when asked for: it takes an hour
+SIMULATION = "simulation"  # a table of its own
 
 
 def main() -> None:
@@ -37,7 +38,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure against the peers.")
     parser.add_argument("--quick", action="store_true", help="fewer messages and turns: about a minute")
     parser.add_argument("--json", action="store_true", help="every turn of every ratio, for a script")
-    parser.add_argument("--only", nargs="+", choices=[*ROWS, TRANSFERS], help="some rows only")
+    parser.add_argument("--only", nargs="+", choices=[*ROWS, SIMULATION, TRANSFERS], help="some rows only")
     parser.add_argument("--vehicles", help="for the transfers: JSON, see transfers/vehicles.py")
     parser.add_argument(
         "--definitions",
@@ -46,11 +47,14 @@ def main() -> None:
         help="where the C headers are generated from (default: the project's own)",
     )
     options = parser.parse_args()
-    wanted = options.only or list(ROWS)
+    wanted = options.only or [*ROWS, SIMULATION]
     if TRANSFERS in wanted:
         _transfers(options)
-    if set(wanted) != {TRANSFERS}:
-        _rows(options, wanted)
+    rows_wanted = [row for row in wanted if row in ROWS]
+    if rows_wanted:
+        _rows(options, rows_wanted)
+    if SIMULATION in wanted:
+        simulation.main(["--seconds", "5", "--turns", "1"] if options.quick else [])
 
 
 def _transfers(options: argparse.Namespace) -> None:

@@ -21,12 +21,14 @@ def run(*command: str) -> subprocess.CompletedProcess[str]:
 
 @contextmanager
 def vehicle_for(program):
-    """A vehicle that speaks to the port where the program listens, if it listens at all."""
+    """A simulated vehicle that speaks to the port where the program listens, if it listens at all."""
     port = re.search(r"udpin://0.0.0.0:(\d+)", program)
     if port is None:
         yield
         return
-    with subprocess.Popen([sys.executable, "-m", "tests.node.vehicle", port[1]], cwd=ROOT) as vehicle:
+    command = [sys.executable, "-m", "mavstack", "sim", "--out", f"udpout://127.0.0.1:{port[1]}"]
+    nothing = subprocess.DEVNULL
+    with subprocess.Popen(command, cwd=ROOT, stdin=nothing, stdout=nothing) as vehicle:
         try:
             yield
         finally:
@@ -52,6 +54,8 @@ def test_the_readmes_commands_are_understood(command):
     if words[1] == "watch" and words[2] != "flight.tlog":
         pytest.skip("needs a vehicle; the links have tests of their own")
     words = ["tests/recordings/flight.tlog" if word == "flight.tlog" else word for word in words]
+    if words[1] == "sim":
+        words += ["--for", "1", "--speed", "max"]
     done = run(sys.executable, "-m", "mavstack", *words[1:])
     assert done.returncode == 0, done.stderr
     assert done.stdout

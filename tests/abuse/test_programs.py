@@ -16,7 +16,7 @@ from mavstack.node import Node
 from mavstack.services import Service, message_ids
 from mavstack.services.manual_control import ManualInput
 from mavstack.services.mission import MissionItem, PlanType
-from tests.links.virtual import run_virtually
+from mavstack.sim.virtual import run_virtually
 from tests.node.vehicle import Pair, Vehicle
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import MavstackError, RemoteCancelled
+from mavstack.node.portal import Portal
 from mavstack.sync import Node
-from mavstack.sync.portal import Portal
 
 QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
 

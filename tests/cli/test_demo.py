@@ -1,98 +1,58 @@
 from __future__ import annotations
 
 import json
-from itertools import pairwise
 
 import pytest
 
-from mavstack.cli.scripted_vehicle import (
-    ARM,
-    CIRCLE,
-    DISARM,
-    END,
-    HEIGHT,
-    LAND,
-    TAKEOFF,
-    ScriptedVehicle,
-    state_at,
-)
-from mavstack.dialects import ardupilotmega, common
+from mavstack.cli.demo_flights import FLIGHTS, home_of, plan_of
+from mavstack.dialects import common
+from mavstack.sim.kinds import Firmware
 
 
-def flown(speed: float, seconds: float) -> list:
-    vehicle = ScriptedVehicle(speed)
-    return [message for tick in range(round(seconds * 100)) for message in vehicle.due(100 + tick / 100)]
-
-
-def test_the_summary_tells_of_a_whole_flight(mav):
-    result = mav("demo", "--for", "0.5", "--json")
+def test_a_minute_of_it_as_json(mav):
+    result = mav("demo", "--for", "40", "--json")
     assert (result.code, result.err) == (0, "")
     summary = json.loads(result.out)
-    assert summary["sources"] == ["1/1"]
-    assert summary["lost"] == summary["bad_bytes"] == 0
-    assert {"HEARTBEAT", "ATTITUDE", "GLOBAL_POSITION_INT", "STATUSTEXT", "BATTERY_STATUS"} <= set(
-        summary["messages"]
-    )
+    vehicles = summary["vehicles"]
+    assert [vehicle["system"] for vehicle in vehicles] == [1, 2, 3, 4, 5, 6, 7]
+    assert all(vehicle["armed"] for vehicle in vehicles), vehicles
+    assert all(vehicle["mode"] in ("AUTO", "MISSION") for vehicle in vehicles)
+    copter, _, plane, _, rover, _, submarine = vehicles
+    assert copter["height_m"] == pytest.approx(20, abs=2)
+    assert plane["speed_m_s"] > 10
+    assert plane["height_m"] > 30
+    assert abs(rover["height_m"]) < 1
+    assert submarine["height_m"] < -2
+    assert summary["texts"]
 
 
 def test_without_a_terminal_it_ends_by_itself_with_a_page(mav):
-    result = mav("demo", "--for", "0.3")
-    assert result.code == 0
-    assert "quadrotor" in result.out
+    result = mav("demo", "--for", "5")
+    assert (result.code, result.err) == (0, "")
+    assert result.out.count("\n") == 8
+    assert "ArduPilot quadrotor" in result.out
+    assert "PX4 VTOL" in result.out
 
 
-def test_options_that_contradict_each_other(mav):
-    assert mav("demo", "--out", "udpout://127.0.0.1:9", "--json").code == 2
+def test_the_same_seed_is_the_same_flight(mav):
+    first, second, other = (mav("demo", "--for", "8", "--json", "--seed", seed).out for seed in (3, 3, 4))
+    assert first == second != other
 
 
-def test_sending_only(mav):
-    assert mav("demo", "--out", "udpout://127.0.0.1:9", "--for", "0.05").code == 0
+def test_with_a_link_for_others_it_says_nothing(mav):
+    result = mav("demo", "--out", "udpout://127.0.0.1:9", "--for", "0.1")
+    assert (result.code, result.out, result.err) == (0, "", "")
 
 
-def test_messages_come_at_their_rates():
-    messages = flown(1, 10)
-    count = sum(isinstance(message, common.Attitude) for message in messages)
-    assert 199 <= count <= 201
-    assert 10 <= sum(isinstance(message, common.Heartbeat) for message in messages) <= 14
-
-
-@pytest.mark.parametrize("speed", [1, 20])
-def test_the_script_is_told_in_order(speed):
-    texts = [message.text for message in flown(speed, END / speed) if isinstance(message, common.Statustext)]
-    assert texts == [
-        "Mavstack scripted vehicle ready",
-        "Arming motors",
-        "Taking off",
-        "Flying a circle",
-        "Landing",
-        "Disarming motors",
-    ]
-
-
-def test_it_begins_again():
-    texts = [message.text for message in flown(50, 3 * END / 50) if isinstance(message, common.Statustext)]
-    assert texts.count("Arming motors") == 3
-
-
-@pytest.mark.parametrize("edge", [ARM, TAKEOFF, CIRCLE, LAND, DISARM])
-def test_the_vehicle_does_not_jump(edge):
-    before, after = state_at(edge - 1e-6), state_at(edge + 1e-6)
-    assert before.north == pytest.approx(after.north, abs=1e-3)
-    assert before.east == pytest.approx(after.east, abs=1e-3)
-    assert before.height == pytest.approx(after.height, abs=1e-3)
-
-
-def test_it_moves_as_fast_as_it_says():
-    states = [state_at(20 + index / 10) for index in range(400)]
-    for one, two in pairwise(states):
-        way = ((two.north - one.north) ** 2 + (two.east - one.east) ** 2) ** 0.5
-        assert way * 10 == pytest.approx(one.speed, rel=0.01)
-
-
-def test_arming_mode_and_height():
-    assert not state_at(ARM - 1).armed
-    assert state_at(30).armed
-    assert state_at(30).height == HEIGHT
-    assert state_at(30).mode is ardupilotmega.CopterMode.CIRCLE
-    assert state_at(END - 1).height == 0
-    assert not state_at(END - 1).armed
+@pytest.mark.parametrize("flight", FLIGHTS, ids=lambda flight: f"{flight.firmware}-{flight.type}")
+def test_a_plan_goes_round_for_ever(flight):
+    items = plan_of(flight, home_of(flight)).items
+    jump = items[-1]
+    assert jump.command == common.MavCmd.DO_JUMP
+    assert jump.param2 == -1
+    first = items[int(jump.param1)]
+    assert first.command == common.MavCmd.NAV_WAYPOINT
+    assert first.param7 == flight.height
+    takes_off = any("TAKEOFF" in item.name for item in items)
+    assert takes_off == flight.type.flies
+    assert int(jump.param1) == takes_off + (flight.firmware is Firmware.ARDUPILOT)

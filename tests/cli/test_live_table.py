@@ -100,6 +100,7 @@ def test_without_rich_it_says_how_to_install_it(monkeypatch):
         return real(name, *rest)
 
     monkeypatch.delitem(sys.modules, "mavstack.cli.live_table")
+    monkeypatch.delitem(sys.modules, "mavstack.cli.live_picture")
     monkeypatch.setattr(builtins, "__import__", without_rich)
     with pytest.raises(MissingExtraError, match=r"pip install 'mavstack\[cli\]'"):
         import mavstack.cli.live_table  # noqa: F401

@@ -86,6 +86,6 @@ def test_a_summary_needs_no_extra(tlog):
     code = (
         f"import sys\n{blocked}from mavstack.cli.main import main\n"
         f"sys.exit(main(['watch', {str(tlog)!r}, '--once']) or main(['watch', {str(tlog)!r}, '--json'])"
-        " or main(['dialect', 'list']) or main(['demo', '--for', '0.3']))"
+        " or main(['dialect', 'list']))"
     )
     subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)

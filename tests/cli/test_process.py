@@ -74,7 +74,7 @@ def test_the_live_picture_leaves_the_terminal_as_it_was(ending):
         if not data:
             break
         seen += data
-        if not sent and b"ATTITUDE" in seen:
+        if not sent and b"quadrotor" in seen:
             sent = True
             process.send_signal(ending)
     os.close(terminal)

@@ -68,6 +68,14 @@ def test_while_a_change_is_open_both_ways_are_accepted_and_then_one(old, new):
     assert accepted(channel, peer) == expected
 
 
+@pytest.mark.parametrize(("told", "clock"), [(0, 10**12), (5, 10**12), (10**13, 10**13)])
+def test_the_clock_goes_on_with_a_new_key(told, clock):
+    channel = ChannelState("cable", common, signing=OLD.signing(timestamp=10**12))
+    apply_key_event(ListenForKey(VEHICLE, NEW, told), [channel])
+    channel.use_new(True)
+    assert channel.clock == clock
+
+
 def test_a_packet_that_both_ways_accept_comes_once():
     channel, peer = ChannelState("cable", common), Peer()
     channel.listen_also(NEW.signing())

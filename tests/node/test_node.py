@@ -14,7 +14,7 @@ from mavstack.node import Node
 from mavstack.services.heartbeat import ComponentFound, ComponentLost
 from mavstack.services.mission import MissionItem, MissionServer
 from mavstack.services.statustext import StatusText
-from tests.links.virtual import run_virtually
+from mavstack.sim.virtual import run_virtually
 
 QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
 

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.node.pacing import FIRST_ESTIMATE, LEAST_ESTIMATE, MOST_ESTIMATE, Pacer
+from mavstack.node.pacing import (
+    BULK_AT_ONCE,
+    FIRST_ESTIMATE,
+    LEAST_DEPTH,
+    LEAST_ESTIMATE,
+    MOST_ESTIMATE,
+    Pacer,
+)
 from mavstack.services import Priority
 
 BULK, STREAM, CONTROL = Priority.BULK, Priority.STREAM, Priority.CONTROL
@@ -19,7 +26,7 @@ def fill(pacer: Pacer, seconds: float, size: int = 50, priority: Priority = BULK
             owed -= size
             pacer.sent(size, now)
         while pacer.has_room(priority, now):
-            pacer.sent(size, now)
+            pacer.sent(size, now, priority)
             gone += size
         now += 0.001
     return gone
@@ -31,6 +38,20 @@ def test_without_a_known_bandwidth_there_is_no_limit() -> None:
     pacer.sent(10**9, 0.0)
     assert pacer.has_room(BULK, 0.0)
     assert pacer.room_at(5.0) == 5.0
+
+
+def test_bulk_keeps_to_its_rate_where_no_bandwidth_is_known() -> None:
+    pacer = Pacer(bulk_rate=500.0)
+    assert fill(pacer, 10, size=1) == pytest.approx(BULK_AT_ONCE + 5000, abs=3)
+    burst = 0
+    while pacer.has_room(BULK, 2000.0):  # silence saves up for no more than a burst
+        pacer.sent(10**6, 2000.0, BULK)
+        burst += 1
+    assert burst == BULK_AT_ONCE
+    assert pacer.room_at(2000.0) == pytest.approx(2000.002)
+    assert pacer.has_room(BULK, 2000.0021)
+    assert pacer.has_room(STREAM, 2000.0)
+    assert pacer.has_room(CONTROL, 2000.0)
 
 
 def test_bulk_takes_the_bandwidth() -> None:
@@ -48,6 +69,23 @@ def test_what_is_received_took_its_time_on_the_air_too() -> None:
         pacer.received(2000, 0.0)
     assert not half.has_room(BULK, 0.0)
     assert full.has_room(BULK, 0.0)
+    half.received(10**9, 0.0)  # others' noise is no debt of ours for ever
+    assert half.has_room(BULK, 0.2)
+
+
+def test_silence_saves_up_for_no_more_than_a_short_burst() -> None:
+    pacer, gone = Pacer(5760), {BULK: 0, STREAM: 0}
+    pacer.has_room(BULK, 0.0)
+    for _ in range(100):
+        if pacer.has_room(BULK, 1000.0):
+            pacer.sent(50, 1000.0)
+            gone[BULK] += 50
+    assert gone[BULK] == LEAST_DEPTH
+    for _ in range(100):
+        if pacer.has_room(STREAM, 1000.0):
+            pacer.sent(50, 1000.0, STREAM)
+            gone[STREAM] += 50
+    assert gone[STREAM] == 50  # bulk waits: its share of what was saved up
 
 
 def test_control_never_waits_and_streams_go_before_bulk() -> None:
@@ -59,6 +97,12 @@ def test_control_never_waits_and_streams_go_before_bulk() -> None:
     again = pacer.room_at(0.0)
     assert not pacer.has_room(BULK, again - 0.01)
     assert pacer.has_room(BULK, again + 0.001)
+
+
+def test_when_there_is_room_again_is_told_to_the_moment() -> None:
+    pacer = Pacer(1000)
+    pacer.sent(800, 0.0)
+    assert pacer.has_room(BULK, pacer.room_at(0.0))
 
 
 def second_of(pacer: Pacer, second: int, share: float, free_percent: int) -> None:
@@ -106,7 +150,8 @@ def test_a_full_queue_tells_that_what_was_sent_was_too_much() -> None:
 
 def test_a_radio_that_does_not_know_and_a_bandwidth_that_is_known_teach_nothing() -> None:
     pacer = Pacer()
-    pacer.radio_status(255, 0.0)
+    for unknown in (101, 254, 255):
+        pacer.radio_status(unknown, 0.0)
     assert pacer.bandwidth is None
     known = Pacer(3000)
     known.radio_status(0, 0.0)

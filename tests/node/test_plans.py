@@ -7,7 +7,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.services.mission import MissionItem
-from tests.links.virtual import run_virtually
+from mavstack.sim.virtual import run_virtually
 from tests.node.vehicle import Pair
 
 ITEMS = [MissionItem(common.MavCmd.NAV_WAYPOINT, param7=height) for height in (10.0, 20.0, 30.0)]

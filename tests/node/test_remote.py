@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import nullcontext
 
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import FileDenied, ParameterDenied
+from mavstack.errors import CommandDenied, FileDenied, ModeTimeout, ParameterDenied
 from mavstack.services import Address
 from mavstack.services.ftp import Entry, file_crc32
-from mavstack.services.manual_control import ManualInput
+from mavstack.services.manual_control import ChannelOverride, ManualInput
+from mavstack.services.modes import modes_of
 from mavstack.services.setpoints import LocalSetpoint
-from tests.links.virtual import run_virtually
-from tests.node.vehicle import Pair
+from mavstack.sim.virtual import run_virtually
+from tests.node.vehicle import COPTER, Pair
+
+PX4 = common.MavAutopilot.PX4
+#: On channels 9 to 18 the zero means nothing, and this gives a channel back.
+RELEASE_LATE = 65534
 
 
 def with_pair(work, **options) -> None:
@@ -75,6 +81,34 @@ def test_modes(autopilot: int, mode: str, name: str) -> None:
     with_pair(work, autopilot=autopilot)
 
 
+def test_standard_modes() -> None:
+    async def work(pair: Pair) -> None:
+        server, modes = pair.vehicle.modes, pair.remote.modes
+        rtl, standard = 0x05040000, common.MavStandardMode
+        server.offer(modes_of(PX4, COPTER, [0, 0x04040000, rtl], {rtl: standard.SAFE_RECOVERY}), 0.0)
+        assert await modes.set_standard(standard.SAFE_RECOVERY) == rtl
+        assert server.current.custom_mode == rtl
+        assert (modes.current, modes.monitor.standard_mode) == (None, None)  # nobody followed it until now
+        await asyncio.sleep(3)
+        assert (modes.current, modes.monitor.standard_mode) == ("RTL", standard.SAFE_RECOVERY)
+        with pytest.raises(CommandDenied, match="FAILED") as denied:
+            await modes.set_standard(standard.ORBIT)
+        assert denied.value.code == common.MavResult.FAILED
+        assert server.current.custom_mode == rtl
+
+    with_pair(work)
+
+
+def test_a_standard_mode_that_is_accepted_but_not_entered_is_a_timeout() -> None:
+    async def work(pair: Pair) -> None:
+        command = common.MavCmd.DO_SET_STANDARD_MODE
+        pair.vehicle.commands.server.support(command, lambda _: common.MavResult.ACCEPTED)
+        with pytest.raises(ModeTimeout, match=r"standard mode LAND asked of 1/1.*accepted, but not entered"):
+            await pair.remote.modes.set_standard(common.MavStandardMode.LAND)
+
+    with_pair(work)
+
+
 def test_a_shell() -> None:
     async def work(pair: Pair) -> None:
         async with pair.remote.shell() as shell:
@@ -107,6 +141,38 @@ def test_setpoints_and_sticks_last_as_long_as_their_block() -> None:
             await asyncio.sleep(3)
             assert {packet.name for packet in heard.take()} == {"HEARTBEAT"}
         assert len(pair.ground.engine._services) < 12
+
+    with_pair(work)
+
+
+@pytest.mark.parametrize("raises", [False, True])
+def test_channels_are_overridden_while_a_block_lasts_and_then_given_back(raises: bool) -> None:
+    async def work(pair: Pair) -> None:
+        async def steer() -> None:
+            async with pair.remote.override_channels(rate=10) as channels:
+                channels.set(ChannelOverride({3: 1600, 9: 1200}))
+                await asyncio.sleep(0.95)
+                assert overridden() == {3: 1600, 9: 1200}
+                channels.set(ChannelOverride({3: 1500}))
+                await asyncio.sleep(1.0)
+                assert overridden() == {3: 1500}  # what is no longer given is given back
+                if raises:
+                    raise ZeroDivisionError
+
+        def overridden() -> dict[int, int] | None:
+            held = pair.vehicle.sticks.overridden(pair.ground.address, pair.vehicle.now())
+            return held and dict(held[0])
+
+        async with pair.vehicle.messages(common.RcChannelsOverride) as heard:
+            with pytest.raises(ZeroDivisionError) if raises else nullcontext():
+                await steer()
+            assert overridden() is None
+            pulses = [(message.chan3_raw, message.chan9_raw) for message in heard.take()]
+            assert pulses.count((1600, 1200)) == 10
+            assert pulses.count((1500, RELEASE_LATE)) == 10
+            assert pulses[20:] == [(0, RELEASE_LATE)] * 5
+            await asyncio.sleep(3)
+            assert heard.take() == []
 
     with_pair(work)
 

@@ -33,11 +33,25 @@ def test_everybody_and_the_unknown_are_reached_everywhere() -> None:
     assert list(routes.channels_to(Address(9, 1), ALL)) == list(ALL)
 
 
-def test_address_0_is_never_learned() -> None:
+def test_system_0_is_never_learned() -> None:
     routes: Routes[str] = Routes()
-    for address in (Address(0, 1), Address(1, 0), EVERYBODY):
+    for address in (Address(0, 1), EVERYBODY):
         routes.learn(address, A, 0.0)
     assert list(routes.channels_to(Address(1, 1), ALL)) == list(ALL)
+    assert routes.heard_on(EVERYBODY) == ()
+
+
+def test_who_sends_as_component_0_is_reached_where_its_system_was_heard() -> None:
+    """As programs with pymavlink do, unless they say otherwise."""
+    routes: Routes[str] = Routes()
+    routes.learn(Address(250, 0), A, 0.0)
+    assert routes.heard_on(Address(250, 0)) == (A,)
+    assert list(routes.channels_to(Address(250, 0), ALL)) == [A]
+    routes.learn(Address(250, 191), B, 0.0)
+    assert list(routes.channels_to(Address(250, 0), ALL)) == [A, B]
+    assert list(routes.channels_to(Address(250, 191), ALL)) == [B]
+    routes.forget(A)
+    assert list(routes.channels_to(Address(250, 0), (B, C))) == [B]
 
 
 def test_of_two_links_the_first_stays_until_it_falls_silent() -> None:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import sys
-
 from mavstack.dialects import common
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
@@ -106,13 +103,3 @@ class Pair:
     async def __aexit__(self, *_: object) -> None:
         await self.vehicle.close()
         await self.ground.close()
-
-
-async def fly(port: str) -> None:
-    async with Vehicle(f"udpout://127.0.0.1:{port}") as vehicle:
-        vehicle.provide(common.Attitude, lambda _: common.Attitude(roll=0.1), interval=1)
-        await vehicle.wait()
-
-
-if __name__ == "__main__":
-    asyncio.run(fly(sys.argv[1]))

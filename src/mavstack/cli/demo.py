@@ -1,124 +1,154 @@
-"""`mav demo`: a scripted vehicle that speaks over UDP on this machine, and the live picture of it."""
+"""`mav demo`: a simulated fleet that flies missions, and its live picture, all on this machine."""
 
 from __future__ import annotations
 
 import asyncio
+import json
 import sys
-from time import monotonic
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.failures import UsageError
 from mavstack.cli.options import seconds
-from mavstack.errors import LinkError, MissingExtraError
+from mavstack.errors import MissingExtraError
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
-    from mavstack.cli.follow import Follower
-    from mavstack.cli.scripted_vehicle import ScriptedVehicle
+    from mavstack.cli.fleet_watch import FleetWatch
+    from mavstack.node import Node
+    from mavstack.sim.runner import Runner
 
 EXAMPLES: Final = """\
 examples:
-  mav demo                 the live picture, until Ctrl-C
-  mav demo --for 30        for half a minute
-  mav demo --for 5 | cat   five seconds, the whole flight in fast motion, then a summary
-  mav demo --once --json   the same as one JSON object
+  mav demo                     seven vehicles on missions, live, until Ctrl-C
+  mav demo --speed 5           five times as fast
+  mav demo --for 60 --once     a minute of it in fast motion, then where everybody is
+  mav demo --once --json       the same as one JSON object
 
-In another terminal, while `mav demo --out udpout://127.0.0.1:14550` runs:
+While it runs with --out udpout://127.0.0.1:14550, in another terminal or any ground station:
   mav watch udpin://127.0.0.1:14550
 """
 
-_SHORT: Final = 5.0
-_TICK: Final = 0.01
+_SUMMARY_OF: Final = 60.0
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--for", dest="seconds", type=seconds, metavar="SECONDS", help="end after so long")
-    parser.add_argument(
-        "--once", action="store_true", help="a summary at the end instead of the live picture"
+    add = parser.add_argument
+    add("--for", dest="seconds", type=seconds, metavar="SECONDS", help="end after so many simulated seconds")
+    add("--speed", type=seconds, default=1.0, metavar="N", help="simulated seconds in a second (default: 1)")
+    add("--once", action="store_true", help="as fast as it goes, then a summary, no live picture")
+    add("--json", action="store_true", help="the summary as one JSON object")
+    add(
+        "--out",
+        action="append",
+        default=[],
+        metavar="URL",
+        help="let others see and fly them too, on this link",
     )
-    parser.add_argument("--json", action="store_true", help="the summary as one JSON object")
-    parser.add_argument("--out", metavar="URL", help="send to this link, and show nothing")
-    parser.add_argument(
-        "--sort", choices=("name", "rate", "count"), default="name", help="order of the live picture"
-    )
+    add("--seed", type=int, default=1, metavar="N", help="of everything random (default: 1)")
 
 
 def run(arguments: Namespace) -> int:
     """Fly."""
-    arguments.heartbeat = False
-    if arguments.out and (arguments.once or arguments.json):
-        raise UsageError("--out shows nothing, so that --once and --json make no sense with it")
-    return asyncio.run(_send_only(arguments) if arguments.out else _demo(arguments))
+    _prefer_summary(arguments)
+    if arguments.once and not arguments.out:
+        from mavstack.sim.virtual import run_virtually
+
+        return run_virtually(_demo(arguments))
+    return asyncio.run(_demo(arguments))
 
 
 async def _demo(arguments: Namespace) -> int:
-    from mavstack.cli.follow import Follower, beside
-    from mavstack.cli.observer import Observer
-    from mavstack.cli.scripted_vehicle import END, ScriptedVehicle
-    from mavstack.cli.watch import follow_link, print_summary
+    from mavstack.cli.demo_flights import direct, populate
+    from mavstack.cli.fleet_watch import FleetWatch
+    from mavstack.cli.follow import beside
     from mavstack.dialects import Dialect
-    from mavstack.links import open_link
+    from mavstack.links import MemoryNetwork
+    from mavstack.node import Node
+    from mavstack.sim.runner import Runner
+    from mavstack.sim.simulation import Simulation
 
-    _prefer_summary(arguments)
-    limit = arguments.seconds or (_SHORT if arguments.once else None)
-    # A summary of a few seconds is to tell of a whole flight.
-    vehicle = ScriptedVehicle(max(END / limit, 1.0) if arguments.once and limit else 1.0)
-    follower = Follower(Observer(Dialect.load("all")))
-    async with open_link("udpin://127.0.0.1:0") as link:
-        host, port = link.address or ("127.0.0.1", 0)
-        title = f"a scripted vehicle on udpin://{host}:{port}"
-        async with beside(_fly(vehicle, f"udpout://{host}:{port}")):
-            await follow_link(link, follower, arguments, limit, title)
-    if arguments.once:
-        print_summary(follower.observer, arguments, title, follower.seconds)
-    _require_packets(follower)
+    dialect = Dialect.load("all")
+    simulation, watch, network = Simulation(seed=arguments.seed), FleetWatch(dialect), MemoryNetwork()
+    vehicles = populate(simulation)
+    async with Runner(simulation, speed=arguments.speed) as runner:
+        await runner.connect(network.link(), vehicles)
+        for url in arguments.out:
+            await runner.connect(url, vehicles)
+        async with (
+            Node(network.link(), dialect=dialect) as ground,
+            beside(_observe(ground, watch), direct(ground, vehicles)),
+        ):
+            await _show(runner, watch, arguments)
     return 0
 
 
-def _prefer_summary(arguments: Namespace) -> None:
-    """A summary where no live picture can be shown: in a pipe, or without the library that draws it."""
-    if arguments.json or not sys.stdout.isatty():
-        arguments.once = True
+async def _observe(ground: Node, watch: FleetWatch) -> None:
+    from time import monotonic
+
+    async with ground.packets(queue=10_000) as packets:
+        async for packet in packets:
+            watch.take(packet, monotonic())
+
+
+async def _show(runner: Runner, watch: FleetWatch, arguments: Namespace) -> None:
+    from mavstack.cli.follow import beside
+
     if arguments.once:
+        await runner.run(arguments.seconds or _SUMMARY_OF)
+        _print_summary(watch, arguments)
+        return
+    if arguments.quiet:
+        await runner.run(arguments.seconds)
+        return
+    from mavstack.cli.fleet_picture import FleetPicture
+
+    shown = f"seven simulated vehicles{f' on {arguments.out[0]}' if arguments.out else ''}"
+    with FleetPicture(shown, watch) as picture:
+        async with beside(picture.run()):
+            await runner.run(arguments.seconds)
+
+
+def _prefer_summary(arguments: Namespace) -> None:
+    """In a pipe, or without the library that draws, a summary; with `--out`, where others look, nothing."""
+    arguments.quiet = bool(arguments.out) and not (arguments.once or arguments.json or sys.stdout.isatty())
+    arguments.once = not arguments.quiet and (arguments.once or arguments.json or not sys.stdout.isatty())
+    if arguments.once or arguments.quiet:
         return
     try:
-        import mavstack.cli.live_table  # noqa: F401
+        import mavstack.cli.fleet_picture  # noqa: F401
     except MissingExtraError as error:
         print(f"mav demo: {error}", file=sys.stderr)
         arguments.once = True
 
 
-async def _send_only(arguments: Namespace) -> int:
-    from mavstack.cli.scripted_vehicle import ScriptedVehicle
-
-    try:
-        async with asyncio.timeout(arguments.seconds) as limit:
-            await _fly(ScriptedVehicle(), arguments.out)
-    except TimeoutError:
-        if not limit.expired():
-            raise
-    return 0
-
-
-async def _fly(vehicle: ScriptedVehicle, url: str) -> None:
-    """Send what the vehicle says, to all peers."""
-    from mavstack.links import open_link
-    from mavstack.wire import Encoder
-
-    encoder = Encoder(1, 1)
-    async with open_link(url) as link:
-        while True:
-            for message in vehicle.due(monotonic()):
-                data = encoder.encode(message)
-                for channel in link.channels:
-                    channel.write(data)
-            await asyncio.sleep(_TICK)
-
-
-def _require_packets(follower: Follower) -> None:
-    if follower.observer.totals().packets:
+def _print_summary(watch: FleetWatch, arguments: Namespace) -> None:
+    vehicles = [_summary(watch, system) for system in sorted(watch.vehicles)]
+    if arguments.json:
+        texts = [{"system": system, "text": text} for _, system, text in watch.texts]
+        print(json.dumps({"vehicles": vehicles, "texts": texts}))
         return
-    waited = f"{follower.seconds:.1f} s"
-    raise LinkError(f"nothing came over UDP on this machine in {waited}; mav doctor may tell why")
+    print(f"{'ID':>3}  {'VEHICLE':<28}{'MODE':<14}{'HEIGHT':>9}{'SPEED':>10}  {'BATTERY':>7}  ITEM")
+    for each in vehicles:
+        height, speed = f"{each['height_m']:.1f} m", f"{each['speed_m_s']:.1f} m/s"
+        battery = "" if each["battery"] is None else f"{each['battery']} %"
+        item = "" if each["item"] is None else each["item"]
+        who = f"{each['system']:>3}  {each['vehicle']:<28}{each['mode']:<14}"
+        print(f"{who}{height:>9}{speed:>10}  {battery:>7}  {item}")
+
+
+def _summary(watch: FleetWatch, system: int) -> dict[str, Any]:
+    seen = watch.vehicles[system]
+    identity = seen.identity
+    return {
+        "system": system,
+        "vehicle": f"{identity.autopilot} {identity.kind}",
+        "mode": identity.mode,
+        "armed": identity.armed,
+        "latitude": seen.latitude,
+        "longitude": seen.longitude,
+        "height_m": seen.height,
+        "speed_m_s": seen.speed,
+        "battery": seen.battery,
+        "item": seen.item,
+    }

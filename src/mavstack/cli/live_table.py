@@ -1,97 +1,49 @@
 """The live picture: a few lines on the link and who is on it, then a line a message.
 
 Lines are made to the width of the terminal by hand: a table of this size costs a tenth of what a general
-one does, and it is drawn several times a second beside a busy link. Drawing runs in a thread of its own, so
-that the event loop goes on emptying the sockets.
+one does, and it is drawn several times a second beside a busy link.
 """
 
 from __future__ import annotations
 
-import asyncio
-import signal
-from threading import Lock
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from mavstack.cli.live_picture import LivePicture, Text
 from mavstack.cli.picture import duration_text, loss_text, rate_text, size_text, take
 from mavstack.cli.summary import message_order
-from mavstack.errors import MissingExtraError
-
-try:
-    from rich.console import Console, Group
-    from rich.live import Live
-    from rich.text import Text
-except ImportError as error:
-    raise MissingExtraError("the live table (a summary does without: --once)", "cli") from error
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Self
 
     from mavstack.cli.follow import Follower
     from mavstack.cli.observer import Heard
     from mavstack.cli.picture import Member, Picture, Row
 
-_REFRESH = 0.2
 _MARK = 1.0
 _WIDE = 100
 _LONGEST_NAME = 28
 
 
-class LiveTable:
+class LiveTable(LivePicture["Picture"]):
     """Shows what a follower hears, on the whole terminal, and leaves the last picture behind."""
 
     def __init__(self, title: str, follower: Follower, sort: str) -> None:
+        super().__init__()
         self._title = title
         self._follower = follower
         self._sort = sort
-        self._console = Console()
-        self._live = Live(console=self._console, screen=True, auto_refresh=False)
-        self._drawing = Lock()
-        self._ended = False
-        self._terminated = False
-        self._terminate: Any = signal.SIG_DFL
+        self._marked = monotonic()
 
-    def __enter__(self) -> Self:
-        self._terminate = signal.signal(signal.SIGTERM, self._leave)
-        self._live.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        with self._drawing:  # its thread may still be at the last one
-            self._ended = True
-        self._live.stop()
-        signal.signal(signal.SIGTERM, self._terminate)
-        self._console.print(self._drawn(self._take(), self._console.height - 2))
-        if self._terminated:
-            raise SystemExit(128 + signal.SIGTERM)
-
-    def _leave(self, _number: int, _frame: object) -> None:
-        """End as Ctrl-C does, which the event loop turns into an orderly end, wherever the signal falls."""
-        self._terminated = True
-        signal.raise_signal(signal.SIGINT)
-
-    async def run(self) -> None:
-        """Redraw until cancelled."""
-        marked = monotonic()
-        while True:
-            await asyncio.to_thread(self._draw, self._take())
-            await asyncio.sleep(_REFRESH)
-            if monotonic() - marked >= _MARK:
-                marked = monotonic()
-                self._follower.observer.traffic.mark()
-
-    def _take(self) -> Picture:
+    def take(self) -> Picture:
         follower = self._follower
+        if monotonic() - self._marked >= _MARK:
+            self._marked = monotonic()
+            follower.observer.traffic.mark()
         return take(follower.observer, self._title, monotonic(), follower.seconds, follower.note)
 
-    def _draw(self, picture: Picture) -> None:
-        with self._drawing:
-            if not self._ended:
-                self._live.update(self._drawn(picture, self._console.height), refresh=True)
-
-    def _drawn(self, picture: Picture, height: int) -> Group:
-        return Group(*draw(picture, self._console.width, height, self._sort))
+    def drawn(self, picture: Picture, width: int, height: int) -> list[Text]:
+        return draw(picture, width, height, self._sort)
 
 
 def draw(picture: Picture, width: int, height: int, sort: str = "name") -> list[Text]:

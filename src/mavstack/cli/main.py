@@ -54,7 +54,8 @@ COMMANDS: Final[Mapping[str, Entry]] = MappingProxyType(
         ),
         "dialect": Entry("mavstack.cli.dialect", "list, show, check, compare and import message definitions"),
         "doctor": Entry("mavstack.cli.doctor", "what is installed and working"),
-        "demo": Entry("mavstack.cli.demo", "a scripted vehicle and its live picture, with no hardware"),
+        "sim": Entry("mavstack.cli.sim", "simulated vehicles that any ground station or script can fly"),
+        "demo": Entry("mavstack.cli.demo", "a simulated fleet and its live picture, with no hardware"),
     }
 )
 

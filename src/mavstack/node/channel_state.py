@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.node.pacing import Pacer
+from mavstack.security.timestamps import time_if_set
 from mavstack.wire import Encoder, Parser
 
 if TYPE_CHECKING:
@@ -26,11 +27,13 @@ class ChannelState:
         signing: Signing | None = None,
         bandwidth: float | None = None,
         half_duplex: bool = False,
+        bulk_rate: float | None = None,
     ) -> None:
         self.name = name
         #: Whether signing keys may be set over it: a cable, not a radio.
         self.trusted = False
-        self.pacer = Pacer(bandwidth, half_duplex=half_duplex)
+        self.link_id = 0  # what it signs as: signatures tell channels apart by it
+        self.pacer = Pacer(bandwidth, half_duplex=half_duplex, bulk_rate=bulk_rate)
         self.thinned = 0  # messages of streams for which there was no room
         self.unsendable = 0  # messages that this MAVLink version cannot carry
         self._dialect = dialect
@@ -55,6 +58,11 @@ class ChannelState:
     def signing(self, signing: Signing | None) -> None:
         self._other = None
         self._sign_with(signing, Parser(self._dialect, signing=signing))
+
+    @property
+    def clock(self) -> int:
+        """The newest timestamp signed or accepted; 0 without signing."""
+        return self._signing.timestamp if self._signing else 0
 
     def listen_also(self, signing: Signing | None) -> None:
         """Open a change of keys: accept also what this state accepts (None: everything)."""
@@ -81,10 +89,11 @@ class ChannelState:
     def receive(self, data: bytes, now: float) -> list[Packet]:
         """The packets that the bytes complete."""
         self.pacer.received(len(data), now)
-        packets = self._parser.feed(data, now)
+        time = time_if_set(now)
+        packets = self._parser.feed(data, time)
         if self._other is not None:
             accepted = {packet.raw for packet in packets}
-            packets += [packet for packet in self._other[1].feed(data, now) if packet.raw not in accepted]
+            packets += [packet for packet in self._other[1].feed(data, time) if packet.raw not in accepted]
         return packets
 
     def encode(self, message: Message, source: Address, now: float, priority: Priority) -> bytes:

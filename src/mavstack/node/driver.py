@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.engine import Engine
     from mavstack.services import Service
-    from mavstack.wire import Packet, Signing
+    from mavstack.wire import Packet
 
 Result = TypeVar("Result")
 
@@ -39,14 +39,14 @@ class Driver:
         *,
         on_packet: Callable[[Packet], None],
         on_event: Callable[[object, Service | None], None],
-        signing: Callable[[str], Signing | None],
+        on_channel: Callable[[ChannelState], None],
         version: int = 2,
     ) -> None:
         self.engine = engine
         self.channels: dict[Channel, ChannelState] = {}
         self._on_packet = on_packet
         self._on_event = on_event
-        self._signing = signing
+        self._on_channel = on_channel
         self._version = version
         self._loop = asyncio.get_running_loop()
         engine.on_failure = self._failed
@@ -176,11 +176,11 @@ class Driver:
                 state = self.engine.open_channel(
                     channel.name,
                     version=self._version,
-                    signing=self._signing(channel.name),
                     bandwidth=link.pace or None,
                     half_duplex=link.half_duplex,
                 )
                 self.channels[channel], self._by_state[state] = state, channel
+                self._on_channel(state)
             case ChannelClosed(channel):
                 state = self.channels.pop(channel)
                 del self._by_state[state]

@@ -68,6 +68,8 @@ class Engine:
         self.channels: list[ChannelState] = []
         #: The channel of the packet that services are looking at, while they do.
         self.arrived_on: ChannelState | None = None
+        self._past_clock = 0
+        self._link_ids = count()
         #: Told of each exception out of a service; see the head of this file.
         self.on_failure: Callable[[Service, Exception], None] = _raise
         self._services: dict[Service, None] = {}
@@ -91,8 +93,12 @@ class Engine:
         signing: Signing | None = None,
         bandwidth: float | None = None,
         half_duplex: bool = False,
+        bulk_rate: float | None = None,
     ) -> ChannelState:
-        """A peer appeared; `bandwidth` in bytes a second, if it is known, for both ways if `half_duplex`."""
+        """A peer appeared; `bandwidth` in bytes a second, if it is known, for both ways if `half_duplex`.
+
+        `bulk_rate`: packets of bulk a second where the bandwidth is not known.
+        """
         channel = ChannelState(
             name,
             self.dialect,
@@ -100,7 +106,9 @@ class Engine:
             signing=signing,
             bandwidth=bandwidth,
             half_duplex=half_duplex,
+            bulk_rate=bulk_rate,
         )
+        channel.link_id = next(self._link_ids) % 256
         self.channels.append(channel)
         self._touched.update(self._services)
         return channel
@@ -108,8 +116,14 @@ class Engine:
     def close_channel(self, channel: ChannelState) -> None:
         """A peer is gone."""
         self.channels.remove(channel)
+        self._past_clock = max(self._past_clock, channel.clock)
         self.routes.forget(channel)
         self._to_send = [item for item in self._to_send if item[0] is not channel]
+
+    @property
+    def signing_clock(self) -> int:
+        """The newest signing timestamp of all channels, past ones included."""
+        return max([self._past_clock, *(channel.clock for channel in self.channels)])
 
     # Services
 
@@ -166,7 +180,12 @@ class Engine:
         while self._timers and self._due.get(self._timers[0][2]) != self._timers[0][0]:
             heappop(self._timers)
         first = self._timers[0][0] if self._timers else None
-        return earliest(first, *self._waiting_for_room.values())
+        return earliest(first, *self._waiting_for_room.values()) if self._waiting_for_room else first
+
+    @property
+    def idle(self) -> bool:
+        """Whether there is nothing to send and nothing to tell until bytes come in or time goes on."""
+        return not (self._touched or self._to_send or self._events)
 
     def handle_timeout(self, now: float) -> None:
         """Let timers fire that are due, and transfers go on for which there is room again."""
@@ -245,6 +264,12 @@ class Engine:
 
     def _has_room(self, service: Service, target: Address, priority: Priority, now: float) -> bool:
         channels = self.routes.channels_to(target, self.channels)
+        for channel in channels:
+            pacer = channel.pacer
+            if pacer.bandwidth is not None or (priority is Priority.BULK and pacer.bulk_rate is not None):
+                break
+        else:
+            return bool(channels)
         full = [channel for channel in channels if not channel.pacer.has_room(priority, now)]
         if priority is Priority.STREAM and len(full) < len(channels):
             return True  # a slow link thins what goes over it, not what goes over the others
@@ -255,12 +280,13 @@ class Engine:
         return bool(channels) and not full
 
     def _dispatch(self, outgoing: Outgoing, source: Address, now: float) -> None:
-        for channel in self.routes.channels_to(outgoing.target, self.channels):
-            if outgoing.priority is Priority.STREAM and not channel.pacer.has_room(Priority.STREAM, now):
+        message, target, priority = outgoing
+        for channel in self.routes.channels_to(target, self.channels):
+            if priority is Priority.STREAM and not channel.pacer.has_room(Priority.STREAM, now):
                 channel.thinned += 1
                 continue
             try:
-                self._encode(outgoing, channel, source, now)
+                self._to_send.append((channel, channel.encode(message, source, now, priority)))
             except EncodeError:
                 channel.unsendable += 1
 

@@ -29,8 +29,8 @@ def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState]) -> None:
     """Do to the channels what a service asks for."""
     for channel in channels:
         match event:
-            case ListenForKey(key=key):
-                channel.listen_also(None if key is None else _signing(key, channel))
+            case ListenForKey(key=key, timestamp=timestamp):
+                channel.listen_also(signing_of(key, channel, timestamp))
             case UseNewKey():
                 channel.use_new(True)
             case UseOldKey():
@@ -49,6 +49,8 @@ def trusted_channels(engine: Engine) -> Callable[[SigningRequest], str | None]:
     return may_set
 
 
-def _signing(key: SigningKey, channel: ChannelState) -> Signing:
-    link_id = channel.signing.link_id if channel.signing else 0
-    return key.signing(link_id, unsigned_ids=UNSIGNED)
+def signing_of(key: SigningKey | None, channel: ChannelState, timestamp: int) -> Signing | None:
+    """A signing state for a channel, none without a key; its clock goes on from the channel's, or later."""
+    if key is None:
+        return None
+    return key.signing(channel.link_id, timestamp=max(timestamp, channel.clock), unsigned_ids=UNSIGNED)

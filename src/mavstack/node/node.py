@@ -33,7 +33,7 @@ from mavstack.services.addressing import describe
 from mavstack.services.heartbeat import Beacon, ComponentFound, ComponentReturned, Discovery
 from mavstack.services.message_request import MessageServer
 from mavstack.services.ping import PingServer
-from mavstack.services.signing_setup import KeySettled
+from mavstack.services.signing_setup import KeyEvent
 from mavstack.services.statustext import StatustextReceiver, StatustextSender
 from mavstack.services.timesync import TimesyncServer
 
@@ -119,18 +119,18 @@ class Node:
         """Open the links; raises `LinkError` for the first that cannot be."""
         if self._driver is not None:
             return self
+        self._keys.open()
         self._driver = driver = Driver(
             self.engine,
             on_packet=self._packets.deliver,
             on_event=self._happened,
-            signing=self._keys.new_signing,
+            on_channel=self._keys.opened,
             version=self._version,
         )
         for service in (self.discovery, *self._everyones):
             self.engine.add(service)
         if self._sends_heartbeat:
             self.engine.add(self.beacon)
-        self._keys.open()
         try:
             for link in self.links:
                 await link.open()
@@ -301,8 +301,8 @@ class Node:
         if isinstance(event, ChannelOpened) and self._sends_heartbeat:
             self.beacon.soon(self.now())  # a new peer need not wait to know us
             self.engine.touch(self.beacon)
-        if isinstance(event, KeySettled):
-            self._keys.settled(event, service)
+        if isinstance(event, KeyEvent):
+            self._keys.told(event, service)
         self._events.deliver(event, service)
 
     async def __aenter__(self) -> Self:

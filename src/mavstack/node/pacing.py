@@ -11,6 +11,9 @@ The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or 
 RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on the rate follows it,
 down quickly and up slowly, as autopilots do; without either there is no limit. The queue of a radio that has
 little to send is empty and says nothing about what it could carry, so the rate rises only while it is used.
+
+Even a link without a limit may be told a `bulk_rate`, in packets a second: who listens by UDP has a buffer
+for a few hundred packets, and of a whole file at once he gets its beginning.
 """
 
 from __future__ import annotations
@@ -34,14 +37,24 @@ LEAST_ESTIMATE = 200.0
 #: The rate rises only if this share of it was used.
 USED = 0.6
 MOST_ESTIMATE = 1e6
+#: So many packets of bulk go at once where only their rate is limited.
+BULK_AT_ONCE = 100.0
 
 
 class Pacer:
     """The bucket of one channel; `bandwidth` is in bytes a second, None for no limit known."""
 
-    def __init__(self, bandwidth: float | None = None, *, half_duplex: bool = False) -> None:
+    def __init__(
+        self,
+        bandwidth: float | None = None,
+        *,
+        half_duplex: bool = False,
+        bulk_rate: float | None = None,
+    ) -> None:
         self.bandwidth = bandwidth
+        self.bulk_rate = bulk_rate
         self.learned = False
+        self._bulk_level = BULK_AT_ONCE
         self._half_duplex = half_duplex
         self._known = bandwidth is not None
         self._level = LEAST_DEPTH
@@ -59,6 +72,8 @@ class Pacer:
             self._sent_since_status += size
             if priority is Priority.STREAM:
                 self._stream_level = max(self._stream_level - size, -LEAST_DEPTH)
+        elif self.bulk_rate is not None and priority is Priority.BULK:
+            self._bulk_level -= 1.0
 
     def received(self, size: int, now: float) -> None:
         """Bytes came in, which took their time on the air too."""
@@ -69,7 +84,7 @@ class Pacer:
     def has_room(self, priority: Priority, now: float) -> bool:
         """Whether a message of that priority may go now."""
         if self.bandwidth is None:
-            return True
+            return priority is not Priority.BULK or self._bulk_wait(now) <= 0
         self._fill(now)
         if priority is Priority.STREAM and self._stream_level <= 0 and now < self._bulk_waited_at + WAITING:
             return False
@@ -81,7 +96,7 @@ class Pacer:
     def room_at(self, now: float) -> float:
         """When there is room for bulk again, if nothing else is sent until then."""
         if self.bandwidth is None:
-            return now
+            return now + self._bulk_wait(now)
         self._fill(now)
         missing = 1.0 - self._level
         return now + max(missing, 0.0) / self.bandwidth
@@ -100,6 +115,15 @@ class Pacer:
         if change < 1:
             self.bandwidth = min(self.bandwidth, max(used, LEAST_ESTIMATE))
         self.bandwidth = min(max(self.bandwidth * change, LEAST_ESTIMATE), MOST_ESTIMATE)
+
+    def _bulk_wait(self, now: float) -> float:
+        """How long bulk has to wait where only its rate is limited, in seconds."""
+        if self.bulk_rate is None:
+            return 0.0
+        since = now if self._filled_at is None else self._filled_at
+        gained = max(now - since, 0.0) * self.bulk_rate
+        self._bulk_level, self._filled_at = min(self._bulk_level + gained, BULK_AT_ONCE), now
+        return max(1.0 - self._bulk_level, 0.0) / self.bulk_rate
 
     def _rate_since_status(self, now: float) -> float:
         """What was sent since the last report, in bytes a second; infinite at the first."""

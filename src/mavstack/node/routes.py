@@ -2,7 +2,8 @@
 
 To an address leads the channel that it was last heard on; the choice stays as long as that channel is
 alive, so that two links to one vehicle do not take turns. If an address was never heard, any channel that
-heard its system will do, and if that was never heard either, all channels.
+heard its system will do, and if that was never heard either, all channels. Some programs send as component 0;
+what is sent to it is for all components of their system.
 """
 
 from __future__ import annotations
@@ -50,11 +51,11 @@ class Routes(Generic[Channel]):
         self._systems: dict[int, dict[Address, _Route[Channel]]] = {}
 
     def learn(self, address: Address, channel: Channel, now: float) -> None:
-        """The address was heard on the channel; 0 is nobody's address."""
+        """The address was heard on the channel; system 0 is nobody's."""
         route = self._routes.get(address)
         if route is not None:
             route.learn(channel, now)
-        elif address.system and address.component:
+        elif address.system:
             self._make_place()
             self._routes[address] = route = _Route(channel, now)
             self._systems.setdefault(address.system, {})[address] = route
@@ -68,7 +69,7 @@ class Routes(Generic[Channel]):
         """The channels, of those open, that lead to the target."""
         if target.system == 0:
             return channels
-        route = self._routes.get(target)
+        route = self._routes.get(target) if target.component else None
         if route is not None:
             return (route.preferred,)
         known = self._systems.get(target.system)

@@ -23,6 +23,11 @@ def timestamp_at(unix_time: float) -> int:
     return min(MAX_TIMESTAMP, max(0, int((unix_time - EPOCH) * UNITS_PER_SECOND)))
 
 
+def time_if_set(unix_time: float) -> float | None:
+    """The time as `Signing` is to be told it: None if the clock that says it was evidently never set."""
+    return unix_time if unix_time >= EPOCH else None
+
+
 class TimestampStore:
     """A file that holds the newest signing timestamp used."""
 

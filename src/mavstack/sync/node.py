@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mavstack.node import Node as AsyncNode
-from mavstack.sync.portal import Portal
+from mavstack.node.portal import Portal
 from mavstack.sync.proxy import Blocking
 
 if TYPE_CHECKING:

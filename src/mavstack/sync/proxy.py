@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from mavstack.sync.portal import Portal
+    from mavstack.node.portal import Portal
 
 NODE_PACKAGE = "mavstack.node."
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from mavstack.errors import FileTimeout
+from mavstack.links import Impairment
 from mavstack.services import Address
 from mavstack.services.ftp import FtpError, FtpServer, MemoryStore, Opcode
 from mavstack.services.ftp.sessions import IDLE_WHEN_FULL
 from tests.services.ftp.ends import Ends
 from tests.services.ftp.test_traps import START, VEHICLE, ask
+from tests.services.network import GROUND
 
 
 @pytest.fixture
@@ -54,3 +57,31 @@ def test_our_client_calls_each_session_otherwise() -> None:
     for _ in range(3):
         assert ends.run(ends.client.read_file("a", ends.now)).result() == b"aaaa"
     assert numbers == [1, 2, 3]
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.2])
+def test_a_client_resets_its_own_sessions_and_nobody_elses(loss: float) -> None:
+    """Those that an earlier run left open, under numbers that it does not know."""
+    ends = Ends(store=MemoryStore({"a": b"aaaa"}), impairment=Impairment(loss=loss))
+    other = Address(254, 1)
+    for owner, number in ((GROUND, 3), (GROUND, 200), (other, 3)):
+        (opened,) = ask(ends.server, Opcode.OPENFILERO, b"a", session=number, source=owner, now=ends.now)
+        assert opened.error is None
+    operation = ends.run(ends.client.reset_sessions(ends.now))
+    assert operation.error is None
+    assert [(session.owner, session.number) for session in ends.server.sessions] == [(other, 3)]
+    assert ends.run(ends.client.reset_sessions(ends.now)).error is None  # that there is none is fine
+
+
+def test_a_reset_waits_until_a_transfer_has_ended() -> None:
+    ends = Ends(store=MemoryStore({"a": bytes(5000)}))
+    reading = ends.client.read_file("a", ends.now)
+    reset = ends.run(ends.client.reset_sessions(ends.now))
+    assert (reading.result(), reset.error) == (bytes(5000), None)
+    assert not ends.server.sessions
+
+
+def test_a_reset_that_nobody_answers_times_out() -> None:
+    ends = Ends(connect=False)
+    operation = ends.run(ends.client.reset_sessions(ends.now))
+    assert isinstance(operation.error, FileTimeout)

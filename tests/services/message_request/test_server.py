@@ -82,6 +82,44 @@ def test_data_streams_of_the_older_way() -> None:
     assert server.interval_of(common.HomePosition) == -1, "what is sent only on request stays so"
 
 
+def test_groups_are_those_that_the_component_says() -> None:
+    peers = Peers()
+    client, server = peers.ground.engine, peers.messages
+    attitude, home = (kind.__mavlink_row__[0] for kind in (common.Attitude, common.HomePosition))
+    server.data_streams = {common.MavDataStream.ALL: frozenset({attitude, home}), 10: frozenset({home})}
+    client.send(stream_request(common.MavDataStream.EXTRA1), peers.network.now)
+    peers.let_pass(1)
+    assert server.interval_of(common.HomePosition) == 100_000
+    assert server.interval_of(common.Attitude) == 250_000, "it is in another group here"
+    client.send(stream_request(common.MavDataStream.ALL, 2), peers.network.now)
+    peers.let_pass(1)
+    assert server.interval_of(common.HomePosition) == server.interval_of(common.Attitude) == 500_000
+    server.data_streams = {}
+    heard = len(peers.heard(common.DataStream))
+    client.send(stream_request(common.MavDataStream.ALL, 1), peers.network.now)
+    peers.let_pass(1)
+    assert server.interval_of(common.Attitude) == 500_000, "no such request is known"
+    assert len(peers.heard(common.DataStream)) == heard
+
+
+def test_the_program_may_change_its_default_rates() -> None:
+    peers = Peers()
+    peers.let_pass(1)
+    before = len(peers.heard(common.Attitude))
+    peers.messages.set_interval(common.Attitude, 0.05, peers.network.now)
+    peers.vehicle.engine.touch(peers.messages)
+    peers.let_pass(5)
+    assert len(peers.heard(common.Attitude)) - before == pytest.approx(100, abs=2)
+    peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 1_000_000)))
+    peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 0)))
+    assert peers.messages.interval_of(common.Attitude) == 50_000
+    peers.messages.set_interval(common.Attitude, 0, peers.network.now)
+    peers.vehicle.engine.touch(peers.messages)
+    before = len(peers.heard(common.Attitude))
+    peers.let_pass(5)
+    assert len(peers.heard(common.Attitude)) - before <= 1
+
+
 def test_a_full_link_thins_telemetry_instead_of_queueing_it() -> None:
     air = Air()
     peers = Peers(air=air, bandwidth=5760.0)

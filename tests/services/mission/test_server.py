@@ -407,3 +407,13 @@ def test_tables_are_bounded(station) -> None:
         )
         station.service.receive(mavstack.wire.Packet(raw, common), station.now)
     assert len(station.said()) <= 256 + 2
+
+
+def test_a_firmware_may_keep_to_the_older_messages() -> None:
+    station, plan = make(plain_requests=True, float_answers=True), plan_of(3)
+    assert kinds(station.count(3)) == ["MissionRequest"]
+    assert kinds(station.item(plan, 0)) == ["MissionRequest"]
+    assert kinds(station.tell(plan.items[1].to_float(VEHICLE, 1, 0))) == ["MissionRequest"]
+    assert result_of(station.item(plan, 2)) == Result.ACCEPTED
+    assert kinds(station.tell(common.MissionRequest(seq=1, **to_vehicle()))) == ["MissionItem"]
+    assert kinds(station.tell(common.MissionRequestInt(seq=1, **to_vehicle()))) == ["MissionItemInt"]

@@ -44,7 +44,7 @@ def server(**options) -> SigningSetupServer:
 def test_a_new_key_is_on_trial_until_it_is_heard():
     vehicle = server()
     give(vehicle, setup(ONE), GROUND, START)
-    assert vehicle.events() == [ListenForKey(GROUND, ONE), UseNewKey(GROUND)]
+    assert vehicle.events() == [ListenForKey(GROUND, ONE, 1000), UseNewKey(GROUND)]
     assert vehicle.key is None
     give(vehicle, common.Heartbeat(), GROUND, START + 1)
     vehicle.receive(signed(common.Heartbeat(), TWO), START + 1)
@@ -109,7 +109,7 @@ def test_another_key_during_a_trial_goes_back_before_it_begins():
     assert vehicle.events() == [
         UseOldKey(GROUND),
         KeySettled(GROUND, ONE, changed=False),
-        ListenForKey(GROUND, TWO),
+        ListenForKey(GROUND, TWO, 2),
         UseNewKey(GROUND),
     ]
 
@@ -123,6 +123,22 @@ def test_zeros_mean_no_signing_only_at_time_zero_as_for_ardupilot():
     give(vehicle, common.Heartbeat(), GROUND, START + 1)
     assert vehicle.events() == [KeySettled(GROUND, None, changed=True)]
     assert vehicle.key is None
+
+
+@pytest.mark.parametrize("timestamp", [2**48 - 1, 2**48, 2**64 - 1])
+def test_a_clock_that_would_soon_end_is_not_taken(timestamp):
+    vehicle = server()
+    give(vehicle, setup(ONE, timestamp), GROUND, START)
+    (refused,) = vehicle.events()
+    assert isinstance(refused, SigningRefused)
+    assert not vehicle.on_trial
+
+
+def test_one_whose_clock_was_never_set_knows_the_new_way_when_it_hears_it():
+    vehicle = server()
+    give(vehicle, setup(ONE), GROUND, 1000.0)
+    vehicle.receive(signed(common.Heartbeat(), ONE, now=START), 1001.0)
+    assert vehicle.key == ONE
 
 
 def test_the_policy_knows_who_asks_and_whether_it_was_signed():

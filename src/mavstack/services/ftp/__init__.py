@@ -10,6 +10,7 @@ from mavstack.services.ftp.client import (
     WriteOperation,
 )
 from mavstack.services.ftp.entries import Entry
+from mavstack.services.ftp.overlay import OverlayStore, VirtualFile
 from mavstack.services.ftp.payload import FtpError, FtpPayload, Opcode, file_crc32
 from mavstack.services.ftp.server import FtpServer
 from mavstack.services.ftp.stores import DirectoryStore, FileStore, MemoryStore, OpenFile
@@ -28,8 +29,10 @@ __all__ = [
     "MemoryStore",
     "Opcode",
     "OpenFile",
+    "OverlayStore",
     "PathOperation",
     "ReadOperation",
+    "VirtualFile",
     "WriteOperation",
     "file_crc32",
 ]

@@ -162,7 +162,7 @@ class FtpServer(Service):
     def _reset(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         for session in self.sessions:
             if session.owner == source:
-                self.sessions.close(session)
+                self.sessions.drop(session)
         return _ack(request)
 
     def _list(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:

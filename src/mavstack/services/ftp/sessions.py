@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -77,7 +78,7 @@ class Sessions:
             in_the_way = min(self._open.values(), key=lambda session: session.used_at)
         if now - in_the_way.used_at < IDLE_WHEN_FULL:
             return False
-        self.close(in_the_way)
+        self.drop(in_the_way)
         return True
 
     def add(self, owner: Address, number: int, file: OpenFile, now: float, *, writable: bool) -> Session:
@@ -87,15 +88,20 @@ class Sessions:
         return session
 
     def close(self, session: Session) -> None:
-        """Close one."""
+        """Close one; raises OSError if what was written to it cannot be kept."""
         del self._open[session.owner, session.number]
         session.file.close()
+
+    def drop(self, session: Session) -> None:
+        """Close one where there is nobody to be told of a failure."""
+        with suppress(OSError):
+            self.close(session)
 
     def close_idle(self, now: float) -> None:
         """Close those that nobody used for long."""
         for session in self:
             if now - session.used_at >= IDLE:
-                self.close(session)
+                self.drop(session)
 
     def next_timeout(self) -> float | None:
         """When one may have become idle."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import stat
-from errno import EINVAL, EISDIR, ENAMETOOLONG, ENOENT, ENOTDIR, ENOTEMPTY, EPERM
+from errno import EINVAL, EISDIR, ENAMETOOLONG, ENOENT, ENOSPC, ENOTDIR, ENOTEMPTY, EPERM
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -189,11 +189,12 @@ class DirectoryStore:
         )
 
 
-class _BytesFile:
+class BytesFile:
     """A file in memory."""
 
-    def __init__(self, data: bytearray) -> None:
+    def __init__(self, data: bytearray, room: Callable[[int], None] = lambda growth: None) -> None:
         self._data = data
+        self._room = room
 
     def size(self) -> int:
         return len(self._data)
@@ -202,6 +203,7 @@ class _BytesFile:
         return bytes(self._data[offset : offset + size])
 
     def write(self, offset: int, data: bytes) -> None:
+        self._room(max(offset + len(data) - len(self._data), 0))
         resize(self._data, max(len(self._data), offset))
         self._data[offset : offset + len(data)] = data
 
@@ -221,14 +223,24 @@ def resize(data: bytearray, size: int) -> None:
     data.extend(bytes(size - len(data)))
 
 
+#: A store of limited capacity holds so many files and directories.
+MOST_ENTRIES = 4096
+
+
 class MemoryStore:
-    """Files in memory by path ("logs/1.bin"), and virtual ones, made when opened and for reading only."""
+    """Files in memory by path ("logs/1.bin"), and virtual ones, made when opened and for reading only.
+
+    With a `capacity` it can be full, as a memory card can: all its files together hold so many bytes.
+    """
 
     def __init__(
         self,
         files: Mapping[str, bytes] | None = None,
         virtual: Mapping[str, Callable[[], bytes]] | None = None,
+        *,
+        capacity: int | None = None,
     ) -> None:
+        self.capacity = capacity
         self._files: dict[tuple[str, ...], bytearray] = {}
         self._virtual = {parts_of(path): make for path, make in (virtual or {}).items()}
         self._directories: set[tuple[str, ...]] = {()}
@@ -266,15 +278,16 @@ class MemoryStore:
         if place in self._virtual:
             if write:
                 raise PermissionError
-            return _BytesFile(bytearray(self._virtual[place]()))
+            return BytesFile(bytearray(self._virtual[place]()))
         if place in self._directories:
             raise OSError(EISDIR, "not a file")
-        if write and place[:-1] in self._directories:
-            self._files.setdefault(place, bytearray())
+        if write and place[:-1] in self._directories and place not in self._files:
+            self._make_room()
+            self._files[place] = bytearray()
         data = self._file(place)
         if truncate:
             data.clear()
-        return _BytesFile(data)
+        return BytesFile(data, self._make_room)
 
     def remove(self, path: str) -> None:
         place = parts_of(path)
@@ -291,7 +304,9 @@ class MemoryStore:
         self._files[goal] = self._files.pop(source)
 
     def truncate(self, path: str, size: int) -> None:
-        resize(self._file(parts_of(path)), size)
+        data = self._file(parts_of(path))
+        self._make_room(max(size - len(data), 0))
+        resize(data, size)
 
     def make_directory(self, path: str) -> None:
         place = parts_of(path)
@@ -299,6 +314,7 @@ class MemoryStore:
             raise FileExistsError
         if place[:-1] not in self._directories:
             raise FileNotFoundError
+        self._make_room()
         self._directories.add(place)
 
     def remove_directory(self, path: str) -> None:
@@ -313,6 +329,13 @@ class MemoryStore:
         if place not in self._files:
             raise PermissionError if place in self._virtual else FileNotFoundError
         return self._files[place]
+
+    def _make_room(self, growth: int = 0) -> None:
+        if self.capacity is None:
+            return
+        used = sum(map(len, self._files.values()))
+        if growth > self.capacity - used or len(self._files) + len(self._directories) >= MOST_ENTRIES:
+            raise OSError(ENOSPC, "the store is full")
 
     def _make_parents(self, place: tuple[str, ...]) -> None:
         self._directories.update(place[:length] for length in range(len(place)))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.log.entry import CHUNK, LAST_ID, MOST, LogEntry
-from mavstack.services.service import Event, HasRoom, Outgoing, Service, always_room
+from mavstack.services.service import Event, HasRoom, Outgoing, Priority, Service, always_room
 from mavstack.services.timing import DOUBLED_WITHIN
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class LogServer(Service):
                 del self._sessions[source]
                 continue
             waiting.append(source)
-            yield Outgoing(message, source)
+            yield Outgoing(message, source, Priority.BULK)
 
     def _session(self, source: Address) -> _Session:
         session = self._sessions.setdefault(source, _Session())

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
+from heapq import heapify, heapreplace
+from math import inf, isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import Message, common
@@ -22,7 +23,7 @@ from mavstack.services.message_request.older import older_request
 from mavstack.services.service import HasRoom, Outgoing, Priority, Service, always_room
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from mavstack.services.command import CommandRequest, CommandServer
     from mavstack.wire import Packet
@@ -48,16 +49,19 @@ class _Stream:
     produce: Producer
     default: int
     interval: int
-    due: float | None = None
+    #: Infinite if it is off.
+    due: float
 
     def set_interval(self, microseconds: int, now: float) -> None:
         self.interval = microseconds
-        self.due = now if microseconds > 0 else None
+        self.due = now if microseconds > 0 else inf
 
-    def sent(self, now: float) -> None:
-        if self.due is not None:
-            seconds = self.interval / 1e6
-            self.due = self.due + seconds if self.due + seconds > now else now + seconds
+    def sent(self, now: float) -> float:
+        """When it is due again."""
+        seconds = self.interval / 1e6
+        due = self.due + seconds
+        self.due = due = due if due > now else now + seconds
+        return due
 
 
 class MessageServer(Service):
@@ -69,8 +73,13 @@ class MessageServer(Service):
         super().__init__(local)
         self._commands = commands
         self._streams: dict[int, _Stream] = {}
+        #: The messages of each group of REQUEST_DATA_STREAM that is obeyed. Without MAV_DATA_STREAM_ALL among
+        #: them it stands for everything that is sent by itself; with none at all no such request is heard.
+        self.data_streams: Mapping[int, frozenset[int]] = stream_groups()
         self._instances: dict[int, InstanceProducer] = {_INTERVAL_ID: self._message_interval}
         self._retry_at: float | None = None
+        #: The streams by when they are due, as a heap; None if it has to be made anew.
+        self._queue: list[tuple[float, int, _Stream]] | None = None
         self._others = commands.handler_of(common.MavCmd.REQUEST_MESSAGE)
         commands.support(common.MavCmd.REQUEST_MESSAGE, self._request_message)
         commands.support(common.MavCmd.SET_MESSAGE_INTERVAL, self._set_message_interval)
@@ -81,10 +90,17 @@ class MessageServer(Service):
     ) -> None:
         """Send a kind of message every `interval` seconds from `now` on; 0: only if it is asked for."""
         message_id = message_id_of(message)
-        microseconds = min(max(round(interval * 1e6), SHORTEST), LONGEST) if interval > 0 else -1
-        due = now if microseconds > 0 else None
+        microseconds = _microseconds(interval)
+        due = now if microseconds > 0 else inf
+        self._queue = None
         self._streams[message_id] = _Stream(producer, microseconds, microseconds, due)
         self._support_older(message_id)
+
+    def set_interval(self, message: type[Message] | int, interval: float, now: float) -> None:
+        """Send a message every so many seconds from now on by default; 0: only if it is asked for."""
+        stream = self._streams[message_id_of(message)]
+        stream.default = _microseconds(interval)
+        self._change(stream, stream.default, now)
 
     def provide_instances(self, message: type[Message] | int, producer: InstanceProducer) -> None:
         """Answer requests for a kind of message of which there are several, by its index or id."""
@@ -105,20 +121,30 @@ class MessageServer(Service):
 
     def bulk_messages(self, now: float, has_room: HasRoom = always_room) -> Iterator[Outgoing]:
         self._retry_at = None
-        due = [stream for stream in self._streams.values() if stream.due is not None and stream.due <= now]
-        for stream in sorted(due, key=lambda stream: stream.due or 0.0):
+        queue = self._queued()
+        while queue and queue[0][0] <= now:
             if not has_room(EVERYBODY, Priority.STREAM):
                 self._retry_at = now + RETRY
                 return
-            stream.sent(now)
+            _, order, stream = queue[0]
+            heapreplace(queue, (stream.sent(now), order, stream))
             message = stream.produce(now)
             if message is not None:
                 yield Outgoing(message, EVERYBODY, Priority.STREAM)
+            queue = self._queued()  # another one, if a rate was changed meanwhile
 
     def next_timeout(self) -> float | None:
         if self._retry_at is not None:
             return self._retry_at
-        return min((stream.due for stream in self._streams.values() if stream.due is not None), default=None)
+        queue = self._queued()
+        return queue[0][0] if queue else None
+
+    def _queued(self) -> list[tuple[float, int, _Stream]]:
+        if self._queue is None:
+            streams = enumerate(self._streams.values())
+            self._queue = [(stream.due, order, stream) for order, stream in streams if stream.due < inf]
+            heapify(self._queue)
+        return self._queue
 
     def _support_older(self, message_id: int) -> None:
         older = older_request(message_id)
@@ -166,6 +192,7 @@ class MessageServer(Service):
             microseconds = min(max(microseconds, SHORTEST), LONGEST)
         if microseconds != stream.interval:
             stream.set_interval(microseconds, now)
+            self._queue = None
 
     def _message_interval(self, instance: float, now: float) -> Message | None:
         message_id = _whole(instance)
@@ -176,15 +203,19 @@ class MessageServer(Service):
     def _request_data_stream(self, request: common.RequestDataStream, source: Address, now: float) -> None:
         group, rate = int(request.req_stream_id), request.req_message_rate
         on = bool(request.start_stop) and rate > 0
-        everything = group == common.MavDataStream.ALL
-        members = self._streams.keys() if everything else stream_groups().get(group, frozenset())
-        for message_id in members & self._streams.keys():
-            stream = self._streams[message_id]
-            if on and (stream.default > 0 or not everything):
-                self._change(stream, round(1e6 / rate), now)
-            elif not on:
-                self._change(stream, -1, now)
+        if not self.data_streams:
+            return
+        members = self.data_streams.get(group)
+        everything = members is None and group == common.MavDataStream.ALL
+        for message_id, stream in self._streams.items():
+            if (everything and (stream.default > 0 or not on)) or (members and message_id in members):
+                self._change(stream, round(1e6 / rate) if on else -1, now)
         self.send(common.DataStream(stream_id=group, message_rate=rate, on_off=int(on)), source)
+
+
+def _microseconds(interval: float) -> int:
+    """An interval in seconds as streams keep it: -1 for none."""
+    return min(max(round(interval * 1e6), SHORTEST), LONGEST) if interval > 0 else -1
 
 
 def _whole(value: float) -> int:

@@ -4,11 +4,13 @@ from mavstack.services.mission.client import ItemReached, MissionClient, Mission
 from mavstack.services.mission.download import DownloadPlan
 from mavstack.services.mission.item import MissionItem
 from mavstack.services.mission.manage import ClearPlan, SetCurrentItem, set_current_item
+from mavstack.services.mission.packed import PLAN_FILES, PlanFile, pack_plan, unpack_plan
 from mavstack.services.mission.plan import PLAN_TYPES, Plan, PlanStore, PlanType
 from mavstack.services.mission.server import CurrentItemSet, MissionServer, PlanReplaced
 from mavstack.services.mission.upload import UploadPlan
 
 __all__ = [
+    "PLAN_FILES",
     "PLAN_TYPES",
     "ClearPlan",
     "CurrentItemSet",
@@ -19,10 +21,13 @@ __all__ = [
     "MissionProgress",
     "MissionServer",
     "Plan",
+    "PlanFile",
     "PlanReplaced",
     "PlanStore",
     "PlanType",
     "SetCurrentItem",
     "UploadPlan",
+    "pack_plan",
     "set_current_item",
+    "unpack_plan",
 ]

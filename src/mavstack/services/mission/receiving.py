@@ -95,7 +95,7 @@ class Uploads:
     """All uploads to one vehicle.
 
     `complete` takes a whole plan and gives MAV_MISSION_RESULT and the plan's id; `check` judges one item;
-    `reply` sends a message to someone.
+    `reply` sends a message to someone. With `plain_requests` items are always asked for by MISSION_REQUEST.
     """
 
     def __init__(
@@ -103,8 +103,11 @@ class Uploads:
         complete: Callable[[Plan, Address], tuple[int, int]],
         check: Callable[[int, int, MissionItem], int],
         reply: Callable[[Message, Address], None],
+        *,
+        plain_requests: bool = False,
     ) -> None:
         self._complete, self._check, self._reply = complete, check, reply
+        self._plain_requests = plain_requests
         self._running: dict[int, Receiving] = {}
         self._ended: OrderedDict[tuple[Address, int], _Ended] = OrderedDict()
 
@@ -223,7 +226,8 @@ class Uploads:
             self.acknowledge(source, kind, _Result.ERROR)
 
     def _ask(self, receiving: Receiving, now: float) -> None:
-        kind = common.MissionRequest if receiving.as_float else common.MissionRequestInt
+        plain = self._plain_requests or receiving.as_float
+        kind = common.MissionRequest if plain else common.MissionRequestInt
         request = kind(
             target_system=receiving.source.system,
             target_component=receiving.source.component,

@@ -5,6 +5,10 @@ leaves); only what both accept replaces the old plan. Who asks with MISSION_REQU
 the guide wants it, unless it speaks MAVLink 1, where only old programs are left that know nothing but
 MISSION_ITEM. Partial lists are not part of the protocol and are refused.
 
+The firmwares keep to what the guide said once, and scripts for them count on it: with `float_answers`
+MISSION_REQUEST is answered with MISSION_ITEM to everybody, with `plain_requests` (ArduPilot) it is also what
+uploads are asked for by, and either form of item is taken.
+
 `home_first` makes a mission as ArduPilot has it: its item 0 is the vehicle's `home`, whatever was uploaded
 there.
 """
@@ -20,6 +24,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
+from mavstack.services.mission.item import MissionItem
 from mavstack.services.mission.plan import MOST_ITEMS, PLAN_TYPES, Plan, PlanStore, PlanType
 from mavstack.services.mission.receiving import MOST_REMEMBERED, Uploads
 from mavstack.services.mission.sending import Downloads
@@ -31,7 +36,6 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.services.command import CommandRequest, CommandServer
-    from mavstack.services.mission.item import MissionItem
     from mavstack.wire import Packet
 
 DEFAULT_LIMITS: Mapping[int, int] = dict.fromkeys((int(kind) for kind in PLAN_TYPES), 2000)
@@ -42,6 +46,10 @@ _Result = common.MavMissionResult
 
 #: Judges a whole plan from someone: a MAV_MISSION_RESULT.
 Validate: TypeAlias = Callable[[Plan, Address], int]
+#: Goes where an item says that is no part of a plan, with its `current`: a MAV_MISSION_RESULT.
+Guided: TypeAlias = "Callable[[MissionItem, int], int]"
+#: Values of `current` by which ground stations of old say "go there" and "to that altitude", to ArduPilot.
+GUIDED = frozenset({2, 3})
 #: Judges an item of a plan type, at its place: a MAV_MISSION_RESULT.
 Check: TypeAlias = "Callable[[int, int, MissionItem], int]"
 
@@ -90,18 +98,25 @@ class MissionServer(Service):
         check: Check = lambda plan_type, seq, item: _Result.ACCEPTED,
         plan_ids: bool = True,
         home_first: bool = False,
+        guided: Guided | None = None,
+        plain_requests: bool = False,
+        float_answers: bool = False,
     ) -> None:
         super().__init__(local)
         self.store = store or PlanStore()
         self.limits = {int(kind): min(limit, MOST_ITEMS) for kind, limit in limits.items()}
         self.home: MissionItem | None = None
         self.state: int = common.MissionState.NOT_STARTED
-        self._validate, self._plan_ids, self._home_first = validate, plan_ids, home_first
+        #: Whether the vehicle flies the mission (1), or does something else (2); 0: nobody says.
+        self.mode = 0
+        self._validate, self._check, self._guided = validate, check, guided
+        self._plan_ids, self._home_first = plan_ids, home_first
         self._current = 0
         #: What `plan` gave last, and of what it was made: it is asked for with every item.
         self._shown: dict[int, tuple[Plan, MissionItem | None, Plan]] = {}
         self._cleared: OrderedDict[Address, tuple[bytes, float]] = OrderedDict()
-        self._uploads = Uploads(self._complete, check, self._reply)
+        self._float_answers = float_answers
+        self._uploads = Uploads(self._complete, check, self._reply, plain_requests=plain_requests)
         self._downloads = Downloads(self.plan, self._current_of, self._uploads.acknowledge, self._reply)
 
     # For the program
@@ -119,6 +134,16 @@ class MissionServer(Service):
         if len(plan) > self.limits.get(plan.type, 0):
             raise LocalProtocolError(f"{len(plan)} items of type {plan.type} are over this vehicle's limits")
         self._put(plan)
+
+    def take(self, plan: Plan, source: Address) -> int:
+        """Judge a plan that came whole by another way, such as a file, and put it if it is accepted."""
+        if len(plan) > self.limits.get(plan.type, -1):
+            return _Result.NO_SPACE if plan.type in self.limits else _Result.UNSUPPORTED
+        for seq, item in enumerate(plan.items):
+            result = self._check(plan.type, seq, item)
+            if result != _Result.ACCEPTED:
+                return result
+        return self._complete(plan, source)[0]
 
     @property
     def current(self) -> int:
@@ -144,6 +169,7 @@ class MissionServer(Service):
             seq=self._current,
             total=max(count - self._home_first, 0) if count else NO_MISSION,
             mission_state=self.state if count else common.MissionState.NO_MISSION,
+            mission_mode=self.mode,
             mission_id=ids[0],
             fence_id=ids[1],
             rally_points_id=ids[2],
@@ -168,11 +194,13 @@ class MissionServer(Service):
             case common.MissionRequestInt(mission_type=kind, seq=seq) if self._supports(kind, source):
                 self._downloads.request(source, int(kind), seq, as_float=False)
             case common.MissionRequest(mission_type=kind, seq=seq) if self._supports(kind, source):
-                self._downloads.request(source, int(kind), seq, as_float=packet.version == 1)
+                self._downloads.request(
+                    source, int(kind), seq, as_float=self._float_answers or packet.version == 1
+                )
             case common.MissionCount(mission_type=kind) as message if self._supports(kind, source):
                 self._count(source, message, packet.raw, now)
             case (common.MissionItemInt() | common.MissionItem()) as message:
-                self._uploads.take(source, message, now)
+                self._item(source, message, now)
             case common.MissionAck() as message:
                 self._uploads.acknowledged(source, message, now)
             case common.MissionClearAll(mission_type=kind):
@@ -201,6 +229,13 @@ class MissionServer(Service):
         if kind not in self.limits:
             self._uploads.acknowledge(source, int(kind), _Result.UNSUPPORTED)
         return kind in self.limits
+
+    def _item(self, source: Address, message: common.MissionItemInt | common.MissionItem, now: float) -> None:
+        if self._guided is not None and message.current in GUIDED:
+            result = self._guided(MissionItem.read(message), int(message.current))
+            self._uploads.acknowledge(source, int(message.mission_type), result)
+        else:
+            self._uploads.take(source, message, now)
 
     def _count(self, source: Address, message: common.MissionCount, raw: bytes, now: float) -> None:
         if message.count > self.limits[int(message.mission_type)]:

@@ -1,8 +1,8 @@
 """Having modes (guide: standard modes; the commands DO_SET_MODE and DO_SET_STANDARD_MODE; SET_MODE).
 
 The server holds the modes that the vehicle has and the one that it is in. Somebody who wants another is
-answered by `may_enter`, the program's veto: a text refuses, and is told to the asker. The program enters
-modes itself by `enter`, such as in a failsafe; then `intended` remains what was commanded.
+answered by `may_enter`, the program's veto: a text refuses, and is told to the asker behind `refusal`. The
+program enters modes itself by `enter`, such as in a failsafe; then `intended` remains what was commanded.
 
     REQUEST_MESSAGE AVAILABLE_MODES, 0     all modes, one message each, as the link has room
     REQUEST_MESSAGE AVAILABLE_MODES, n     the mode of that index, the first being 1
@@ -81,11 +81,13 @@ class ModeServer(Service):
         *,
         autopilot: int = common.MavAutopilot.GENERIC,
         may_enter: MayEnter | None = None,
+        refusal: str = "Mode refused: ",
     ) -> None:
         super().__init__(local)
         self.autopilot = autopilot
         self.sequence = 0
         self._may_enter = may_enter
+        self._refusal = refusal
         self._modes = _checked(modes)
         self._current = self._intended = self._named(current)
         self._listings: dict[Address, deque[int]] = {}
@@ -109,9 +111,12 @@ class ModeServer(Service):
         """The mode that was last commanded."""
         return self._intended
 
-    def enter(self, custom_mode: int, now: float) -> None:
-        """Be in another mode, of the vehicle's own accord."""
-        self._change(self._named(custom_mode), None, now)
+    def enter(self, custom_mode: int, now: float, *, commanded: bool = False) -> None:
+        """Be in another mode: of the vehicle's own accord, or because a command says so by the way."""
+        mode = self._named(custom_mode)
+        if commanded:
+            self._intended = mode
+        self._change(mode, None, now)
 
     def offer(self, modes: Sequence[AvailableMode], now: float) -> None:
         """Have other modes from now on; clients are told to list them anew."""
@@ -215,7 +220,7 @@ class ModeServer(Service):
 
     def _refuse(self, custom_mode: int, source: Address, reason: str) -> common.MavResult:
         self.tell(ModeRefused(custom_mode, source, reason))
-        text = f"Mode refused: {reason}".encode()[:_STATUSTEXT_BYTES].decode(errors="ignore")
+        text = f"{self._refusal}{reason}".encode()[:_STATUSTEXT_BYTES].decode(errors="ignore")
         self.send(common.Statustext(severity=common.MavSeverity.WARNING, text=text), source)
         return common.MavResult.FAILED
 

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.security.timestamps import time_if_set
 from mavstack.services.service import Event
 from mavstack.wire import Parser
 
@@ -48,9 +49,13 @@ class KeyEvent(Event):
 
 @dataclass(frozen=True, slots=True)
 class ListenForKey(KeyEvent):
-    """Accept from now on also what is signed with the key, or, if it is None, what is not signed."""
+    """Accept from now on also what is signed with the key, or, if it is None, what is not signed.
+
+    `timestamp` is what the asker's signing clock says: who has no clock of its own signs from there on.
+    """
 
     key: SigningKey | None
+    timestamp: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +84,7 @@ def signed_with(packet: Packet, key: SigningKey | None, now: float) -> bool:
     """Whether the packet is signed with the key, or unsigned if there is none."""
     if key is None or not packet.signed:
         return key is None and not packet.signed
-    return bool(Parser(common, signing=key.signing()).feed(packet.raw, now))
+    return bool(Parser(common, signing=key.signing()).feed(packet.raw, time_if_set(now)))
 
 
 class KeyChange:

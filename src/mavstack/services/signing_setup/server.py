@@ -5,7 +5,8 @@ policy: who can send this message owns the vehicle. The node's `trusted_channels
 also refuses while it is armed; the program may.
 
 A new key is on trial: everything is signed with it, the old way is still accepted, and the first packet of
-the asker that is signed the new way ends the trial. If none comes within TRIAL seconds, all is as before.
+the asker that is signed the new way ends the trial. If none comes within TRIAL seconds, all is as before. The
+timestamp that comes with a key is where the signing clock of one without a clock begins.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.security import SigningKey
+from mavstack.security.timestamps import MAX_TIMESTAMP, UNITS_PER_SECOND
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.service import Event, Service
 from mavstack.services.signing_setup.change import (
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
 
 _NO_KEY = bytes(32)
 _MOST_REMEMBERED = 64
+#: A signing clock that begins later than this, in the year 2103, would soon stand at its end for ever.
+_LATEST = MAX_TIMESTAMP - 365 * 24 * 3600 * UNITS_PER_SECOND
 _STATUSTEXT_BYTES = 50
 
 
@@ -111,6 +115,9 @@ class SigningSetupServer(Service):
         if message.secret_key == _NO_KEY and not request.disables:
             self._refuse(request, "a key of zeros protects nothing")
             return
+        if message.initial_timestamp > _LATEST:
+            self._refuse(request, "its timestamp is in the next century")
+            return
         key = None if request.disables else SigningKey(message.secret_key)
         wanted = self._trial.key if self._trial else self.key
         if key == wanted or (key is not None and message.initial_timestamp <= self._newest):
@@ -124,7 +131,7 @@ class SigningSetupServer(Service):
             self._settle(changed=False)
         self._newest = message.initial_timestamp or self._newest
         self._trial = _Trial(key, request.source, now + TRIAL)
-        self.tell(ListenForKey(request.source, key))
+        self.tell(ListenForKey(request.source, key, message.initial_timestamp))
         self.tell(UseNewKey(request.source))
 
     def _settle(self, *, changed: bool) -> None:

@@ -1,4 +1,10 @@
-"""An event loop whose clock jumps to the next timer instead of waiting for it."""
+"""An event loop whose clock jumps to the next timer instead of waiting for it.
+
+    result = run_virtually(my_test())
+
+A minute of flight then takes as long as computing it takes. It suits whatever lives in one process, over
+memory links; for what comes through a real socket the clock does not wait.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +17,9 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+#: With nothing to wait for but sockets, how long these are waited for, in real seconds.
+_PATIENCE = 10.0
+
 
 class _JumpingSelector(selectors.DefaultSelector):
     now = 0.0
@@ -18,21 +27,25 @@ class _JumpingSelector(selectors.DefaultSelector):
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
         ready = super().select(0)
         if not ready and timeout is None:
-            return super().select(10)  # something real, such as a socket, must happen
+            return super().select(_PATIENCE)
         if not ready:
             self.now += max(timeout or 0, 0)
         return ready
 
 
 class VirtualLoop(asyncio.SelectorEventLoop):
+    """The loop; its time begins at 0."""
+
     def __init__(self) -> None:
         self._jumping = _JumpingSelector()
         super().__init__(self._jumping)
 
     def time(self) -> float:
+        """Virtual seconds."""
         return self._jumping.now
 
 
 def run_virtually(work: Coroutine[Any, Any, T]) -> T:
+    """Run a coroutine to its end in virtual time."""
     with asyncio.Runner(loop_factory=VirtualLoop) as runner:
         return runner.run(work)

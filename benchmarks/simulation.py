@@ -1,0 +1,224 @@
+"""`python -m benchmarks.simulation [--seconds N] [--sitl NAME=COMMAND …]`: what simulated vehicles cost.
+
+Each line is a program of its own that sends to a UDP port of this machine: `mav sim` with fleets of several
+sizes, and with `--sitl` real autopilots in simulation, whose command has `{port}` where the port belongs. A
+listener on the other core sends a ground station's heartbeat once a second, takes everything in and counts
+it; the program is pinned to one core. After its first heartbeat it gets a while to settle, then is watched:
+
+    start      from the start of the process to the first heartbeat received
+    CPU        of the process and its children, over real time: 100 % is one core
+    memory     unique to it (USS), so that what several processes share counts for none
+    msg/s      received, all vehicles together, and packets lost on the way by their sequence numbers
+    to a core  how many such vehicles one core could run: by the CPU of the line, divided among its vehicles
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import signal
+import socket
+import statistics
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import Dialect, common
+from mavstack.wire import Encoder, Parser
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+FLEETS = (1, 10, 50, 200)
+SETTLE = 5.0
+PATIENCE = 60.0
+_TICKS = os.sysconf("SC_CLK_TCK")
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What one run of a program showed."""
+
+    start: float
+    cpu: float
+    memory: float
+    rate: float
+    lost: float
+    vehicles: int
+
+
+class Listener:
+    """A ground station's end: counts what comes."""
+
+    def __init__(self) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8 << 20)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(0.05)
+        self.port = self.socket.getsockname()[1]
+        self.parser = Parser(Dialect.load("all"))
+        self.packets = 0
+        self.systems: set[int] = set()
+        self.peers: set[tuple[str, int]] = set()
+        self._encoder = Encoder(255, 190)
+        self._beat_due = 0.0
+
+    def listen(self, seconds: float, *, for_heartbeat: bool = False) -> bool:
+        """Take in what comes for so long; True as soon as there is a heartbeat, if that is waited for."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._beat()
+            try:
+                data, peer = self.socket.recvfrom(1 << 16)
+            except TimeoutError:
+                continue
+            self.peers.add(peer)
+            for packet in self.parser.feed(data):
+                self.packets += 1
+                if packet.message_id == 0 and packet.component == 1:
+                    self.systems.add(packet.system)
+                    if for_heartbeat:
+                        return True
+        return False
+
+    @property
+    def lost(self) -> int:
+        """Packets that were sent and did not come."""
+        return sum(source.lost for source in self.parser.sources.values())
+
+    def _beat(self) -> None:
+        now = time.monotonic()
+        if now >= self._beat_due:
+            self._beat_due = now + 1.0
+            beat = common.Heartbeat(type=6, autopilot=8, system_status=4, mavlink_version=3)
+            for peer in self.peers:
+                self.socket.sendto(self._encoder.encode(beat), peer)
+
+
+def run(command: list[str], listener: Listener, seconds: float) -> Seen:
+    """Start a program, watch it, end it."""
+    began = time.monotonic()
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    try:
+        _pin(process.pid)
+        if not listener.listen(PATIENCE, for_heartbeat=True):
+            raise SystemExit(f"no heartbeat of {' '.join(command)} in {PATIENCE:g} s")
+        start = time.monotonic() - began
+        listener.listen(SETTLE)
+        before, packets, lost = _cpu(process.pid), listener.packets, listener.lost
+        watched = time.monotonic()
+        listener.listen(seconds)
+        passed = time.monotonic() - watched
+        got = listener.packets - packets
+        return Seen(
+            start,
+            (_cpu(process.pid) - before) / passed,
+            _memory(process.pid),
+            got / passed,
+            (listener.lost - lost) / max(got, 1),
+            len(listener.systems),
+        )
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _pin(pid: int) -> None:
+    cores = sorted(os.sched_getaffinity(0))
+    if len(cores) > 1:
+        os.sched_setaffinity(pid, {cores[-1]})
+        os.sched_setaffinity(0, set(cores[:-1]))
+
+
+def _family(pid: int) -> list[int]:
+    """A process and all below it."""
+    family = [pid]
+    for each in family:
+        for task in Path(f"/proc/{each}/task").glob("*/children"):
+            family += [int(child) for child in task.read_text().split()]
+    return family
+
+
+def _cpu(pid: int) -> float:
+    """Seconds of processor time."""
+    total = 0
+    for each in _family(pid):
+        fields = Path(f"/proc/{each}/stat").read_text().rpartition(")")[2].split()
+        total += int(fields[11]) + int(fields[12])
+    return total / _TICKS
+
+
+def _memory(pid: int) -> float:
+    """Megabytes of its own."""
+    total = 0
+    for each in _family(pid):
+        for line in Path(f"/proc/{each}/smaps_rollup").read_text().splitlines():
+            if line.startswith("Private_"):
+                total += int(line.split()[1])
+    return total / 1024
+
+
+def ours(count: int, firmware: str) -> str:
+    """The command line of a fleet of ours."""
+    program = f"{shlex.quote(sys.executable)} -m mavstack sim"
+    return f"{program} --count {count} --firmware {firmware} --out udpout://127.0.0.1:{{port}}"
+
+
+def programs(options: argparse.Namespace) -> dict[str, str]:
+    """What to run, by name."""
+    table = {
+        f"mavstack, {count} {firmware}": ours(count, firmware)
+        for firmware in ("ardupilot", "px4")
+        for count in options.fleets
+    }
+    return table | dict(item.split("=", 1) for item in options.sitl)
+
+
+def main(words: Sequence[str] | None = None) -> None:
+    """Measure, and print a table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.simulation", description=__doc__)
+    parser.add_argument("--seconds", type=float, default=10.0, help="how long each run is watched")
+    parser.add_argument("--turns", type=int, default=3, help="runs of each; medians are told")
+    parser.add_argument("--fleets", type=int, nargs="+", default=FLEETS, help="sizes of fleets")
+    parser.add_argument(
+        "--sitl", action="append", default=[], help="NAME=COMMAND of an autopilot, {port} in it"
+    )
+    options = parser.parse_args(words)
+    seen: dict[str, list[Seen]] = {}
+    for _ in range(options.turns):
+        for name, command in programs(options).items():
+            listener = Listener()
+            words = shlex.split(command.replace("{port}", str(listener.port)))
+            seen.setdefault(name, []).append(run(words, listener, options.seconds))
+    _print(seen)
+
+
+def _print(seen: dict[str, list[Seen]]) -> None:
+    head = f"{'program':<28}{'start':>8}{'CPU':>9}{'memory':>10}{'each':>9}"
+    print(f"{head}{'msg/s':>9}{'lost':>7}{'to a core':>11}")
+    for name, runs in seen.items():
+        count = statistics.median(run.vehicles for run in runs)
+        start, cpu, memory, rate, lost = (
+            statistics.median(getattr(run, field) for run in runs)
+            for field in ("start", "cpu", "memory", "rate", "lost")
+        )
+        print(
+            f"{name:<28}{start:>6.2f} s{cpu:>8.1%}{memory:>7.1f} MB{memory / max(count, 1):>6.2f} MB"
+            f"{rate:>9.0f}{lost:>7.1%}{count / max(cpu, 1e-6):>11.0f}"
+        )
+        spread = [run.cpu for run in runs]
+        print(f"{'':<28}{'':>8}{min(spread):>8.1%} … {max(spread):.1%}")
+
+
+if __name__ == "__main__":
+    main()

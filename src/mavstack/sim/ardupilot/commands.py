@@ -1,0 +1,304 @@
+"""The commands that ArduPilot takes, as it answers them, and which firmware has which.
+
+Most are the shared ones; what is here and in `movement.py` is where ArduPilot has its own mind. Everything
+that is not registered is answered UNSUPPORTED by the server.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.ardupilot.arming import prearm_problems
+from mavstack.sim.ardupilot.behaviours import land_by_mission
+from mavstack.sim.ardupilot.calibration import ArdupilotMaintenance
+from mavstack.sim.ardupilot.identity import banner_of
+from mavstack.sim.ardupilot.movement import (
+    ArdupilotMovement,
+    CopterMovement,
+    PlaneMovement,
+    QuadplaneMovement,
+    RoverMovement,
+    SubMovement,
+)
+from mavstack.sim.ardupilot.switches import use_auxiliary_function
+from mavstack.sim.autopilot.commands import (
+    ArmingCommands,
+    CameraCommands,
+    CommandGroup,
+    CommandRefusedError,
+    EquipmentCommands,
+    GimbalCommands,
+    Handlers,
+    HomeCommands,
+    MissionCommands,
+    Outcome,
+    accept,
+    has_place,
+    place_of,
+    take,
+    whole,
+)
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from mavstack.services.command import CommandRequest
+    from mavstack.sim.vehicle import Vehicle
+
+_CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
+_INFO = common.MavSeverity.INFO
+#: What param 2 of COMPONENT_ARM_DISARM may be besides the usual number, for arming alone.
+_FORCE_ARMING = 2989.0
+_MOST_SOURCES = 3
+Handler: TypeAlias = "Callable[[CommandRequest], Outcome]"
+#: None of its modes is a standard one.
+_NOT_HERE = (_CMD.DO_SET_STANDARD_MODE,)
+#: What must not be 0 for a payload to be there.
+_SWITCHES: dict[int, str] = {
+    _CMD.DO_GRIPPER: "GRIP_ENABLE",
+    _CMD.DO_SPRAYER: "SPRAY_ENABLE",
+    _CMD.DO_WINCH: "WINCH_TYPE",
+}
+
+
+class ArdupilotArming(ArmingCommands):
+    """Arming: FAILED with the reasons; disarming in the air FAILED without a word."""
+
+    def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
+        """COMPONENT_ARM_DISARM."""
+        if request.command.param1 == 1 and request.command.param2 == _FORCE_ARMING:
+            return self.arm(force=True)
+        return super().arm_or_disarm(request)
+
+    def disarm(self, *, force: bool) -> common.MavResult:
+        """Only a copter or a plane in the air refuses."""
+        if self.autopilot.armed and not force and self.may_not_disarm():
+            return _RESULT.FAILED
+        return super().disarm(force=True)
+
+    def run_checks(self, request: CommandRequest) -> common.MavResult:
+        """RUN_PREARM_CHECKS."""
+        if self.autopilot.armed:
+            return _RESULT.TEMPORARILY_REJECTED
+        for problem in prearm_problems(self.autopilot):
+            self.vehicle.say(f"PreArm: {problem}", common.MavSeverity.CRITICAL)
+        return _RESULT.ACCEPTED
+
+
+class ArdupilotHome(HomeCommands):
+    """Home, and the origin of the filter beside it."""
+
+    def handlers(self) -> Handlers:
+        handlers = dict(super().handlers())
+        if self.vehicle.type.on_surface:
+            for command in (_CMD.DO_SET_ROI, _CMD.DO_SET_ROI_LOCATION, _CMD.DO_SET_ROI_NONE):
+                del handlers[command]
+        return handlers
+
+    def set_home(self, request: CommandRequest) -> common.MavResult:
+        """DO_SET_HOME: zeros mean here as well; a frame that is none is DENIED."""
+        command, autopilot = request.command, self.autopilot
+        if command.param1 == 1 or not has_place(command):
+            if not autopilot.has_position:
+                return _RESULT.FAILED
+            autopilot.set_home_here()
+        elif command.param1 != 0:
+            return _RESULT.FAILED
+        else:
+            point = place_of(autopilot, command, usual=common.MavFrame.GLOBAL, bad_frame=_RESULT.DENIED)
+            autopilot.set_home(*autopilot.body.frame.to_global(*point))
+        autopilot.home_locked = True
+        return _RESULT.ACCEPTED
+
+    def tell_home(self, request: CommandRequest) -> common.MavResult:
+        """GET_HOME_POSITION gives the origin, too."""
+        result = super().tell_home(request)
+        if result == _RESULT.ACCEPTED:
+            self.vehicle.services.send(origin_of(self.vehicle), request.source)
+        return result
+
+
+class ArdupilotMission(MissionCommands):
+    """Missions: all of them or none; a copter can wait in them."""
+
+    def handlers(self) -> Handlers:
+        handlers: dict[int, Handler] = {
+            _CMD.MISSION_START: self.start,
+            _CMD.DO_JUMP_TAG: self.jump_to_tag,
+        }
+        if self.vehicle.type.flies:
+            handlers[_CMD.DO_LAND_START] = self.start_landing
+        if self.vehicle.type is VehicleType.COPTER:
+            handlers[_CMD.DO_PAUSE_CONTINUE] = self.pause_or_continue
+        return handlers
+
+    def start(self, request: CommandRequest) -> common.MavResult:
+        """MISSION_START: params 1 and 2 must be 0; a mission that is flown goes on."""
+        if request.command.param1 != 0 or request.command.param2 != 0:
+            return _RESULT.DENIED
+        if self.vehicle.type is VehicleType.SUB and not self.autopilot.armed:
+            return _RESULT.FAILED
+        if self.autopilot.mission.flying:
+            return _RESULT.ACCEPTED
+        return self.enter(self.autopilot.flavour.mission)
+
+    def jump_to_tag(self, request: CommandRequest) -> common.MavResult:
+        """DO_JUMP_TAG: on with the mission at the item that bears a tag."""
+        mission = self.autopilot.mission
+        for seq, item in enumerate(mission.items):
+            if item.command == _CMD.JUMP_TAG and item.param1 == request.command.param1:
+                return accept(mission.go_to_item(seq))
+        return _RESULT.FAILED
+
+    def start_landing(self, request: CommandRequest) -> common.MavResult:
+        """DO_LAND_START: fly the landing sequence of the mission."""
+        if not land_by_mission(self.autopilot, "commanded"):
+            raise CommandRefusedError(_RESULT.FAILED, "Unable to start landing sequence")
+        return _RESULT.ACCEPTED
+
+    def pause(self) -> common.MavResult:
+        """Wait in AUTO or GUIDED."""
+        autopilot = self.autopilot
+        if autopilot.mission.flying and autopilot.mission.pause():
+            return _RESULT.ACCEPTED
+        if autopilot.mode.number == autopilot.flavour.guided and autopilot.armed and not autopilot.landed:
+            autopilot.guided.go_to(autopilot.handling.stopping_point)
+            return _RESULT.ACCEPTED
+        self.vehicle.say("Failed to pause", _INFO)
+        return _RESULT.FAILED
+
+    def go_on(self) -> common.MavResult:
+        """Go on in AUTO."""
+        if self.autopilot.mission.flying and self.autopilot.mission.resume():
+            return _RESULT.ACCEPTED
+        self.vehicle.say("Failed to resume", _INFO)
+        return _RESULT.FAILED
+
+
+class ArdupilotEquipment(CommandGroup):
+    """Payload that is there only if its parameter says so; what is not there FAILED."""
+
+    def handlers(self) -> Handlers:
+        outputs = dict(EquipmentCommands(self.vehicle).handlers())
+        kind = self.vehicle.type
+        if kind is not VehicleType.COPTER:
+            del outputs[_CMD.DO_WINCH]
+        if kind not in (VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL):
+            del outputs[_CMD.DO_PARACHUTE]
+        if kind not in (VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT):
+            del outputs[_CMD.DO_SPRAYER]
+        guarded = {command: self._fitted(command, handler) for command, handler in outputs.items()}
+        images = CameraCommands(self.vehicle).handlers()
+        looks = GimbalCommands(self.vehicle).handlers()
+        return {
+            **guarded,
+            **{command: self._if_set("CAM1_TYPE", handler) for command, handler in images.items()},
+            **{command: self._if_set("MNT1_TYPE", handler) for command, handler in looks.items()},
+        }
+
+    def _fitted(self, command: int, handler: Handler) -> Handler:
+        name = _SWITCHES.get(command)
+        return handler if name is None else self._if_set(name, handler)
+
+    def _if_set(self, name: str, handler: Handler) -> Handler:
+        def carry_out(request: CommandRequest) -> Outcome:
+            if not self.vehicle.parameters.get(name, 0):
+                return _RESULT.FAILED
+            return handler(request)
+
+        return carry_out
+
+
+class ArdupilotSystem(CommandGroup):
+    """The fence's switch, the filter's sources, the battery, switches, and the banner."""
+
+    def handlers(self) -> Handlers:
+        return {
+            _CMD.DO_FENCE_ENABLE: self.enable_fence,
+            _CMD.DO_AUX_FUNCTION: self.use_switch,
+            _CMD.DO_SEND_BANNER: self.send_banner,
+            _CMD.BATTERY_RESET: self.reset_battery,
+            _CMD.SET_EKF_SOURCE_SET: self.choose_sources,
+        }
+
+    def enable_fence(self, request: CommandRequest) -> common.MavResult:
+        """DO_FENCE_ENABLE: 0 off, 1 on, 2 the floor alone off."""
+        wanted, parameters = whole(request.command.param1), self.vehicle.parameters
+        if wanted not in (0, 1, 2):
+            return _RESULT.FAILED
+        if wanted == 2:
+            parameters.set("FENCE_TYPE", int(parameters["FENCE_TYPE"]) & ~8)
+        else:
+            parameters.set("FENCE_ENABLE", wanted)
+        return _RESULT.ACCEPTED
+
+    def use_switch(self, request: CommandRequest) -> common.MavResult:
+        """DO_AUX_FUNCTION: as if the pilot had turned a switch with that function."""
+        function, position = whole(request.command.param1), whole(request.command.param2)
+        if function is None or position not in (0, 1, 2):
+            return _RESULT.DENIED
+        return accept(use_auxiliary_function(self.autopilot, function, position))
+
+    def send_banner(self, request: CommandRequest) -> common.MavResult:
+        """DO_SEND_BANNER."""
+        for line in banner_of(self.vehicle):
+            self.vehicle.say(line, _INFO)
+        return _RESULT.ACCEPTED
+
+    def reset_battery(self, request: CommandRequest) -> common.MavResult:
+        """BATTERY_RESET: battery 1 counts from param 2 percent on."""
+        batteries, percent = whole(request.command.param1), request.command.param2
+        if batteries is None or not batteries & 1 or not 0.0 <= percent <= 100.0:
+            raise CommandRefusedError(_RESULT.FAILED)
+        self.autopilot.body.recharge(remaining=percent / 100.0)
+        return _RESULT.ACCEPTED
+
+    def choose_sources(self, request: CommandRequest) -> common.MavResult:
+        """SET_EKF_SOURCE_SET: 1 to 3."""
+        wanted = whole(request.command.param1)
+        if wanted is None or not 1 <= wanted <= _MOST_SOURCES:
+            return _RESULT.DENIED
+        self.vehicle.say(f"Using EKF Source Set {wanted}", _INFO)
+        return _RESULT.ACCEPTED
+
+
+def origin_of(vehicle: Vehicle) -> common.GpsGlobalOrigin:
+    """GPS_GLOBAL_ORIGIN: where the local frame begins."""
+    latitude, longitude, altitude = vehicle.body.frame.to_global(0.0, 0.0, 0.0)
+    return common.GpsGlobalOrigin(
+        latitude=round(latitude * 1e7),
+        longitude=round(longitude * 1e7),
+        altitude=round(altitude * 1e3),
+        time_usec=int(vehicle.uptime * 1e6),
+    )
+
+
+_MOVEMENTS: dict[VehicleType, type[ArdupilotMovement]] = {
+    VehicleType.COPTER: CopterMovement,
+    VehicleType.PLANE: PlaneMovement,
+    VehicleType.VTOL: QuadplaneMovement,
+    VehicleType.ROVER: RoverMovement,
+    VehicleType.BOAT: RoverMovement,
+    VehicleType.SUB: SubMovement,
+}
+
+
+def groups_of(vehicle: Vehicle) -> Iterator[CommandGroup]:
+    """All groups of commands of a vehicle's firmware."""
+    yield ArdupilotArming(vehicle)
+    yield ArdupilotHome(vehicle)
+    yield ArdupilotMission(vehicle)
+    yield ArdupilotEquipment(vehicle)
+    yield ArdupilotMaintenance(vehicle)
+    yield ArdupilotSystem(vehicle)
+    yield _MOVEMENTS[vehicle.type](vehicle)
+
+
+def register_commands(vehicle: Vehicle) -> None:
+    """Take the commands of a vehicle's firmware, and no others that the services would take."""
+    for command in _NOT_HERE:
+        vehicle.commands.support(command, lambda _: _RESULT.UNSUPPORTED)
+    for group in groups_of(vehicle):
+        take(vehicle, group.handlers())

@@ -1,0 +1,41 @@
+"""The failsafes of one vehicle, as its type's firmware has them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.sim.ardupilot.failsafes.battery import BatteryFailsafes
+from mavstack.sim.ardupilot.failsafes.copter import CopterFailsafes
+from mavstack.sim.ardupilot.failsafes.crash import CrashCheck
+from mavstack.sim.ardupilot.failsafes.estimator import EstimatorCheck
+from mavstack.sim.ardupilot.failsafes.plane import PlaneFailsafes
+from mavstack.sim.ardupilot.failsafes.rover import RoverFailsafes
+from mavstack.sim.ardupilot.failsafes.sub import SubFailsafes
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from mavstack.sim.ardupilot.failsafes.firmware import FirmwareFailsafes, ModeFailure
+    from mavstack.sim.autopilot.autopilot import Autopilot
+
+_ESTIMATE_CHECKED: Final = frozenset(
+    {VehicleType.COPTER, VehicleType.VTOL, VehicleType.ROVER, VehicleType.BOAT}
+)
+
+
+class ArdupilotFailsafes:
+    """Puts the watches onto an autopilot; `mode_failure` says why a mode cannot be entered."""
+
+    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+        kind = autopilot.vehicle.type
+        self.firmware = _firmware_of(kind)(autopilot, mode_failure)
+        self.battery = BatteryFailsafes(self.firmware)
+        self.estimator = EstimatorCheck(self.firmware) if kind in _ESTIMATE_CHECKED else None
+        self.crash = CrashCheck(self.firmware) if kind is VehicleType.COPTER else None
+
+
+def _firmware_of(kind: VehicleType) -> type[FirmwareFailsafes]:
+    if kind is VehicleType.COPTER:
+        return CopterFailsafes
+    if kind in (VehicleType.PLANE, VehicleType.VTOL):
+        return PlaneFailsafes
+    return SubFailsafes if kind is VehicleType.SUB else RoverFailsafes

@@ -1,0 +1,172 @@
+"""Plane's failsafes: a short and a long one for the radio, and a long one for the ground station.
+
+THR_FAILSAFE switches those of the radio on. The short one enters a mode that keeps it where it is
+(FS_SHORT_ACTN), which is left again when the radio is back; the long one brings it home (FS_LONG_ACTN). What
+flies by itself takes no short action and no long one unless these parameters say so.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.ardupilot.behaviours import land_by_mission
+from mavstack.sim.ardupilot.failsafes.firmware import FirmwareFailsafes
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
+    from mavstack.sim.autopilot.autopilot import Autopilot
+
+_MODE: Final = ardupilotmega.PlaneMode
+_INFO: Final = common.MavSeverity.INFO
+#: FS_SHORT_ACTN: best guess, circle, glide (FBWA), none, FBWB.
+_BEST_GUESS, _DISABLED = 0, 3
+_SHORT: Final[Mapping[int, int]] = MappingProxyType({2: _MODE.FLY_BY_WIRE_A, 4: _MODE.FLY_BY_WIRE_B})
+#: FS_LONG_ACTN: go on, RTL, glide (FBWA), parachute, mission.
+_GO_ON, _GO_HOME, _PARACHUTE, _INTO_AUTO = 0, 1, 3, 4
+_LONG: Final[Mapping[int, int]] = MappingProxyType({2: _MODE.FLY_BY_WIRE_A, 4: _MODE.AUTO})
+#: FS_GCS_ENABL: always, or only in AUTO.
+_ONLY_IN_AUTO: Final = 3
+#: BATT_FS_LOW_ACT.
+_RTL, _LAND, _TERMINATE, _QLAND, _LOITER_QLAND, _AUTOLAND = 1, 2, 3, 4, 6, 7
+#: Bits of Q_OPTIONS.
+_QRTL_BIT, _RTL_BIT = 5, 20
+
+_BY_HAND: Final = frozenset(
+    {
+        _MODE.MANUAL, _MODE.STABILIZE, _MODE.ACRO, _MODE.FLY_BY_WIRE_A, _MODE.FLY_BY_WIRE_B,
+        _MODE.CRUISE, _MODE.TRAINING, _MODE.AUTOTUNE,
+    }
+)  # fmt: skip
+_HOVERING: Final = frozenset({_MODE.QSTABILIZE, _MODE.QHOVER, _MODE.QLOITER})
+_BY_ITSELF: Final = frozenset({_MODE.AUTO, _MODE.GUIDED})
+_LANDING: Final = frozenset({_MODE.QLAND, _MODE.LOITER_ALT_QLAND})
+
+
+class PlaneFailsafes(FirmwareFailsafes):
+    """As Plane has them."""
+
+    battery_priorities = (_TERMINATE, 5, _LOITER_QLAND, _QLAND, _LAND, _RTL, _AUTOLAND, 0)
+
+    def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
+        super().__init__(autopilot, mode_failure)
+        #: The mode before the short failsafe, and the one that it entered.
+        self._before: tuple[int, int] | None = None
+        self.watch(
+            "throttle",
+            self._radio_lost,
+            lambda: self.number("RC_FS_TIMEOUT"),
+            lambda: self.say("Throttle failsafe on"),
+            lambda: self.say("Throttle failsafe off"),
+        )
+        self.watch(
+            "radio",
+            lambda: self._radio_lost() and self.number("FS_SHORT_ACTN") != _DISABLED,
+            lambda: self.number("FS_SHORT_TIMEOUT"),
+            self._short,
+            self._short_over,
+        )
+        self.watch(
+            "radio long",
+            self._radio_lost,
+            lambda: self.number("FS_LONG_TIMEOUT"),
+            lambda: self._long("RC Long"),
+            lambda: self.say("RC Long Failsafe Cleared"),
+        )
+        self.watch(
+            "ground",
+            self._ground_lost,
+            lambda: 0.0,
+            lambda: self._long("GCS"),
+            lambda: self.say("GCS Failsafe Cleared"),
+        )
+
+    def _radio_lost(self) -> bool:
+        return self.number("THR_FAILSAFE") == 1 and self.radio_lost("THR_FAILSAFE")
+
+    def _ground_lost(self) -> bool:
+        only_in_auto = self.number("FS_GCS_ENABL") == _ONLY_IN_AUTO
+        if only_in_auto and self.autopilot.mode.number != _MODE.AUTO and not self._is_active("ground"):
+            return False
+        return self.ground_lost("FS_GCS_ENABL", "FS_LONG_TIMEOUT")
+
+    def _is_active(self, name: str) -> bool:
+        return name in self.autopilot.failsafes
+
+    # The radio
+
+    def _short(self) -> None:
+        before = self.autopilot.mode.number
+        wanted = self._short_mode(before)
+        if wanted is not None and wanted != before and self.enter(wanted, "Radio"):
+            self._before = before, wanted
+            self.say(f"RC Short Failsafe: switched to {self.autopilot.mode.name}")
+        else:
+            self.say("RC Short Failsafe On")
+
+    def _short_mode(self, mode: int) -> int | None:
+        action = int(self.number("FS_SHORT_ACTN"))
+        if mode in _HOVERING:
+            return self._hovering_action()
+        acts = mode in _BY_HAND or (
+            mode in (*_BY_ITSELF, _MODE.LOITER) and action != _BEST_GUESS and not self._is_landing()
+        )
+        return int(_SHORT.get(action, _MODE.CIRCLE)) if acts else None
+
+    def _short_over(self) -> None:
+        if self._is_active("radio long"):
+            return
+        self.say("RC Short Failsafe Cleared")
+        before, self._before = self._before, None
+        if before is not None and self.autopilot.mode.number == before[1] and self.enter(before[0], "no"):
+            self.say(f"Flight mode {self.autopilot.mode.name} restored", _INFO)
+
+    def _long(self, cause: str) -> None:
+        self.let_go()
+        self._before = None
+        wanted = self._long_mode(self.autopilot.mode.number)
+        if wanted is not None:
+            self.enter(wanted, cause)
+        self.say(f"{cause} Failsafe On: switched to {self.autopilot.mode.name}")
+
+    def _long_mode(self, mode: int) -> int | None:
+        action = int(self.number("FS_LONG_ACTN"))
+        if mode in _HOVERING:
+            return self._hovering_action()
+        if action == _PARACHUTE or (mode == _MODE.AUTO and self._is_landing()):
+            return None
+        if mode in _BY_ITSELF and action == _GO_ON:
+            return None
+        if mode in (*_BY_HAND, *_BY_ITSELF, _MODE.CIRCLE, _MODE.LOITER, _MODE.TAKEOFF):
+            return int(_LONG.get(action, _MODE.RTL))
+        return int(_MODE.AUTO) if mode == _MODE.RTL and action == _INTO_AUTO else None
+
+    def _hovering_action(self) -> int:
+        if self.option("Q_OPTIONS", _RTL_BIT):
+            return int(_MODE.RTL)
+        return int(_MODE.QRTL if self.option("Q_OPTIONS", _QRTL_BIT) else _MODE.QLAND)
+
+    def _is_landing(self) -> bool:
+        behaviour = self.autopilot.behaviour
+        return self.autopilot.mode.number in _LANDING or (behaviour is not None and behaviour.landing)
+
+    # The battery
+
+    def battery_failsafe(self, word: str, action: int) -> None:
+        """BATT_FS_LOW_ACT, BATT_FS_CRT_ACT."""
+        if action == _TERMINATE:
+            if self.number("AFS_ENABLE"):
+                self.say(f"Terminating due to {word} battery", common.MavSeverity.CRITICAL)
+                self.autopilot.terminate()
+            else:
+                self.say("AFS not enabled, can't terminate the vehicle", _INFO)
+            return
+        if action in (_QLAND, _LOITER_QLAND) and self.enter(_MODE.QLAND, "Battery"):
+            return
+        if action in (_RTL, _LAND, _QLAND, _LOITER_QLAND, _AUTOLAND) and not self._is_landing():
+            landing = action not in (_RTL, _AUTOLAND) and land_by_mission(self.autopilot, "Battery failsafe")
+            if not landing:
+                self.enter(_MODE.RTL, "Battery")

@@ -1,0 +1,214 @@
+"""ArduPilot's figures: each from the parameters that its firmware for the type of vehicle has.
+
+Copter and Sub count in centimetres, Plane and Rover in metres.
+"""
+
+from __future__ import annotations
+
+from math import inf, radians
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+from mavstack.sim.ardupilot.base_figures import (
+    CENTIDEGREE,
+    CM,
+    SLOWEST,
+    SMALLEST_RADIUS,
+    ArdupilotFigures,
+    Limits,
+)
+from mavstack.sim.ardupilot.wing_figures import PlaneFigures, QuadplaneFigures
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from mavstack.sim.vehicle import Vehicle
+
+_MILLISECOND = 0.001
+#: Bit of GUID_OPTIONS.
+_THRUST_AS_THRUST = 1 << 3
+
+
+class CopterFigures(ArdupilotFigures):
+    """ArduCopter."""
+
+    limits: ClassVar[Limits] = MappingProxyType(
+        {
+            "WPNAV_ACCEL": ("acceleration", CM),
+            "ANGLE_MAX": ("tilt", CENTIDEGREE),
+            "LOIT_SPEED": ("speed", CM),
+        }
+    )
+
+    @property
+    def takeoff_altitude(self) -> float:
+        return self.number("PILOT_TKOFF_ALT", CM) or 10.0
+
+    @property
+    def cruise_speed(self) -> float:
+        return self.number("WPNAV_SPEED", CM, least=SLOWEST)
+
+    @property
+    def climb_speed(self) -> float:
+        return self.number("WPNAV_SPEED_UP", CM, least=SLOWEST)
+
+    @property
+    def sink_speed(self) -> float:
+        return self.number("WPNAV_SPEED_DN", CM, least=SLOWEST)
+
+    @property
+    def land_speed(self) -> float:
+        return self.number("LAND_SPEED", CM, least=SLOWEST)
+
+    @property
+    def acceptance_radius(self) -> float:
+        return self.number("WPNAV_RADIUS", CM, least=SMALLEST_RADIUS)
+
+    @property
+    def loiter_radius(self) -> float:
+        return self.number("CIRCLE_RADIUS", CM)
+
+    @property
+    def return_altitude(self) -> float:
+        return self.number("RTL_ALT", CM, least=0.0)
+
+    @property
+    def return_loiter_time(self) -> float:
+        """Over home; with a final altitude the copter stays there instead of landing."""
+        if self.number("RTL_ALT_FINAL", CM) > 0:
+            return inf
+        return self.number("RTL_LOIT_TIME", _MILLISECOND, least=0.0)
+
+    @property
+    def setpoint_timeout(self) -> float:
+        return self.number("GUID_TIMEOUT", least=0.1, default=3.0)
+
+    @property
+    def disarm_delay(self) -> float:
+        return self.number("DISARM_DELAY") or inf
+
+    @property
+    def land_disarm_delay(self) -> float:
+        """Copters that landed by themselves disarm at once."""
+        return 1.0
+
+    @property
+    def land_slow_altitude(self) -> float:
+        return self.number("LAND_ALT_LOW", CM, least=1.0, default=10.0)
+
+    @property
+    def return_descend_altitude(self) -> float:
+        return self.number("RTL_ALT_FINAL", CM) or inf
+
+    @property
+    def return_cone_slope(self) -> float:
+        return self.number("RTL_CONE_SLOPE", least=0.0, default=3.0)
+
+    @property
+    def thrust_is_climb(self) -> bool:
+        """Unless GUID_OPTIONS says that it is thrust."""
+        return not int(self.number("GUID_OPTIONS")) & _THRUST_AS_THRUST
+
+
+class RoverFigures(ArdupilotFigures):
+    """Rover on wheels or afloat."""
+
+    limits: ClassVar[Limits] = MappingProxyType(
+        {"WP_SPEED": ("speed", 1.0), "ATC_ACCEL_MAX": ("acceleration", 1.0)}
+    )
+
+    @property
+    def return_altitude(self) -> float:
+        return 0.0
+
+    @property
+    def climb_speed(self) -> float:
+        return 0.5
+
+    @property
+    def sink_speed(self) -> float:
+        return 0.5
+
+    @property
+    def takeoff_altitude(self) -> float:
+        return 0.0
+
+    @property
+    def thrust_is_climb(self) -> bool:
+        return False
+
+    @property
+    def cruise_speed(self) -> float:
+        return self.number("WP_SPEED") or self.number("CRUISE_SPEED", least=SLOWEST)
+
+    @property
+    def acceptance_radius(self) -> float:
+        return self.number("WP_RADIUS", least=SMALLEST_RADIUS)
+
+    @property
+    def loiter_radius(self) -> float:
+        return self.circle_radius
+
+    @property
+    def circle_radius(self) -> float:
+        radius = self.number("CIRC_RADIUS", default=20.0) or 20.0
+        return -radius if int(self.number("CIRC_DIR")) == 1 else radius
+
+    @property
+    def circle_speed(self) -> float:
+        return self.number("CIRC_SPEED") or self.cruise_speed
+
+    @property
+    def pilot_yaw_rate(self) -> float:
+        return self.number("ACRO_TURN_RATE", radians(1.0), least=0.1, default=radians(180.0))
+
+
+class SubFigures(ArdupilotFigures):
+    """ArduSub: depths are altitudes below 0."""
+
+    limits: ClassVar[Limits] = MappingProxyType(
+        {"WPNAV_ACCEL": ("acceleration", CM), "LOIT_SPEED": ("speed", CM)}
+    )
+
+    @property
+    def takeoff_altitude(self) -> float:
+        return 0.0
+
+    @property
+    def cruise_speed(self) -> float:
+        return self.number("WPNAV_SPEED", CM, least=SLOWEST)
+
+    @property
+    def climb_speed(self) -> float:
+        return self.number("WPNAV_SPEED_UP", CM, least=SLOWEST)
+
+    @property
+    def sink_speed(self) -> float:
+        return self.number("WPNAV_SPEED_DN", CM, least=SLOWEST)
+
+    @property
+    def acceptance_radius(self) -> float:
+        return self.number("WPNAV_RADIUS", CM, least=SMALLEST_RADIUS)
+
+    @property
+    def loiter_radius(self) -> float:
+        return self.number("CIRCLE_RADIUS", CM)
+
+    @property
+    def return_altitude(self) -> float:
+        """It comes back at the surface depth."""
+        return min(self.number("SURFACE_DEPTH", CM, default=-0.1), 0.0)
+
+
+def figures_of(vehicle: Vehicle) -> ArdupilotFigures:
+    """The figures of a vehicle."""
+    parameters = vehicle.parameters
+    match vehicle.type:
+        case VehicleType.COPTER:
+            return CopterFigures(parameters)
+        case VehicleType.PLANE:
+            return PlaneFigures(parameters)
+        case VehicleType.VTOL:
+            return QuadplaneFigures(vehicle)
+        case VehicleType.SUB:
+            return SubFigures(parameters)
+    return RoverFigures(parameters)

@@ -1,0 +1,88 @@
+"""What an ArduPilot says that it is: versions, capabilities, and the banner."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.services.version import AutopilotVersion, FirmwareVersion
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from mavstack.sim.vehicle import Vehicle
+
+VERSION: Final = FirmwareVersion(4, 6, 3)
+#: The letters of the commit, as the firmware tells them; nobody's, since this is no build of theirs.
+GIT_HASH: Final = "51a17d00"
+_OPERATING_SYSTEM_HASH: Final = "51a17c05"
+#: Board numbers of simulated hardware.
+_BOARD: Final = 3
+#: The first of the bytes that identify a board; the system id follows.
+_SERIAL: Final = bytes.fromhex("4d61767374636b")
+
+_CAN = common.MavProtocolCapability
+_CAPABILITIES: Final = (
+    _CAN.MISSION_FLOAT
+    | _CAN.PARAM_FLOAT
+    | _CAN.MISSION_INT
+    | _CAN.COMMAND_INT
+    | _CAN.FTP
+    | _CAN.SET_POSITION_TARGET_LOCAL_NED
+    | _CAN.SET_POSITION_TARGET_GLOBAL_INT
+    | _CAN.FLIGHT_TERMINATION
+    | _CAN.COMPASS_CALIBRATION
+    | _CAN.MAVLINK2
+    | _CAN.MISSION_FENCE
+    | _CAN.MISSION_RALLY
+    | _CAN.PARAM_ENCODE_C_CAST
+    | _CAN.SET_ATTITUDE_TARGET
+)
+_FIRMWARES: Final[Mapping[VehicleType, str]] = MappingProxyType(
+    {
+        VehicleType.COPTER: "ArduCopter",
+        VehicleType.PLANE: "ArduPlane",
+        VehicleType.VTOL: "ArduPlane",
+        VehicleType.ROVER: "ArduRover",
+        VehicleType.BOAT: "ArduRover",
+        VehicleType.SUB: "ArduSub",
+    }
+)
+_FRAMES: Final[Mapping[VehicleType, str]] = MappingProxyType(
+    {
+        VehicleType.COPTER: "Frame: QUAD/X",
+        VehicleType.VTOL: "QuadPlane initialised, class 1 type 1",
+        VehicleType.SUB: "Frame: VECTORED",
+    }
+)
+
+
+def firmware_name(type: VehicleType) -> str:  # noqa: A002 (HEARTBEAT's name for it)
+    """The firmware for a type of vehicle."""
+    return _FIRMWARES[type]
+
+
+def version_of(vehicle: Vehicle) -> AutopilotVersion:
+    """What AUTOPILOT_VERSION says."""
+    serial = _SERIAL + bytes([vehicle.address.system])
+    return AutopilotVersion(
+        capabilities=int(_CAPABILITIES),
+        flight=VERSION,
+        board_version=_BOARD << 16,
+        uid=int.from_bytes(serial, "little"),
+        uid2=serial.ljust(18, b"\0"),
+        flight_custom=GIT_HASH.encode("ascii"),
+        operating_system_custom=_OPERATING_SYSTEM_HASH.encode("ascii"),
+    )
+
+
+def banner_of(vehicle: Vehicle) -> Iterator[str]:
+    """What the firmware says after it started, or when it is asked for it."""
+    yield f"{firmware_name(vehicle.type)} V{VERSION} ({GIT_HASH})"
+    yield f"Mavstack simulation, board {vehicle.address.system:03d}"
+    yield "RCOut: PWM:1-16"
+    frame = _FRAMES.get(vehicle.type)
+    if frame is not None:
+        yield frame

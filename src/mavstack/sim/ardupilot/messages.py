@@ -1,0 +1,85 @@
+"""Messages besides commands that ArduPilot acts on: when the banner is due, older ways of home and goto."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.services.addressing import message_ids
+from mavstack.services.command import Command
+from mavstack.services.service import Service
+from mavstack.sim.ardupilot.identity import banner_of
+from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
+from mavstack.sim.autopilot.commands import CommandRefusedError, place_of
+from mavstack.sim.autopilot.commands.guiding import guide_to
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from mavstack.services.mission import MissionItem
+    from mavstack.sim.vehicle import Vehicle
+    from mavstack.wire import Packet
+
+_RESULT = common.MavMissionResult
+#: Who asks for all parameters hears the banner, but not more often than this, in seconds.
+_BANNER_PAUSE = 10.0
+_LATITUDE, _LONGITUDE = 900_000_000, 1_800_000_000
+
+
+class ArdupilotMessages(Service):
+    """Listens; what it does is the vehicle's to say."""
+
+    handles = message_ids(common.ParamRequestList, common.SetHomePosition, common.CommandAck)
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        super().__init__(vehicle.address)
+        self._vehicle = vehicle
+        self._banner_at = float("-inf")
+
+    def receive(self, packet: Packet, now: float) -> None:
+        match packet.message:
+            case common.ParamRequestList() if now - self._banner_at >= _BANNER_PAUSE:
+                self._banner_at = now
+                for line in banner_of(self._vehicle):
+                    self._vehicle.say(line, common.MavSeverity.INFO)
+            case common.SetHomePosition(target_system=self.local.system) as message:
+                self._set_home(message)
+
+            case common.CommandAck():
+                calibrations_of(self._vehicle.autopilot).placed()
+
+    def _set_home(self, message: common.SetHomePosition) -> None:
+        if abs(message.latitude) > _LATITUDE or abs(message.longitude) > _LONGITUDE:
+            return
+        autopilot = self._vehicle.autopilot
+        if message.latitude == 0 and message.longitude == 0:
+            if autopilot.has_position:
+                autopilot.set_home_here()
+                autopilot.home_locked = True
+            return
+        autopilot.set_home(message.latitude / 1e7, message.longitude / 1e7, message.altitude / 1e3)
+        autopilot.home_locked = True
+
+
+def guided_item(vehicle: Vehicle, item: MissionItem, *, altitude_only: bool) -> int:
+    """Go where a mission item says, in GUIDED: MAV_MISSION_RESULT."""
+    autopilot = vehicle.autopilot
+    if autopilot.mode.number != autopilot.flavour.guided or not isfinite(item.param7):
+        return _RESULT.ERROR
+    try:
+        command = Command(
+            common.MavCmd.NAV_WAYPOINT,
+            param5=item.param5,
+            param6=item.param6,
+            param7=item.param7,
+            frame=int(item.frame),
+        )
+        north, east, down = place_of(autopilot, command)
+    except CommandRefusedError:
+        return _RESULT.ERROR
+    if altitude_only:
+        north, east, _ = autopilot.target or autopilot.handling.place
+    if vehicle.type is VehicleType.SUB:
+        down = max(down, 0.0)
+    guide_to(autopilot, (north, east, 0.0 if vehicle.type.on_surface else down))
+    return _RESULT.ACCEPTED

@@ -1,0 +1,175 @@
+"""ArduPlane's figures, and a quadplane's, which are a copter's while its lifting motors carry it."""
+
+from __future__ import annotations
+
+from math import inf, radians
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+from mavstack.sim.ardupilot.base_figures import (
+    CENTIDEGREE,
+    CM,
+    SLOWEST,
+    SMALLEST_RADIUS,
+    ArdupilotFigures,
+    Limits,
+)
+
+if TYPE_CHECKING:
+    from mavstack.sim.vehicle import Vehicle
+
+
+class PlaneFigures(ArdupilotFigures):
+    """ArduPlane, and a quadplane in forward flight."""
+
+    limits: ClassVar[Limits] = MappingProxyType(
+        {
+            "AIRSPEED_CRUISE": ("speed", 1.0),
+            "AIRSPEED_MIN": ("airspeed_min", 1.0),
+            "AIRSPEED_MAX": ("airspeed_max", 1.0),
+            "TECS_CLMB_MAX": ("climb", 1.0),
+            "TECS_SINK_MAX": ("sink", 1.0),
+            "ROLL_LIMIT_DEG": ("tilt", radians(1.0)),
+            "WP_LOITER_RAD": ("loiter_radius", 1.0),
+        }
+    )
+
+    @property
+    def takeoff_altitude(self) -> float:
+        return self.number("TKOFF_ALT", least=5.0)
+
+    @property
+    def cruise_speed(self) -> float:
+        return self.number("AIRSPEED_CRUISE", least=5.0)
+
+    @property
+    def climb_speed(self) -> float:
+        return self.number("TECS_CLMB_MAX", least=SLOWEST)
+
+    @property
+    def sink_speed(self) -> float:
+        return self.number("TECS_SINK_MAX", least=SLOWEST)
+
+    @property
+    def land_speed(self) -> float:
+        return self.number("TECS_LAND_SINK", least=SLOWEST)
+
+    @property
+    def acceptance_radius(self) -> float:
+        return self.number("WP_RADIUS", least=1.0)
+
+    @property
+    def loiter_radius(self) -> float:
+        return self.number("WP_LOITER_RAD") or 60.0
+
+    @property
+    def return_altitude(self) -> float:
+        """Negative means as high as it is; that is what infinity below says."""
+        altitude = self.number("RTL_ALTITUDE")
+        return altitude if altitude >= 0 else -inf
+
+    @property
+    def land_disarm_delay(self) -> float:
+        return self.number("LAND_DISARMDELAY") or inf
+
+    @property
+    def lean_angle(self) -> float:
+        return self.number("ROLL_LIMIT_DEG", radians(1.0), least=0.1, default=radians(45.0))
+
+    @property
+    def pilot_climb_speed(self) -> float:
+        return self.number("FBWB_CLIMB_RATE", least=SLOWEST, default=2.0)
+
+    @property
+    def acro_rate(self) -> float:
+        return self.number("ACRO_ROLL_RATE", radians(1.0), least=0.1, default=radians(180.0))
+
+    @property
+    def circle_radius(self) -> float:
+        return self.loiter_radius
+
+    @property
+    def circle_speed(self) -> float:
+        return self.cruise_speed
+
+    @property
+    def flare_altitude(self) -> float:
+        return self.number("LAND_FLARE_ALT", least=0.5, default=3.0)
+
+    @property
+    def thrust_is_climb(self) -> bool:
+        return False
+
+
+class QuadplaneFigures(PlaneFigures):
+    """A quadplane: as a plane, but as a copter while its lifting motors carry it."""
+
+    limits: ClassVar[Limits] = PlaneFigures.limits
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        super().__init__(vehicle.parameters)
+        self._vehicle = vehicle
+
+    @property
+    def _hovers(self) -> bool:
+        return not self._vehicle.body.flies_forward
+
+    @property
+    def _comes_home_hovering(self) -> bool:
+        return self._vehicle.autopilot.mode.name == "QRTL"
+
+    @property
+    def return_altitude(self) -> float:
+        return self.number("Q_RTL_ALT", least=5.0) if self._comes_home_hovering else super().return_altitude
+
+    @property
+    def return_loiter_time(self) -> float:
+        return 0.0 if self._comes_home_hovering else inf
+
+    @property
+    def land_disarm_delay(self) -> float:
+        return 1.0
+
+    @property
+    def land_slow_altitude(self) -> float:
+        return self.number("Q_LAND_FINAL_ALT", least=1.0, default=6.0)
+
+    @property
+    def lean_angle(self) -> float:
+        return self.number("Q_ANGLE_MAX", CENTIDEGREE, least=0.1) if self._hovers else super().lean_angle
+
+    @property
+    def pilot_climb_speed(self) -> float:
+        if self._hovers:
+            return self.number("Q_PILOT_SPD_UP", least=SLOWEST, default=2.5)
+        return super().pilot_climb_speed
+
+    @property
+    def pilot_yaw_rate(self) -> float:
+        return self.number("Q_PLT_Y_RATE", radians(1.0), least=0.1, default=radians(100.0))
+
+    @property
+    def takeoff_altitude(self) -> float:
+        return self.number("Q_RTL_ALT", least=5.0)
+
+    @property
+    def cruise_speed(self) -> float:
+        return self.number("Q_WP_SPEED", CM, least=SLOWEST) if self._hovers else super().cruise_speed
+
+    @property
+    def climb_speed(self) -> float:
+        return self.number("Q_WP_SPEED_UP", CM, least=SLOWEST) if self._hovers else super().climb_speed
+
+    @property
+    def sink_speed(self) -> float:
+        return self.number("Q_WP_SPEED_DN", CM, least=SLOWEST) if self._hovers else super().sink_speed
+
+    @property
+    def land_speed(self) -> float:
+        return self.number("Q_LAND_FINAL_SPD", least=SLOWEST)
+
+    @property
+    def acceptance_radius(self) -> float:
+        if self._hovers:
+            return self.number("Q_WP_RADIUS", CM, least=SMALLEST_RADIUS)
+        return super().acceptance_radius

@@ -1,0 +1,1 @@
+"""The autopilot of a simulated vehicle: modes, behaviours, missions, watches."""

@@ -1,0 +1,304 @@
+"""What a guided vehicle may be after: each a script that begins when it is set and stays when it is there.
+
+    GoTo      a point; a wing circles it, a VTOL that hovers may fly there on its wing
+    Motion    any mix of position, velocity and acceleration, axis by axis, for as long as it is repeated
+    Attitude  a lean, a heading or turning rates, and a thrust, for as long as it is repeated
+
+Orbits and take-offs are aims as well, and are behaviours of their own. What is repeated with equal numbers
+only renews the aim that is flown.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from math import asin, atan2, copysign, cos, hypot, sin
+from typing import TYPE_CHECKING, TypeAlias
+
+from mavstack.sim.autopilot.behaviour import Behaviour
+from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from collections.abc import Generator, Hashable, Iterator
+    from typing import Self
+
+    from mavstack.services.setpoints import AttitudeSetpoint
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.handling import Point
+
+Axes: TypeAlias = "tuple[float | None, float | None, float | None]"
+
+#: m/s for each metre that is missing.
+_POSITION_GAIN = 0.8
+#: A VTOL on its way forward hovers again when it is this near.
+_HOVER_WITHIN = 120.0
+#: At this half throttle a setpoint whose thrust means climbing stays as high as it is.
+_NO_CLIMB = 0.5
+
+
+class Aim(Behaviour):
+    """One thing a guided vehicle is after."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        super().__init__(autopilot)
+        self._renewed_at = autopilot.now
+
+    @abstractmethod
+    def key(self) -> Hashable:
+        """What makes two aims the same."""
+
+    @property
+    def lifts_off(self) -> bool:
+        """Whether it would have a vehicle leave the ground."""
+        return False
+
+    def renew(self, other: Self) -> bool:
+        """Whether `other` says the same again: then this one goes on."""
+        if type(other) is not type(self) or other.key() != self.key():
+            return False
+        self._renewed_at = self.autopilot.now
+        return True
+
+    @property
+    def in_time(self) -> bool:
+        """Whether it was said recently enough to be followed still."""
+        return self.autopilot.now - self._renewed_at < self.autopilot.figures.setpoint_timeout
+
+
+class GoTo(Aim):
+    """Go to a point and stay there; `radius` is that of a wing's circle."""
+
+    def __init__(
+        self,
+        autopilot: Autopilot,
+        point: Point,
+        *,
+        speed: float | None = None,
+        radius: float | None = None,
+        yaw: float | None = None,
+        yaw_rate: float | None = None,
+    ) -> None:
+        super().__init__(autopilot)
+        self.point = point
+        self._speed, self._radius, self._yaw, self._yaw_rate = speed, radius, yaw, yaw_rate
+
+    def key(self) -> Hashable:
+        """All of it, to a decimetre."""
+        return (
+            tuple(round(axis, 1) for axis in self.point),
+            self._speed,
+            self._radius,
+            self._yaw,
+            self._yaw_rate,
+        )
+
+    @property
+    def lifts_off(self) -> bool:
+        """If the point is in the air."""
+        return self.point[2] < self.autopilot.handling.place[2] - 0.3
+
+    def fly(self) -> Iterator[None]:
+        """Until it is there."""
+        if self._is_far():
+            yield from self._fly_forward()
+        there = False
+        while not there:
+            there = yield from (self._loiter() if self.autopilot.handling.circles else self._hover())
+
+    def _hover(self) -> Generator[None, None, bool]:
+        """Whether it got there before it flew on its wing."""
+        handling = self.autopilot.handling
+        handling.go_to(self.point, yaw=self._yaw, speed=self._speed)
+        while not handling.has_reached(self.point):
+            if handling.circles:
+                return False
+            yield
+        return True
+
+    def _loiter(self) -> Generator[None, None, bool]:
+        """Whether it got onto its circle before it hovered."""
+        handling = self.autopilot.handling
+        radius = self._radius or self.autopilot.figures.loiter_radius
+        handling.go_to(self.point, speed=self._speed)
+        while handling.distance(self.point) > 2 * abs(radius) and not handling.has_reached(self.point):
+            if not handling.circles:
+                return False
+            yield
+        handling.circle(self.point, radius, speed=self._speed)
+        while not handling.has_entered_circle(self.point, radius):
+            if not handling.circles:
+                return False
+            yield
+        return True
+
+    def _is_far(self) -> bool:
+        autopilot = self.autopilot
+        if autopilot.vehicle.type is not VehicleType.VTOL or autopilot.handling.circles:
+            return False
+        return autopilot.handling.distance(self.point) > max(autopilot.figures.forward_beyond, _HOVER_WITHIN)
+
+    def _fly_forward(self) -> Iterator[None]:
+        """There on the wing, and hovering again."""
+        autopilot = self.autopilot
+        autopilot.body.transition_to(True)
+        autopilot.handling.go_to(self.point, speed=self._speed)
+        while autopilot.handling.distance(self.point) > _HOVER_WITHIN:
+            yield
+        yield from become(autopilot, forward=False)
+
+
+class Motion(Aim):
+    """Positions, velocities and accelerations of the axes in local metres; None leaves one alone.
+
+    Where a position has a velocity beside it, it moves with it. `turns_along` has the velocity turn with
+    the vehicle, as for one that drives.
+    """
+
+    def __init__(
+        self,
+        autopilot: Autopilot,
+        position: Axes,
+        velocity: Axes,
+        acceleration: Axes,
+        *,
+        yaw: float | None = None,
+        yaw_rate: float | None = None,
+        turns_along: bool = False,
+    ) -> None:
+        super().__init__(autopilot)
+        self._position, self._velocity, self._acceleration = position, velocity, acceleration
+        self._yaw, self._yaw_rate = yaw, yaw_rate
+        here = autopilot.body.estimate
+        self._heading = here.yaw if turns_along else None
+        self._speeds = [here.velocity_north, here.velocity_east, here.velocity_down]
+        self._begun = autopilot.now
+
+    def key(self) -> Hashable:
+        """All of it; what moves is another with every message."""
+        if self._position != (None, None, None) and self._velocity != (None, None, None):
+            return id(self)
+        return self._position, self._velocity, self._acceleration, self._yaw, self._yaw_rate, self._heading
+
+    @property
+    def lifts_off(self) -> bool:
+        """If it goes upwards."""
+        return self._wanted()[2] < -0.1
+
+    def fly(self) -> Iterator[None]:
+        """Until it was not repeated for too long; then it stops."""
+        while self.in_time:
+            self._steer()
+            yield
+        self.autopilot.handling.hold()
+
+    def _steer(self) -> None:
+        north, east, down = self._wanted()
+        if self._heading is not None:
+            turned = self.autopilot.body.estimate.yaw - self._heading
+            north, east = (
+                north * cos(turned) - east * sin(turned),
+                north * sin(turned) + east * cos(turned),
+            )
+        self.autopilot.target = self._target()
+        yaw = self.autopilot.handling.yaw if self._yaw is None and self._yaw_rate is None else self._yaw
+        self.autopilot.body.fly_velocity(north, east, down, yaw=yaw, yaw_rate=self._yaw_rate)
+
+    def _target(self) -> Point | None:
+        north, east, down = self._position
+        return None if north is None or east is None or down is None else (north, east, down)
+
+    def _wanted(self) -> Point:
+        """The velocity that follows from all of it."""
+        from mavstack.sim.autopilot.autopilot import TICK
+
+        figures, handling = self.autopilot.figures, self.autopilot.handling
+        passed = self.autopilot.now - self._begun
+        closing, given = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+        for axis, here in enumerate(handling.place):
+            position, velocity = self._position[axis], self._velocity[axis]
+            acceleration = self._acceleration[axis]
+            if acceleration is not None and position is None:
+                self._speeds[axis] += acceleration * TICK
+                given[axis] = self._speeds[axis]
+            elif velocity is not None:
+                given[axis] = velocity
+            if position is not None:
+                closing[axis] = (position + (velocity or 0.0) * passed - here) * _POSITION_GAIN
+        speed = handling.speed or figures.cruise_speed
+        size = hypot(closing[0], closing[1])
+        share = min(1.0, speed / size) if size > 0 else 1.0
+        climb = min(max(closing[2], -figures.climb_speed), figures.sink_speed)
+        return given[0] + closing[0] * share, given[1] + closing[1] * share, given[2] + climb
+
+
+class Attitude(Aim):
+    """What SET_ATTITUDE_TARGET says."""
+
+    def __init__(self, autopilot: Autopilot, setpoint: AttitudeSetpoint) -> None:
+        super().__init__(autopilot)
+        self._setpoint = setpoint
+        self._angles = None if setpoint.attitude is None else euler(setpoint.attitude)
+        self._climb = ClimbControl(autopilot)
+
+    def key(self) -> Hashable:
+        """All of it."""
+        return self._setpoint
+
+    @property
+    def lifts_off(self) -> bool:
+        """If there is more thrust than hovering takes."""
+        return (self._setpoint.thrust or 0.0) > _NO_CLIMB + 0.02
+
+    def fly(self) -> Iterator[None]:
+        """Until it was not repeated for too long; then it levels out where it is."""
+        drives = self.autopilot.vehicle.type.on_surface
+        while self.in_time:
+            if drives:
+                self._drive()
+            else:
+                self._lean()
+            yield
+        self.autopilot.handling.hold()
+
+    def _lean(self) -> None:
+        body, rates = self.autopilot.body, self._setpoint.rates
+        thrust = self._thrust()
+        if self._angles is None:
+            body.hold_rates(rates[0] or 0.0, rates[1] or 0.0, rates[2] or 0.0, thrust)
+            return
+        roll, pitch, yaw = self._angles
+        body.hold_attitude(roll, pitch, None if rates[2] else yaw, thrust, yaw_rate=rates[2] or None)
+
+    def _thrust(self) -> float:
+        autopilot = self.autopilot
+        thrust = self._setpoint.thrust
+        if autopilot.figures.thrust_is_climb and not autopilot.handling.circles:
+            share = 0.0 if thrust is None else (thrust - _NO_CLIMB) / _NO_CLIMB
+            return self._climb.thrust(copysign(min(abs(share), 1.0), share) * autopilot.figures.climb_speed)
+        return max(_NO_CLIMB if thrust is None else thrust, 0.0)
+
+    def _drive(self) -> None:
+        """Thrust is a share of the speed, the heading where to."""
+        autopilot, rate = self.autopilot, self._setpoint.rates[2]
+        heading = autopilot.body.estimate.yaw
+        if self._angles is not None and not rate:
+            heading = self._angles[2]
+        speed = (self._setpoint.thrust or 0.0) * autopilot.figures.cruise_speed
+        autopilot.body.fly_velocity(
+            cos(heading) * speed,
+            sin(heading) * speed,
+            0.0,
+            yaw=None if rate else heading,
+            yaw_rate=rate or None,
+        )
+
+
+def euler(quaternion: tuple[float, float, float, float]) -> tuple[float, float, float]:
+    """Roll, pitch and yaw of a rotation."""
+    w, x, y, z = quaternion
+    sine = min(max(2 * (w * y - z * x), -1.0), 1.0)
+    return (
+        atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+        asin(sine),
+        atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
+    )

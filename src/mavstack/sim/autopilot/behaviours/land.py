@@ -1,0 +1,223 @@
+"""Coming down: straight, slower near the ground; or on a wing, by approach, glide, flare and roll-out.
+
+A wing's landing, seen from the side:
+
+    ●───────── down to the height of the approach, in circles
+              ╲  glide along a line of `glide_slope`
+               ╲__ flare at `flare_altitude`: nose up, no power
+                  ───── roll-out
+
+A VTOL hovers first. What drives stops, a sub surfaces. The autopilot disarms what has landed, after
+`land_disarm_delay`.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, pi, radians, remainder, sin, tau
+from typing import TYPE_CHECKING
+
+from mavstack.sim.autopilot.behaviour import Behaviour
+from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.handling import Point
+
+#: A descent aims so far below the ground that it never gets there before the ground does.
+_BELOW = 60.0
+_WATER = 0.0
+#: A wing's approach begins at a height between these, and its flare raises the nose by so much.
+_LOWEST, _HIGHEST = 15.0, 45.0
+_FLARE_PITCH = radians(5)
+#: It floats on for so many seconds before it touches down.
+_FLOATING = 4.0
+#: Against a wind stronger than this a wing lands.
+_WIND = 1.5
+#: A wing leaves its last circle when its course is this near that of the approach.
+_ALIGNED = radians(25)
+
+
+class Land(Behaviour):
+    """Land at `point`, or here.
+
+    `course` is how a wing comes in, in radians; with `direct` it does so from where it is, at once.
+    """
+
+    landing = True
+
+    def __init__(
+        self,
+        autopilot: Autopilot,
+        point: Point | None = None,
+        *,
+        course: float | None = None,
+        yaw: float | None = None,
+        direct: bool = False,
+        forward: bool = False,
+    ) -> None:
+        super().__init__(autopilot)
+        self._point, self._course, self._yaw, self._direct = point, course, yaw, direct
+        #: Whether a VTOL lands as a plane does.
+        self._forward = forward
+
+    def fly(self) -> Iterator[None]:
+        """Until it is down, and on until it is disarmed."""
+        kind = self.autopilot.vehicle.type
+        if kind.on_surface:
+            yield from self._stop()
+        elif kind is VehicleType.SUB:
+            yield from self._surface()
+        elif kind is VehicleType.PLANE or (self._forward and self.autopilot.body.flies_forward):
+            yield from WingLanding(self.autopilot, self._point, self._course, direct=self._direct).fly()
+        else:
+            yield from self._descend()
+        while True:
+            yield
+
+    def _stop(self) -> Iterator[None]:
+        handling = self.autopilot.handling
+        point = handling.hold(self._point)
+        while not handling.has_reached(point):
+            yield
+        handling.hold(point)
+
+    def _surface(self) -> Iterator[None]:
+        handling = self.autopilot.handling
+        north, east, _ = self._point or handling.stopping_point
+        point = north, east, _WATER
+        handling.go_to(point, yaw=self._yaw)
+        while not handling.has_reached(point):
+            yield
+
+    def _descend(self) -> Iterator[None]:
+        """Over the point, hovering, then down."""
+        autopilot = self.autopilot
+        if not autopilot.landed:
+            if self._point is not None:
+                yield from self._go_over(self._point)
+            yield from become(autopilot, forward=False)
+            if self._point is not None:
+                yield from self._go_over(self._point)
+        place = self._point or autopilot.handling.stopping_point
+        yaw = autopilot.body.estimate.yaw if self._yaw is None else self._yaw
+        climb = ClimbControl(autopilot)
+        while not autopilot.landed:
+            if autopilot.has_position:
+                self._sink_at(place, yaw)
+            else:
+                autopilot.body.hold_attitude(0.0, 0.0, yaw, climb.thrust(-self._sink()))
+                place = autopilot.handling.place
+            yield
+        autopilot.body.idle()
+
+    def _sink_at(self, place: Point, yaw: float) -> None:
+        handling = self.autopilot.handling
+        north, east, _ = place
+        handling.go_to(
+            (north, east, handling.place[2] + _BELOW),
+            start=(north, east, handling.place[2]),
+            yaw=yaw,
+            sink=self._sink(),
+        )
+        self.autopilot.target = north, east, _WATER
+
+    def _go_over(self, point: Point) -> Iterator[None]:
+        handling = self.autopilot.handling
+        above = point[0], point[1], handling.place[2]
+        handling.go_to(above)
+        while not handling.has_reached(above) and self.autopilot.has_position:
+            yield
+
+    def _sink(self) -> float:
+        figures, handling = self.autopilot.figures, self.autopilot.handling
+        if handling.height > figures.land_slow_altitude:
+            return handling.sink or figures.sink_speed
+        return figures.land_speed
+
+
+class WingLanding:
+    """The landing of a wing."""
+
+    def __init__(
+        self, autopilot: Autopilot, point: Point | None, course: float | None, *, direct: bool = False
+    ) -> None:
+        self._autopilot = autopilot
+        self._handling, self._body = autopilot.handling, autopilot.body
+        self._direct = direct and point is not None
+        north, east, _ = point or self._handling.place
+        self._touchdown = north, east, _WATER
+        self._course = self._choose_course() if course is None else course
+        floated = _FLOATING * self._body.limits.airspeed_min
+        self._touchdown = north - cos(self._course) * floated, east - sin(self._course) * floated, _WATER
+
+    def fly(self) -> Iterator[None]:
+        """Until it stands."""
+        if not self._autopilot.landed:
+            start = self._handling.place
+            if not self._direct:
+                start = self._approach_start()
+                yield from self._come_down_to(start)
+            yield from self._glide(start)
+            yield from self._flare()
+        self._body.roll_out()
+        while not self._autopilot.landed:
+            yield
+        self._body.idle()
+
+    def _choose_course(self) -> float:
+        """Against the wind; in calm air the way it would fly there."""
+        wind = self._body.wind
+        if hypot(wind.north, wind.east) > _WIND and not self._direct:
+            return atan2(-wind.east, -wind.north)
+        if self._handling.distance(self._touchdown) > 1.0:
+            return self._handling.bearing(self._touchdown)
+        return self._body.estimate.yaw
+
+    def _approach_start(self) -> Point:
+        """Where the glide begins."""
+        height = min(max(-self._handling.place[2], _LOWEST), _HIGHEST)
+        back = height / max(self._autopilot.figures.glide_slope, 0.02)
+        north, east, _ = self._touchdown
+        return north - cos(self._course) * back, east - sin(self._course) * back, -height
+
+    def _come_down_to(self, start: Point) -> Iterator[None]:
+        """To a circle beside the approach, round it down to its height, and off it along the approach."""
+        radius = self._autopilot.figures.loiter_radius
+        side = self._course + (pi / 2 if radius > 0 else -pi / 2)
+        centre = start[0] + cos(side) * abs(radius), start[1] + sin(side) * abs(radius), start[2]
+        self._handling.circle(centre, radius)
+        while not (
+            self._handling.has_entered_circle(centre, radius)
+            and self._handling.is_at_altitude(start[2])
+            and abs(remainder(self._track() - self._course, tau)) < _ALIGNED
+        ):
+            yield
+
+    def _track(self) -> float:
+        here = self._body.estimate
+        return atan2(here.velocity_east, here.velocity_north)
+
+    def _glide(self, start: Point) -> Iterator[None]:
+        figures = self._autopilot.figures
+        self._handling.go_to(self._touchdown, start=start, sink=max(figures.sink_speed, 3.0))
+        while self._handling.height > figures.flare_altitude and not self._autopilot.landed:
+            if self._handling.has_reached(self._touchdown, 1.0):
+                # it came in too high: on along the same slope
+                far, down = 1000.0, 1000.0 * max(figures.glide_slope, 0.02)
+                start = self._handling.place
+                beyond = (
+                    start[0] + cos(self._course) * far,
+                    start[1] + sin(self._course) * far,
+                    start[2] + down,
+                )
+                self._touchdown = beyond
+                self._handling.go_to(beyond, start=start)
+            yield
+
+    def _flare(self) -> Iterator[None]:
+        self._body.hold_attitude(0.0, _FLARE_PITCH, self._course, 0.0)
+        while not (self._body.on_ground or self._autopilot.landed):
+            yield

@@ -1,0 +1,97 @@
+"""Circling a point: as a mode, and as MAV_CMD_DO_ORBIT asks."""
+
+from __future__ import annotations
+
+from math import atan2, copysign, pi, remainder, tau
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.sim.autopilot.behaviour import Behaviour
+from mavstack.sim.autopilot.behaviours.steps import become, stay_landed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.handling import Point
+
+_YAW = common.OrbitYawBehaviour
+
+
+class Orbit(Behaviour):
+    """Circle `centre`; `radius` > 0: clockwise seen from above. `turns` None: for ever."""
+
+    def __init__(
+        self,
+        autopilot: Autopilot,
+        centre: Point,
+        radius: float,
+        *,
+        speed: float | None = None,
+        yaw_behaviour: int = _YAW.HOLD_FRONT_TO_CIRCLE_CENTER,
+        turns: float | None = None,
+    ) -> None:
+        super().__init__(autopilot)
+        self.centre = centre
+        self.radius = copysign(max(abs(radius), 1.0), radius)
+        self.speed = speed
+        self.yaw_behaviour = yaw_behaviour
+        self.turns = turns
+        #: How often it has been round since it first was on the circle.
+        self.turned = 0.0
+
+    def fly(self) -> Iterator[None]:
+        """Until the last turn is done."""
+        yield from stay_landed(self.autopilot)
+        handling = self.autopilot.handling
+        initial = self.autopilot.body.estimate.yaw
+        while not handling.has_entered_circle(self.centre, self.radius):
+            self._circle(initial)
+            yield
+        bearing = self._bearing()
+        while self.turns is None or abs(self.turned) < self.turns:
+            self._circle(initial)
+            yield
+            before, bearing = bearing, self._bearing()
+            self.turned += remainder(bearing - before, tau) / tau
+        handling.hold(None if not handling.circles else self.centre, radius=self.radius)
+
+    def _circle(self, initial: float) -> None:
+        self.autopilot.handling.circle(
+            self.centre, self.radius, speed=self.speed, yaw=self._yaw_on_circle(initial)
+        )
+
+    def _yaw_on_circle(self, initial: float) -> float | None:
+        """None: towards the centre."""
+        if self.yaw_behaviour == _YAW.HOLD_FRONT_TANGENT_TO_CIRCLE:
+            return self._bearing() + copysign(pi / 2, self.radius)
+        if self.yaw_behaviour == _YAW.HOLD_FRONT_TO_CIRCLE_CENTER:
+            return None
+        return initial
+
+    def _bearing(self) -> float:
+        """Of the vehicle as seen from the centre."""
+        north, east, _ = self.autopilot.handling.place
+        return atan2(east - self.centre[1], north - self.centre[0])
+
+
+class Circle(Behaviour):
+    """The mode: around a point one radius ahead; a wing around where it is."""
+
+    def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
+        super().__init__(autopilot)
+        self._forward = forward
+
+    def fly(self) -> Iterator[None]:
+        """For ever."""
+        autopilot = self.autopilot
+        yield from stay_landed(autopilot)
+        yield from become(autopilot, self._forward)
+        handling, figures = autopilot.handling, autopilot.figures
+        if handling.circles:
+            handling.hold()
+        else:
+            centre = handling.ahead(abs(figures.circle_radius))
+            yield from Orbit(autopilot, centre, figures.circle_radius, speed=figures.circle_speed).fly()
+        while True:
+            yield

@@ -1,0 +1,94 @@
+"""Coming home: up, back, and then down or round, as the firmware's figures say.
+
+    climb to the return altitude ── go home ── wait over it ── land, or stay for ever
+
+Home is a rally point where one is nearer. A wing waits in circles, and stays there if it is to wait for ever.
+What drives goes home and stops; a sub comes home as deep as it is and surfaces.
+"""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+from typing import TYPE_CHECKING
+
+from mavstack.sim.autopilot.behaviour import Behaviour
+from mavstack.sim.autopilot.behaviours.land import Land
+from mavstack.sim.autopilot.behaviours.steps import become, change_altitude, go_there, wait
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.handling import Point
+
+
+class ReturnToLaunch(Behaviour):
+    """Come home; `forward`: a VTOL on its wing, or hovering; `lands` False: it only comes back."""
+
+    def __init__(self, autopilot: Autopilot, *, forward: bool | None = None, lands: bool = True) -> None:
+        super().__init__(autopilot)
+        self._forward = forward
+        self._lands = lands
+
+    def fly(self) -> Iterator[None]:
+        """Until it is at home, and then for ever."""
+        autopilot = self.autopilot
+        if autopilot.landed and autopilot.vehicle.type.flies:
+            yield from self._land(None)
+        home = autopilot.rally.destination()
+        if autopilot.vehicle.type.flies:
+            yield from become(autopilot, self._forward)
+            yield from self._fly_back(home)
+        else:
+            yield from self._drive_back(home)
+        while True:
+            yield
+
+    def _drive_back(self, home: Point) -> Iterator[None]:
+        autopilot = self.autopilot
+        here = autopilot.handling.place[2]
+        yield from go_there(autopilot, (home[0], home[1], here))
+        if autopilot.vehicle.type is VehicleType.SUB and self._lands:
+            yield from self._land(home)
+
+    def _fly_back(self, home: Point) -> Iterator[None]:
+        autopilot, handling = self.autopilot, self.autopilot.handling
+        down = self._way_down(home)
+        if not handling.circles and down < handling.place[2]:
+            yield from change_altitude(autopilot, (*handling.stopping_point[:2], down))
+        over = home[0], home[1], down
+        yield from self._go_over(over)
+        waiting = home[0], home[1], max(down, home[2] - autopilot.figures.return_descend_altitude)
+        yield from change_altitude(autopilot, waiting)
+        stay = autopilot.figures.return_loiter_time
+        if stay == inf or not self._lands:
+            return
+        yield from wait(autopilot, stay)
+        yield from self._land(home)
+
+    def _way_down(self, home: Point) -> float:
+        """How high it comes back, in local metres; a wing that does not sink at home may sink at once."""
+        figures, handling = self.autopilot.figures, self.autopilot.handling
+        climb, here = figures.return_altitude, handling.place[2]
+        if not isfinite(climb):
+            return here
+        if figures.return_cone_slope > 0 and not handling.circles:
+            climb = min(climb, handling.distance(home) * figures.return_cone_slope)
+        wanted = home[2] - climb
+        sinks = handling.circles and figures.return_descend_altitude == inf
+        return wanted if sinks else min(wanted, here)
+
+    def _go_over(self, over: Point) -> Iterator[None]:
+        handling = self.autopilot.handling
+        if not handling.circles:
+            yield from go_there(self.autopilot, over)
+            return
+        radius = self.autopilot.figures.loiter_radius
+        handling.circle(over, radius)
+        while not handling.has_entered_circle(over, radius):
+            yield
+
+    def _land(self, home: Point | None) -> Iterator[None]:
+        self.landing = True
+        yield from Land(self.autopilot, home).fly()

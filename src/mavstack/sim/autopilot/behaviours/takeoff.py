@@ -1,0 +1,100 @@
+"""Leaving the ground: straight up, or as a wing does, with power and a raised nose."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import TYPE_CHECKING
+
+from mavstack.sim.autopilot.behaviour import Behaviour
+from mavstack.sim.autopilot.behaviours.steps import become
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.sim.autopilot.autopilot import Autopilot
+
+#: A wing raises its nose by so much, and keeps its course until it is so high.
+_PITCH = radians(13)
+_STRAIGHT = 15.0
+#: How near the altitude, and how slow, a take-off is over.
+_REACHED, _SLOW = 0.5, 0.15
+_WING_REACHED = 3.0
+
+
+class Takeoff(Behaviour):
+    """Climb to `altitude` above where it stands, or to `down` in local metres; then stay there.
+
+    `forward`: a VTOL goes on to fly on its wing. What does not fly is where it should be already.
+    """
+
+    def __init__(
+        self,
+        autopilot: Autopilot,
+        altitude: float | None = None,
+        *,
+        down: float | None = None,
+        yaw: float | None = None,
+        forward: bool = False,
+    ) -> None:
+        super().__init__(autopilot)
+        self.altitude = altitude
+        self._down = down
+        self._yaw = yaw
+        self._forward = forward
+
+    def fly(self) -> Iterator[None]:
+        """Until it is up."""
+        kind = self.autopilot.vehicle.type
+        if not kind.flies:
+            self.autopilot.handling.hold()
+            return
+        self.taking_off = True
+        if kind is VehicleType.PLANE:
+            yield from self._run_and_climb(self._target())
+        else:
+            yield from self._rise(self._target())
+        self.taking_off = False
+
+    def _target(self) -> float:
+        """How high, in local metres; never lower than it is."""
+        autopilot = self.autopilot
+        here = autopilot.handling.place[2]
+        ground = here if autopilot.landed else autopilot.home_position[2]
+        altitude = autopilot.figures.takeoff_altitude if self.altitude is None else self.altitude
+        return min(here, ground - altitude if self._down is None else self._down)
+
+    def _rise(self, down: float) -> Iterator[None]:
+        autopilot = self.autopilot
+        north, east, _ = autopilot.handling.place
+        yield from become(autopilot, forward=False)
+        yaw = autopilot.body.estimate.yaw if self._yaw is None else self._yaw
+        autopilot.handling.go_to((north, east, down), yaw=yaw)
+        while autopilot.landed or not self._is_up(down):
+            yield
+        if self._forward:
+            yield from become(autopilot, forward=True)
+            autopilot.handling.hold((north, east, down))
+
+    def _is_up(self, down: float) -> bool:
+        """Whether it is there, and not still rising."""
+        here = self.autopilot.body.estimate
+        return abs(here.down - down) <= _REACHED and abs(here.velocity_down) <= _SLOW
+
+    def _run_and_climb(self, down: float) -> Iterator[None]:
+        """Roll, raise the nose, and climb wings level; the turns come when there is height for them."""
+        autopilot, body = self.autopilot, self.autopilot.body
+        north, east, ground = autopilot.handling.place
+        course = body.estimate.yaw
+        if autopilot.landed:
+            body.hold_attitude(0.0, 0.0, course, 1.0)
+            while body.on_ground and body.airspeed < body.limits.airspeed_min:
+                yield
+            body.hold_attitude(0.0, _PITCH, course, 1.0)
+            straight = max(down, ground - _STRAIGHT)
+            while autopilot.handling.place[2] > straight:
+                yield
+        autopilot.handling.fly_on(course, down=down)
+        while autopilot.handling.place[2] > down + _WING_REACHED:
+            yield
+        autopilot.handling.hold((north, east, down))

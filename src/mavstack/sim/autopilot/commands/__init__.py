@@ -1,0 +1,45 @@
+"""What ground stations command: handlers shared by both firmwares, in groups."""
+
+from mavstack.sim.autopilot.commands.arming import ArmingCommands
+from mavstack.sim.autopilot.commands.equipment import EquipmentCommands
+from mavstack.sim.autopilot.commands.home import HomeCommands, home_position
+from mavstack.sim.autopilot.commands.imaging import CameraCommands, GimbalCommands
+from mavstack.sim.autopilot.commands.maintenance import MaintenanceCommands
+from mavstack.sim.autopilot.commands.missions import MissionCommands
+from mavstack.sim.autopilot.commands.movement import MovementCommands
+from mavstack.sim.autopilot.commands.places import has_place, place_of
+from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
+from mavstack.sim.autopilot.commands.taking import (
+    CommandGroup,
+    Handlers,
+    Outcome,
+    accept,
+    number,
+    take,
+    whole,
+)
+from mavstack.sim.autopilot.commands.tasks import Tasks, waiting
+
+__all__ = [
+    "ArmingCommands",
+    "CameraCommands",
+    "CommandGroup",
+    "CommandRefusedError",
+    "EquipmentCommands",
+    "GimbalCommands",
+    "Handlers",
+    "HomeCommands",
+    "MaintenanceCommands",
+    "MissionCommands",
+    "MovementCommands",
+    "Outcome",
+    "Tasks",
+    "accept",
+    "has_place",
+    "home_position",
+    "number",
+    "place_of",
+    "take",
+    "waiting",
+    "whole",
+]

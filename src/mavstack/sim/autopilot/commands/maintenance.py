@@ -1,0 +1,125 @@
+"""Looking after the vehicle on the ground: reboot, calibration, storage, motor tests."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
+from mavstack.sim.autopilot.commands.taking import CommandGroup, Handlers, Outcome, whole
+from mavstack.sim.autopilot.commands.tasks import waiting
+
+if TYPE_CHECKING:
+    from mavstack.services.command import CommandRequest
+    from mavstack.sim.autopilot.commands.tasks import Script
+
+_CMD, _RESULT = common.MavCmd, common.MavResult
+_REBOOT, _SHUT_DOWN, _STAY_IN_BOOTLOADER = 1, 2, 3
+_LOAD, _SAVE, _RESET = 0, 1, 2
+FORCE = 20190226.0
+#: How long each calibration takes, in seconds.
+_CALIBRATION_TIME = 2.0
+_LONGEST_MOTOR_TEST = 600.0
+_MOTORS = 8
+
+
+class MaintenanceCommands(CommandGroup):
+    """PREFLIGHT_REBOOT_SHUTDOWN, PREFLIGHT_CALIBRATION, PREFLIGHT_STORAGE, DO_MOTOR_TEST."""
+
+    def handlers(self) -> Handlers:
+        return {
+            _CMD.PREFLIGHT_REBOOT_SHUTDOWN: self.reboot,
+            _CMD.PREFLIGHT_CALIBRATION: self.calibrate,
+            _CMD.PREFLIGHT_STORAGE: self.store,
+            _CMD.DO_MOTOR_TEST: self.test_motor,
+        }
+
+    # Reboot
+
+    def reboot(self, request: CommandRequest) -> common.MavResult:
+        """PREFLIGHT_REBOOT_SHUTDOWN: the answer goes out, then the vehicle is gone for a moment."""
+        wanted = whole(request.command.param1)
+        if self.autopilot.armed and request.command.param6 != FORCE:
+            return self.refuse_reboot()
+        if wanted not in self.reboots:
+            return _RESULT.UNSUPPORTED
+        self.autopilot.tasks.afterwards(self.vehicle.reboot)
+        return _RESULT.ACCEPTED
+
+    #: What param 1 may be.
+    reboots = frozenset({_REBOOT, _STAY_IN_BOOTLOADER})
+
+    def refuse_reboot(self) -> common.MavResult:
+        """The answer of an armed vehicle."""
+        return _RESULT.FAILED
+
+    # Calibration
+
+    def calibrate(self, request: CommandRequest) -> Outcome:
+        """PREFLIGHT_CALIBRATION: one sensor by one, on the ground."""
+        if self.autopilot.armed:
+            return self.refuse_calibration()
+        wanted = self.wanted_calibrations(request)
+        if not wanted:
+            return _RESULT.UNSUPPORTED
+        self.autopilot.tasks.begin(request, self.calibrating(wanted))
+        return None
+
+    def refuse_calibration(self) -> common.MavResult:
+        """The answer of an armed vehicle."""
+        raise CommandRefusedError(_RESULT.FAILED, "Disarm to allow calibration")
+
+    def wanted_calibrations(self, request: CommandRequest) -> list[str]:
+        """What a command asks to calibrate, by name."""
+        command = request.command
+        named = {
+            "gyro": command.param1,
+            "mag": command.param2,
+            "baro": command.param3,
+            "radio": command.param4,
+            "accel": command.param5,
+        }
+        return [name for name, value in named.items() if whole(value)]
+
+    def calibrating(self, wanted: list[str]) -> Script:
+        """Calibrate these sensors, and say so."""
+        for name in wanted:
+            self.say_begun(name)
+            yield from waiting(self.vehicle, _CALIBRATION_TIME)
+            self.say_done(name)
+        return _RESULT.ACCEPTED
+
+    def say_begun(self, name: str) -> None:
+        """A calibration begins."""
+        self.vehicle.say(f"Calibrating {name}")
+
+    def say_done(self, name: str) -> None:
+        """A calibration is done."""
+        self.vehicle.say(f"{name.capitalize()} calibration done")
+
+    # Storage
+
+    def store(self, request: CommandRequest) -> common.MavResult:
+        """PREFLIGHT_STORAGE: parameters are saved as they are set; they can be made the defaults again."""
+        wanted = whole(request.command.param1)
+        if wanted == _RESET:
+            self.vehicle.parameters.reset()
+            return _RESULT.ACCEPTED
+        return _RESULT.ACCEPTED if wanted in (_LOAD, _SAVE) else _RESULT.UNSUPPORTED
+
+    # Motors
+
+    def test_motor(self, request: CommandRequest) -> Outcome:
+        """DO_MOTOR_TEST: a motor turns for a while, or says why it may not."""
+        motor, seconds = whole(request.command.param1), request.command.param4
+        if self.autopilot.armed or not self.autopilot.landed or motor is None or not 1 <= motor <= _MOTORS:
+            raise CommandRefusedError(_RESULT.FAILED, self.motor_test_refused())
+        if not 0 < seconds <= _LONGEST_MOTOR_TEST:
+            return _RESULT.FAILED
+        self.autopilot.payload.test_motor(motor, request.command.param3, seconds)
+        return _RESULT.ACCEPTED
+
+    def motor_test_refused(self) -> str:
+        """What is said when no motor may be tested now."""
+        reason = "not allowed now" if self.autopilot.landed else "vehicle not landed"
+        return f"Motor Test: {reason}"

@@ -1,0 +1,90 @@
+"""Commands that take a while: each a script that goes on with every tick of the autopilot.
+
+A script is a generator. It yields how far it is in percent, or None, and returns its MAV_RESULT; while it
+runs the sender hears IN_PROGRESS, twice a second at most, and may cancel it.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import TYPE_CHECKING, TypeAlias
+
+from mavstack.dialects import common
+from mavstack.services.command import CommandCancelRequested
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+
+    from mavstack.services.command import CommandRequest
+    from mavstack.sim.vehicle import Vehicle
+
+#: Between two words about how far a script is, in seconds.
+PROGRESS_INTERVAL = 0.5
+
+Script: TypeAlias = "Generator[int | None, None, common.MavResult]"
+
+
+class Tasks:
+    """The long commands of one vehicle; one of its autopilot's watches."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+        self._scripts: dict[CommandRequest, Script] = {}
+        self._told_at: dict[CommandRequest, float] = {}
+        self._unanswered: list[Script] = []
+        self._afterwards: Callable[[], None] | None = None
+        vehicle.on(CommandCancelRequested, self._cancelled)
+
+    def begin(self, request: CommandRequest, script: Script) -> None:
+        """Go on with a script until it ends; the handler that calls this returns None."""
+        self._scripts[request] = script
+
+    def run(self, script: Script) -> None:
+        """Go on with a script that answers to nobody, such as one whose command is acknowledged at once."""
+        self._unanswered.append(script)
+
+    def afterwards(self, action: Callable[[], None]) -> None:
+        """Do something with the next tick, when what is being answered has been sent."""
+        self._afterwards = action
+
+    def tick(self, now: float) -> None:
+        """Every script a step further."""
+        action, self._afterwards = self._afterwards, None
+        if action is not None:
+            action()
+            return
+        self._unanswered = [script for script in self._unanswered if next(script, _ENDED) is not _ENDED]
+        for request, script in tuple(self._scripts.items()):
+            try:
+                percent = next(script)
+            except StopIteration as ended:
+                self._end(request, ended.value)
+                continue
+            told_at = self._told_at.get(request, -inf)
+            if percent not in (None, request.percent) and now - told_at >= PROGRESS_INTERVAL:
+                self._told_at[request] = now
+                self._vehicle.commands.progress(request, percent, now)
+                self._vehicle.touch(self._vehicle.commands)
+
+    def _cancelled(self, event: CommandCancelRequested) -> None:
+        script = self._scripts.get(event.request)
+        if script is not None:
+            script.close()
+            self._end(event.request, common.MavResult.CANCELLED)
+
+    def _end(self, request: CommandRequest, result: common.MavResult) -> None:
+        del self._scripts[request]
+        self._told_at.pop(request, None)
+        self._vehicle.commands.complete(request, result)
+        self._vehicle.touch(self._vehicle.commands)
+
+
+_ENDED = object()
+
+
+def waiting(vehicle: Vehicle, seconds: float) -> Script:
+    """A script that lets time pass, telling how far it is."""
+    begun = vehicle.autopilot.now
+    while (passed := vehicle.autopilot.now - begun) < seconds:
+        yield min(int(passed / seconds * 100), 99)
+    return common.MavResult.ACCEPTED

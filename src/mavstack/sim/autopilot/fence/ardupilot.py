@@ -1,0 +1,173 @@
+"""ArduPilot's fences: FENCE_ENABLE, FENCE_TYPE, FENCE_ACTION and their like.
+
+Copter, Plane, Rover and Sub share the limits and differ in what FENCE_ACTION means. A plane flies to the
+fence's return point, the nearest rally point or the middle of the fence, in GUIDED. A copter that is far
+beyond its fence lands there.
+"""
+
+from __future__ import annotations
+
+from math import inf, isnan
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.sim.autopilot.fence.geometry import Polygon
+from mavstack.sim.autopilot.fence.rules import Breach, FenceLimits, FenceRules
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.fence.watch import FenceWatch
+    from mavstack.sim.autopilot.handling import Point
+
+_NAMES: Final[Mapping[Breach, str]] = {
+    Breach.HIGH: "Max Alt",
+    Breach.RADIUS: "Circle",
+    Breach.SHAPES: "Polygon",
+    Breach.LOW: "Min Alt",
+}
+#: Beyond its fence by more than this a copter lands.
+_GIVE_UP = 100.0
+_UNION_OPTION = 2
+_REPORT = 0
+_PLANE_GUIDED = frozenset({6, 7})
+#: The modes to try, by FENCE_ACTION, by their names.
+_ACTIONS: Final[Mapping[VehicleType, Mapping[int, tuple[str, ...]]]] = {
+    VehicleType.COPTER: {
+        1: ("RTL", "LAND"),
+        2: ("LAND",),
+        3: ("SMART_RTL", "RTL", "LAND"),
+        4: ("BRAKE", "LAND"),
+        5: ("SMART_RTL", "LAND"),
+    },
+    VehicleType.PLANE: {1: ("RTL",), 6: ("GUIDED",), 7: ("GUIDED",), 8: ("AUTOLAND", "RTL")},
+    VehicleType.VTOL: {1: ("RTL",), 6: ("GUIDED",), 7: ("GUIDED",), 8: ("AUTOLAND", "RTL")},
+    VehicleType.ROVER: {
+        1: ("RTL", "HOLD"),
+        2: ("HOLD",),
+        3: ("SMART_RTL", "RTL", "HOLD"),
+        4: ("SMART_RTL", "HOLD"),
+    },
+    VehicleType.SUB: {1: ("SURFACE",)},
+}
+_NOTICE = common.MavSeverity.NOTICE
+
+
+class ArdupilotFenceRules(FenceRules):
+    """The fences of Copter, Plane, Rover and Sub."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        super().__init__(autopilot)
+        self._enable: float | None = None
+
+    def limits(self, watch: FenceWatch) -> FenceLimits:
+        self._look_at_switch(watch)
+        on = self.number("FENCE_ENABLE") > 0 if watch.switched is None else watch.switched
+        if not on:
+            return FenceLimits()
+        watched = Breach(int(self.number("FENCE_TYPE", 7)) & 15)
+        if watch.floor_off or not self.vehicle.type.flies:
+            watched &= ~Breach.LOW
+        if not self.vehicle.type.flies:
+            watched &= ~Breach.HIGH
+        return FenceLimits(
+            watched,
+            highest=self.number("FENCE_ALT_MAX", inf),
+            lowest=self.number("FENCE_ALT_MIN", -inf),
+            radius=self.number("FENCE_RADIUS", inf),
+            union=bool(int(self.number("FENCE_OPTIONS")) & _UNION_OPTION),
+        )
+
+    def _look_at_switch(self, watch: FenceWatch) -> None:
+        """FENCE_ENABLE, when it is set anew, counts more than a command before."""
+        before, self._enable = self._enable, self.number("FENCE_ENABLE")
+        if before is not None and before != self._enable:
+            watch.forget_switch()
+
+    def breached(self, watch: FenceWatch, new: Breach) -> None:
+        autopilot = self.autopilot
+        if not autopilot.landed or not self.vehicle.type.flies:
+            self.vehicle.say(f"{names_of(new)} breached", _NOTICE)
+        action = int(self.number("FENCE_ACTION"))
+        if action == _REPORT or (autopilot.behaviour is not None and autopilot.behaviour.landing):
+            return
+        if autopilot.landed and self.vehicle.type is VehicleType.COPTER:
+            autopilot.disarm("fence breach")
+        elif self.vehicle.type is VehicleType.COPTER and watch.breach_distance() > _GIVE_UP:
+            self._enter(("LAND",))
+        else:
+            self._act(watch, action)
+
+    def worsened(self, watch: FenceWatch) -> None:
+        self.breached(watch, watch.breaches)
+
+    def cleared(self, watch: FenceWatch) -> None:
+        self.vehicle.say("Fence breach cleared", _NOTICE)
+
+    def replaced(self, watch: FenceWatch) -> None:
+        if watch.fence.shapes:
+            self.vehicle.say("Fence received")
+
+    def problems(self, watch: FenceWatch) -> Iterator[str]:
+        if not watch.enabled:
+            return
+        if watch.breaches:
+            yield f"Vehicle breaching {names_of(watch.breaches)}"
+        limits = watch.limits
+        if limits.watched & Breach.RADIUS and limits.radius < 0:
+            yield "Invalid FENCE_RADIUS value"
+        if limits.watched & Breach.HIGH and limits.highest < 0:
+            yield "Invalid FENCE_ALT_MAX value"
+
+    def _act(self, watch: FenceWatch, action: int) -> None:
+        kind = VehicleType.ROVER if self.vehicle.type.on_surface else self.vehicle.type
+        names = _ACTIONS[kind].get(action, ())
+        if self._enter(names) and action in _PLANE_GUIDED and kind in {VehicleType.PLANE, VehicleType.VTOL}:
+            self.autopilot.guided.go_to(self.return_point(watch))
+
+    def _enter(self, names: tuple[str, ...]) -> bool:
+        flavour = self.autopilot.flavour
+        modes = {mode.name.replace("_", "").upper(): mode.number for mode in flavour.modes}
+        modes |= {"RTL": flavour.return_to_launch, "GUIDED": flavour.guided, "HOLD": flavour.hold}
+        modes.setdefault("LAND", flavour.land)
+        for name in names:
+            number = modes.get(name.replace("_", ""))
+            if number is not None and self.autopilot.enter(number, "fence breached"):
+                return True
+        return False
+
+    def return_point(self, watch: FenceWatch) -> Point:
+        """Where a plane goes: by FENCE_RET_RALLY a rally point, the return point, the middle, or home."""
+        autopilot = self.autopilot
+        rally = autopilot.rally.nearest() if self.number("FENCE_RET_RALLY") else None
+        altitude = self._return_altitude(watch)
+        down = autopilot.home_position[2] - altitude
+        point = watch.fence.return_point
+        if rally is not None:
+            return rally
+        if point is not None:
+            return point[0], point[1], down if isnan(point[2]) else point[2]
+        inside = (shape for shape in watch.fence.shapes if shape.inclusion and isinstance(shape, Polygon))
+        middle = next(inside, None)
+        if middle is None:
+            return autopilot.home_position[0], autopilot.home_position[1], down
+        norths, easts = zip(*middle.corners, strict=True)
+        return sum(norths) / len(norths), sum(easts) / len(easts), down
+
+    def _return_altitude(self, watch: FenceWatch) -> float:
+        wanted = self.number("FENCE_RET_ALT")
+        if wanted > 0:
+            return wanted
+        limits = watch.limits
+        if abs(limits.highest) < inf and abs(limits.lowest) < inf and limits.highest > limits.lowest:
+            return (limits.highest + limits.lowest) / 2
+        return self.autopilot.figures.return_altitude
+
+
+def names_of(breaches: Breach) -> str:
+    """As STATUSTEXT has them: "Max Alt and Circle fences"."""
+    names = [name for bit, name in _NAMES.items() if breaches & bit]
+    listed = ", ".join(names[:-1]) + (" and " if len(names) > 1 else "") + "".join(names[-1:])
+    return f"{listed} fence{'s' if len(names) > 1 else ''}"

@@ -1,0 +1,19 @@
+"""Which rules a firmware's fences have."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.sim.autopilot.fence.ardupilot import ArdupilotFenceRules
+from mavstack.sim.autopilot.fence.px4 import Px4FenceRules
+from mavstack.sim.kinds import Firmware
+
+if TYPE_CHECKING:
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.fence.rules import FenceRules
+
+
+def fence_rules_of(autopilot: Autopilot) -> FenceRules:
+    """The rules for one vehicle's fence."""
+    ours = Px4FenceRules if autopilot.vehicle.firmware is Firmware.PX4 else ArdupilotFenceRules
+    return ours(autopilot)

@@ -1,0 +1,80 @@
+"""The line that a mission flies, kept up with what changes on the way.
+
+A speed or a heading that an item chooses while another item is under way counts at once: the same line is
+demanded again. A region of interest turns what can turn on the spot towards itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, pi, remainder
+from typing import TYPE_CHECKING
+
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.handling import Point
+
+#: A region of interest is followed in steps of so many radians.
+_TURN = pi / 90
+_TURNS_ON_THE_SPOT = frozenset({VehicleType.COPTER, VehicleType.VTOL, VehicleType.SUB})
+
+
+@dataclass(frozen=True, slots=True)
+class _Choices:
+    speed: float | None
+    climb: float | None
+    sink: float | None
+    yaw: float | None
+
+
+class Course:
+    """Where the mission sends the vehicle."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        self._autopilot = autopilot
+        self._point: Point | None = None
+        self._start: Point | None = None
+        self._yaw: float | None = None
+        self._demanded: _Choices | None = None
+
+    @property
+    def point(self) -> Point | None:
+        """Where it goes; None if something else than a line is flown."""
+        return self._point
+
+    def set(self, point: Point, *, start: Point | None = None, yaw: float | None = None) -> None:
+        """Fly to a point, along the line from `start`, or from here."""
+        self._point, self._start, self._yaw = point, start or self._autopilot.handling.place, yaw
+        self._demand()
+
+    def forget(self) -> None:
+        """Something else is flown now."""
+        self._point = self._demanded = None
+
+    def keep(self, *, again: bool = False) -> None:
+        """Demand the line again if a choice has changed."""
+        if self._point is not None and (again or self._choices() != self._demanded):
+            self._demand()
+
+    def _demand(self) -> None:
+        if self._point is not None:
+            self._demanded = self._choices()
+            self._autopilot.handling.go_to(self._point, start=self._start, yaw=self._demanded.yaw)
+
+    def _choices(self) -> _Choices:
+        handling = self._autopilot.handling
+        yaw = handling.yaw if self._yaw is None else self._yaw
+        return _Choices(handling.speed, handling.climb, handling.sink, self._towards_region(yaw))
+
+    def _towards_region(self, yaw: float | None) -> float | None:
+        region = self._autopilot.payload.region_of_interest
+        if region is None or self._autopilot.vehicle.type not in _TURNS_ON_THE_SPOT:
+            return yaw
+        north, east, _ = self._autopilot.handling.place
+        wanted = atan2(region[1] - east, region[0] - north)
+        last = self._demanded.yaw if self._demanded is not None else None
+        if last is not None and abs(remainder(wanted - last, 2 * pi)) < _TURN:
+            return last
+        return wanted

@@ -1,0 +1,19 @@
+"""Which rules a firmware's missions have."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.sim.autopilot.mission.ardupilot import ArdupilotMissionRules
+from mavstack.sim.autopilot.mission.px4 import Px4MissionRules
+from mavstack.sim.kinds import Firmware
+
+if TYPE_CHECKING:
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.mission.rules import MissionRules
+
+
+def rules_of(autopilot: Autopilot) -> MissionRules:
+    """The rules for one vehicle's missions."""
+    ours = Px4MissionRules if autopilot.vehicle.firmware is Firmware.PX4 else ArdupilotMissionRules
+    return ours(autopilot)

@@ -1,0 +1,83 @@
+"""The items that stay at a place: a wing circles it, what hovers stays in it or circles it on demand."""
+
+from __future__ import annotations
+
+from math import copysign
+from typing import TYPE_CHECKING
+
+from mavstack.sim.autopilot.behaviours.orbit import Orbit
+from mavstack.sim.autopilot.mission.navigation import fly_as_usual, leave_ground
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.mission.step import Step
+
+_MOST_TURNS = 255.0
+
+
+def loiter_forever(step: Step) -> Iterator[None]:
+    """Stay there until something else is wanted."""
+    yield from _go_and_stay(step, step.place(), step.number(3))
+    while True:
+        step.mission.keep_course()
+        yield
+
+
+def loiter_for_a_time(step: Step) -> Iterator[None]:
+    """Stay there for param 1 seconds."""
+    yield from _go_and_stay(step, step.place(), step.number(3))
+    yield from step.wait(max(step.number(1), 0.0))
+    step.mission.rules.waited(step)
+
+
+def loiter_turns(step: Step) -> Iterator[None]:
+    """Go round it param 1 times."""
+    yield from leave_ground(step)
+    yield from fly_as_usual(step)
+    point, turns = step.place(), min(max(step.number(1), 0.0), _MOST_TURNS)
+    step.mission.origin = point
+    yield from step.behave(Orbit(step.autopilot, point, _radius(step, step.number(3)), turns=turns))
+
+
+def loiter_to_altitude(step: Step) -> Iterator[None]:
+    """Go there, and then up or down."""
+    yield from leave_ground(step)
+    yield from fly_as_usual(step)
+    north, east, down = step.place()
+    if not step.handling.circles:
+        yield from step.travel((north, east, step.handling.place[2]))
+        yield from step.travel((north, east, down))
+        return
+    point, radius = (north, east, down), _radius(step, step.number(2))
+    _circle(step, point, radius)
+    while not (step.handling.has_entered_circle(point, radius) and step.handling.is_at_altitude(down)):
+        yield
+
+
+def _go_and_stay(step: Step, point: Point, radius: float) -> Iterator[None]:
+    yield from leave_ground(step)
+    yield from fly_as_usual(step)
+    if not step.handling.circles:
+        yield from step.travel(point, yaw=step.yaw() if step.mission.rules.yaw_counts else None)
+        return
+    radius = _radius(step, radius)
+    _circle(step, point, radius)
+    while not step.handling.has_entered_circle(point, radius):
+        yield
+
+
+def _circle(step: Step, point: Point, radius: float) -> None:
+    step.mission.course.forget()
+    step.mission.origin = point
+    step.handling.circle(point, radius)
+
+
+def _radius(step: Step, wanted: float) -> float:
+    """A radius that is 0 or 1 names no more than the direction."""
+    figures = step.autopilot.figures
+    usual = figures.loiter_radius if step.handling.circles else figures.circle_radius
+    if abs(wanted) <= 1:
+        return copysign(usual, wanted) if wanted else usual
+    return wanted

@@ -1,0 +1,196 @@
+"""PX4's missions.
+
+Items come one after another, those that only do something too, and any of them can be the current one. What
+has no place must come in the frame MISSION. A mission that ends goes over to holding.
+"""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.sim.autopilot.mission.places import place_of
+from mavstack.sim.autopilot.mission.rules import MissionRules, bad_number, bad_place
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.services.mission import MissionItem
+    from mavstack.sim.autopilot.mission.runner import MissionRunner
+    from mavstack.sim.autopilot.mission.step import Step
+
+_CMD = common.MavCmd
+_F = common.MavFrame
+_RESULT = common.MavMissionResult
+_SEVERITY = common.MavSeverity
+
+#: What has a place, and comes in a global frame.
+PLACED = frozenset(
+    {
+        _CMD.NAV_WAYPOINT,
+        _CMD.NAV_LOITER_UNLIM,
+        _CMD.NAV_LOITER_TIME,
+        _CMD.NAV_LAND,
+        _CMD.NAV_TAKEOFF,
+        _CMD.NAV_LOITER_TO_ALT,
+        _CMD.NAV_ROI,
+        _CMD.DO_SET_ROI,
+        _CMD.DO_SET_ROI_LOCATION,
+        _CMD.NAV_VTOL_TAKEOFF,
+        _CMD.NAV_VTOL_LAND,
+        _CMD.CONDITION_GATE,
+    }
+)
+#: What has none, and comes in the frame MISSION.
+PLACELESS = frozenset(
+    {
+        _CMD.DO_JUMP,
+        _CMD.NAV_ROI,
+        _CMD.DO_SET_ROI,
+        _CMD.DO_WINCH,
+        _CMD.DO_GRIPPER,
+        _CMD.DO_CHANGE_SPEED,
+        _CMD.DO_SET_HOME,
+        _CMD.DO_LAND_START,
+        _CMD.DO_TRIGGER_CONTROL,
+        _CMD.DO_DIGICAM_CONTROL,
+        _CMD.DO_MOUNT_CONFIGURE,
+        _CMD.DO_MOUNT_CONTROL,
+        _CMD.DO_GIMBAL_MANAGER_PITCHYAW,
+        _CMD.DO_GIMBAL_MANAGER_CONFIGURE,
+        _CMD.SET_CAMERA_FOCUS,
+        _CMD.SET_CAMERA_MODE,
+        _CMD.SET_CAMERA_SOURCE,
+        _CMD.IMAGE_START_CAPTURE,
+        _CMD.IMAGE_STOP_CAPTURE,
+        _CMD.VIDEO_START_CAPTURE,
+        _CMD.VIDEO_STOP_CAPTURE,
+        _CMD.DO_CONTROL_VIDEO,
+        _CMD.DO_SET_CAM_TRIGG_DIST,
+        _CMD.DO_SET_CAM_TRIGG_INTERVAL,
+        _CMD.OBLIQUE_SURVEY,
+        _CMD.DO_VTOL_TRANSITION,
+        _CMD.NAV_DELAY,
+        _CMD.CONDITION_DELAY,
+        _CMD.NAV_RETURN_TO_LAUNCH,
+        _CMD.DO_SET_ROI_WPNEXT_OFFSET,
+        _CMD.DO_SET_ROI_NONE,
+        _CMD.DO_SET_ACTUATOR,
+        _CMD.DO_AUTOTUNE_ENABLE,
+        _CMD.COMPONENT_ARM_DISARM,
+    }
+)
+_ANYWHERE = frozenset({_CMD.COMPONENT_ARM_DISARM, _CMD.DO_AUTOTUNE_ENABLE})
+_FRAMES = frozenset({_F.GLOBAL, _F.GLOBAL_RELATIVE_ALT, _F.GLOBAL_INT, _F.GLOBAL_RELATIVE_ALT_INT})
+_REGIONS = frozenset({_CMD.NAV_ROI, _CMD.DO_SET_ROI})
+_REGIONS_PLACED = frozenset({common.MavRoi.NONE, common.MavRoi.LOCATION})
+_REGIONS_PLACELESS = frozenset({common.MavRoi.NONE, common.MavRoi.WPNEXT, common.MavRoi.WPINDEX})
+_ALL = frozenset({1, 2, 3, 4})
+_TAKEOFFS = frozenset({_CMD.NAV_TAKEOFF, _CMD.NAV_VTOL_TAKEOFF})
+_HIGHEST = 1.0e5
+
+
+class Px4MissionRules(MissionRules):
+    """The missions of PX4."""
+
+    first = 0
+    actions_meanwhile = False
+    zero_altitude_is_here = False
+    waypoints_fly_forward = False
+
+    # Uploads
+
+    def check(self, item: MissionItem) -> int:
+        if item.frame in _FRAMES:
+            return self._check_placed(item)
+        if item.frame != _F.MISSION:
+            return _RESULT.UNSUPPORTED_FRAME
+        if item.command not in PLACELESS:
+            return _RESULT.UNSUPPORTED
+        if item.command in _REGIONS and item.param1 not in _REGIONS_PLACELESS:
+            return _RESULT.INVALID_PARAM1
+        return bad_number(item, may_be_nan=_ALL)
+
+    def _check_placed(self, item: MissionItem) -> int:
+        if item.command in _ANYWHERE:
+            return bad_number(item, may_be_nan=_ALL)
+        if item.command not in PLACED:
+            return _RESULT.UNSUPPORTED
+        if item.command in _REGIONS and item.param1 not in _REGIONS_PLACED:
+            return _RESULT.INVALID_PARAM1
+        result = bad_number(item, may_be_nan=_ALL)
+        if result != _RESULT.ACCEPTED:
+            return result
+        return bad_place(item, highest=_HIGHEST, may_be_left_out=True)
+
+    def replaced(self, mission: MissionRunner, was: int) -> None:
+        problem = self.problem(mission)
+        if problem is not None:
+            mission.say(problem, _SEVERITY.CRITICAL)
+        if mission.flying:
+            mission.begin_at(mission.sequence)
+
+    def problem(self, mission: MissionRunner) -> str | None:
+        """Why the mission that was uploaded cannot be flown; None if it can, or if there is none."""
+        moved = False
+        for seq, item in enumerate(mission.items):
+            if seq == 0 and item.command == _CMD.NAV_LAND and self.grounded:
+                return "Mission rejected: starts with landing"
+            if item.command in _TAKEOFFS:
+                if moved:
+                    return "Mission rejected: takeoff not first waypoint item"
+                if not isnan(item.param7) and self._height(item) <= 0:
+                    return "Mission rejected: Takeoff altitude below home altitude!"
+            moved = moved or (item.command in PLACED and item.command not in _REGIONS)
+        return None
+
+    def _height(self, item: MissionItem) -> float:
+        return self.autopilot.home_position[2] - place_of(self.autopilot, item)[2]
+
+    # Flying
+
+    def navigates(self, item: MissionItem) -> bool:
+        return item.command in PLACED and item.command not in _REGIONS | {_CMD.DO_SET_ROI_LOCATION}
+
+    def refusal(self, mission: MissionRunner) -> str | None:
+        if self.autopilot.armed and (not mission.exists or self.problem(mission) is not None):
+            return "Switching to mode 'Mission' is currently not possible"
+        return None
+
+    def began(self, mission: MissionRunner) -> None:
+        if mission.exists and self.problem(mission) is None:
+            mission.say("Executing Mission")
+
+    def started(self, step: Step) -> None:
+        if step.item.command in _TAKEOFFS and self.grounded:
+            step.mission.say(f"Climb to {self._height(step.item):.1f} meters above home")
+
+    @property
+    def takeoff_goes_there(self) -> bool:
+        return True
+
+    @property
+    def yaw_counts(self) -> bool:
+        return True
+
+    def finish(self, mission: MissionRunner) -> Iterator[None]:
+        """A mission that ends on the ground stays in its mode, and is disarmed there."""
+        autopilot, where = self.autopilot, "landed" if self.grounded else "loitering"
+        if not mission.exists:
+            ending = "refusing takeoff" if self.grounded else where
+            mission.say(f"No valid mission available, {ending}", _SEVERITY.CRITICAL)
+        else:
+            mission.say(f"Mission finished, {where}")
+            if self.grounded:
+                mission.later(self._disarm, after=autopilot.figures.land_disarm_delay)
+                autopilot.body.idle()
+                while True:
+                    yield
+        yield from mission.leave(autopilot.flavour.hold, "mission end")
+
+    def _disarm(self) -> None:
+        """It has landed by the mission, which is no mode's landing any more."""
+        autopilot = self.autopilot
+        if autopilot.landed and autopilot.mode.number == autopilot.flavour.mission:
+            autopilot.disarm("landed")

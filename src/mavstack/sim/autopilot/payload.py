@@ -1,0 +1,234 @@
+"""What a vehicle carries and commands move: servos, relays, gripper, parachute, camera, gimbal.
+
+Both firmwares' commands and missions act on it, and telemetry reads it. What is repeated (a servo that goes
+to and fro, pictures every few seconds or metres) goes on with the autopilot's ticks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import atan2, dist, hypot, inf
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.handling import Point
+
+SERVOS = 16
+RELAYS = 6
+_NEUTRAL = 1500
+_HIGHEST_RATE = 10.0
+
+
+@dataclass(slots=True)
+class Gimbal:
+    """Where a gimbal points, in radians; yaw from the nose, or from north if it is locked."""
+
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+    yaw_locked: bool = False
+
+
+@dataclass(slots=True)
+class _Repetition:
+    """Something that is done again and again."""
+
+    act: Callable[[int], None]
+    period: float
+    remaining: float
+    due: float
+    done: int = 0
+
+
+@dataclass(slots=True)
+class _Trigger:
+    """Pictures every so many metres."""
+
+    distance: float
+    last: Point = field(default=(inf, inf, inf))
+
+
+class Payload:
+    """The payload of one vehicle; one of its autopilot's watches."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        self._autopilot = autopilot
+        #: PWM that commands gave, by the servo's number, beginning at 1.
+        self.servos: dict[int, int] = {}
+        self.relays: dict[int, bool] = {}
+        self.gripper_closed = False
+        self.parachute_enabled = False
+        self.parachute_released = False
+        self.sprayer = False
+        #: Metres of line that are out.
+        self.winch = 0.0
+        self.images = 0
+        self.recording = False
+        self.zoom = 0.0
+        self.focus = 0.0
+        self.gimbal = Gimbal()
+        #: The motor that is being tested, 0 for none, and its throttle from 0 to 1.
+        self.motor_tested, self.motor_throttle = 0, 0.0
+        self.motor_tested_until = -inf
+        #: What the nose or the gimbal keeps looking at, in local metres.
+        self.region_of_interest: Point | None = None
+        self._repetitions: dict[str, _Repetition] = {}
+        self._trigger: _Trigger | None = None
+
+    # Outputs
+
+    def set_servo(self, number: int, pwm: int) -> bool:
+        """Move a servo; False if there is no such servo."""
+        if not 1 <= number <= SERVOS:
+            return False
+        self._repetitions.pop(f"servo {number}", None)
+        self.servos[number] = min(max(pwm, 0), 2500)
+        return True
+
+    def repeat_servo(self, number: int, pwm: int, count: float, period: float) -> bool:
+        """Move a servo between a position and its middle, `count` times."""
+        if not self.set_servo(number, pwm):
+            return False
+
+        def move(turn: int) -> None:
+            self.servos[number] = pwm if turn % 2 == 0 else _NEUTRAL
+
+        self._repeat(f"servo {number}", move, period / 2, count * 2)
+        return True
+
+    def set_relay(self, number: int, *, on: bool) -> bool:
+        """Switch a relay; False if there is no such relay."""
+        if not 0 <= number < RELAYS:
+            return False
+        self._repetitions.pop(f"relay {number}", None)
+        self.relays[number] = on
+        return True
+
+    def repeat_relay(self, number: int, count: float, period: float) -> bool:
+        """Switch a relay to and fro, `count` times."""
+        if not self.set_relay(number, on=not self.relays.get(number, False)):
+            return False
+
+        def switch(turn: int) -> None:
+            self.relays[number] = not self.relays[number]
+
+        self._repeat(f"relay {number}", switch, period / 2, count * 2 - 1)
+        return True
+
+    def grip(self, *, closed: bool) -> None:
+        """Take hold, or let go."""
+        self.gripper_closed = closed
+
+    def release_parachute(self) -> bool:
+        """Let the parachute out, which stops the motors; False if it is not enabled or was let out before."""
+        if not self.parachute_enabled or self.parachute_released:
+            return False
+        self.parachute_released = True
+        self._autopilot.disarm("parachute released")
+        return True
+
+    def wind(self, action: int, length: float, rate: float) -> None:
+        """Let line out: relaxed (0), by so many metres (1), or at a rate in metres a second (2)."""
+        self._repetitions.pop("winch", None)
+        if action == 1:
+            self.winch = max(self.winch + length, 0.0)
+        elif action == 2:
+            period = 1 / _HIGHEST_RATE
+
+            def pull(turn: int) -> None:
+                self.winch = max(self.winch + rate * period, 0.0)
+
+            self._repeat("winch", pull, period, inf)
+
+    def test_motor(self, number: int, throttle: float, seconds: float) -> None:
+        """Turn one motor for a while, at a share of its throttle in percent."""
+        self.motor_tested, self.motor_throttle = number, min(max(throttle, 0.0), 100.0) / 100
+        self.motor_tested_until = self._autopilot.now + seconds
+
+    # Camera
+
+    def take_image(self) -> None:
+        """Take one picture, and tell where."""
+        self.images += 1
+        vehicle, here = self._autopilot.vehicle, self._autopilot.body.estimate
+        latitude, longitude, altitude = self._autopilot.body.frame.to_global(here.north, here.east, here.down)
+        vehicle.services.send(
+            common.CameraImageCaptured(
+                time_boot_ms=vehicle.uptime_ms,
+                time_utc=int(vehicle.now * 1e6),
+                camera_id=1,
+                lat=round(latitude * 1e7),
+                lon=round(longitude * 1e7),
+                alt=round(altitude * 1e3),
+                relative_alt=round(self._autopilot.altitude * 1e3),
+                image_index=self.images - 1,
+                capture_result=1,
+            )
+        )
+
+    def take_images(self, period: float, count: float) -> None:
+        """Take pictures every `period` seconds, `count` of them; infinite: until it is told to stop."""
+        self.take_image()
+        if count > 1:
+            self._repeat("camera", lambda _: self.take_image(), period, count - 1)
+
+    def take_images_every(self, distance: float) -> None:
+        """Take a picture every `distance` metres; 0 ends that."""
+        self._trigger = _Trigger(distance) if distance > 0 else None
+
+    def stop_images(self) -> None:
+        """Take no more pictures."""
+        self._repetitions.pop("camera", None)
+        self._trigger = None
+
+    @property
+    def takes_images(self) -> bool:
+        """Whether pictures are taken again and again."""
+        return "camera" in self._repetitions or self._trigger is not None
+
+    def clear_region(self) -> None:
+        """Look ahead again."""
+        self.region_of_interest, self.gimbal = None, Gimbal()
+
+    # Time
+
+    def tick(self, now: float) -> None:
+        """Do what is repeated, and look at the region of interest."""
+        for name, repetition in tuple(self._repetitions.items()):
+            if now >= repetition.due:
+                repetition.due = now + repetition.period
+                repetition.act(repetition.done + 1)
+                repetition.done += 1
+                if repetition.done >= repetition.remaining:
+                    self._repetitions.pop(name, None)
+        if self.motor_tested and now >= self.motor_tested_until:
+            self.motor_tested, self.motor_throttle = 0, 0.0
+        self._look_at_trigger()
+        self._look_at_region()
+
+    def _repeat(self, name: str, act: Callable[[int], None], period: float, count: float) -> None:
+        if count > 0:
+            period = max(period, 1 / _HIGHEST_RATE)
+            self._repetitions[name] = _Repetition(act, period, count, self._autopilot.now + period)
+
+    def _look_at_trigger(self) -> None:
+        trigger, place = self._trigger, self._autopilot.handling.place
+        if trigger is not None and dist(trigger.last[:2], place[:2]) >= trigger.distance:
+            trigger.last = place
+            self.take_image()
+
+    def _look_at_region(self) -> None:
+        region = self.region_of_interest
+        if region is not None:
+            north, east, down = self._autopilot.handling.place
+            away = hypot(region[0] - north, region[1] - east)
+            self.gimbal = Gimbal(
+                pitch=atan2(down - region[2], away),
+                yaw=atan2(region[1] - east, region[0] - north),
+                yaw_locked=True,
+            )

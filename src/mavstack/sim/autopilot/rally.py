@@ -1,0 +1,91 @@
+"""Rally points: where to return to instead of home.
+
+ArduPilot takes the nearest one within RALLY_LIMIT_KM; with RALLY_INCL_HOME home counts as one. PX4 takes the
+nearest of them and home.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.services.frames import GLOBAL_FRAMES
+from mavstack.services.mission import PlanReplaced, PlanType
+from mavstack.sim.autopilot.mission.places import place_of
+from mavstack.sim.autopilot.mission.rules import bad_place
+from mavstack.sim.kinds import Firmware
+
+if TYPE_CHECKING:
+    from mavstack.services.mission import MissionItem
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.handling import Point
+
+_RESULT = common.MavMissionResult
+_KILOMETRE = 1000.0
+_HIGHEST = 83000.0
+_TERRAIN = frozenset({common.MavFrame.GLOBAL_TERRAIN_ALT, common.MavFrame.GLOBAL_TERRAIN_ALT_INT})
+
+
+class RallyPoints:
+    """The rally points of one vehicle."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        self._autopilot = autopilot
+        autopilot.vehicle.on(PlanReplaced, self._plan_replaced)
+
+    @property
+    def points(self) -> list[Point]:
+        """All of them, in local metres."""
+        items = self._autopilot.vehicle.plans.get(PlanType.RALLY).items
+        return [place_of(self._autopilot, item) for item in items]
+
+    def nearest(self) -> Point | None:
+        """The one to return to, as high as it was given; None: home is to be taken."""
+        handling = self._autopilot.handling
+        nearest = min(self.points, key=handling.distance, default=None)
+        if nearest is None:
+            return None
+        away = handling.distance(nearest)
+        if away > self._limit or (self._home_counts and handling.distance(self._home) <= away):
+            return None
+        return nearest
+
+    def destination(self) -> Point:
+        """Where to return to: the place of a rally point or home, as high as home."""
+        nearest = self.nearest()
+        return self._home if nearest is None else (nearest[0], nearest[1], self._home[2])
+
+    @property
+    def _home(self) -> Point:
+        return self._autopilot.home_position
+
+    @property
+    def _limit(self) -> float:
+        limit = self._number("RALLY_LIMIT_KM")
+        return limit * _KILOMETRE if limit > 0 else inf
+
+    @property
+    def _home_counts(self) -> bool:
+        if self._autopilot.vehicle.firmware is Firmware.PX4:
+            return True
+        return self._number("RALLY_INCL_HOME") > 0
+
+    def _number(self, name: str) -> float:
+        value = float(self._autopilot.vehicle.parameters.get(name, 0.0))
+        return value if abs(value) < inf else 0.0
+
+    def _plan_replaced(self, event: PlanReplaced) -> None:
+        vehicle = self._autopilot.vehicle
+        if event.plan.type == PlanType.RALLY and event.plan.items and vehicle.firmware is Firmware.ARDUPILOT:
+            vehicle.say("Rally points received")
+
+
+def check_rally_item(item: MissionItem, firmware: Firmware) -> int:
+    """Judge one item of rally points: MAV_MISSION_RESULT."""
+    if item.command != common.MavCmd.NAV_RALLY_POINT:
+        return _RESULT.UNSUPPORTED
+    frames = GLOBAL_FRAMES - _TERRAIN if firmware is Firmware.PX4 else GLOBAL_FRAMES
+    if item.frame not in frames:
+        return _RESULT.UNSUPPORTED_FRAME
+    return bad_place(item, highest=_HIGHEST)

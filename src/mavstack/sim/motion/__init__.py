@@ -1,0 +1,25 @@
+"""How bodies move: truth, sensors, estimate and inner loops; no MAVLink."""
+
+from mavstack.sim.motion.body import Body
+from mavstack.sim.motion.geodesy import LocalFrame
+from mavstack.sim.motion.readings import (
+    BatteryState,
+    EstimateHealth,
+    Limits,
+    Motion,
+    SensorReadings,
+    Wind,
+)
+from mavstack.sim.motion.world import World
+
+__all__ = [
+    "BatteryState",
+    "Body",
+    "EstimateHealth",
+    "Limits",
+    "LocalFrame",
+    "Motion",
+    "SensorReadings",
+    "Wind",
+    "World",
+]

@@ -1,0 +1,147 @@
+"""All numbers of all bodies, by name (see `arrays`).
+
+`Fleet` is cut into what a reader of a body may ask (first, so that one short copy of a column holds it),
+what only the step knows, what is demanded, faults, and the figures of the airframe and its limits.
+Vectors are north, east, down in metres, or roll, pitch, yaw in radians; thrusts are in m/s2 or, where named
+so, shares of the full one.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from mavstack.sim.motion.arrays import Array, Quad, Rows, Scalar, Vector
+from mavstack.sim.motion.noise import WANDERS
+
+Gps = Annotated[Array, 6]
+Wanders = Annotated[Array, WANDERS]
+
+
+class Fleet(Rows):
+    """Every row."""
+
+    # --- read by `Body`: the truth, in the order of `Motion`
+    position: Vector
+    velocity: Vector
+    acceleration: Vector
+    attitude: Vector
+    rates: Vector
+    # the estimate; accelerations and rates are known as they are
+    position_estimate: Vector
+    velocity_estimate: Vector
+    attitude_estimate: Vector
+    position_error: Vector
+    drift_velocity: Vector
+    yaw_error: Scalar
+    lost_time: Scalar
+    # surroundings and actuators
+    airspeed: Scalar
+    air: Vector
+    on_ground: Scalar
+    transition: Scalar
+    throttle: Scalar
+    controls: Vector
+    lift_thrust: Scalar
+    lift_share: Scalar
+    drive_thrust: Scalar
+    running: Scalar
+    voltage: Scalar
+    current: Scalar
+    consumed: Scalar
+    remaining: Scalar
+    temperature: Scalar
+    # the GPS receiver's last report: place and velocity; and the one it is still working on
+    gps: Gps
+    # faults
+    gps_lost: Scalar
+    spoof: Vector
+    compass_turn: Scalar
+    sag: Scalar
+    baro_drift: Scalar
+    lift_left: Scalar
+    drive_left: Scalar
+    spin: Scalar
+    lean: Vector
+    # limits, in the order of `Limits`
+    speed: Scalar
+    climb: Scalar
+    sink: Scalar
+    tilt: Scalar
+    acceleration_limit: Scalar
+    turn_rate: Scalar
+    loiter_radius: Scalar
+    airspeed_cruise: Scalar
+    airspeed_min: Scalar
+    airspeed_max: Scalar
+    cells: Scalar
+    capacity: Scalar
+
+    # --- known to the step only
+    gps_pending: Gps
+    gps_phase: Scalar
+    wander: Wanders
+    drift_bias: Vector
+    sines: Vector
+    cosines: Vector
+    forward: Vector
+    right: Vector
+    below: Vector
+    force: Vector
+    wing_up: Scalar
+    authority: Scalar
+    power: Scalar
+    velocity_wanted: Vector
+    velocity_command: Vector
+    acceleration_ahead: Vector
+    integral: Vector
+    speed_command: Scalar
+    speed_integral: Scalar
+    climb_integral: Scalar
+    roll_wanted: Scalar
+    pitch_wanted: Scalar
+    turn_wanted: Scalar
+    push: Vector
+    thrust: Vector
+
+    # --- demanded
+    mode: Scalar
+    target: Vector
+    start: Vector
+    along: Vector
+    line_length: Scalar
+    pace: Quad
+    radius: Scalar
+    yaw_mode: Scalar
+    yaw_demand: Scalar
+    stick: Quad
+    go_forward: Scalar
+
+    # --- figures of the airframe
+    drag_linear: Scalar
+    drag_quadratic: Scalar
+    lift: Scalar
+    lift_response: Scalar
+    drive: Scalar
+    drive_speed: Scalar
+    drive_response: Scalar
+    wing: Scalar
+    position_gain: Scalar
+    velocity_gain: Scalar
+    integral_gain: Scalar
+    heave_gain: Scalar
+    attitude_gain: Scalar
+    rate_limit: Vector
+    rate_response: Scalar
+    angular_acceleration: Scalar
+    floor: Scalar
+    ceiling: Scalar
+    friction: Scalar
+    rest_pitch: Scalar
+    power_idle: Scalar
+    power_lift: Scalar
+    power_drive: Scalar
+    resistance: Scalar
+
+
+#: How many rows from the first on a reader may ask.
+PUBLISHED = Fleet.ROWS["gps_pending"][0]

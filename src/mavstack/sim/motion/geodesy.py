@@ -1,0 +1,64 @@
+"""From latitude and longitude to metres around an origin, and back.
+
+On the WGS 84 ellipsoid a small step north is M(latitude) and a small step east N(latitude) cos(latitude)
+metres per radian. Over a distance both are taken at the latitude half way, which leaves errors of some
+1e-5 of the distance at 50 km: the local plane is rolled onto the Earth, so that `down` stays the height
+above the surface, however far away. Back again, the latitude half way is found by iteration.
+"""
+
+from __future__ import annotations
+
+import math
+
+#: WGS 84: half of the longer axis in metres, and the square of the eccentricity.
+SEMI_MAJOR_AXIS = 6378137.0
+ECCENTRICITY_SQUARED = 6.69437999014e-3
+#: East of a pole is nowhere; the cosine of the latitude is kept above this.
+LEAST_COSINE = 1e-6
+#: An iteration that moves the latitude by less, in degrees, is the last: a tenth of a millimetre.
+CLOSE_ENOUGH = 1e-9
+
+
+def radii(latitude: float) -> tuple[float, float]:
+    """Give metres per radian going north, and going east, at a latitude in radians."""
+    sine = math.sin(latitude)
+    shrink = 1.0 - ECCENTRICITY_SQUARED * sine * sine
+    across = SEMI_MAJOR_AXIS / math.sqrt(shrink)
+    return across * (1.0 - ECCENTRICITY_SQUARED) / shrink, across * max(math.cos(latitude), LEAST_COSINE)
+
+
+class LocalFrame:
+    """North, east, down in metres around an origin in degrees and metres above mean sea level."""
+
+    __slots__ = ("_along", "altitude", "latitude", "longitude")
+
+    def __init__(self, latitude: float, longitude: float, altitude: float) -> None:
+        self.latitude = latitude
+        self.longitude = longitude
+        self.altitude = altitude
+        self._along, _ = radii(math.radians(latitude))
+
+    def to_local(self, latitude: float, longitude: float, altitude: float) -> tuple[float, float, float]:
+        """Give (north, east, down) of a place."""
+        along, across = radii(math.radians(0.5 * (latitude + self.latitude)))
+        east = math.remainder(longitude - self.longitude, 360.0)
+        return (
+            math.radians(latitude - self.latitude) * along,
+            math.radians(east) * across,
+            self.altitude - altitude,
+        )
+
+    def to_global(self, north: float, east: float, down: float) -> tuple[float, float, float]:
+        """Give (latitude, longitude, altitude) of a place."""
+        latitude, across = self.latitude + math.degrees(north / self._along), 1.0
+        for _ in range(3):
+            before = latitude
+            along, across = radii(math.radians(0.5 * (latitude + self.latitude)))
+            latitude = min(max(self.latitude + math.degrees(north / along), -90.0), 90.0)
+            if abs(latitude - before) < CLOSE_ENOUGH:
+                break
+        longitude = math.remainder(self.longitude + math.degrees(east / across), 360.0)
+        return latitude, longitude, self.altitude - down
+
+    def __repr__(self) -> str:
+        return f"LocalFrame({self.latitude}, {self.longitude}, {self.altitude})"

@@ -1,0 +1,103 @@
+"""What can be read of a body: plain values of plain floats."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Motion(NamedTuple):
+    """Place, speed and attitude: metres from the origin of the body's frame, radians."""
+
+    north: float
+    east: float
+    down: float
+    velocity_north: float
+    velocity_east: float
+    velocity_down: float
+    acceleration_north: float
+    acceleration_east: float
+    acceleration_down: float
+    roll: float
+    pitch: float
+    yaw: float
+    roll_rate: float
+    pitch_rate: float
+    yaw_rate: float
+
+
+class Wind(NamedTuple):
+    """The air's velocity where a body is, in m/s."""
+
+    north: float
+    east: float
+    down: float
+
+
+class BatteryState(NamedTuple):
+    """Volts, amperes, mAh, share of the capacity left, degrees Celsius."""
+
+    voltage: float
+    current: float
+    consumed: float
+    remaining: float
+    temperature: float
+    capacity: float
+    cells: int
+
+
+class SensorReadings(NamedTuple):
+    """What the sensors say: rad/s, m/s2 (specific force, body axes), gauss, hPa, degrees, metres."""
+
+    gyro_x: float
+    gyro_y: float
+    gyro_z: float
+    acceleration_x: float
+    acceleration_y: float
+    acceleration_z: float
+    magnetic_x: float
+    magnetic_y: float
+    magnetic_z: float
+    pressure: float
+    differential_pressure: float
+    temperature: float
+    distance: float
+    heading: float
+    gps_latitude: float
+    gps_longitude: float
+    gps_altitude: float
+    gps_velocity_north: float
+    gps_velocity_east: float
+    gps_velocity_down: float
+    gps_fix: int
+    gps_satellites: int
+    gps_eph: float
+    gps_epv: float
+
+
+class EstimateHealth(NamedTuple):
+    """Which parts of the estimate can be relied on, and how badly the sensors fit it (1 is the gate)."""
+
+    attitude: bool
+    heading: bool
+    velocity: bool
+    horizontal: bool
+    vertical: bool
+    velocity_variance: float
+    position_variance: float
+    height_variance: float
+    compass_variance: float
+
+
+class Limits(NamedTuple):
+    """The figures of a body that an autopilot's parameters set: m/s, m/s2, radians, rad/s, metres."""
+
+    speed: float
+    climb: float
+    sink: float
+    tilt: float
+    acceleration: float
+    turn_rate: float
+    loiter_radius: float
+    airspeed_cruise: float
+    airspeed_min: float
+    airspeed_max: float

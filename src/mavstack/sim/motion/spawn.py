@@ -1,0 +1,87 @@
+"""A body's first column: at rest at its home, battery full, everything whole."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mavstack.sim.motion.battery import AMBIENT, CELL_VOLTAGE
+from mavstack.sim.motion.estimate import BARO_DEVIATION, DRIFT_BIAS, GPS_DEVIATION
+from mavstack.sim.motion.fleet import Fleet
+
+if TYPE_CHECKING:
+    from mavstack.sim.kinds import Home
+    from mavstack.sim.motion.airframes import Airframe
+    from mavstack.sim.motion.arrays import Array
+
+#: Figures of an airframe that are rows of the same name.
+COPIED = (
+    "speed",
+    "climb",
+    "sink",
+    "tilt",
+    "turn_rate",
+    "loiter_radius",
+    "airspeed_cruise",
+    "airspeed_min",
+    "airspeed_max",
+    "cells",
+    "capacity",
+    "drag_linear",
+    "drag_quadratic",
+    "lift",
+    "drive",
+    "drive_speed",
+    "wing",
+    "position_gain",
+    "velocity_gain",
+    "integral_gain",
+    "heave_gain",
+    "attitude_gain",
+    "angular_acceleration",
+    "floor",
+    "ceiling",
+    "friction",
+    "rest_pitch",
+    "power_idle",
+    "power_lift",
+    "power_drive",
+    "resistance",
+)
+
+
+def new_column(airframe: Airframe, home: Home, wander: Array, step: float, phase: int) -> Array:
+    """Give all numbers of a new body."""
+    one = Fleet(np.zeros((Fleet.HEIGHT, 1)))
+    for name in COPIED:
+        one.data[Fleet.ROWS[name][0]] = getattr(airframe, name)
+    one.acceleration_limit[:] = airframe.acceleration
+    one.rate_limit[:, 0] = airframe.roll_rate, airframe.pitch_rate, airframe.yaw_rate
+    for response, lag in (
+        (one.lift_response, airframe.lift_lag),
+        (one.drive_response, airframe.drive_lag),
+        (one.rate_response, airframe.rate_lag),
+    ):
+        response[:] = -math.expm1(-step / lag)
+    one.pace[:, 0] = airframe.speed, airframe.climb, airframe.sink, airframe.airspeed_cruise
+    one.lift_left[:] = one.drive_left[:] = one.remaining[:] = one.authority[:] = one.on_ground[:] = 1.0
+    one.voltage[:] = CELL_VOLTAGE[-1] * airframe.cells
+    one.temperature[:] = AMBIENT
+    one.gps_phase[:] = phase
+    _believe(one, home, wander)
+    return one.data[:, 0]
+
+
+def _believe(one: Fleet, home: Home, wander: Array) -> None:
+    """Set attitude and estimate, and which way dead reckoning will drift."""
+    one.wander[:, 0] = wander
+    yaw = math.remainder(math.radians(home.heading), math.tau)
+    one.attitude[2] = one.attitude_estimate[2] = one.yaw_demand[:] = yaw
+    one.position_error[:2, 0] = GPS_DEVIATION * wander[3:5]
+    one.position_error[2] = BARO_DEVIATION * wander[12]
+    one.position_estimate[:] = one.position_error
+    one.gps[:3] = one.gps_pending[:3] = one.position_error
+    way = math.atan2(wander[3], wander[4])
+    one.drift_bias[:2, 0] = DRIFT_BIAS * math.cos(way), DRIFT_BIAS * math.sin(way)

@@ -1,0 +1,174 @@
+"""What keeps a PX4 from being armed, and what it says of it.
+
+PX4 tells most reasons twice: as events, and as STATUSTEXT beginning with "Preflight Fail:". Here all come as
+text. They are said when they arise while the vehicle is disarmed, when RUN_PREARM_CHECKS asks for them, and
+when somebody tries to arm.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from mavstack.dialects import common
+from mavstack.sim.kinds import VehicleType
+from mavstack.sim.px4.modes import MISSION, OFFBOARD, RETURN
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.px4.state import Px4State
+
+Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"
+
+REFUSED: Final = "Arming denied: Resolve system health failures first"
+_FIX_3D: Final = 3  # GPS_FIX_TYPE_3D_FIX
+_GATE: Final = 1.0
+_IN_AIRPLANE_MODE: Final = 0.5
+#: COM_ARM_WO_GPS.
+_DENY = 0
+
+
+def problems_of(autopilot: Autopilot) -> Iterator[str]:
+    """Everything that keeps a vehicle from being armed in the mode that it is in."""
+    if not autopilot.booted:
+        yield "Preflight Fail: ekf2 missing data"
+        return
+    for check in _CHECKS:
+        yield from check(autopilot)
+
+
+def _system(autopilot: Autopilot) -> Iterator[str]:
+    if autopilot.terminated:
+        yield "Preflight Fail: Flight termination active"
+    parameters = autopilot.vehicle.parameters
+    on_wing = autopilot.vehicle.type is VehicleType.VTOL and autopilot.body.transition > _IN_AIRPLANE_MODE
+    if on_wing and not int(parameters["CBRK_VTOLARMING"]):
+        yield "Preflight Fail: Vehicle is not in multicopter mode"
+    if not int(parameters["COM_ARMABLE"]):
+        yield "Preflight Fail: Vehicle is in safety configuration"
+
+
+def _estimate(autopilot: Autopilot) -> Iterator[str]:
+    health = autopilot.body.health
+    if not health.attitude:
+        yield "Preflight Fail: ekf2 missing data"
+    if not health.heading:
+        yield "Preflight Fail: heading estimate invalid"
+    if not health.vertical or health.height_variance > _GATE:
+        yield "Preflight Fail: height estimate not stable"
+    if health.horizontal and health.position_variance > _GATE:
+        yield "Preflight Fail: horizontal position unstable"
+    if health.horizontal and health.velocity_variance > _GATE:
+        yield "Preflight Fail: horizontal velocity unstable"
+
+
+def _compass(autopilot: Autopilot) -> Iterator[str]:
+    if int(autopilot.vehicle.parameters["SYS_HAS_MAG"]) and autopilot.body.health.compass_variance > _GATE:
+        yield "Preflight Fail: Compass 0 fault"
+
+
+def _gps(autopilot: Autopilot) -> Iterator[str]:
+    """Satellites, if COM_ARM_WO_GPS says that it does not go without them."""
+    parameters = autopilot.vehicle.parameters
+    if int(parameters["SYS_HAS_GPS"]) and int(parameters["COM_ARM_WO_GPS"]) == _DENY:
+        if autopilot.body.sensors.gps_fix < _FIX_3D:
+            yield "Preflight Fail: GPS fix too low"
+        if not autopilot.has_position:
+            yield "Preflight Fail: Global position estimate required"
+        if autopilot.home is None:
+            yield "Preflight Fail: Home position required"
+
+
+def _battery(autopilot: Autopilot) -> Iterator[str]:
+    left, parameters = autopilot.body.battery.remaining, autopilot.vehicle.parameters
+    if left <= float(parameters["BAT_EMERGEN_THR"]):
+        yield "Emergency battery level"
+    elif left <= float(parameters["BAT_CRIT_THR"]):
+        yield "Critical battery"
+    elif left <= max(float(parameters["BAT_LOW_THR"]), float(parameters["COM_ARM_BAT_MIN"])):
+        yield "Low battery"
+
+
+def _mode(autopilot: Autopilot) -> Iterator[str]:
+    """What the mode needs."""
+    mode = autopilot.mode
+    if not mode.may_arm:
+        yield "Preflight Fail: Mode not suitable for arming"
+    if mode.needs_position and not autopilot.has_position:
+        yield "Preflight Fail: No valid global position estimate"
+    if mode.by_hand and not autopilot.radio.present:
+        yield "Preflight Fail: No manual control input"
+    if mode.number == MISSION and not _has_mission(autopilot):
+        yield "Preflight Fail: No valid mission available"
+    if mode.number == RETURN and autopilot.home is None:
+        yield "Preflight Fail: Home position not set"
+    if mode.number == OFFBOARD and not autopilot.guided.stream_alive:
+        yield "Preflight Fail: No offboard signal"
+
+
+def _has_mission(autopilot: Autopilot) -> bool:
+    return autopilot.mission.rules.valid(autopilot.mission)
+
+
+def _mission(autopilot: Autopilot) -> Iterator[str]:
+    if int(autopilot.vehicle.parameters["COM_ARM_MIS_REQ"]) and not _has_mission(autopilot):
+        yield "Preflight Fail: No valid mission available"
+
+
+def _fence(autopilot: Autopilot) -> Iterator[str]:
+    yield from autopilot.fence.problems()
+
+
+def _ground(autopilot: Autopilot) -> Iterator[str]:
+    """NAV_DLL_ACT needs somebody whose silence would count."""
+    if int(autopilot.vehicle.parameters["NAV_DLL_ACT"]) > 0:
+        stations = autopilot.vehicle.services.discovery.components.values()
+        if not any(station.type == common.MavType.GCS for station in stations):
+            yield "Preflight Fail: No connection to the GCS"
+
+
+_CHECKS: Final[tuple[Check, ...]] = (
+    _system,
+    _estimate,
+    _compass,
+    _gps,
+    _battery,
+    _mode,
+    _mission,
+    _fence,
+    _ground,
+)
+
+
+class PreflightWatch:
+    """Says what keeps a disarmed vehicle from being armed, when it arises."""
+
+    def __init__(self, autopilot: Autopilot, state: Px4State) -> None:
+        self._autopilot, self._state = autopilot, state
+        self._said: frozenset[str] = frozenset()
+        self._due = autopilot.booted_at
+
+    def tick(self, now: float) -> None:
+        """Look once a second, and say."""
+        if now < self._due or self._autopilot.armed or not self._autopilot.booted:
+            return
+        self._due = now + 1.0
+        found = frozenset(problem for problem in problems_of(self._autopilot) if problem not in _OF_MODES)
+        for problem in sorted(found - self._said):
+            self._autopilot.vehicle.say(problem, common.MavSeverity.CRITICAL)
+        self._said = found
+        self._state.healthy = not found
+
+
+#: What is only said to somebody who tries.
+_OF_MODES: Final = frozenset(
+    {
+        "Preflight Fail: Mode not suitable for arming",
+        "Preflight Fail: No manual control input",
+        "Preflight Fail: No valid mission available",
+        "Preflight Fail: No offboard signal",
+        "Preflight Fail: Home position not set",
+        "Preflight Fail: No connection to the GCS",
+    }
+)

@@ -1,0 +1,212 @@
+"""The commands that PX4 takes, as it answers them: arming, modes, home, missions.
+
+Flying is in `movement.py`, what is done on the ground in `upkeep.py`, failures in `failures.py`. Everything
+that is not registered is answered UNSUPPORTED by the server. PX4 refuses most of what it cannot do now with
+TEMPORARILY_REJECTED, and tells why to ground stations that have the component id of mission planners.
+"""
+
+from __future__ import annotations
+
+from math import isfinite, radians
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.sim.autopilot.commands import (
+    ArmingCommands,
+    CommandGroup,
+    Handlers,
+    HomeCommands,
+    MissionCommands,
+    number,
+    take,
+    whole,
+)
+from mavstack.sim.px4.checks import problems_of
+from mavstack.sim.px4.choosing import AUTO, choose_mode, custom_mode_of, mode_of_flags, unavailable
+from mavstack.sim.px4.failures import FailureCommands
+from mavstack.sim.px4.modes import BY_THEMSELVES, MISSION, STANDARD_MODES, STANDARD_MODES_OF_WINGS
+from mavstack.sim.px4.movement import Px4Movement
+from mavstack.sim.px4.orders import arm, disarm
+from mavstack.sim.px4.state import BY_COMMAND, BY_MISSION
+from mavstack.sim.px4.upkeep import Px4Upkeep
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.services.command import CommandRequest
+    from mavstack.sim.px4.state import Px4State
+    from mavstack.sim.vehicle import Vehicle
+
+_CMD, _RESULT = common.MavCmd, common.MavResult
+_CRITICAL = common.MavSeverity.CRITICAL
+_FLAGS: Final = common.MavModeFlag
+_FORCE: Final = 21196
+#: To whom a refused mode is explained.
+_PLANNER: Final = common.MavComponent.MISSIONPLANNER
+
+
+class Px4Arming(ArmingCommands):
+    """Arming and disarming, with PX4's words."""
+
+    refusal = _RESULT.TEMPORARILY_REJECTED
+
+    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+        super().__init__(vehicle)
+        self._state = state
+
+    def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
+        """COMPONENT_ARM_DISARM."""
+        wanted, force = request.command.param1, number(request.command.param2)
+        if not isfinite(wanted) or round(wanted) not in (0, 1):
+            self.vehicle.say(f"Unsupported ARM_DISARM param: {wanted:.3f}", _CRITICAL)
+            return _RESULT.UNSUPPORTED
+        forced = round(force) == _FORCE
+        return self.arm(force=False) if round(wanted) else self.disarm(force=forced)
+
+    def arm(self, *, force: bool) -> common.MavResult:
+        """Arm; a command from outside cannot skip the checks."""
+        armed = arm(self.vehicle, self._state, BY_COMMAND)
+        return _RESULT.ACCEPTED if armed else self.refusal
+
+    def disarm(self, *, force: bool) -> common.MavResult:
+        """Disarm; in the air only if it is forced."""
+        disarmed = disarm(self.vehicle, self._state, BY_COMMAND, force=force)
+        return _RESULT.ACCEPTED if disarmed else self.refusal
+
+    def run_checks(self, request: CommandRequest) -> common.MavResult:
+        """RUN_PREARM_CHECKS."""
+        for problem in () if self.autopilot.armed else problems_of(self.autopilot):
+            self.vehicle.say(problem, _CRITICAL)
+        return _RESULT.ACCEPTED
+
+    def terminate(self, request: CommandRequest) -> common.MavResult:
+        """DO_FLIGHTTERMINATION: only of what is armed."""
+        if not (request.command.param1 > 0.5 and self.autopilot.armed):
+            return _RESULT.DENIED
+        self.autopilot.terminate()
+        return _RESULT.ACCEPTED
+
+
+class ModeCommands(CommandGroup):
+    """DO_SET_MODE and DO_SET_STANDARD_MODE; disarmed, any mode may be chosen."""
+
+    def handlers(self) -> Handlers:
+        return {_CMD.DO_SET_MODE: self.set_mode, _CMD.DO_SET_STANDARD_MODE: self.set_standard_mode}
+
+    def set_mode(self, request: CommandRequest) -> common.MavResult:
+        """DO_SET_MODE: by PX4's numbers, or by flags alone."""
+        command = request.command
+        flags, main, sub = (
+            whole(number(value)) or 0 for value in (command.param1, command.param2, command.param3)
+        )
+        if not flags & _FLAGS.CUSTOM_MODE_ENABLED:
+            wanted = mode_of_flags(flags)
+            return self._unsupported("base") if wanted is None else self._choose(wanted, request)
+        mode = self.autopilot.find_mode(custom_mode_of(main, sub))
+        if mode is None or mode.number in BY_THEMSELVES:
+            return self._unsupported("auto" if main == AUTO else "main")
+        return self._choose(mode.number, request)
+
+    def set_standard_mode(self, request: CommandRequest) -> common.MavResult:
+        """DO_SET_STANDARD_MODE."""
+        names = STANDARD_MODES_OF_WINGS if self.autopilot.handling.circles else STANDARD_MODES
+        wanted = names.get(whole(request.command.param1) or 0)
+        if wanted is None or self.autopilot.find_mode(wanted) is None:
+            return _RESULT.FAILED
+        return self._choose(wanted, request)
+
+    def _choose(self, wanted: int, request: CommandRequest) -> common.MavResult:
+        """Enter a mode; why it cannot be is told to ground stations alone."""
+        refused = choose_mode(self.vehicle, wanted)
+        if refused is None:
+            return _RESULT.ACCEPTED
+        if request.source.component == _PLANNER:
+            self.vehicle.say(refused, _CRITICAL)
+        return _RESULT.TEMPORARILY_REJECTED
+
+    def _unsupported(self, kind: str) -> common.MavResult:
+        self.vehicle.say(f"Unsupported {kind} mode", _CRITICAL)
+        return _RESULT.TEMPORARILY_REJECTED
+
+
+class Px4Home(HomeCommands):
+    """Home, and what is looked at."""
+
+    def handlers(self) -> Handlers:
+        handlers = dict(super().handlers())
+        del handlers[_CMD.GET_HOME_POSITION]
+        return handlers | {_CMD.NAV_ROI: self.set_region}
+
+    def set_home(self, request: CommandRequest) -> common.MavResult:
+        """DO_SET_HOME: here, or at a place above the sea, whatever the frame; not with COM_HOME_EN = 0."""
+        command, autopilot = request.command, self.autopilot
+        if not int(self.vehicle.parameters["COM_HOME_EN"]):
+            return _RESULT.DENIED
+        if number(command.param1) > 0.5:
+            if not autopilot.has_position:
+                return _RESULT.TEMPORARILY_REJECTED
+            autopilot.set_home_here()
+            return _RESULT.ACCEPTED
+        place = (command.param5, command.param6, command.param7)
+        if not all(map(isfinite, place)) or abs(place[0]) > 90.0 or abs(place[1]) > 180.0:
+            return _RESULT.DENIED
+        autopilot.set_home(*place, yaw=radians(number(command.param4)))
+        autopilot.home_locked = True
+        return _RESULT.ACCEPTED
+
+
+class Px4Mission(MissionCommands):
+    """MISSION_START, which arms, and DO_LAND_START."""
+
+    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+        super().__init__(vehicle)
+        self._state = state
+
+    def handlers(self) -> Handlers:
+        return {_CMD.MISSION_START: self.start, _CMD.DO_LAND_START: self.start_landing}
+
+    def start(self, request: CommandRequest) -> common.MavResult:
+        """MISSION_START: from item param 1, or where it was."""
+        mission = self.autopilot.mission
+        if not mission.rules.valid(mission):
+            self.vehicle.say("Mission start denied! No valid mission", _CRITICAL)
+            return _RESULT.DENIED
+        first = request.command.param1
+        if not -1 <= first < len(mission.items):
+            return _RESULT.DENIED
+        if first >= 0:
+            mission.go_to_item(int(first))
+        return self._fly()
+
+    def start_landing(self, request: CommandRequest) -> common.MavResult:
+        """DO_LAND_START: on with the mission where its landing begins."""
+        mission = self.autopilot.mission
+        start = mission.landing_start()
+        if start is None:
+            return _RESULT.CANCELLED
+        mission.go_to_item(start)
+        return self._fly()
+
+    def _fly(self) -> common.MavResult:
+        refused = choose_mode(self.vehicle, MISSION)
+        if refused is not None or not arm(self.vehicle, self._state, BY_MISSION):
+            self.vehicle.say(refused or unavailable("Mission"), _CRITICAL)
+            return _RESULT.TEMPORARILY_REJECTED
+        return _RESULT.ACCEPTED
+
+
+def groups_of(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
+    """All groups of commands of a vehicle."""
+    yield Px4Arming(vehicle, state)
+    yield ModeCommands(vehicle)
+    yield Px4Home(vehicle)
+    yield Px4Mission(vehicle, state)
+    yield Px4Movement(vehicle, state)
+    yield Px4Upkeep(vehicle, state)
+    yield FailureCommands(vehicle)
+
+
+def register_commands(vehicle: Vehicle, state: Px4State) -> None:
+    """Take all commands of a vehicle."""
+    for group in groups_of(vehicle, state):
+        take(vehicle, group.handlers())

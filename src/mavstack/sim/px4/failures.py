@@ -1,0 +1,119 @@
+"""INJECT_FAILURE: PX4's failures as faults of the simulated vehicle.
+
+GPS             off, stuck: no satellites            wrong: somewhere else
+compass         off, stuck, wrong: it points wrong
+barometer       off, stuck, wrong: it is metres off
+battery         off: nearly empty
+motor, ESC      off: it stands still
+RC signal       off: the transmitter is silent, if there is one
+MAVLink signal  off: nothing arrives any more, not even the command that would end it
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.sim.autopilot.commands import CommandGroup, Handlers, number, whole
+from mavstack.sim.motion.airframes import AIRFRAMES
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from mavstack.services.command import CommandRequest
+    from mavstack.sim.vehicle import Vehicle
+
+_CMD, _RESULT = common.MavCmd, common.MavResult
+_UNIT, _TYPE = common.FailureUnit, common.FailureType
+
+#: Names of units and types in the shell.
+UNITS: Final[Mapping[str, int]] = MappingProxyType(
+    {
+        "mag": _UNIT.SENSOR_MAG,
+        "baro": _UNIT.SENSOR_BARO,
+        "gps": _UNIT.SENSOR_GPS,
+        "battery": _UNIT.SYSTEM_BATTERY,
+        "motor": _UNIT.SYSTEM_MOTOR,
+        "esc": _UNIT.SYSTEM_ESC,
+        "rc_signal": _UNIT.SYSTEM_RC_SIGNAL,
+        "mavlink_signal": _UNIT.SYSTEM_MAVLINK_SIGNAL,
+    }
+)
+TYPES: Final[Mapping[str, int]] = MappingProxyType(
+    {"ok": _TYPE.OK, "off": _TYPE.OFF, "stuck": _TYPE.STUCK, "wrong": _TYPE.WRONG}
+)
+_FAULTS: Final[Mapping[tuple[int, int], tuple[str, ...]]] = MappingProxyType(
+    {
+        (_UNIT.SENSOR_GPS, _TYPE.OK): ("gps on", "gps spoof 0 0"),
+        (_UNIT.SENSOR_GPS, _TYPE.OFF): ("gps off",),
+        (_UNIT.SENSOR_GPS, _TYPE.STUCK): ("gps off",),
+        (_UNIT.SENSOR_GPS, _TYPE.WRONG): ("gps spoof 300 200",),
+        (_UNIT.SENSOR_MAG, _TYPE.OK): ("compass 0",),
+        (_UNIT.SENSOR_MAG, _TYPE.OFF): ("compass 180",),
+        (_UNIT.SENSOR_MAG, _TYPE.STUCK): ("compass 90",),
+        (_UNIT.SENSOR_MAG, _TYPE.WRONG): ("compass 60",),
+        (_UNIT.SENSOR_BARO, _TYPE.OK): ("baro 0",),
+        (_UNIT.SENSOR_BARO, _TYPE.OFF): ("baro 40",),
+        (_UNIT.SENSOR_BARO, _TYPE.STUCK): ("baro 20",),
+        (_UNIT.SENSOR_BARO, _TYPE.WRONG): ("baro 15",),
+        (_UNIT.SYSTEM_BATTERY, _TYPE.OK): ("battery 100",),
+        (_UNIT.SYSTEM_BATTERY, _TYPE.OFF): ("battery 4",),
+        (_UNIT.SYSTEM_MAVLINK_SIGNAL, _TYPE.OK): ("link on",),
+        (_UNIT.SYSTEM_MAVLINK_SIGNAL, _TYPE.OFF): ("link off",),
+    }
+)
+_TRANSMITTER: Final = MappingProxyType({_TYPE.OK: "radio on", _TYPE.OFF: "radio off"})
+_MOTORS: Final = MappingProxyType({_TYPE.OK: "on", _TYPE.OFF: "off"})
+_TURNING: Final = frozenset({_UNIT.SYSTEM_MOTOR, _UNIT.SYSTEM_ESC})
+
+
+class FailureCommands(CommandGroup):
+    """INJECT_FAILURE."""
+
+    def handlers(self) -> Handlers:
+        return {_CMD.INJECT_FAILURE: self.inject}
+
+    def inject(self, request: CommandRequest) -> common.MavResult:
+        """A unit, a type, and which of several units, 0 being all."""
+        command = request.command
+        unit, kind = whole(command.param1), whole(command.param2)
+        instance = whole(number(command.param3))
+        if not int(self.vehicle.parameters["SYS_FAILURE_EN"]) or instance is None or instance < 0:
+            return _RESULT.DENIED
+        if unit is None or kind is None:
+            return _RESULT.DENIED
+        if not faults_of(self.vehicle, unit, kind, instance):
+            return _RESULT.UNSUPPORTED
+        inject(self.vehicle, unit, kind, instance)
+        return _RESULT.ACCEPTED
+
+
+def faults_of(vehicle: Vehicle, unit: int, kind: int, instance: int) -> tuple[str, ...]:
+    """The faults that a failure means; none if it is not supported."""
+    if unit in _TURNING and kind in _MOTORS:
+        motors = AIRFRAMES[vehicle.type].motors
+        numbers = range(1, motors + 1) if instance == 0 else range(instance, min(instance, motors) + 1)
+        return tuple(f"motor {motor} {_MOTORS[common.FailureType(kind)]}" for motor in numbers)
+    if unit == _UNIT.SYSTEM_RC_SIGNAL and kind in _TRANSMITTER and vehicle.autopilot.radio.fitted:
+        return (_TRANSMITTER[common.FailureType(kind)],)
+    return _FAULTS.get((unit, kind), ())
+
+
+def inject(vehicle: Vehicle, unit: int, kind: int, instance: int) -> None:
+    """Let it happen, and say so; a link is cut when that has been said."""
+    name = next(name for name, number in UNITS.items() if number == unit)
+    word = next(word for word, number in TYPES.items() if number == kind)
+    which = f"instance {instance}" if instance else "all instances"
+    text = f"Cleared: {name}, {which}" if kind == _TYPE.OK else f"Injected: {name} {word}, {which}"
+    vehicle.say(text, common.MavSeverity.WARNING)
+    faults = faults_of(vehicle, unit, kind, instance)
+    if unit == _UNIT.SYSTEM_MAVLINK_SIGNAL:
+        vehicle.autopilot.tasks.afterwards(lambda: _inject_all(vehicle, faults))
+    else:
+        _inject_all(vehicle, faults)
+
+
+def _inject_all(vehicle: Vehicle, faults: tuple[str, ...]) -> None:
+    for fault in faults:
+        vehicle.faults.inject(fault)

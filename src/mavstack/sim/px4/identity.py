@@ -1,0 +1,53 @@
+"""What a PX4 says that it is: versions, capabilities, and where it runs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+from mavstack.services.version import AutopilotVersion, FirmwareVersion
+
+if TYPE_CHECKING:
+    from mavstack.sim.vehicle import Vehicle
+
+VERSION: Final = FirmwareVersion(1, 16, 0)
+OPERATING_SYSTEM: Final = FirmwareVersion(6, 6, 0)
+#: The commit, which is nobody's, since this is no build of theirs.
+GIT_HASH: Final = "4d61767374616b00"
+HARDWARE: Final = "MAVSTACK_SIM"
+_BOARD: Final = 1
+#: The first of the bytes that identify a board; the system id follows.
+_SERIAL: Final = bytes.fromhex("4d61767374636b")
+
+_CAN = common.MavProtocolCapability
+CAPABILITIES: Final = int(
+    _CAN.MISSION_FLOAT
+    | _CAN.PARAM_FLOAT
+    | _CAN.MISSION_INT
+    | _CAN.COMMAND_INT
+    | _CAN.PARAM_ENCODE_BYTEWISE
+    | _CAN.FTP
+    | _CAN.SET_ATTITUDE_TARGET
+    | _CAN.SET_POSITION_TARGET_LOCAL_NED
+    | _CAN.FLIGHT_TERMINATION
+    | _CAN.MAVLINK2
+    | _CAN.MISSION_FENCE
+    | _CAN.MISSION_RALLY
+)
+
+
+def version_of(vehicle: Vehicle) -> AutopilotVersion:
+    """What AUTOPILOT_VERSION says."""
+    serial = _SERIAL + bytes([vehicle.address.system])
+    commit = bytes.fromhex(GIT_HASH)[::-1]
+    return AutopilotVersion(
+        capabilities=CAPABILITIES,
+        flight=VERSION,
+        middleware=VERSION,
+        operating_system=OPERATING_SYSTEM,
+        board_version=_BOARD,
+        uid=int.from_bytes(serial, "big"),
+        uid2=serial.rjust(18, b"\0"),
+        flight_custom=commit,
+        middleware_custom=commit,
+    )

@@ -1,0 +1,110 @@
+"""The services of one simulated vehicle, as they are made at each boot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.node.engine import Engine
+from mavstack.services.command import CommandServer
+from mavstack.services.ftp import FtpServer
+from mavstack.services.heartbeat import Beacon, Discovery
+from mavstack.services.log import LogServer
+from mavstack.services.manual_control import ManualControlReceiver
+from mavstack.services.message_request import MessageServer
+from mavstack.services.mission import MissionServer
+from mavstack.services.modes import ModeChanged, ModeServer
+from mavstack.services.parameters import ParameterWritten
+from mavstack.services.ping import PingServer
+from mavstack.services.serial_control import ShellServer
+from mavstack.services.setpoints import SetpointReceiver
+from mavstack.services.statustext import StatustextSender
+from mavstack.services.timesync import TimesyncServer
+from mavstack.sim.kinds import Firmware
+
+if TYPE_CHECKING:
+    from mavstack._core import HasCoreDialect
+    from mavstack.dialects import Message
+    from mavstack.node.channel_state import ChannelState
+    from mavstack.services import Address
+    from mavstack.services.mission import MissionItem, Plan
+    from mavstack.services.modes import AvailableMode
+    from mavstack.sim.vehicle import Port, Vehicle
+
+
+class Services:
+    """What lives on one vehicle's engine."""
+
+    def __init__(self, vehicle: Vehicle, dialect: HasCoreDialect) -> None:
+        self._vehicle = vehicle
+        local, flavour = vehicle.address, vehicle.flavour
+        self.engine = engine = Engine(local, dialect)
+        autopilot = vehicle.firmware.mav_autopilot
+        self.beacon = engine.add(Beacon(local, vehicle.type.mav_type, autopilot))
+        self.discovery = engine.add(Discovery(local))
+        self.commands = engine.add(CommandServer(local))
+        self.messages = engine.add(MessageServer(local, self.commands))
+        self.texts = engine.add(StatustextSender(local))
+        self.modes = engine.add(
+            ModeServer(
+                local,
+                [mode.available for mode in flavour.modes],
+                flavour.initial,
+                autopilot=autopilot,
+                may_enter=self._may_enter,
+                refusal=flavour.refusal,
+            )
+        )
+        self.modes.register(self.commands)
+        self.parameters = engine.add(vehicle.parameters.new_server(local, engine.touch))
+        self.mission = engine.add(
+            MissionServer(
+                local,
+                vehicle.plans,
+                validate=self._validate,
+                check=self._check,
+                home_first=vehicle.firmware is Firmware.ARDUPILOT,
+                guided=flavour.guided_items(vehicle),
+                plain_requests=vehicle.firmware is Firmware.ARDUPILOT,
+                float_answers=True,
+            )
+        )
+        self.mission.answer_commands(self.commands, engine.touch)
+        self.sticks = engine.add(ManualControlReceiver(local))
+        self.setpoints = engine.add(SetpointReceiver(local))
+        self.shell = engine.add(ShellServer(local))
+        self.files = engine.add(FtpServer(local, vehicle.storage.files))
+        self.logs = engine.add(LogServer(local, vehicle.storage.logs))
+        for service in (PingServer(local), TimesyncServer(local)):
+            engine.add(service)
+        vehicle.on(ModeChanged, self._mode_changed)
+        vehicle.on(ParameterWritten, vehicle.parameters.written)
+
+    def port_of(self, state: ChannelState) -> Port | None:
+        """Whose channel this is; None if it was closed meanwhile."""
+        return next((port for port in self._vehicle.ports if port.state is state), None)
+
+    def refresh_heartbeat(self) -> None:
+        """Say at once what HEARTBEAT tells; it is right whenever it is sent."""
+        autopilot, beacon = self._vehicle.autopilot, self.beacon
+        fields = (autopilot.base_mode, autopilot.mode.number, autopilot.system_status)
+        if (beacon.base_mode, beacon.custom_mode, beacon.system_status) != fields:
+            beacon.base_mode, beacon.custom_mode, beacon.system_status = fields
+            beacon.soon(self._vehicle.now)
+            self.engine.touch(beacon)
+
+    def send(self, message: Message, target: Address | None = None) -> None:
+        """Send a message by its own right, such as HOME_POSITION when home has changed."""
+        self.engine.send(message, self._vehicle.now, target)
+
+    def _validate(self, plan: Plan, source: Address) -> int:
+        return self._vehicle.autopilot.mission.validate(plan, source)
+
+    def _check(self, plan_type: int, seq: int, item: MissionItem) -> int:
+        return self._vehicle.autopilot.mission.check(plan_type, seq, item)
+
+    def _may_enter(self, mode: AvailableMode, source: Address) -> str | None:
+        return self._vehicle.autopilot.may_enter(mode, source)
+
+    def _mode_changed(self, event: ModeChanged) -> None:
+        if event.source is not None:
+            self._vehicle.autopilot.entered(event.mode.custom_mode, event.source)

@@ -1,0 +1,28 @@
+"""The storage of a simulated vehicle: its files, and the logs of its flights."""
+
+from mavstack.sim.storage.dataflash import DataflashWriter
+from mavstack.sim.storage.dataflash_logs import DataflashLogs
+from mavstack.sim.storage.flight_logs import KEPT_BYTES, FlightLogs, LogWriter
+from mavstack.sim.storage.roots import ardupilot_root, file_store, px4_root
+from mavstack.sim.storage.sample import FlightSample, LoggedParameter, LogStart
+from mavstack.sim.storage.storage import Storage
+from mavstack.sim.storage.ulog import UlogWriter, navigation_state
+from mavstack.sim.storage.ulog_logs import UlogLogs
+
+__all__ = [
+    "KEPT_BYTES",
+    "DataflashLogs",
+    "DataflashWriter",
+    "FlightLogs",
+    "FlightSample",
+    "LogStart",
+    "LogWriter",
+    "LoggedParameter",
+    "Storage",
+    "UlogLogs",
+    "UlogWriter",
+    "ardupilot_root",
+    "file_store",
+    "navigation_state",
+    "px4_root",
+]

@@ -1,0 +1,117 @@
+"""The storage of one vehicle: where its files lie, what others see of them, and its logs."""
+
+from __future__ import annotations
+
+from errno import EINVAL
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError
+from mavstack.services.addressing import EVERYBODY
+from mavstack.sim.kinds import Firmware
+from mavstack.sim.storage.dataflash_logs import DataflashLogs
+from mavstack.sim.storage.flight_logs import KEPT_BYTES
+from mavstack.sim.storage.roots import ardupilot_root, file_store, px4_root
+from mavstack.sim.storage.sample import LoggedParameter, LogStart
+from mavstack.sim.storage.ulog_logs import UlogLogs
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from mavstack.services.mission import Plan
+    from mavstack.services.parameters import Parameter
+    from mavstack.sim.storage.flight_logs import FlightLogs
+    from mavstack.sim.vehicle import Vehicle
+
+#: What the firmwares call themselves: text, version, hash of the source.
+ARDUPILOT_VERSION, PX4_VERSION = (4, 6, 0), (1, 16, 0)
+GIT_HASH = "6d617673"
+_NAMES = {
+    "copter": "ArduCopter",
+    "plane": "ArduPlane",
+    "vtol": "ArduPlane",
+    "rover": "ArduRover",
+    "boat": "ArduRover",
+    "sub": "ArduSub",
+}
+
+
+class Storage:
+    """The files (`files`, for FtpServer) and the logs (`logs`, for LogServer) of one vehicle.
+
+    In memory, unless a `folder` is given: then everything lies there and is found again the next time.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        *,
+        folder: str | os.PathLike[str] | None = None,
+        limit: int = KEPT_BYTES,
+    ) -> None:
+        self._vehicle = vehicle
+        self.store = file_store(folder)
+        table = vehicle.parameters.table
+        self.logs: FlightLogs
+        if vehicle.firmware is Firmware.PX4:
+            self.files = px4_root(self.store, table)
+            self.logs = UlogLogs(self.store, self._log_start, limit=limit)
+        else:
+            self.files = ardupilot_root(
+                self.store,
+                table,
+                self._plan,
+                lambda: vehicle.uptime,
+                set_parameters=self._set_parameters,
+                put_plan=self._put_plan,
+            )
+            self.logs = DataflashLogs(self.store, self._log_start, limit=limit)
+
+    @property
+    def firmware(self) -> str:
+        """As the vehicle tells its firmware when it starts."""
+        vehicle = self._vehicle
+        if vehicle.firmware is Firmware.PX4:
+            return "PX4 v{}.{}.{}".format(*PX4_VERSION)
+        return "{} V{}.{}.{} ({})".format(_NAMES[vehicle.type], *ARDUPILOT_VERSION, GIT_HASH)
+
+    def _log_start(self) -> LogStart:
+        vehicle = self._vehicle
+        home, frame = vehicle.autopilot.home, vehicle.body.frame
+        return LogStart(
+            boot=vehicle.booted_at,
+            firmware=self.firmware,
+            version=PX4_VERSION if vehicle.firmware is Firmware.PX4 else ARDUPILOT_VERSION,
+            git_hash=GIT_HASH,
+            system=vehicle.address.system,
+            vehicle=vehicle.type.mav_type,
+            parameters=[
+                LoggedParameter(each.name, each.value, each.default) for each in vehicle.parameters.table
+            ],
+            mission=self._plan(common.MavMissionType.MISSION).items,
+            origin=frame.to_global(0.0, 0.0, 0.0),
+            home=None if home is None else (home.latitude, home.longitude, home.altitude),
+            mode=vehicle.autopilot.mode.number,
+        )
+
+    def _plan(self, kind: int) -> Plan:
+        return self._vehicle.mission.plan(kind)
+
+    def _put_plan(self, plan: Plan) -> None:
+        mission = self._vehicle.mission
+        self._vehicle.touch(mission)
+        if mission.take(plan, EVERYBODY) != common.MavMissionResult.ACCEPTED:
+            raise OSError(EINVAL, "the plan was refused")
+
+    def _set_parameters(self, parameters: Sequence[Parameter]) -> None:
+        table = self._vehicle.parameters
+        known = [parameter for parameter in parameters if parameter.name in table]
+        for parameter in known:
+            if table.table[parameter.name].refusal(parameter.value) is not None:
+                raise OSError(EINVAL, f"{parameter.name} was refused")
+        for parameter in known:
+            try:
+                table.set(parameter.name, parameter.value)
+            except LocalProtocolError as error:
+                raise OSError(EINVAL, str(error)) from None

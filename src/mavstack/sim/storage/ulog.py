@@ -1,0 +1,320 @@
+"""PX4's logs (.ulg): a head, definitions (formats, facts, parameters), then records as they happen.
+
+Each sample writes attitude, rates, local position and sensors; each fifth of a second the global position,
+receiver, barometer, battery, radio, outputs, and air speed if there is any; status, landing and mission each
+second and when they change.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, isnan, sin
+from struct import pack
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.sim.storage.packing import channels, pressure_altitude, text_of
+from mavstack.sim.storage.ulog_format import block_of
+from mavstack.sim.storage.ulog_topics import TOPICS
+
+if TYPE_CHECKING:
+    from mavstack.services.mission import MissionItem
+    from mavstack.services.parameters import Value
+    from mavstack.sim.storage.packing import Rounding, Scalar
+    from mavstack.sim.storage.sample import FlightSample, LogStart
+
+#: Between two records of what changes slowly, and of what hardly changes.
+SLOW_US, STATUS_US = 200_000, 1_000_000
+MAGIC = b"ULog\x01\x12\x35"
+SYNC = b"\x2f\x73\x13\x20\x25\x0c\xbb\x12"
+_VERSION = 1
+_DEFAULT_PARAMETERS = 1
+_SYSTEM_DEFAULT, _SETUP_DEFAULT = 1, 2
+_AIR_DENSITY = 1.225
+_WARN, _CRITICAL, _EMERGENCY = 0.15, 0.07, 0.05
+_LONGEST_TEXT = 127
+#: Why the motors were armed and disarmed.
+_BY_COMMAND, _BY_LANDING = 4, 6
+#: Faster than this in m/s is moving.
+_MOVING = 0.3
+_TYPES = {"I": "uint32_t", "i": "int32_t", "Q": "uint64_t", "f": "float"}
+
+_FAST = block_of(
+    *(
+        TOPICS[name]
+        for name in (
+            "vehicle_attitude",
+            "vehicle_local_position",
+            "sensor_combined",
+            "vehicle_angular_velocity",
+        )
+    )
+)
+_SLOW = block_of(
+    *(
+        TOPICS[name]
+        for name in (
+            "vehicle_global_position",
+            "vehicle_gps_position",
+            "vehicle_air_data",
+            "battery_status",
+            "input_rc",
+            "actuator_outputs",
+        )
+    )
+)
+_STATUS = block_of(*(TOPICS[name] for name in ("vehicle_status", "vehicle_land_detected", "mission_result")))
+_AIRSPEED, _HOME, _EVENT = (block_of(TOPICS[name]) for name in ("airspeed", "home_position", "event"))
+
+#: NAVIGATION_STATE by main mode, and by sub mode of AUTO and of POSCTL.
+_MAIN = {1: 0, 2: 1, 3: 2, 4: 4, 5: 10, 6: 14, 7: 15, 10: 13, 11: 8}
+_AUTO = {2: 17, 3: 4, 4: 3, 5: 5, 6: 18, 8: 19, 9: 20, 10: 22, 19: 7, 20: 12} | {
+    11 + number: 23 + number for number in range(8)
+}
+_POSITION = {1: 21, 2: 6}
+_MAIN_AUTO, _MAIN_POSITION = 4, 3
+
+_KIND = common.MavType
+_FIXED_WING, _ROTARY_WING, _ROVER = 2, 1, 3
+_VEHICLES: dict[int, int] = {
+    _KIND.FIXED_WING: _FIXED_WING,
+    _KIND.GROUND_ROVER: _ROVER,
+    _KIND.SURFACE_BOAT: _ROVER,
+}
+_VTOL = frozenset(range(_KIND.VTOL_TAILSITTER_DUOROTOR, _KIND.VTOL_TILTWING + 1))
+
+
+def navigation_state(custom_mode: int) -> int:
+    """PX4's NAVIGATION_STATE of HEARTBEAT's `custom_mode`."""
+    main, sub = custom_mode >> 16 & 0xFF, custom_mode >> 24 & 0xFF
+    known = _MAIN.get(main, 0)
+    if main == _MAIN_AUTO:
+        return _AUTO.get(sub, known)
+    return _POSITION.get(sub, known) if main == _MAIN_POSITION else known
+
+
+class UlogWriter:
+    """Writes one log into `data`, which whoever keeps it may empty from time to time."""
+
+    def __init__(self, start: LogStart, time_us: int) -> None:
+        self.data = bytearray()
+        self._start = start
+        self._slow_at = self._status_at = time_us
+        self._mode = start.mode
+        self._mode_us = self._armed_us = self._takeoff_us = 0
+        self._status: tuple[Scalar, ...] = ()
+        self._events = 0
+        self._now = time_us
+        self._write_definitions(time_us)
+        for topic in TOPICS.values():
+            self._put("A", pack("<BH", 0, topic.number) + topic.name.encode())
+        self._put("S", SYNC)
+        if start.home is not None:
+            self.home(time_us, *start.home)
+
+    # While it goes on
+
+    def write(self, sample: FlightSample) -> None:
+        """Write a sample."""
+        self.data += _FAST.pack(self._fast, sample)
+        time = sample.time_us
+        if time >= self._slow_at:
+            self._slow_at = time + SLOW_US
+            self.data += _SLOW.pack(self._slow, sample)
+            if sample.airspeed != 0.0:
+                self.data += _AIRSPEED.pack(_airspeed, sample)
+        status = (
+            sample.mode,
+            sample.armed,
+            sample.landed,
+            sample.failsafe,
+            sample.mission_sequence,
+            sample.mission_total,
+            sample.mission_reached,
+        )
+        if time >= self._status_at or status != self._status:
+            self._follow(status, sample)
+            self._status_at = time + STATUS_US
+            self.data += _STATUS.pack(self._state, sample)
+
+    def text(self, time_us: int, severity: int, text: str) -> None:
+        """Write what the vehicle says to people."""
+        level = ord("0") + min(max(severity, 0), 7)
+        self._put("L", pack("<BQ", level, _unsigned(time_us)) + text_of(text, _LONGEST_TEXT))
+
+    def mode(self, time_us: int, mode: int, reason: int = 0) -> None:
+        """The mode is another: the next sample tells it."""
+
+    def armed(self, time_us: int, armed: bool, *, forced: bool = False, method: int = 0) -> None:
+        """The motors were armed or disarmed: the next sample tells it."""
+
+    def event(self, time_us: int, event: int) -> None:
+        """Write one of the events that have a number."""
+        self._events += 1
+        self.data += _EVENT.pack_values(time_us, event, self._events & 0xFFFF, 0x66)
+
+    def error(self, time_us: int, subsystem: int, code: int) -> None:
+        """PX4 has no numbered errors: what fails is said as text."""
+
+    def parameter(self, time_us: int, name: str, value: Value, default: Value | None = None) -> None:
+        """Write that a parameter is another."""
+        self._put("P", _parameter(name, value))
+
+    def command(self, time_us: int, item: MissionItem, sequence: int, total: int) -> None:
+        """An item of the mission is begun: the next sample tells it."""
+
+    def home(self, time_us: int, latitude: float, longitude: float, altitude: float) -> None:
+        """Write that home is there."""
+        self.data += _HOME.pack_values(time_us, latitude, longitude, altitude)
+
+    # How it begins
+
+    def _write_definitions(self, time_us: int) -> None:
+        start = self._start
+        self.data += MAGIC + pack("<BQ", _VERSION, _unsigned(time_us))
+        self._put("B", bytes([_DEFAULT_PARAMETERS]) + bytes(39))
+        for topic in TOPICS.values():
+            self._put("F", topic.description.encode())
+        major, minor, patch = (number & 0xFF for number in start.version)
+        texts = {
+            "ver_sw": start.git_hash,
+            "ver_hw": start.board,
+            "sys_name": "PX4",
+            "sys_os_name": "Linux",
+            "sys_uuid": f"{start.system:036x}",
+        }
+        numbers = {
+            "ver_sw_release": ("I", major << 24 | minor << 16 | patch << 8 | 0xFF),
+            "ver_data_format": ("I", 2),
+            "time_ref_utc": ("i", 0),
+            "boot_time_utc_us": ("Q", _unsigned(int(start.boot * 1e6))),
+        }
+        for name, text in texts.items():
+            content = text_of(text, 255)
+            self._put("I", _keyed(f"char[{len(content)}]", name, content))
+        for name, (code, number) in numbers.items():
+            self._put("I", _fact(name, code, number))
+        for parameter in start.parameters:
+            self._put("P", _parameter(parameter.name, parameter.value))
+            if parameter.default is not None and parameter.default != parameter.value:
+                types = bytes([_SYSTEM_DEFAULT | _SETUP_DEFAULT])
+                self._put("Q", types + _parameter(parameter.name, parameter.default))
+
+    def _put(self, kind: str, content: bytes) -> None:
+        self.data += pack("<HB", len(content), ord(kind)) + content
+
+    # What a sample holds
+
+    def _follow(self, status: tuple[Scalar, ...], sample: FlightSample) -> None:
+        """Keep when something began."""
+        time, last = sample.time_us, self._status
+        if not last or last[0] != sample.mode:
+            self._mode_us = time
+        if sample.armed and not (last and last[1]):
+            self._armed_us = time
+        if not sample.landed and not (last and not last[2]):
+            self._takeoff_us = time
+        self._status = status
+
+    def _fast(self, sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+        time, motion, sensors, health = sample.time_us, sample.motion, sample.sensors, sample.health
+        horizontal = health is None or health.horizontal
+        vertical = health is None or health.vertical
+        distance = sensors.distance
+        latitude, longitude, altitude = self._start.origin
+        return (
+            time, time, *_quaternion(motion.roll, motion.pitch, motion.yaw),
+            time, time, time, latitude, longitude, motion.north, motion.east, motion.down,
+            motion.velocity_north, motion.velocity_east, motion.velocity_down, motion.velocity_down,
+            motion.acceleration_north, motion.acceleration_east, motion.acceleration_down, motion.yaw,
+            motion.yaw, altitude, distance, sensors.gps_eph, sensors.gps_epv, horizontal, vertical,
+            horizontal, vertical, horizontal, vertical, not isnan(distance), not horizontal,
+            time, sensors.gyro_x, sensors.gyro_y, sensors.gyro_z, sensors.acceleration_x,
+            sensors.acceleration_y, sensors.acceleration_z,
+            time, time, motion.roll_rate, motion.pitch_rate, motion.yaw_rate,
+        )  # fmt: skip
+
+    def _slow(self, sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+        time, sensors, battery, health = sample.time_us, sample.sensors, sample.battery, sample.health
+        horizontal = health is None or health.horizontal
+        vertical = health is None or health.vertical
+        height = pressure_altitude(sensors.pressure)
+        return (
+            time, time, sample.latitude, sample.longitude, sample.altitude, sample.altitude, sensors.gps_eph,
+            sensors.gps_epv, sample.home_altitude, horizontal, vertical, not horizontal,
+            *self._receiver(sample, whole),
+            time, time, height, sensors.pressure * 100, sensors.temperature, _AIR_DENSITY,
+            time, battery.voltage, battery.current, battery.current, battery.consumed, battery.remaining,
+            battery.temperature, battery.voltage, whole(battery.cells), _warning(battery.remaining),
+            time, time, 100 if sample.rc else 0, *channels(sample.rc, 18, whole), min(len(sample.rc), 18),
+            not sample.rc,
+            time, *channels(sample.servos, 16, whole),
+        )  # fmt: skip
+
+    def _receiver(self, sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+        time, sensors = sample.time_us, sample.sensors
+        north, east = sensors.gps_velocity_north, sensors.gps_velocity_east
+        altitude = sensors.gps_altitude
+        return (
+            time, time, sensors.gps_latitude, sensors.gps_longitude, altitude, altitude,
+            whole(self._start.boot * 1e6) + time, sensors.gps_eph, sensors.gps_epv, sensors.gps_eph,
+            sensors.gps_epv, hypot(north, east), north, east, sensors.gps_velocity_down, atan2(east, north),
+            sensors.gps_fix, sensors.gps_fix > 1, sensors.gps_satellites,
+        )  # fmt: skip
+
+    def _state(self, sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+        time, motion, start = sample.time_us, sample.motion, self._start
+        state = navigation_state(sample.mode)
+        landed, moving = sample.landed, not sample.landed
+        ended = 0 < sample.mission_total <= sample.mission_reached + 1
+        return (
+            time, self._armed_us if sample.armed else 0, self._takeoff_us if moving else 0, self._mode_us,
+            2 if sample.armed else 1, _BY_COMMAND if self._armed_us else 0,
+            _BY_LANDING if self._armed_us and not sample.armed else 0,
+            state, state, _VEHICLES.get(start.vehicle, _ROTARY_WING), sample.failsafe, start.vehicle in _VTOL,
+            start.vehicle, start.system,
+            time, landed, landed, landed, landed, abs(motion.velocity_down) > _MOVING,
+            hypot(motion.velocity_north, motion.velocity_east) > _MOVING, landed and not sample.armed,
+            time, sample.mission_reached, sample.mission_sequence, sample.mission_total,
+            sample.mission_total > 0, ended,
+        )  # fmt: skip
+
+
+def _airspeed(sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+    return (sample.time_us, sample.time_us, sample.airspeed, sample.airspeed)
+
+
+def _quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
+    cos_roll, sin_roll = cos(roll / 2), sin(roll / 2)
+    cos_pitch, sin_pitch = cos(pitch / 2), sin(pitch / 2)
+    cos_yaw, sin_yaw = cos(yaw / 2), sin(yaw / 2)
+    return (
+        cos_roll * cos_pitch * cos_yaw + sin_roll * sin_pitch * sin_yaw,
+        sin_roll * cos_pitch * cos_yaw - cos_roll * sin_pitch * sin_yaw,
+        cos_roll * sin_pitch * cos_yaw + sin_roll * cos_pitch * sin_yaw,
+        cos_roll * cos_pitch * sin_yaw - sin_roll * sin_pitch * cos_yaw,
+    )
+
+
+def _warning(remaining: float) -> int:
+    """BATTERY_WARNING by what is left."""
+    return (remaining < _WARN) + (remaining < _CRITICAL) + (remaining < _EMERGENCY)
+
+
+def _fact(name: str, code: str, value: Value) -> bytes:
+    """A number with its type and name."""
+    return _keyed(_TYPES[code], name, pack("<" + code, value))
+
+
+def _keyed(kind: str, name: str, content: bytes) -> bytes:
+    key = text_of(f"{kind} {name}", 255)
+    return bytes([len(key)]) + key + content
+
+
+def _parameter(name: str, value: Value) -> bytes:
+    if isinstance(value, int):
+        return _fact(name, "i", (int(value) + 0x80000000) % 0x100000000 - 0x80000000)
+    return _fact(name, "f", value if isnan(value) else min(max(value, -1e38), 1e38))
+
+
+def _unsigned(value: int) -> int:
+    return min(max(value, 0), 0xFFFFFFFFFFFFFFFF)

@@ -1,0 +1,232 @@
+"""How the vehicle is: its sensors' state, battery, power, time, home, mission and fence."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.telemetry.health import Health
+from mavstack.sim.telemetry.scaling import (
+    INT16_MAX,
+    UINT16_MAX,
+    degrees_e7,
+    int16,
+    int32,
+    percent,
+    uint16,
+)
+from mavstack.sim.telemetry.view import quaternion
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.dialects import Message
+    from mavstack.sim.motion import BatteryState
+    from mavstack.sim.telemetry.health import Masks
+    from mavstack.sim.telemetry.view import View
+
+_CHARGE = common.MavBatteryChargeState
+_FUNCTION, _TYPE = common.MavBatteryFunction, common.MavBatteryType
+_VTOL = common.MavVtolState
+#: What the processor has to do, in thousandths.
+_LOAD_IDLE, _LOAD_ARMED = 117, 173
+_SUPPLY_MILLIVOLTS = 5000
+_PROCESSOR_MILLIVOLTS = 3300
+_FREE_BYTES = 131_072
+#: Where a cell's slot ends and the next one begins, if a voltage needs more than one.
+_MOST_MILLIVOLTS = 65_534
+_NO_CELLS = (UINT16_MAX,) * 9
+#: Beyond this, in seconds, nobody knows how long the battery lasts.
+_LONGEST = 86_400.0
+_GROUND_SPACING = 100
+
+
+class StatusMessages:
+    """Producers of messages about the vehicle's state."""
+
+    def __init__(self, view: View) -> None:
+        self._view = view
+        self._body = view.body
+        self._vehicle, self._autopilot = view.vehicle, view.autopilot
+        self._px4 = view.vehicle.firmware is Firmware.PX4
+        health = Health(view)
+        self._masks: Callable[[], Masks] = health.px4 if self._px4 else health.ardupilot
+        self._is_vtol = view.vehicle.type is VehicleType.VTOL
+
+    def system(self, now: float) -> Message:
+        """SYS_STATUS."""
+        present, enabled, health = self._masks()
+        battery = self._body.battery
+        return common.SysStatus(
+            onboard_control_sensors_present=present,
+            onboard_control_sensors_enabled=enabled,
+            onboard_control_sensors_health=health,
+            load=_LOAD_ARMED if self._autopilot.armed else _LOAD_IDLE,
+            voltage_battery=uint16(battery.voltage * 1e3),
+            current_battery=int16(battery.current * 100.0, -1),
+            battery_remaining=percent(battery.remaining),
+        )
+
+    def extended(self, now: float) -> Message:
+        """EXTENDED_SYS_STATE."""
+        return common.ExtendedSysState(self._vtol_state(), self._autopilot.landed_state)
+
+    def time(self, now: float) -> Message:
+        """SYSTEM_TIME."""
+        return common.SystemTime(round(now * 1e6), self._view.milliseconds(now))
+
+    def battery(self, now: float) -> Message:
+        """BATTERY_STATUS of the only battery."""
+        battery = self._body.battery
+        temperature = battery.temperature
+        return common.BatteryStatus(
+            battery_function=_FUNCTION.ALL if self._px4 else _FUNCTION.UNKNOWN,
+            type=_TYPE.LIPO if self._px4 else _TYPE.UNKNOWN,
+            temperature=int16(temperature * 100.0, INT16_MAX) if isfinite(temperature) else INT16_MAX,
+            voltages=_slots(battery.voltage),
+            current_battery=int16(battery.current * 100.0, -1),
+            current_consumed=int32(battery.consumed, -1),
+            energy_consumed=-1 if self._px4 else int32(battery.consumed * battery.voltage * 0.036, -1),
+            battery_remaining=percent(battery.remaining),
+            time_remaining=_time_remaining(battery),
+            charge_state=self._charge_state(battery),
+        )
+
+    def flight(self, now: float) -> Message:
+        """FLIGHT_INFORMATION: armed and taken off when, in microseconds since boot for all the names."""
+        autopilot = self._autopilot
+        armed = self._view.microseconds(autopilot.armed_at) if autopilot.armed else 0
+        return common.FlightInformation(
+            time_boot_ms=self._view.milliseconds(now),
+            arming_time_utc=armed,
+            takeoff_time_utc=0 if autopilot.landed else armed,
+            flight_uuid=self._vehicle.boots,
+        )
+
+    def power(self, now: float) -> Message:
+        """POWER_STATUS."""
+        return common.PowerStatus(_SUPPLY_MILLIVOLTS, 0, common.MavPowerStatus.BRICK_VALID)
+
+    def processor(self, now: float) -> Message:
+        """MCU_STATUS."""
+        return ardupilotmega.McuStatus(
+            0,
+            int16((self._view.sensors.temperature + 15.0) * 100.0),
+            _PROCESSOR_MILLIVOLTS,
+            _PROCESSOR_MILLIVOLTS - 10,
+            _PROCESSOR_MILLIVOLTS + 10,
+        )
+
+    def memory(self, now: float) -> Message:
+        """MEMINFO."""
+        return ardupilotmega.Meminfo(0, UINT16_MAX, _FREE_BYTES)
+
+    def hardware(self, now: float) -> Message:
+        """HWSTATUS."""
+        return ardupilotmega.Hwstatus(_SUPPLY_MILLIVOLTS, 0)
+
+    def mission(self, now: float) -> Message:
+        """MISSION_CURRENT."""
+        return self._vehicle.mission.current_message()
+
+    def fence(self, now: float) -> Message | None:
+        """FENCE_STATUS, while there is a fence."""
+        fence = self._autopilot.fence
+        return fence.status() if fence.enabled else None
+
+    def home(self, now: float) -> Message | None:
+        """HOME_POSITION, once there is a home."""
+        home = self._autopilot.home
+        if home is None:
+            return None
+        north, east, down = self._view.home
+        yaw = home.heading * 0.017453292519943295
+        return common.HomePosition(
+            degrees_e7(home.latitude),
+            degrees_e7(home.longitude),
+            int32(home.altitude * 1e3),
+            north,
+            east,
+            down,
+            q=quaternion(0.0, 0.0, yaw),
+            time_usec=self._view.microseconds(now),
+        )
+
+    def origin(self, now: float) -> Message | None:
+        """GPS_GLOBAL_ORIGIN, once the estimate has one."""
+        if not self._view.was_positioned:
+            return None
+        frame = self._body.frame
+        return common.GpsGlobalOrigin(
+            degrees_e7(frame.latitude),
+            degrees_e7(frame.longitude),
+            int32(frame.altitude * 1e3),
+            self._view.microseconds(now),
+        )
+
+    def terrain(self, now: float) -> Message:
+        """TERRAIN_REPORT: the ground is as high everywhere as where the vehicle began."""
+        place, ground = self._view.place, self._body.frame.altitude
+        return common.TerrainReport(
+            degrees_e7(place.latitude),
+            degrees_e7(place.longitude),
+            _GROUND_SPACING,
+            ground,
+            place.altitude - ground,
+            pending=0,
+            loaded=504,
+        )
+
+    def _vtol_state(self) -> int:
+        if not self._is_vtol:
+            return _VTOL.UNDEFINED
+        transition, forward = self._body.transition, self._body.flies_forward
+        if forward:
+            return _VTOL.FW if transition >= 1.0 else _VTOL.TRANSITION_TO_FW
+        return _VTOL.MC if transition <= 0.0 else _VTOL.TRANSITION_TO_MC
+
+    def _charge_state(self, battery: BatteryState) -> int:
+        limits = self._share_limits if self._px4 else self._voltage_limits
+        emergency, critical, low = limits(battery)
+        if emergency:
+            return _CHARGE.EMERGENCY
+        if critical:
+            return _CHARGE.CRITICAL
+        return _CHARGE.LOW if low else _CHARGE.OK
+
+    def _share_limits(self, battery: BatteryState) -> tuple[bool, bool, bool]:
+        """PX4 goes by the share that is left."""
+        parameter, left = self._view.parameter, battery.remaining
+        return (
+            left < parameter("BAT_EMERGEN_THR", 0.05),
+            left < parameter("BAT_CRIT_THR", 0.07),
+            left < parameter("BAT_LOW_THR", 0.15),
+        )
+
+    def _voltage_limits(self, battery: BatteryState) -> tuple[bool, bool, bool]:
+        """ArduPilot goes by voltage and charge, each only if it is set, and knows no third limit."""
+        parameter, left = self._view.parameter, battery.capacity - battery.consumed
+        critical = battery.voltage < parameter("BATT_CRT_VOLT", 0.0) or left < parameter("BATT_CRT_MAH", 0.0)
+        low = battery.voltage < parameter("BATT_LOW_VOLT", 0.0) or left < parameter("BATT_LOW_MAH", 0.0)
+        return False, critical, low
+
+
+def _slots(volts: float) -> tuple[int, ...]:
+    """A voltage of all cells together: in the first slot, and in those behind it what does not fit there."""
+    millivolts = volts * 1e3
+    if millivolts <= _MOST_MILLIVOLTS:
+        return (uint16(millivolts), *_NO_CELLS)
+    full = int(min(millivolts / _MOST_MILLIVOLTS, 9.0)) if millivolts == millivolts else 0
+    rest = uint16(millivolts - full * _MOST_MILLIVOLTS)
+    return (*(_MOST_MILLIVOLTS,) * full, rest, *_NO_CELLS)[:10]
+
+
+def _time_remaining(battery: BatteryState) -> int:
+    """Seconds until it is empty at this current; 0 if that cannot be told."""
+    left = battery.capacity * battery.remaining
+    if not (battery.current > 0.01 and left > 0):
+        return 0
+    seconds = left * 3.6 / battery.current
+    return max(int(seconds), 1) if seconds < _LONGEST else 0

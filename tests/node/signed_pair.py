@@ -1,0 +1,94 @@
+"""A ground station and a vehicle over memory links, and with which key they sign."""
+
+from __future__ import annotations
+
+import asyncio
+
+from mavstack.dialects import common
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node, trusted_channels
+from mavstack.security import SigningKey
+from mavstack.services.signing_setup import SigningSetupServer
+from mavstack.services.signing_setup.change import signed_with
+
+OLD, NEW, THIRD = (SigningKey.from_passphrase(word) for word in ("old", "new", "third"))
+PX4 = common.MavAutopilot.PX4
+START = 1_790_000_000.0
+CHANGES = [(None, NEW), (OLD, NEW), (OLD, None)]
+
+
+class Pair:
+    """A ground station, and a vehicle that takes keys over channels that are trusted."""
+
+    def __init__(self, key=None, *, vehicle_key=..., trusted=True, timestamps=None) -> None:
+        vehicle_key = key if vehicle_key is ... else vehicle_key
+        self.network = MemoryNetwork()
+        self.ground_link, self.vehicle_link = self.network.link(), self.network.link()
+        self.ground = Node(self.ground_link, signing=key)
+        self.vehicle = Node(
+            self.vehicle_link,
+            system=1,
+            component=1,
+            autopilot=PX4,
+            signing=vehicle_key,
+            timestamps=timestamps,
+        )
+        self.trusted = trusted
+        policy = trusted_channels(self.vehicle.engine)
+        self.server = self.vehicle.serve(
+            SigningSetupServer(self.vehicle.address, key=vehicle_key, may_set=policy)
+        )
+
+    async def __aenter__(self):
+        await self.ground.open()
+        await self.vehicle.open()
+        await asyncio.sleep(0.01)
+        self.trust()
+        self.remote = self.ground.remote(1)
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.vehicle.close()
+        await self.ground.close()
+
+    @property
+    def nodes(self):
+        return self.ground, self.vehicle
+
+    def trust(self) -> None:
+        for channel in self.vehicle.engine.channels:
+            channel.trusted = self.trusted
+
+    async def reconnect(self) -> None:
+        """Close the channel on both ends; its successor has its name."""
+        names = [[channel.name for channel in node.engine.channels] for node in self.nodes]
+        self.ground_link.channels[0].close("a test")
+        await asyncio.sleep(0.01)
+        assert [node.engine.channels for node in self.nodes] == [[], []]
+        self.ground_link.meet(self.vehicle_link)
+        await asyncio.sleep(0)
+        assert [[channel.name for channel in node.engine.channels] for node in self.nodes] == names
+        self.trust()
+
+
+async def heard(node: Node, seconds: float = 3.0):
+    async with node.packets(keep_all=True) as packets:
+        await asyncio.sleep(seconds)
+        return packets.take()
+
+
+async def assert_both_use(pair: Pair, key, seconds: float = 3.0) -> None:
+    """Both hear each other, everything they hear is signed with the key, and nothing is refused."""
+    for packets in await asyncio.gather(heard(pair.ground, seconds), heard(pair.vehicle, seconds)):
+        assert "HEARTBEAT" in {packet.name for packet in packets}
+        assert all(signed_with(packet, key, START) for packet in packets)
+    for node in pair.nodes:
+        for channel in node.engine.channels:
+            assert (channel.signing is None) == (key is None)
+
+
+def refusals(node: Node) -> int:
+    """How many packets the channels refused."""
+    kinds = ("unsigned", "forged", "replayed", "stale", "future", "too_many_streams")
+    counted = [channel.signing.refusals for channel in node.engine.channels if channel.signing]
+    return sum(getattr(each, kind) for each in counted for kind in kinds)

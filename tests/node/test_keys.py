@@ -1,0 +1,143 @@
+"""The keys of two nodes, in virtual time: set up, refused, taken away, and kept over reconnects."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import RemoteDenied, RemoteTimeout
+from mavstack.node import Node
+from mavstack.services.signing_setup import KeySettled, SigningSetupServer
+from mavstack.services.signing_setup.change import signed_with
+from mavstack.sim.virtual import run_virtually
+from mavstack.wire import Encoder
+from tests.node.signed_pair import (
+    CHANGES,
+    NEW,
+    OLD,
+    PX4,
+    START,
+    THIRD,
+    Pair,
+    assert_both_use,
+    heard,
+    refusals,
+)
+
+pytestmark = pytest.mark.usefixtures("clock")
+
+
+@pytest.mark.parametrize(("old", "new"), CHANGES)
+def test_a_key_is_set_up_and_both_sign_and_a_reconnect_keeps_it(old, new) -> None:
+    async def work() -> None:
+        async with Pair(old) as pair:
+            await assert_both_use(pair, old)
+            async with pair.vehicle.events(KeySettled) as settled:
+                await pair.remote.set_up_signing(new)
+                (event,) = settled.take()
+                assert (event.key, event.changed) == (new, True)
+            await assert_both_use(pair, new)
+            for _ in range(2):
+                await pair.reconnect()
+                await assert_both_use(pair, new, seconds=0.1)  # at once: heartbeats go when a channel opens
+                assert [refusals(node) for node in pair.nodes] == [0, 0]
+
+    run_virtually(work())
+
+
+@pytest.mark.parametrize("old", [None, OLD])
+def test_a_refused_set_up_changes_nothing(old) -> None:
+    async def work() -> None:
+        async with Pair(old, trusted=False) as pair:
+            with pytest.raises(RemoteDenied, match="signing with a new key asked of 1/1"):
+                await pair.remote.set_up_signing(NEW)
+            await assert_both_use(pair, old)
+            await pair.reconnect()
+            await assert_both_use(pair, old, seconds=0.1)
+            assert pair.server.key == old
+
+    run_virtually(work())
+
+
+def test_a_key_of_one_channel_is_not_used_on_others() -> None:
+    """What the ground agreed with one vehicle is no other's business."""
+
+    async def work() -> None:
+        async with Pair() as pair, Node(pair.network.link(), system=2, component=1, autopilot=PX4) as other:
+            await asyncio.sleep(1)
+            pair.trust()
+            await pair.remote.set_up_signing(NEW)
+            from_ground = [packet for packet in await heard(other) if packet.system == 255]
+            assert from_ground
+            assert not any(packet.signed for packet in from_ground)
+            from_other = [packet for packet in await heard(pair.ground) if packet.system == 2]
+            assert from_other
+
+    run_virtually(work())
+
+
+def test_a_key_given_to_a_node_counts_on_all_its_channels() -> None:
+    """Set over the cable, it protects the radio too: there and then, and when another channel opens."""
+
+    async def work() -> None:
+        async with Pair() as pair, Node(pair.network.link(), system=9) as other:
+            await asyncio.sleep(1)
+            pair.trust()
+            await pair.remote.set_up_signing(NEW)
+            async with Node(pair.network.link(), system=10) as late:
+                for node in (other, late):
+                    packets = [packet for packet in await heard(node) if packet.system == 1]
+                    assert packets
+                    assert all(signed_with(packet, NEW, START) for packet in packets)
+                assert {packet.system for packet in await heard(pair.vehicle)} == {255}
+            channels = pair.vehicle.engine.channels
+            assert len({channel.signing.link_id for channel in channels}) == len(channels)
+            await pair.remote.set_up_signing(None)
+            assert {packet.system for packet in await heard(pair.vehicle)} == {9, 255}
+
+    run_virtually(work())
+
+
+def test_of_two_keys_the_later_one_counts() -> None:
+    """First the ground gives the vehicle one, then the vehicle the ground another."""
+
+    async def work() -> None:
+        async with Pair() as pair:
+            server = SigningSetupServer(pair.ground.address, may_set=lambda _: None)
+            pair.ground.serve(server)
+            await pair.remote.set_up_signing(NEW)
+            await pair.vehicle.remote(*pair.ground.address).set_up_signing(THIRD)
+            for _ in range(2):
+                await assert_both_use(pair, THIRD)
+                await pair.reconnect()
+
+    run_virtually(work())
+
+
+def test_radios_need_no_key_but_all_others_do() -> None:
+    async def work() -> None:
+        async with Pair(OLD) as pair:
+            radio = Encoder(51, 68)
+            (channel,) = pair.vehicle_link.channels
+            async with pair.vehicle.packets(system=51) as packets:
+                for message in (common.RadioStatus(txbuf=50), common.Heartbeat(), common.SystemTime()):
+                    channel.receive(radio.encode(message, START))
+                await asyncio.sleep(0.1)
+                assert [packet.name for packet in packets.take()] == ["RADIO_STATUS"]
+            assert pair.vehicle.engine.channels[0].signing.refusals.unsigned == 2
+
+    run_virtually(work())
+
+
+@pytest.mark.parametrize(("ground", "vehicle"), [(None, OLD), (NEW, OLD)])
+def test_without_the_right_key_nobody_is_heard(ground, vehicle) -> None:
+    async def work() -> None:
+        async with Pair(ground, vehicle_key=vehicle) as pair:
+            with pytest.raises(RemoteTimeout):
+                await pair.remote.set_up_signing(None, timeout=5)
+            assert await heard(pair.vehicle) == []
+            assert pair.server.key == OLD
+
+    run_virtually(work())

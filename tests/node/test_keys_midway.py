@@ -1,0 +1,200 @@
+"""Channels that come and go while a change of keys is under way."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.links import MemoryNetwork
+from mavstack.services.signing_setup import ListenForKey, UseNewKey
+from mavstack.services.signing_setup.change import TRIAL
+from mavstack.sim.virtual import run_virtually
+from tests.node.signed_pair import CHANGES, NEW, THIRD, Pair, assert_both_use, refusals
+
+pytestmark = pytest.mark.usefixtures("clock")
+
+
+class Broken(Pair):
+    """Whose connection breaks in the middle of a change.
+
+    `stage` is the event, at the vehicle or at the ground, from which on the ground hears nothing more; before
+    the vehicle has taken the key for good the vehicle hears nothing either.
+    """
+
+    def __init__(self, key, stage) -> None:
+        super().__init__(key)
+        self.stage = stage
+        self.is_broken = False
+        node = self.ground if stage is UseNewKey else self.vehicle
+        happened = node._happened
+
+        def watched(event, service) -> None:
+            if isinstance(event, stage):
+                self.break_off()
+            happened(event, service)
+
+        node._happened = watched
+
+    def break_off(self) -> None:
+        if not self.is_broken:
+            self.is_broken = True
+            (to_vehicle,), (to_ground,) = self.ground_link.channels, self.vehicle_link.channels
+            to_ground.other = None
+            if self.stage is not UseNewKey:
+                to_vehicle.other = None
+
+    async def reconnect(self, *, both: bool) -> None:
+        (to_vehicle,), (to_ground,) = self.ground_link.channels, self.vehicle_link.channels
+        to_vehicle.other = to_ground.other = None
+        to_vehicle.close("a test")
+        if both:
+            to_ground.close("a test")
+            await asyncio.sleep(0.01)
+            self.ground_link.meet(self.vehicle_link)
+            await asyncio.sleep(0)
+            self.trust()
+        else:  # as with UDP: the ground begins anew, and the vehicle has noticed nothing
+            await asyncio.sleep(0.01)
+            again = type(to_vehicle)(self.vehicle_link._name, self.ground_link._inbox, self.network.clock)
+            again.other, to_ground.other = to_ground, again
+            self.ground_link._inbox.opened(again)
+
+
+@pytest.mark.parametrize(("old", "new"), CHANGES)
+@pytest.mark.parametrize("stage", [ListenForKey, UseNewKey])
+@pytest.mark.parametrize("both", [True, False])
+@pytest.mark.parametrize("after", [0.0, 3.0, 20.0])
+def test_a_reconnect_in_the_middle_of_a_change_leaves_nobody_deaf(old, new, stage, both, after) -> None:
+    async def work() -> None:
+        async with Broken(old, stage) as pair:
+            await asyncio.sleep(1.2)
+            task = asyncio.ensure_future(pair.remote.set_up_signing(new))
+            await asyncio.sleep(1.0)
+            assert pair.is_broken
+            assert pair.server.key == (new if stage is UseNewKey else old)
+            await asyncio.sleep(after)
+            await pair.reconnect(both=both)
+            await asyncio.gather(task, return_exceptions=True)
+            await asyncio.sleep(20)
+            await assert_both_use(pair, pair.server.key)
+            assert not pair.remote.signing_client.changing
+            assert [node._keys._changes for node in pair.nodes] == [{}, {}]
+            if task.exception() is None:
+                assert pair.server.key == new
+
+    run_virtually(work())
+
+
+def setup(key, timestamp: int = 1) -> common.SetupSigning:
+    return common.SetupSigning(
+        target_system=1, target_component=1, secret_key=key.secret_bytes(), initial_timestamp=timestamp
+    )
+
+
+def test_a_trial_that_fails_is_over_on_a_channel_that_came_back_too() -> None:
+    """Nobody was heard on it, so nothing but the name tells that it has to do with the change."""
+
+    async def work() -> None:
+        async with Pair() as pair:
+            await asyncio.sleep(1.2)
+            pair.ground.send(setup(NEW))
+            await asyncio.sleep(0.1)
+            assert pair.server.on_trial
+            await pair.reconnect()
+            (channel,) = pair.vehicle.engine.channels
+            assert channel.signing is not None
+            (to_ground,), (to_vehicle,) = pair.vehicle_link.channels, pair.ground_link.channels
+            to_vehicle.other = None  # the vehicle hears nobody
+            pair.vehicle.engine.routes.forget(channel)
+            await asyncio.sleep(TRIAL)
+            assert not pair.server.on_trial
+            to_vehicle.other = to_ground
+            await assert_both_use(pair, None)
+
+    run_virtually(work())
+
+
+def test_another_key_on_a_channel_that_came_back_ends_the_first_change_alone() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            await asyncio.sleep(1.2)
+            pair.ground.send(setup(NEW, 1))
+            await asyncio.sleep(0.1)
+            await pair.reconnect()
+            await asyncio.sleep(0.1)
+            pair.ground.send(setup(THIRD, 2))
+            await asyncio.sleep(0.1)
+            assert pair.server.on_trial
+            pair.ground.engine.channels[0].signing = THIRD.signing()
+            await asyncio.sleep(1.5)
+            assert pair.server.key == THIRD
+            await assert_both_use(pair, THIRD)
+
+    run_virtually(work())
+
+
+@pytest.mark.parametrize("stays_closed", [True, False])
+def test_a_channel_that_is_away_while_its_peer_takes_a_key_signs_with_it_too(stays_closed) -> None:
+    """The peer signs with its key wherever it is heard: where it was, and where it turned up meanwhile."""
+
+    async def work() -> None:
+        async with Broken(None, UseNewKey) as pair:
+            second = MemoryNetwork()
+            links = [second.link("memory://second"), second.link("memory://second")]
+            for node, link in zip(pair.nodes, links, strict=True):
+                await link.open()
+                node.driver.read(link)
+            await asyncio.sleep(1.2)
+            if not stays_closed:
+                links[0].channels[0].close("a test")
+                await asyncio.sleep(0.01)
+                for address in pair.ground.engine.routes._routes:
+                    assert len(pair.ground.engine.routes.heard_on(address)) == 1
+            pair.break_off = lambda: None
+            task = asyncio.ensure_future(pair.remote.set_up_signing(NEW))
+            await asyncio.sleep(0.02)
+            if stays_closed:
+                links[0].channels[0].close("a test")
+                await asyncio.sleep(0.01)
+            else:
+                links[0].meet(links[1])
+            await task
+            await asyncio.sleep(1)
+            if stays_closed:
+                links[0].meet(links[1])
+            await asyncio.sleep(0.01)
+            for _ in range(2):
+                assert len(pair.ground.engine.channels) == len(pair.vehicle.engine.channels) == 2
+                before = [refusals(node) for node in pair.nodes]
+                await assert_both_use(pair, NEW)
+                assert [refusals(node) for node in pair.nodes] == before
+                assert all(channel.signing.streams for node in pair.nodes for channel in node.engine.channels)
+                links[0].channels[0].close("a test")
+                links[0].meet(links[1])
+                await asyncio.sleep(0.01)
+            for link in links:
+                await link.close()
+
+    run_virtually(work())
+
+
+@pytest.mark.parametrize("reconnects", [False, True])
+def test_who_was_heard_with_a_new_key_is_not_forgotten_when_the_change_is_over(reconnects) -> None:
+    """A state made anew would accept once more what it has accepted."""
+
+    async def work() -> None:
+        async with Pair() as pair:
+            await asyncio.sleep(1.2)
+            pair.ground.send(setup(NEW))
+            await asyncio.sleep(0.1)
+            if reconnects:
+                await pair.reconnect()
+            on_trial = pair.vehicle.engine.channels[0].signing
+            pair.ground.engine.channels[0].signing = NEW.signing()
+            await asyncio.sleep(1.5)
+            assert pair.server.key == NEW
+            assert pair.vehicle.engine.channels[0].signing is on_trial
+
+    run_virtually(work())

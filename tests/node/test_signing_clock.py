@@ -1,0 +1,149 @@
+"""The signing clock of a node: stored, taken up again, and never going back."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.errors import SigningError
+from mavstack.node import Node
+from mavstack.node.keys import STORE_INTERVAL
+from mavstack.security import TimestampStore
+from mavstack.sim.virtual import run_virtually
+from tests.node.signed_pair import NEW, OLD, PX4, Pair, assert_both_use, heard
+
+pytestmark = pytest.mark.usefixtures("clock")
+
+
+class Store(TimestampStore):
+    """Keeps in memory what is stored, and fails when told to."""
+
+    def __init__(self, start: int = 0) -> None:
+        super().__init__("nowhere")
+        self.stored: list[int] = []
+        self.start = start
+        self.error: Exception | None = None
+
+    def load(self) -> int:
+        return self.stored[-1] if self.stored else self.start
+
+    def store(self, timestamp: int) -> None:
+        if self.error is not None:
+            raise self.error
+        self.stored.append(timestamp)
+
+
+def test_the_clock_is_stored_once_in_a_while_and_on_close() -> None:
+    async def work() -> None:
+        store = Store()
+        async with Pair(OLD, timestamps=store) as pair:
+            await asyncio.sleep(STORE_INTERVAL - 0.1)
+            assert store.stored == []
+            await asyncio.sleep(3 * STORE_INTERVAL)
+            assert len(store.stored) == 3
+            signing = pair.vehicle.engine.channels[0].signing
+            assert store.stored == sorted(set(store.stored))
+            assert store.stored[-1] >= signing.timestamp - STORE_INTERVAL * 1e5
+            await asyncio.sleep(7)
+        assert store.stored[4:] == [signing.timestamp]
+
+    run_virtually(work())
+
+
+@pytest.mark.parametrize("error", [SigningError("the card is full"), RuntimeError("a defect")])
+def test_a_store_that_fails_is_told_and_stops_nothing(error) -> None:
+    async def work() -> None:
+        told: list[dict] = []
+        asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
+        store = Store()
+        store.error = error
+        async with Pair(OLD, timestamps=store) as pair:
+            await asyncio.sleep(2 * STORE_INTERVAL + 1)
+            assert [context["exception"] for context in told] == [error] * 2
+            await assert_both_use(pair, OLD)
+            store.error = None
+            await asyncio.sleep(STORE_INTERVAL)
+            assert len(store.stored) == 1
+            store.error = error
+        assert len(told) == 3
+        assert pair.vehicle_link.closed
+
+    run_virtually(work())
+
+
+def test_the_clock_of_a_channel_that_is_gone_is_stored_too() -> None:
+    async def work() -> None:
+        store = Store()
+        async with Pair(OLD, timestamps=store) as pair:
+            await asyncio.sleep(5)
+            signing = pair.vehicle.engine.channels[0].signing
+            await pair.ground.close()
+            await asyncio.sleep(0.1)
+            assert pair.vehicle.engine.channels == []
+        assert store.stored == [signing.timestamp]
+
+    run_virtually(work())
+
+
+def test_a_damaged_store_is_told_when_the_node_opens(tmp_path) -> None:
+    (tmp_path / "clock").write_text("yesterday")
+
+    async def work() -> None:
+        pair = Pair(OLD, timestamps=TimestampStore(tmp_path / "clock"))
+        with pytest.raises(SigningError, match="not a signing timestamp"):
+            await pair.vehicle.open()
+        assert not pair.vehicle.is_open
+        await pair.vehicle.close()
+
+    run_virtually(work())
+
+
+def test_timestamps_rise_over_a_restart_of_one_without_a_clock(tmp_path, clock) -> None:
+    """It learned the time from the ground; when it starts again it knows it from its store."""
+    store = TimestampStore(tmp_path / "clock")
+    newest = []
+
+    async def work() -> None:
+        pair = Pair(OLD, timestamps=store)
+        async with pair.ground:
+            clock(1000.0)
+            async with pair.vehicle:
+                newest.extend(packet.signature_timestamp for packet in await heard(pair.ground))
+            assert newest[-1] <= store.load()
+            link = pair.network.link()
+            again = Node(link, system=1, component=1, autopilot=PX4, signing=OLD, timestamps=store)
+            async with again:
+                newest.extend(packet.signature_timestamp for packet in await heard(pair.ground))
+
+    run_virtually(work())
+    assert len(newest) > 4
+    assert newest == sorted(set(newest))
+
+
+def test_timestamps_rise_over_a_reconnect_of_one_without_a_clock(clock) -> None:
+    async def work() -> list[int]:
+        clock(1000.0)
+        async with Pair(OLD) as pair:
+            for node in pair.nodes:
+                node.engine.channels[0].signing = OLD.signing(timestamp=10**12)
+            first = await heard(pair.ground)
+            await pair.reconnect()
+            return [packet.signature_timestamp for packet in first + await heard(pair.ground)]
+
+    timestamps = run_virtually(work())
+    assert timestamps == sorted(set(timestamps))
+
+
+def test_one_without_a_clock_can_be_given_a_key(clock) -> None:
+    """It signs with the timestamp that comes with the key: its own would be refused as stale."""
+
+    async def work() -> None:
+        pair = Pair()
+        await pair.ground.open()
+        clock(1000.0)
+        async with pair:
+            await pair.remote.set_up_signing(NEW)
+            await assert_both_use(pair, NEW)
+
+    run_virtually(work())

@@ -1,0 +1,157 @@
+"""Whatever may be said to a simulated vehicle, and what must hold of it whatever was said."""
+
+from __future__ import annotations
+
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING, Any
+
+from mavstack import Dialect, Parser
+from mavstack.dialects import common
+from mavstack.services import Address
+from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
+from mavstack.sim.simulation import Simulation
+from mavstack.wire import Encoder
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from random import Random
+
+    from mavstack.dialects import Message
+    from mavstack.sim.vehicle import Port, Vehicle
+
+ALL = Dialect.load("all")
+EVERY_KIND = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
+GROUND = Address(255, common.MavComponent.MISSIONPLANNER)
+#: Values that arithmetic stumbles over.
+ODD = (
+    nan,
+    inf,
+    -inf,
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.5,
+    90.0,
+    -180.0,
+    360.0,
+    1e-30,
+    1e6,
+    -1e9,
+    3.4e38,
+    -3.4e38,
+    16777217.0,
+)
+#: Fields that are looked up by number: with small values they hit what there is.
+NUMBERS = {
+    "seq",
+    "count",
+    "start_index",
+    "end_index",
+    "mission_type",
+    "param_index",
+    "id",
+    "session",
+    "opcode",
+}
+_STEPS_IN_A_SECOND = 50
+
+
+def odd(random: Random) -> float:
+    """A number: one of the odd ones, an innocent one, or a place."""
+    return random.choice(
+        [random.choice(ODD), random.uniform(-10, 10), random.randint(0, 5), random.uniform(-180, 180)]
+    )
+
+
+def state_of(vehicle: Vehicle) -> Iterator[tuple[str, float]]:
+    """All numbers that a vehicle's body has, by name."""
+    body = vehicle.body
+    for name in ("truth", "estimate", "battery", "limits"):
+        reading = getattr(body, name)
+        for field in reading._fields:
+            yield f"{name}.{field}", getattr(reading, field)
+    for number, value in enumerate(body.servos):
+        yield f"servo {number}", value
+
+
+class Victim:
+    """One vehicle, and a peer that says to it what it likes."""
+
+    def __init__(self, simulation: Simulation, vehicle: Vehicle, random: Random) -> None:
+        self.simulation, self.vehicle, self.random = simulation, vehicle, random
+        self.port: Port = vehicle.open_port("hostile")
+        self._encoders: dict[Address, Encoder] = {}
+        self._parser = Parser(ALL)
+        self.heard: list[Message] = []
+
+    def send(self, message: Message, source: Address = GROUND) -> None:
+        encoder = self._encoders.get(source)
+        if encoder is None:
+            encoder = self._encoders[source] = Encoder(*source)
+        self.vehicle.receive(self.port, encoder.encode(message))
+
+    def put_into_the_air(self) -> None:
+        """Armed, in the air, in the mode that holds."""
+        autopilot, kind = self.vehicle.autopilot, self.vehicle.type
+        autopilot.arm(force=True)
+        if kind.flies:
+            self.vehicle.body.place(0.0, 0.0, -60.0, 0.0)
+        autopilot.enter(self.vehicle.flavour.hold, "test", commanded=True)
+        autopilot.landed = False
+
+    def anything(self) -> Message:
+        """A message of any id: nonsense, but often addressed and numbered so that it is believed."""
+        random = self.random
+        kind: Any = ALL[random.choice(ALL.names)]
+        message = kind.from_payload(random.randbytes(255))
+        for name in message.__match_args__:
+            value = getattr(message, name)
+            if name == "target_system":
+                message.target_system = random.choice([self.vehicle.address.system] * 6 + [0, value])
+            elif name == "target_component":
+                message.target_component = random.choice([1, 1, 1, 0, value])
+            elif isinstance(value, float) and random.random() < 0.7:
+                setattr(message, name, odd(random))
+            elif isinstance(value, int) and name in NUMBERS and random.random() < 0.7:
+                setattr(message, name, random.randint(0, 9))
+        return message
+
+    def anybody(self) -> Address:
+        random = self.random
+        return random.choice(
+            [
+                GROUND,
+                GROUND,
+                Address(1, 1),
+                Address(0, 0),
+                Address(random.randrange(256), random.randrange(256)),
+            ]
+        )
+
+    def check(self) -> None:
+        """What is always so: numbers are finite, and what is sent can be read and says so."""
+        for name, value in state_of(self.vehicle):
+            assert isfinite(value), (self.vehicle, name, value)
+        for port, data in self.vehicle.data_to_send():
+            if port is self.port:
+                self.heard += [
+                    packet.message for packet in self._parser.feed(data) if packet.message is not None
+                ]
+
+    def take_heard(self) -> list[Message]:
+        heard, self.heard = self.heard, []
+        return heard
+
+
+def victims(
+    random: Random, *, seconds: float = 3.0, home: Home = FIELD, kinds: Any = None, **options: Any
+) -> list[Victim]:
+    """One of each kind in one simulation, some of them in the air."""
+    simulation = Simulation(seed=random.randrange(1 << 30), **options)
+    made = [
+        Victim(simulation, simulation.add(kind, firmware, home=home), random)
+        for kind, firmware in kinds or EVERY_KIND
+    ]
+    simulation.advance(simulation.now + seconds)
+    return made

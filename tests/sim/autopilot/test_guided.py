@@ -1,0 +1,380 @@
+"""Setpoints and commands, as aims: every frame, every mixture, and their end."""
+
+from __future__ import annotations
+
+from math import cos, pi, radians, sin
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.services import Address
+from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint, SetpointReceived
+from mavstack.sim.autopilot.behaviours import Offboard
+from mavstack.sim.kinds import VehicleType
+from tests.sim.autopilot.stub import GUIDED, HOLD, Flight, turned
+
+F = common.MavFrame
+GROUND = Address(255, 190)
+
+
+def guided(kind: VehicleType = VehicleType.COPTER, height: float = 15.0, **figures: object) -> Flight:
+    """A vehicle in the air, or on its way, in the guided mode."""
+    flight = Flight(kind, **figures)
+    if kind.flies:
+        flight.in_the_air(height)
+    else:
+        flight.arm()
+    flight.enter(GUIDED)
+    flight.run(0.2)
+    return flight
+
+
+def tell(flight: Flight, setpoint: object) -> None:
+    flight.vehicle.tell(SetpointReceived(GROUND, setpoint))
+
+
+def stream(flight: Flight, setpoint: object, seconds: float, rate: float = 10.0) -> None:
+    """Repeat a setpoint."""
+    for _ in range(round(seconds * rate)):
+        tell(flight, setpoint)
+        flight.run(1 / rate)
+
+
+def face(flight: Flight, yaw: float) -> None:
+    """Turn to a heading."""
+    place = flight.autopilot.handling.place
+    flight.autopilot.guided.go_to(place, yaw=yaw)
+    flight.run(5)
+    assert abs(turned(flight.body.truth.yaw - yaw)) < 0.1
+
+
+# Positions
+
+
+def test_a_local_position_counts_from_the_origin() -> None:
+    flight = guided()
+    tell(flight, LocalSetpoint(position=(12.0, -8.0, -20.0), yaw=pi / 2))
+    flight.run(15)
+    assert flight.distance((12.0, -8.0)) < 1.0
+    assert flight.height == pytest.approx(20.0, abs=1.0)
+    assert flight.body.truth.yaw == pytest.approx(pi / 2, abs=0.1)
+
+
+def test_an_offset_counts_from_where_it_is_when_it_comes() -> None:
+    flight = guided()
+    flight.autopilot.guided.go_to((20.0, 10.0, -15.0))
+    flight.run(12)
+    tell(flight, LocalSetpoint(position=(5.0, 5.0, -3.0), frame=F.LOCAL_OFFSET_NED))
+    flight.run(10)
+    assert flight.distance((25.0, 15.0)) < 1.5
+    assert flight.height == pytest.approx(18.0, abs=1.0)
+
+
+@pytest.mark.parametrize("frame", [F.BODY_NED, F.BODY_OFFSET_NED])
+def test_forward_and_right_count_from_its_heading(frame: int) -> None:
+    flight = guided()
+    face(flight, pi / 2)
+    tell(flight, LocalSetpoint(position=(10.0, 4.0, 0.0), frame=frame))
+    flight.run(12)
+    assert flight.distance((-4.0, 10.0)) < 1.5
+
+
+def test_a_yaw_of_a_turned_frame_counts_from_its_heading() -> None:
+    flight = guided()
+    face(flight, 1.0)
+    tell(flight, LocalSetpoint(position=(0.0, 0.0, 0.0), yaw=0.5, frame=F.BODY_OFFSET_NED))
+    flight.run(5)
+    assert flight.body.truth.yaw == pytest.approx(1.5, abs=0.1)
+
+
+def test_frames_that_the_firmware_ignores_change_nothing() -> None:
+    flight = guided(setpoint_frames=frozenset({F.LOCAL_NED}))
+    assert not flight.autopilot.guided.set(LocalSetpoint(position=(9.0, 0.0, 0.0), frame=F.BODY_NED))
+    assert flight.autopilot.guided.aim is None
+
+
+@pytest.mark.parametrize(
+    ("frame", "altitude"),
+    [(F.GLOBAL, 488.0 + 22.0), (F.GLOBAL_RELATIVE_ALT, 22.0), (F.GLOBAL_TERRAIN_ALT, 22.0)],
+)
+def test_a_global_position_counts_its_altitude_as_its_frame_says(frame: int, altitude: float) -> None:
+    flight = guided()
+    latitude, longitude, _ = flight.body.frame.to_global(15.0, 20.0, 0.0)
+    tell(flight, GlobalSetpoint(latitude, longitude, altitude, frame=frame))
+    flight.run(15)
+    assert flight.distance((15.0, 20.0)) < 1.0
+    assert flight.height == pytest.approx(22.0, abs=1.0)
+
+
+def test_a_relative_altitude_counts_from_home_wherever_that_is() -> None:
+    flight = guided()
+    latitude, longitude, _ = flight.body.frame.to_global(0.0, 0.0, 0.0)
+    flight.autopilot.set_home(latitude, longitude, 488.0 + 8.0)
+    tell(flight, GlobalSetpoint(latitude, longitude, 15.0))
+    flight.run(10)
+    assert flight.height == pytest.approx(23.0, abs=1.0)
+
+
+@pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
+def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:
+    flight = guided(kind)
+    tell(flight, LocalSetpoint(position=(12.0, -6.0, 4.0)))
+    flight.run(40)
+    assert flight.distance((12.0, -6.0)) < 2.5
+    if kind is VehicleType.SUB:
+        assert flight.body.truth.down == pytest.approx(4.0, abs=0.7)
+
+
+@pytest.mark.parametrize("repeated", [False, True])
+def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
+    flight = guided(VehicleType.PLANE, 40.0)
+    setpoint = LocalSetpoint(position=(400.0, 300.0, -60.0))
+    tell(flight, setpoint)
+    for _ in range(45):
+        if repeated:
+            tell(flight, setpoint)
+        flight.run(1)
+    for _ in range(10):
+        flight.run(1)
+        assert flight.distance((400.0, 300.0)) == pytest.approx(60.0, abs=20.0)
+        assert flight.height == pytest.approx(60.0, abs=6.0)
+
+
+def test_a_vtol_flies_far_on_its_wing_and_hovers_there() -> None:
+    flight = guided(VehicleType.VTOL, 40.0, forward_beyond=200.0)
+    flight.autopilot.guided.go_to((800.0, 0.0, -40.0))
+    flight.until(lambda: flight.body.transition == 1.0, within=20)
+    flight.until(lambda: flight.body.transition == 0.0, within=90)
+    flight.run(40)
+    assert flight.distance((800.0, 0.0)) < 2.0
+    flight.autopilot.guided.go_to((750.0, 0.0, -40.0))
+    flight.run(20)
+    assert flight.body.transition == 0.0
+    assert flight.distance((750.0, 0.0)) < 2.0
+
+
+# Velocities
+
+
+def test_a_velocity_is_flown_until_it_is_too_old() -> None:
+    flight = guided(setpoint_timeout=3.0)
+    tell(flight, LocalSetpoint(velocity=(3.0, -2.0, -0.5)))
+    flight.run(2.8)
+    motion = flight.body.truth
+    assert motion.velocity_north == pytest.approx(3.0, abs=0.6)
+    assert motion.velocity_east == pytest.approx(-2.0, abs=0.6)
+    assert motion.velocity_down == pytest.approx(-0.5, abs=0.3)
+    flight.run(5)
+    assert flight.speed < 0.5
+    here = flight.body.truth
+    flight.run(10)
+    assert flight.distance(here[:2]) < 1.0
+
+
+def test_a_velocity_that_is_repeated_goes_on() -> None:
+    flight = guided(setpoint_timeout=1.0)
+    stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0), yaw_rate=0.3), 8.0)
+    assert flight.body.truth.velocity_north == pytest.approx(2.0, abs=0.5)
+    assert flight.body.truth.yaw_rate == pytest.approx(0.3, abs=0.1)
+
+
+def test_a_velocity_of_a_turned_frame_goes_where_it_looks() -> None:
+    flight = guided()
+    face(flight, pi / 2)
+    stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0), frame=F.BODY_NED), 4.0)
+    assert flight.body.truth.velocity_east == pytest.approx(2.0, abs=0.5)
+    assert abs(flight.body.truth.velocity_north) < 0.5
+
+
+def test_velocities_of_a_global_setpoint_are_of_the_ground() -> None:
+    flight = guided()
+    face(flight, pi / 2)
+    stream(flight, GlobalSetpoint(velocity=(2.0, 0.0, 0.0)), 4.0)
+    assert flight.body.truth.velocity_north == pytest.approx(2.0, abs=0.5)
+
+
+def test_a_position_with_a_velocity_moves_on() -> None:
+    flight = guided()
+    for beat in range(60):
+        setpoint = LocalSetpoint(position=(beat * 0.2, 5.0, -15.0), velocity=(2.0, 0.0, 0.0))
+        stream(flight, setpoint, 0.1)
+    assert flight.body.truth.north == pytest.approx(12.0, abs=1.5)
+    assert flight.body.truth.east == pytest.approx(5.0, abs=1.0)
+
+
+def test_axes_may_be_mixed() -> None:
+    flight = guided()
+    stream(flight, LocalSetpoint(position=(None, None, -18.0), velocity=(1.5, 0.0, None)), 8.0)
+    assert flight.height == pytest.approx(18.0, abs=1.0)
+    assert flight.body.truth.velocity_north == pytest.approx(1.5, abs=0.4)
+
+
+def test_an_acceleration_speeds_it_up() -> None:
+    flight = guided()
+    stream(flight, LocalSetpoint(acceleration=(1.0, 0.0, 0.0)), 4.0)
+    assert flight.body.truth.velocity_north == pytest.approx(4.0, abs=1.2)
+
+
+def test_a_heading_alone_turns_it_on_the_spot() -> None:
+    flight = guided()
+    stream(flight, LocalSetpoint(yaw=2.0), 5.0)
+    assert flight.body.truth.yaw == pytest.approx(2.0, abs=0.1)
+    assert flight.distance() < 1.5
+
+
+def test_a_rover_turns_along_with_its_velocity() -> None:
+    flight = guided(VehicleType.ROVER)
+    stream(flight, LocalSetpoint(velocity=(1.5, 0.0, 0.0), yaw_rate=0.5, frame=F.BODY_NED), 6.0)
+    motion = flight.body.truth
+    along = motion.velocity_north * cos(motion.yaw) + motion.velocity_east * sin(motion.yaw)
+    assert along == pytest.approx(1.5, abs=0.4)
+    assert motion.yaw_rate == pytest.approx(0.5, abs=0.15)
+
+
+# Attitudes
+
+
+def lean(roll: float, pitch: float, yaw: float = 0.0) -> tuple[float, float, float, float]:
+    cr, cp, cy = cos(roll / 2), cos(pitch / 2), cos(yaw / 2)
+    sr, sp, sy = sin(roll / 2), sin(pitch / 2), sin(yaw / 2)
+    return (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
+
+
+def test_an_attitude_leans_it_and_its_thrust_lifts_it() -> None:
+    flight = guided(setpoint_timeout=1.0)
+    stream(flight, AttitudeSetpoint(lean(0.1, -0.15, 0.6), thrust=0.55), 2.0)
+    motion = flight.body.truth
+    assert motion.roll == pytest.approx(0.1, abs=0.05)
+    assert motion.pitch == pytest.approx(-0.15, abs=0.05)
+    assert motion.yaw == pytest.approx(0.6, abs=0.1)
+    assert motion.velocity_down < -0.5
+    flight.run(6)
+    assert flight.speed < 0.5
+
+
+@pytest.mark.parametrize(("thrust", "climb"), [(0.5, 0.0), (0.9, 2.0), (0.2, -1.5)])
+def test_thrust_may_mean_climbing(thrust: float, climb: float) -> None:
+    flight = guided(height=30.0, thrust_is_climb=True, setpoint_timeout=1.0)
+    stream(flight, AttitudeSetpoint(lean(0.0, 0.0), thrust=thrust), 5.0)
+    assert flight.body.truth.velocity_down == pytest.approx(-climb, abs=0.35)
+
+
+def test_rates_turn_it() -> None:
+    flight = guided()
+    stream(flight, AttitudeSetpoint(rates=(0.0, 0.0, 0.7), thrust=0.5), 2.0)
+    assert flight.body.truth.yaw_rate == pytest.approx(0.7, abs=0.15)
+
+
+def test_a_rover_drives_at_a_share_of_its_speed_to_a_heading() -> None:
+    flight = guided(VehicleType.ROVER)
+    stream(flight, AttitudeSetpoint(lean(0.0, 0.0, radians(90)), thrust=0.5), 8.0)
+    assert flight.body.truth.velocity_east == pytest.approx(1.5, abs=0.4)
+
+
+# Modes, and the ground
+
+
+def test_setpoints_are_not_followed_in_other_modes() -> None:
+    flight = guided()
+    flight.enter(HOLD)
+    stream(flight, LocalSetpoint(velocity=(3.0, 0.0, 0.0)), 3.0)
+    assert flight.distance() < 1.5
+
+
+@pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL])
+def test_on_the_ground_only_a_take_off_is_followed(kind: VehicleType) -> None:
+    flight = Flight(kind)
+    flight.arm()
+    flight.enter(GUIDED)
+    flight.autopilot.guided.go_to((20.0, 0.0, -20.0))
+    flight.run(4)
+    assert flight.height == 0.0
+    flight.autopilot.guided.take_off(30.0)
+    flight.until(lambda: flight.height > 25.0, within=60)
+
+
+def test_guided_takes_off_then_goes_on() -> None:
+    flight = Flight()
+    flight.arm()
+    flight.enter(GUIDED)
+    flight.autopilot.guided.take_off(10.0)
+    flight.run(1)
+    assert flight.autopilot.landed_state == common.MavLandedState.TAKEOFF
+    flight.run(12)
+    assert flight.height == pytest.approx(10.0, abs=1.0)
+    assert flight.autopilot.landed_state == common.MavLandedState.IN_AIR
+    flight.autopilot.guided.go_to((10.0, 0.0, -10.0), yaw=1.0, speed=2.0)
+    flight.run(3)
+    assert flight.speed < 2.5
+    flight.run(8)
+    assert flight.distance((10.0, 0.0)) < 1.0
+
+
+def test_flown_into_the_ground_it_stays_there_and_disarms() -> None:
+    flight = guided(height=5.0)
+    for _ in range(20):
+        tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 1.0)))
+        flight.run(0.5)
+    assert flight.height == 0.0
+    flight.until(lambda: not flight.autopilot.armed, within=15)
+
+
+# A stream that must live
+
+
+def offboard(flight: Flight) -> None:
+    flight.fly(Offboard)
+
+
+def test_a_stream_lives_from_its_second_setpoint_while_it_is_quick() -> None:
+    flight = guided(setpoint_timeout=1.0)
+    target = flight.autopilot.guided
+    assert not target.stream_alive
+    tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
+    assert not target.stream_alive
+    flight.run(0.1)
+    tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
+    assert target.stream_alive
+    flight.run(0.9)
+    assert target.stream_alive
+    flight.run(0.3)
+    assert not target.stream_alive
+    tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
+    assert not target.stream_alive, "one a second is no stream"
+
+
+def test_offboard_takes_off_by_a_position_and_follows() -> None:
+    flight = Flight(setpoint_timeout=1.0)
+    stream(flight, LocalSetpoint(position=(0.0, 0.0, -5.0)), 1.0)
+    flight.arm()
+    offboard(flight)
+    stream(flight, LocalSetpoint(position=(0.0, 0.0, -5.0)), 10.0)
+    assert flight.height == pytest.approx(5.0, abs=1.0)
+    stream(flight, LocalSetpoint(position=(5.0, 5.0, -5.0), yaw=1.0), 10.0)
+    assert flight.distance((5.0, 5.0)) < 1.0
+
+
+def test_offboard_that_starves_does_what_the_firmware_does() -> None:
+    flight = Flight(setpoint_timeout=1.0).in_the_air(10.0)
+    stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0)), 1.0)
+    offboard(flight)
+    stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0)), 3.0)
+    assert flight.speed > 1.5
+    flight.run(0.8)
+    assert flight.autopilot.mode.number != HOLD
+    flight.run(1.0)
+    assert flight.autopilot.mode.number == HOLD
+    flight.run(5)
+    assert flight.speed < 0.5
+
+
+def test_offboard_without_a_stream_ends_at_once() -> None:
+    flight = Flight().in_the_air(10.0)
+    offboard(flight)
+    flight.run(0.5)
+    assert flight.autopilot.mode.number == HOLD

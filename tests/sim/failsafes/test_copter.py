@@ -1,0 +1,247 @@
+"""Copter's failsafes: every action of every parameter, what it falls back to, and what it says."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.services import Address
+from mavstack.services.mission import MissionItem
+from tests.sim.failsafes.scenes import Scene, play, silence
+from tests.sim.flights import CMD, Flown, airborne
+
+RADIO, GROUND = "Radio Failsafe", "GCS Failsafe"
+
+
+def waypoint(latitude: float = 47.41) -> MissionItem:
+    frame = common.MavFrame.GLOBAL_RELATIVE_ALT
+    return MissionItem(CMD.NAV_WAYPOINT, param5=latitude, param6=8.5456, param7=30.0, frame=frame)
+
+
+def with_mission(one: Flown) -> None:
+    one.load(waypoint(), waypoint(47.42))
+
+
+def with_landing(one: Flown) -> None:
+    one.load(waypoint(), MissionItem(CMD.DO_LAND_START), waypoint(47.42))
+
+
+def close_throttle(one: Flown) -> None:
+    one.autopilot.radio.move(3, 1000)
+
+
+def open_throttle(one: Flown) -> None:
+    one.autopilot.radio.move(3, 1500)
+
+
+def close_gripper(one: Flown) -> None:
+    one.autopilot.payload.grip(closed=True)
+
+
+def by_radio(value: int, mode: str, *says: str, name: str = "", **more: object) -> Scene:
+    return Scene(
+        name or f"radio-{value}",
+        parameters={"FS_THR_ENABLE": value, **more.pop("parameters", {})},  # type: ignore[dict-item]
+        faults=("radio off",),
+        mode=mode,
+        says=says,
+        **more,  # type: ignore[arg-type]
+    )
+
+
+def by_ground(value: int, mode: str, *says: str, name: str = "", **more: object) -> Scene:
+    parameters = {"FS_GCS_ENABLE": value, "FS_GCS_TIMEOUT": 2, **more.pop("parameters", {})}  # type: ignore[dict-item]
+    return Scene(
+        name or f"ground-{value}",
+        parameters=parameters,
+        talks=True,
+        event=silence,
+        mode=mode,
+        says=says,
+        **more,  # type: ignore[arg-type]
+    )
+
+
+def by_battery(
+    value: int, mode: str, *says: str, name: str = "", level: str = "LOW", **more: object
+) -> Scene:
+    parameters = {f"BATT_FS_{level}_ACT": value, "BATT_LOW_TIMER": 1, **more.pop("parameters", {})}  # type: ignore[dict-item]
+    if level == "CRT":
+        parameters |= {"BATT_CRT_VOLT": 13.5, "BATT_LOW_VOLT": 0}
+    return Scene(
+        name or f"battery-{level}-{value}",
+        parameters=parameters,
+        faults=("battery sag 4",),
+        mode=mode,
+        says=says,
+        **more,  # type: ignore[arg-type]
+    )
+
+
+NO_LANDING = "Mode change to AUTO_RTL failed: init failed"
+SCENES = [
+    by_radio(0, "GUIDED"),
+    by_radio(1, "RTL", RADIO),
+    by_radio(2, "RTL", RADIO),
+    by_radio(3, "LAND", RADIO),
+    by_radio(4, "SMART_RTL", RADIO),
+    by_radio(5, "SMART_RTL", RADIO),
+    by_radio(6, "RTL", RADIO, NO_LANDING, "Trying RTL Mode"),
+    by_radio(6, "AUTO_RTL", RADIO, name="radio-6-landing", before=with_landing),
+    by_radio(7, "BRAKE", RADIO),
+    by_radio(9, "LAND", RADIO),
+    by_radio(1, "AUTO", "Radio Failsafe - Continuing Auto", name="radio-in-auto", begin="AUTO",
+             before=with_mission, parameters={"FS_OPTIONS": 1}),
+    by_radio(1, "RTL", RADIO, name="radio-in-auto-all-the-same", begin="AUTO", before=with_mission),
+    by_radio(1, "GUIDED", "Radio Failsafe - Continuing Guided Mode", name="radio-in-guided",
+             parameters={"FS_OPTIONS": 4}),
+    by_radio(1, "LAND", "Radio Failsafe - Continuing Landing", name="radio-landing", begin="LAND",
+             parameters={"FS_OPTIONS": 8}),
+    by_radio(1, "RTL", RADIO, name="radio-while-landing", begin="LAND"),
+    by_radio(1, "GUIDED", "Radio Failsafe - Disarming", "Disarming motors", name="radio-on-the-ground",
+             grounded=True, begin="GUIDED", armed=False),
+    by_radio(1, "STABILIZE", "Radio Failsafe - Disarming", name="radio-disarmed", arms=False, armed=False),
+    by_radio(1, "STABILIZE", "Radio Failsafe - Disarming", name="radio-throttle-closed", begin="STABILIZE",
+             before=close_throttle, armed=False),
+    by_radio(1, "RTL", RADIO, name="radio-by-hand", begin="ALT_HOLD", before=open_throttle),
+    by_radio(1, "RTL", RADIO, name="radio-gripper", before=close_gripper,
+             parameters={"FS_OPTIONS": 32}),
+    by_radio(1, "RTL", RADIO, name="radio-no-gripper", before=close_gripper),
+    by_ground(0, "GUIDED"),
+    by_ground(1, "RTL", GROUND),
+    by_ground(2, "RTL", GROUND),
+    by_ground(3, "SMART_RTL", GROUND),
+    by_ground(4, "SMART_RTL", GROUND),
+    by_ground(5, "LAND", GROUND),
+    by_ground(6, "RTL", GROUND, NO_LANDING, "Trying RTL Mode"),
+    by_ground(7, "BRAKE", GROUND),
+    by_ground(9, "RTL", GROUND),
+    by_ground(1, "AUTO", "GCS Failsafe - Continuing Auto Mode", name="ground-in-auto", begin="AUTO",
+              before=with_mission, parameters={"FS_OPTIONS": 2}),
+    by_ground(1, "LOITER", "GCS Failsafe - Continuing Pilot Control", name="ground-by-hand",
+              begin="LOITER", before=open_throttle),
+    by_ground(1, "LAND", "GCS Failsafe - Continuing Landing", name="ground-landing", begin="LAND",
+              parameters={"FS_OPTIONS": 8}),
+    by_ground(1, "GUIDED", "GCS Failsafe - Disarming", name="ground-on-the-ground", grounded=True,
+              begin="GUIDED", armed=False),
+    by_ground(1, "STABILIZE", GROUND, name="ground-disarmed", arms=False, armed=False),
+    by_battery(0, "GUIDED", "Battery Failsafe"),
+    by_battery(1, "LAND", "Battery Failsafe"),
+    by_battery(2, "RTL", "Battery Failsafe"),
+    by_battery(3, "SMART_RTL", "Battery Failsafe"),
+    by_battery(4, "SMART_RTL", "Battery Failsafe"),
+    by_battery(5, "GUIDED", "Battery Failsafe", armed=False),
+    by_battery(6, "RTL", "Battery Failsafe", "Trying RTL Mode"),
+    by_battery(7, "BRAKE", "Battery Failsafe"),
+    by_battery(1, "LAND", "Battery Failsafe", level="CRT"),
+    by_battery(2, "RTL", "Battery Failsafe", level="CRT"),
+    by_battery(2, "GUIDED", "Battery Failsafe - Disarming", name="battery-on-the-ground", grounded=True,
+               begin="GUIDED", armed=False),
+    by_battery(2, "LAND", "Battery Failsafe - Continuing Landing", name="battery-landing", begin="LAND",
+               parameters={"FS_OPTIONS": 8}),
+    Scene("battery-disarmed", parameters={"BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1}, arms=False, armed=False,
+          faults=("battery sag 4",), mode="STABILIZE"),
+    Scene("battery-not-watched", parameters={"BATT_MONITOR": 0, "BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1},
+          faults=("battery sag 4",), mode="GUIDED"),
+    Scene("battery-by-charge", parameters={"BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1, "BATT_LOW_MAH": 2600,
+          "BATT_LOW_VOLT": 0}, faults=("battery 40",), mode="RTL", says=("Battery Failsafe",)),
+    Scene("battery-then-radio", parameters={"BATT_FS_LOW_ACT": 1, "BATT_LOW_TIMER": 1, "RC_FS_TIMEOUT": 2.5},
+          faults=("battery sag 4", "radio off"), mode="LAND",
+          says=("Battery Failsafe", "Radio + Battery Failsafe - Continuing Landing")),
+]  # fmt: skip
+CALM = {"radio-0", "ground-0", "battery-not-watched", "battery-disarmed"}
+
+
+@pytest.fixture(scope="module")
+def played() -> dict[str, Flown]:
+    return play(SCENES, "ardupilot")
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
+def test_a_failsafe_does_what_its_parameter_says_and_says_so(played, scene) -> None:
+    one = played[scene.name]
+    assert (one.mode, one.armed) == (scene.mode, scene.armed), list(one.texts)
+    assert set(scene.says) <= set(one.texts), list(one.texts)
+    if scene.name in CALM:
+        assert not one.texts
+        assert not one.critical
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
+def test_the_state_is_critical_while_a_failsafe_is_active_on_an_armed_vehicle(played, scene) -> None:
+    one = played[scene.name]
+    assert one.critical == (one.armed and scene.name not in CALM)
+
+
+def test_a_low_battery_tells_what_it_measures(played) -> None:
+    battery = played["battery-LOW-2"].texts.first("Battery 1 is low ")
+    assert battery.endswith(" mAh")
+    assert 11.0 < float(battery.split()[4].removesuffix("V")) < 14.0
+    assert played["battery-CRT-2"].texts.first("Battery 1 is critical ")
+
+
+def test_the_gripper_lets_go(played) -> None:
+    assert not played["radio-gripper"].autopilot.payload.gripper_closed
+    assert played["radio-no-gripper"].autopilot.payload.gripper_closed
+
+
+def test_where_there_is_no_way_home_it_lands() -> None:
+    copter = airborne(mode="ALT_HOLD", FS_EKF_THRESH=0).inject("gps off")
+    open_throttle(copter)
+    copter.run(6).inject("radio off").run(2)
+    assert copter.mode == "LAND"
+    assert "Mode change to RTL failed: requires position" in copter.texts
+
+
+def test_when_radio_and_ground_are_back_it_says_so_and_goes_on_with_what_it_does() -> None:
+    copter = airborne(FS_THR_ENABLE=1, FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
+    copter.inject("radio off")
+    copter.talks = False
+    copter.run(4)
+    assert copter.critical
+    copter.inject("radio on")
+    copter.talks = True
+    copter.run(2)
+    assert {"Radio Failsafe Cleared", "GCS Failsafe Cleared"} <= set(copter.texts)
+    assert copter.mode == "RTL"
+    assert not copter.critical
+
+
+def test_a_failsafe_acts_once_so_that_a_pilot_can_go_on() -> None:
+    copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
+    copter.talks = False
+    copter.run(4)
+    assert copter.mode == "RTL"
+    copter.enter("GUIDED").run(5)
+    assert copter.mode == "GUIDED"
+    assert copter.texts.count("GCS Failsafe") == 1
+
+
+def test_it_takes_as_long_as_the_parameters_say() -> None:
+    copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=4, RC_FS_TIMEOUT=1.5, BATT_FS_LOW_ACT=1)
+    begun = copter.vehicle.now
+    copter.inject("radio off", "battery sag 4")
+    copter.talks = False
+    copter.run(11)
+    times = {text: copter.texts.time_of(text) - begun for text in ("Radio Failsafe", "GCS Failsafe")}
+    assert times["Radio Failsafe"] == pytest.approx(1.5, abs=0.2)
+    assert 3 <= times["GCS Failsafe"] <= 4.2
+    low = copter.texts.first("Battery 1 is low")
+    assert copter.texts.time_of(low) - begun == pytest.approx(10, abs=0.3)  # BATT_LOW_TIMER
+
+
+def test_only_the_station_of_sysid_mygcs_counts() -> None:
+    copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
+    copter.source = Address(254, 190)
+    copter.run(4)
+    assert "GCS Failsafe" in copter.texts
+    stranger = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2, SYSID_MYGCS=7).run(4)
+    assert "GCS Failsafe" not in stranger.texts, "a station that was never there is not missed"
+
+
+def test_it_comes_home_and_is_disarmed() -> None:
+    copter = airborne(FS_THR_ENABLE=1, RTL_ALT=0, RTL_LOIT_TIME=0)
+    copter.inject("radio off").until(lambda: not copter.armed, within=90)
+    assert copter.autopilot.landed
+    assert abs(copter.vehicle.body.truth.north) < 2
+    assert copter.texts[-1] == "Disarming motors"

@@ -1,0 +1,169 @@
+"""Plane's failsafes, of planes and quadplanes: short and long, what they leave alone, and what they say."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.services.mission import MissionItem
+from tests.sim.failsafes.scenes import Scene, play, silence
+from tests.sim.flights import CMD, Flown, airborne
+
+ON, CLEARED = "RC Short Failsafe On", "RC Short Failsafe Cleared"
+
+
+def waypoint(latitude: float = 47.42) -> MissionItem:
+    frame = common.MavFrame.GLOBAL_RELATIVE_ALT
+    return MissionItem(CMD.NAV_WAYPOINT, param5=latitude, param6=8.5456, param7=150.0, frame=frame)
+
+
+def with_mission(one: Flown) -> None:
+    one.load(waypoint(), waypoint(47.43))
+
+
+def with_landing(one: Flown) -> None:
+    one.load(waypoint(), MissionItem(CMD.DO_LAND_START), waypoint(47.43))
+
+
+def lost(name: str, begin: str, mode: str, *says: str, **more: Any) -> Scene:
+    """The radio, for longer than both timeouts."""
+    parameters = {"RC_FS_TIMEOUT": 0.5, "FS_SHORT_TIMEOUT": 1, "FS_LONG_TIMEOUT": 3}
+    parameters |= more.pop("parameters", {})
+    kind = more.pop("kind", "plane")
+    return Scene(name, kind, parameters, ("radio off",), begin, mode=mode, says=says, **more)
+
+
+def short(name: str, begin: str, mode: str, *says: str, action: int = 0, **more: Any) -> Scene:
+    """For longer than the short timeout only."""
+    parameters = {"FS_LONG_TIMEOUT": 60, "FS_SHORT_ACTN": action, **more.pop("parameters", {})}
+    return lost(name, begin, mode, *says, parameters=parameters, **more)
+
+
+def long(name: str, begin: str, mode: str, *says: str, action: int = 0, **more: Any) -> Scene:
+    parameters = {"FS_LONG_ACTN": action, **more.pop("parameters", {})}
+    return lost(
+        name, begin, mode, f"RC Long Failsafe On: switched to {mode}", *says, parameters=parameters, **more
+    )
+
+
+def ground(
+    name: str, begin: str, mode: str, *says: str, action: int = 0, enabled: int = 1, **more: Any
+) -> Scene:
+    parameters = {"FS_GCS_ENABL": enabled, "FS_LONG_TIMEOUT": 2, "FS_LONG_ACTN": action}
+    return Scene(
+        name, "plane", parameters, (), begin, talks=True, event=silence, mode=mode, says=says, **more
+    )
+
+
+def battery(name: str, mode: str, *says: str, action: int, kind: str = "plane", **more: Any) -> Scene:
+    parameters = {"BATT_FS_LOW_ACT": action, "BATT_LOW_TIMER": 1}
+    return Scene(
+        name, kind, parameters, ("battery sag 6",), more.pop("begin", "GUIDED"), mode=mode, says=says, **more
+    )
+
+
+TO_CIRCLE = "RC Short Failsafe: switched to CIRCLE"
+SCENES = [
+    short("short-0", "FBWA", "CIRCLE", TO_CIRCLE, "Throttle failsafe on"),
+    short("short-1", "CRUISE", "CIRCLE", TO_CIRCLE, action=1),
+    short("short-2", "STABILIZE", "FBWA", "RC Short Failsafe: switched to FBWA", action=2),
+    short("short-3", "FBWA", "FBWA", "Throttle failsafe on", action=3),
+    short("short-4", "FBWA", "FBWB", "RC Short Failsafe: switched to FBWB", action=4),
+    short("short-guided-0", "GUIDED", "GUIDED", ON),
+    short("short-guided-1", "GUIDED", "CIRCLE", TO_CIRCLE, action=1),
+    short("short-auto-0", "AUTO", "AUTO", ON, before=with_mission),
+    short("short-auto-1", "AUTO", "CIRCLE", TO_CIRCLE, action=1, before=with_mission),
+    short("short-rtl", "RTL", "RTL", ON, action=1),
+    short("short-hovering", "QHOVER", "QLAND", "RC Short Failsafe: switched to QLAND", kind="vtol"),
+    short("short-hovering-qrtl", "QHOVER", "QRTL", kind="vtol", parameters={"Q_OPTIONS": 32}),
+    short("short-hovering-rtl", "QHOVER", "RTL", kind="vtol", parameters={"Q_OPTIONS": 1 << 20}),
+    long("long-0", "FBWA", "RTL"),
+    long("long-1", "MANUAL", "RTL", action=1),
+    long("long-2", "CRUISE", "FBWA", action=2),
+    long("long-4", "FBWB", "AUTO", action=4, before=with_mission),
+    long("long-guided-0", "GUIDED", "GUIDED"),
+    long("long-guided-1", "GUIDED", "RTL", action=1),
+    long("long-guided-2", "GUIDED", "FBWA", action=2),
+    long("long-auto-0", "AUTO", "AUTO", before=with_mission),
+    long("long-auto-1", "AUTO", "RTL", action=1, before=with_mission),
+    long("long-loiter", "LOITER", "RTL"),
+    long("long-hovering", "QHOVER", "QLAND", kind="vtol"),
+    lost("off", "FBWA", "FBWA", parameters={"THR_FAILSAFE": 0}),
+    lost("on-without-action", "FBWA", "FBWA", parameters={"THR_FAILSAFE": 2}),
+    ground("ground-0", "FBWA", "FBWA", enabled=0),
+    ground("ground-1", "FBWA", "RTL", "GCS Failsafe On: switched to RTL"),
+    ground("ground-guided", "GUIDED", "GUIDED", "GCS Failsafe On: switched to GUIDED"),
+    ground("ground-guided-1", "GUIDED", "RTL", "GCS Failsafe On: switched to RTL", action=1),
+    ground("ground-only-auto", "FBWA", "FBWA", enabled=3),
+    ground("ground-auto", "AUTO", "RTL", "GCS Failsafe On: switched to RTL", action=1, enabled=3,
+           before=with_mission),
+    battery("battery-0", "GUIDED", action=0),
+    battery("battery-1", "RTL", action=1),
+    battery("battery-2", "AUTO", action=2, before=with_landing),
+    battery("battery-2-without", "RTL", action=2),
+    battery("battery-3", "GUIDED", "AFS not enabled, can't terminate the vehicle", action=3),
+    battery("battery-4", "QLAND", action=4, kind="vtol"),
+    battery("battery-4-plane", "RTL", action=4),
+    battery("battery-6", "QLAND", action=6, kind="vtol"),
+    battery("battery-7", "RTL", action=7),
+    battery("battery-landing", "QLAND", action=1, kind="vtol", begin="QLAND"),
+]  # fmt: skip
+SILENT = {"off", "on-without-action", "ground-0", "ground-only-auto"}
+
+
+@pytest.fixture(scope="module")
+def played() -> dict[str, Flown]:
+    return play(SCENES, "ardupilot", 4.5)
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
+def test_a_failsafe_does_what_its_parameter_says_and_says_so(played, scene) -> None:
+    one = played[scene.name]
+    assert one.mode == scene.mode, list(one.texts)
+    assert one.armed
+    assert set(scene.says) <= set(one.texts), list(one.texts)
+    assert bool(one.texts) == (scene.name not in SILENT), list(one.texts)
+    assert one.critical == (scene.name not in SILENT)
+
+
+def test_the_mode_before_is_restored_when_the_radio_is_back() -> None:
+    plane = airborne("plane", mode="CRUISE", FS_SHORT_TIMEOUT=1).inject("radio off").run(2)
+    assert plane.mode == "CIRCLE"
+    plane.inject("radio on").run(0.5)
+    assert plane.mode == "CRUISE"
+    assert {"Throttle failsafe off", CLEARED, "Flight mode CRUISE restored"} <= set(plane.texts)
+
+
+def test_a_mode_that_somebody_chose_meanwhile_stays() -> None:
+    plane = airborne("plane", mode="CRUISE", FS_SHORT_TIMEOUT=1).inject("radio off").run(2)
+    plane.enter("LOITER").inject("radio on").run(0.5)
+    assert plane.mode == "LOITER"
+    assert CLEARED in plane.texts
+
+
+def test_after_the_long_failsafe_it_stays_on_its_way_home() -> None:
+    plane = airborne("plane", mode="FBWA", FS_SHORT_TIMEOUT=1, FS_LONG_TIMEOUT=2).inject("radio off").run(3)
+    plane.inject("radio on").run(0.5)
+    assert plane.mode == "RTL"
+    assert "RC Long Failsafe Cleared" in plane.texts
+    assert not plane.critical
+
+
+def test_the_ground_station_is_back() -> None:
+    plane = airborne("plane", mode="FBWA", FS_GCS_ENABL=1, FS_LONG_TIMEOUT=2)
+    plane.talks = False
+    plane.run(4)
+    plane.talks = True
+    plane.run(1.5)
+    assert plane.mode == "RTL"
+    assert plane.texts[-1] == "GCS Failsafe Cleared"
+
+
+def test_flight_termination_by_the_battery_where_it_is_enabled() -> None:
+    plane = airborne("plane", BATT_FS_CRT_ACT=3, BATT_LOW_TIMER=1, BATT_CRT_VOLT=14, AFS_ENABLE=1)
+    plane.inject("battery sag 6").run(2)
+    assert "Terminating due to critical battery" in plane.texts
+    assert not plane.armed
+    assert plane.autopilot.system_status == common.MavState.FLIGHT_TERMINATION

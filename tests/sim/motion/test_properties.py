@@ -1,0 +1,167 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from mavstack.sim.kinds import Home, VehicleType
+from mavstack.sim.motion import Body, World
+from mavstack.sim.motion.airframes import AIRFRAMES, LIMIT_RANGES
+from tests.sim.motion.flights import FIELD, fly, speed
+
+TYPES = list(VehicleType)
+#: Faster than this (m/s) nothing of the type gets in still air, dives and falls included.
+FASTEST = {"copter": 45, "plane": 75, "vtol": 80, "rover": 9, "boat": 6, "sub": 2.5}
+ANY = st.floats(allow_nan=True, allow_infinity=True)
+METRES = st.one_of(st.floats(-300, 300), ANY)
+SMALL = st.one_of(st.floats(-3, 3), ANY)
+MAYBE = st.one_of(st.none(), SMALL)
+POINT = st.tuples(METRES, METRES, METRES)
+
+DEMANDS = st.one_of(
+    st.tuples(st.just("go_to"), POINT, st.fixed_dictionaries({"start": st.none() | POINT, "speed": MAYBE,
+              "climb": MAYBE, "sink": MAYBE, "yaw": MAYBE})),
+    st.tuples(st.just("fly_velocity"), st.tuples(METRES, METRES, SMALL), st.fixed_dictionaries({"yaw": MAYBE,
+              "yaw_rate": MAYBE})),
+    st.tuples(st.just("circle"), st.tuples(METRES, METRES, METRES, METRES), st.fixed_dictionaries({
+              "speed": MAYBE, "yaw": MAYBE})),
+    st.tuples(st.just("hold_attitude"), st.tuples(SMALL, SMALL, MAYBE, SMALL), st.just({})),
+    st.tuples(st.just("hold_rates"), st.tuples(SMALL, SMALL, SMALL, SMALL), st.just({})),
+    st.tuples(st.just("sticks"), st.tuples(SMALL, SMALL, SMALL, SMALL), st.just({})),
+    st.tuples(st.sampled_from(["stop", "idle", "roll_out"]), st.just(()), st.just({})),
+    st.tuples(st.just("transition_to"), st.tuples(st.booleans()), st.just({})),
+    st.tuples(st.just("set_limit"), st.tuples(st.sampled_from(sorted(LIMIT_RANGES)), SMALL), st.just({})),
+    st.tuples(st.just("fail_motor"), st.tuples(st.integers(-1, 9), st.booleans()), st.just({})),
+    st.tuples(st.just("fail_gps"), st.tuples(st.booleans()), st.just({})),
+    st.tuples(st.just("spoof_gps"), st.tuples(METRES, METRES), st.just({})),
+    st.tuples(st.sampled_from(["turn_compass", "sag_battery", "drift_baro"]), st.tuples(SMALL), st.just({})),
+)  # fmt: skip
+PLANS = st.lists(st.tuples(st.integers(0, len(TYPES) - 1), DEMANDS), min_size=1, max_size=10)
+PLACES = st.lists(st.floats(0, 100), min_size=len(TYPES), max_size=len(TYPES))
+WINDS = st.tuples(st.one_of(st.floats(0, 15), ANY), ANY, ANY)
+
+
+def all_types(seed: int = 1) -> tuple[World, list[Body]]:
+    world = World(seed=seed)
+    return world, [world.add(kind, FIELD) for kind in TYPES]
+
+
+def energy(body: Body) -> float:
+    """Height and speed, as energy per mass."""
+    return -9.80665 * body.truth.down + 0.5 * speed(body.truth) ** 2
+
+
+def check(body: Body, wind: float) -> None:
+    """What is so for anything that moves."""
+    motion = body.truth
+    assert all(math.isfinite(value) for value in (*motion, *body.estimate, *body.battery, body.airspeed))
+    assert speed(motion) < FASTEST[body.type] + wind
+    assert abs(motion.pitch) <= math.pi / 2 + 0.1
+    assert abs(motion.roll) <= math.pi + 1e-6
+    assert max(abs(motion.roll_rate), abs(motion.pitch_rate), abs(motion.yaw_rate)) <= 12.0
+    figure = AIRFRAMES[body.type]
+    assert figure.ceiling <= motion.down <= figure.floor
+    assert 0.0 <= body.throttle <= 1.0
+    assert 0.0 <= body.transition <= 1.0
+    assert body.battery.current >= 0.0
+    readings = body.sensors
+    assert all(math.isfinite(value) for name, value in readings._asdict().items() if name != "distance")
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(PLANS, PLACES, WINDS)
+def test_any_demands_leave_everything_physical(plan, heights, wind):
+    world, bodies = all_types()
+    world.set_wind(*wind)
+    strongest = 2.5 * min(wind[0], 60.0) if wind[0] > 0 else 0.0
+    for body, height in zip(bodies, heights, strict=True):
+        body.place(0, 0, -height, 0)
+    for which, (name, arguments, options) in plan:
+        body = bodies[which]
+        getattr(body, name)(*arguments, **options)
+        charges = [b.battery.consumed for b in bodies]
+        for _ in range(15):
+            world.step()
+        for each, charge in zip(bodies, charges, strict=True):
+            check(each, strongest)
+            assert each.battery.consumed >= charge
+    assert np.isfinite(world.fleet.data).all()
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.sampled_from(TYPES), st.lists(DEMANDS, min_size=1, max_size=5), st.floats(5, 100))
+def test_energy_comes_from_motors_only(kind, demands, height):
+    world = World()
+    body = world.add(kind, FIELD)
+    body.place(0, 0, -height, 0)
+    figure = AIRFRAMES[kind]
+    strongest = 1.1 * (figure.lift * 1.8 + figure.drive) + 0.1
+    before = energy(body)
+    for name, arguments, options in demands:
+        getattr(body, name)(*arguments, **options)
+        for _ in range(20):
+            world.step()
+            now = energy(body)
+            assert now - before <= strongest * (speed(body.truth) + 0.5) / 50 + 0.3
+            before = now
+
+
+@given(st.integers(0, 2**32))
+@settings(max_examples=3, deadline=None)
+def test_same_seed_same_numbers(seed):
+    worlds = [all_types(seed) for _ in range(2)]
+    for world, bodies in worlds:
+        world.set_wind(6, 200, 0.3)
+        for body in bodies:
+            body.go_to(100, 50, -40)
+        fly(world, 2)
+    assert np.array_equal(worlds[0][0].fleet.data, worlds[1][0].fleet.data)
+    assert worlds[0][1][0].sensors == worlds[1][1][0].sensors
+
+
+def test_other_seed_other_numbers():
+    (one, bodies), (other, others) = all_types(1), all_types(2)
+    fly(one, 1)
+    fly(other, 1)
+    assert all(a.estimate != b.estimate for a, b in zip(bodies, others, strict=True))
+
+
+@pytest.mark.parametrize("newcomer", TYPES)
+def test_a_newcomer_changes_nothing_for_who_flies(newcomer):
+    def flight(joined: bool) -> list[Body]:
+        world, bodies = all_types(3)
+        world.set_wind(5, 90, 0.2)
+        for body in bodies:
+            body.go_to(200, 50, -30)
+        fly(world, 1)
+        if joined:
+            other = world.add(newcomer, Home(10, 10, 0, 45))
+            other.go_to(0, 0, -5)
+        fly(world, 1)
+        return bodies
+
+    for one, other in zip(flight(False), flight(True), strict=True):
+        assert tuple(one.truth) == pytest.approx(tuple(other.truth), abs=1e-9)
+        assert tuple(one.sensors[:12]) == pytest.approx(tuple(other.sensors[:12]), abs=1e-9)
+
+
+@pytest.mark.parametrize("rate", [0.0, 5.0, math.nan, 1e6])
+def test_rate_no_world_can_have(rate):
+    with pytest.raises(ValueError, match="steps"):
+        World(rate=rate)
+
+
+def test_time_is_a_multiple_of_the_step():
+    world = World(rate=100)
+    for _ in range(7):
+        world.step()
+    assert world.time == 0.07
+
+
+def test_unknown_limit_is_our_mistake():
+    _, bodies = all_types()
+    with pytest.raises(KeyError):
+        bodies[0].set_limit("sped", 1.0)

@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from mavstack.sim.kinds import Home, VehicleType
+from mavstack.sim.motion import World
+from tests.sim.motion.flights import alone, fly, turned
+
+
+def test_at_rest_gravity_and_nothing_else():
+    world, body = alone(VehicleType.COPTER)
+    fly(world, 1)
+    readings = body.sensors
+    assert readings[:3] == pytest.approx((0, 0, 0), abs=0.02)
+    assert readings[3:6] == pytest.approx((0, 0, -9.81), abs=0.4)
+    assert readings.pressure == pytest.approx(956, abs=2)
+    assert readings.temperature == pytest.approx(11.8, abs=0.5)
+    assert readings.gps_latitude == pytest.approx(47.4, abs=1e-4)
+    assert readings.gps_altitude == pytest.approx(488, abs=5)
+    assert turned(readings.heading - math.pi / 2) < 0.08
+    assert math.isnan(readings.distance)
+
+
+def test_magnetic_field_points_north_and_down():
+    world = World()
+    body = world.add(VehicleType.ROVER, Home(47.4, 8.5, 0, 0))
+    world.step()
+    readings = body.sensors
+    assert readings.magnetic_x == pytest.approx(0.21, abs=0.02)
+    assert readings.magnetic_y == pytest.approx(0.0, abs=0.02)
+    assert readings.magnetic_z == pytest.approx(0.456, abs=0.02)
+
+
+def test_rangefinder_pitot_and_barometer_in_flight():
+    world, body = alone(VehicleType.PLANE)
+    body.place(0, 0, -30, 0)
+    body.fly_velocity(18, 0, 0)
+    fly(world, 6)
+    readings = body.sensors
+    assert readings.distance == pytest.approx(-body.truth.down, abs=1.5)
+    assert readings.differential_pressure == pytest.approx(0.00613 * body.airspeed**2, abs=0.2)
+    body.place(0, 0, -300, 0)
+    assert math.isnan(body.sensors.distance)
+    assert readings.pressure - body.sensors.pressure > 20
+
+
+def test_gps_lags_and_comes_five_times_a_second():
+    world, body = alone(VehicleType.ROVER)
+    body.fly_velocity(0, 4, 0)
+    fly(world, 5)
+    places = []
+    for _ in range(100):
+        world.step()
+        places.append(body.sensors.gps_longitude)
+    assert 9 <= len(set(places)) <= 11
+    east = body.frame.to_local(body.sensors.gps_latitude, places[-1], 0)[1]
+    assert east < body.estimate.east + 0.2
+
+
+def test_reading_changes_nothing():
+    quiet, silent = alone(VehicleType.COPTER)
+    loud, watched = alone(VehicleType.COPTER)
+    for body in (silent, watched):
+        body.go_to(10, 0, -10)
+    for _ in range(100):
+        quiet.step()
+        loud.step()
+        assert watched.sensors
+    assert silent.truth == watched.truth
+    assert silent.sensors == watched.sensors
+
+
+def test_falling_is_weightless():
+    world, body = alone(VehicleType.COPTER)
+    body.place(0, 0, -50, 0)
+    body.stop()
+    fly(world, 0.3)
+    assert abs(body.sensors.acceleration_z) < 1.0
+
+
+@pytest.mark.parametrize("kind", list(VehicleType))
+def test_sixteen_servos(kind):
+    world, body = alone(kind)
+    body.go_to(20, 0, 0)
+    fly(world, 1)
+    assert len(body.servos) == 16
+    assert all(pulse == 0 or 1000 <= pulse <= 2000 for pulse in body.servos)
+    assert any(body.servos)

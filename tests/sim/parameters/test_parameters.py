@@ -1,0 +1,203 @@
+"""A vehicle's handle on its parameters: reads, changes, boots, and what clients see of it."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import LocalProtocolError, ParameterDenied
+from mavstack.services.parameters import Encoding, ParameterClient, ParameterServer, ParameterWritten
+from mavstack.services.parameters.value import same
+from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.parameters import Parameters
+from tests.services.network import GROUND, VEHICLE, Network
+
+COPTER = (Firmware.ARDUPILOT, VehicleType.COPTER)
+
+
+class Flight:
+    """A vehicle with parameters and a ground that asks for them; nothing else."""
+
+    def __init__(self, firmware=Firmware.ARDUPILOT, type_=VehicleType.COPTER) -> None:
+        self.parameters = Parameters(firmware, type_)
+        self.network = Network(keep_packets=True)
+        self.vehicle = self.network.node(VEHICLE, self._boot)
+        self.ground = self.network.node(GROUND)
+        self.client = self.ground.engine.add(ParameterClient(GROUND, VEHICLE, self.parameters.encoding))
+        self.network.connect(self.ground, self.vehicle)
+
+    def _boot(self, engine) -> None:
+        self.server = engine.add(self.parameters.new_server(VEHICLE, engine.touch))
+
+    def run(self, operation, limit=60.0):
+        self.ground.engine.touch(self.client)
+        assert self.network.run(lambda: operation.done, limit=limit)
+        for event in self.vehicle.events_of(ParameterWritten):
+            self.parameters.written(event)
+        self.vehicle.events.clear()
+        return operation.result()
+
+    def heard(self) -> list[tuple[str, float]]:
+        self.network.run(limit=1.0)
+        messages = [packet.message for packet in self.ground.heard]
+        return [(m.param_id, m.param_value) for m in messages if isinstance(m, common.ParamValue)]
+
+
+def test_a_value_reads_as_its_type() -> None:
+    parameters = Parameters(*COPTER)
+    assert parameters["RTL_ALT"] == 1500
+    assert isinstance(parameters["RTL_ALT"], int)
+    assert isinstance(parameters["WPNAV_SPEED"], float)
+    assert parameters.get("WPNAV_SPEED", 1.0) == 1000.0
+    assert parameters.get("NOT_THERE", None) is None
+    assert "RTL_ALT" in parameters
+    assert "MPC_XY_CRUISE" not in parameters
+    assert len(parameters) == len(parameters.table)
+
+
+def test_a_name_that_is_not_there_is_our_mistake() -> None:
+    parameters = Parameters(*COPTER)
+    for use in (
+        lambda: parameters["MPC_XY_CRUISE"],
+        lambda: parameters.set("MPC_XY_CRUISE", 1.0),
+        lambda: parameters.on_change("MPC_XY_CRUISE", print),
+    ):
+        with pytest.raises(KeyError, match="MPC_XY_CRUISE"):
+            use()
+
+
+def test_a_value_that_the_type_cannot_hold_is_our_mistake() -> None:
+    parameters = Parameters(*COPTER)
+    with pytest.raises(LocalProtocolError):
+        parameters.set("FLTMODE1", 300)
+    assert parameters["FLTMODE1"] == 7
+
+
+@pytest.mark.parametrize(("firmware", "name"), [("ardupilot", "SYSID_THISMAV"), ("px4", "MAV_SYS_ID")])
+def test_the_system_id_is_a_parameter_and_its_own_default(firmware, name) -> None:
+    parameters = Parameters(Firmware(firmware), VehicleType.SUB, 42)
+    assert (parameters[name], parameters.system) == (42, 42)
+    parameters.set(name, 7)
+    assert parameters.system == 7
+    parameters.reset()
+    assert parameters.system == 42
+    assert Parameters(Firmware(firmware), VehicleType.SUB).system == 1
+
+
+def test_vehicles_share_nothing() -> None:
+    one, other = Parameters(*COPTER), Parameters(*COPTER)
+    one.set("RTL_ALT", 3000)
+    assert other["RTL_ALT"] == 1500
+
+
+@pytest.mark.parametrize(("firmware", "type_"), list(product(Firmware, VehicleType)))
+def test_a_client_lists_the_whole_table(firmware, type_) -> None:
+    flight = Flight(firmware, type_)
+    flight.run(flight.client.fetch_all(flight.network.now))
+    assert flight.client.complete
+    listed = flight.client.parameters
+    table = flight.parameters.table
+    assert set(listed) == {definition.name for definition in table}
+    for definition in table:
+        found = listed[definition.name]
+        assert same(found.value, definition.value)
+        assert (found.type, found.index) == (definition.kind, table.index_of(definition.name))
+
+
+@pytest.mark.parametrize("firmware", Firmware)
+def test_the_server_speaks_as_the_firmware_does(firmware) -> None:
+    flight = Flight(firmware)
+    encoding = Encoding.C_CAST if firmware is Firmware.ARDUPILOT else Encoding.BYTEWISE
+    assert isinstance(flight.server, ParameterServer)
+    assert flight.server.encoding is encoding
+    flight.run(flight.client.fetch_all(flight.network.now))
+    assert ("_HASH_CHECK" in dict(flight.heard())) is (firmware is Firmware.PX4)
+
+
+def test_what_a_client_sets_counts_and_is_told_to_who_watches() -> None:
+    flight = Flight()
+    told, all_told = [], []
+    flight.parameters.on_change("RTL_ALT", told.append)
+    flight.parameters.on_any_change(lambda name, value: all_told.append((name, value)))
+    for name, value in (("RTL_ALT", 3000), ("RTL_ALT", 3000), ("WPNAV_SPEED", 750.0)):
+        assert flight.run(flight.client.set(name, value, flight.network.now)).value == value
+    assert (flight.parameters["RTL_ALT"], flight.parameters["WPNAV_SPEED"]) == (3000, 750.0)
+    assert told == [3000]
+    assert all_told == [("RTL_ALT", 3000), ("WPNAV_SPEED", 750.0)]
+
+
+def test_what_the_vehicle_sets_is_told_to_everybody_once() -> None:
+    flight = Flight()
+    told = []
+    flight.parameters.on_change("STAT_BOOTCNT", told.append)
+    flight.parameters.set("STAT_BOOTCNT", 5)
+    flight.parameters.set("STAT_BOOTCNT", 5)
+    assert flight.heard() == [("STAT_BOOTCNT", 5.0)]
+    assert told == [5]
+
+
+def test_a_callback_may_set_another_parameter() -> None:
+    parameters = Parameters(*COPTER)
+    parameters.on_change("RTL_ALT", lambda value: parameters.set("RTL_CLIMB_MIN", value // 2))
+    parameters.set("RTL_ALT", 3000)
+    assert parameters["RTL_CLIMB_MIN"] == 1500
+
+
+def test_values_outlive_a_reboot_and_watchers_do_not() -> None:
+    flight = Flight()
+    told = []
+    flight.parameters.on_change("RTL_ALT", told.append)
+    flight.parameters.on_any_change(lambda *change: told.append(change))
+    flight.parameters.set("RTL_ALT", 3000)
+    before, told[:] = flight.server, []
+    flight.vehicle.restart()
+    assert flight.server is not before
+    assert flight.run(flight.client.read("RTL_ALT", flight.network.now)).value == 3000
+    flight.run(flight.client.set("RTL_ALT", 4000, flight.network.now))
+    assert flight.parameters["RTL_ALT"] == 4000
+    assert not told
+
+
+def test_a_reset_brings_the_defaults_back_but_not_what_the_vehicle_counts() -> None:
+    flight = Flight()
+    told = []
+    flight.parameters.set("STAT_BOOTCNT", 9)
+    flight.parameters.set("RTL_ALT", 3000)
+    flight.run(flight.client.set("WPNAV_SPEED", 750.0, flight.network.now))
+    flight.parameters.on_any_change(lambda *change: told.append(change))
+    flight.ground.heard.clear()
+    flight.parameters.reset()
+    assert sorted(told) == [("RTL_ALT", 1500), ("WPNAV_SPEED", 1000.0)]
+    assert sorted(flight.heard()) == sorted(told)
+    assert flight.parameters["STAT_BOOTCNT"] == 9
+
+
+@pytest.mark.parametrize(
+    ("firmware", "name", "value", "error"),
+    [
+        ("ardupilot", "SYSID_THISMAV", 0, common.MavParamError.VALUE_OUT_OF_RANGE),
+        ("ardupilot", "SYSID_THISMAV", 256, common.MavParamError.VALUE_OUT_OF_RANGE),
+        ("ardupilot", "STAT_BOOTCNT", 0, common.MavParamError.READ_ONLY),
+        ("ardupilot", "MIS_TOTAL", 5, common.MavParamError.READ_ONLY),
+        ("px4", "MAV_SYS_ID", 251, common.MavParamError.VALUE_OUT_OF_RANGE),
+        ("px4", "MAV_COMP_ID", 0, common.MavParamError.VALUE_OUT_OF_RANGE),
+    ],
+)
+def test_what_cannot_be_set_is_refused(firmware, name, value, error) -> None:
+    flight = Flight(Firmware(firmware))
+    before = flight.parameters[name]
+    with pytest.raises(ParameterDenied) as refused:
+        flight.run(flight.client.set(name, value, flight.network.now))
+    assert refused.value.code == error
+    assert flight.parameters[name] == before
+
+
+def test_px4_leaves_out_of_its_hash_what_changes_by_itself() -> None:
+    parameters = Parameters(Firmware.PX4, VehicleType.COPTER)
+    before = parameters.table.hash()
+    parameters.set("LND_FLIGHT_T_LO", 123)
+    assert parameters.table.hash() == before
+    parameters.set("RTL_TYPE", 1)
+    assert parameters.table.hash() != before

@@ -1,0 +1,418 @@
+"""The logs of a vehicle: begun and ended, listed, fetched, kept within their limit, lost and found."""
+
+from __future__ import annotations
+
+from errno import ENOSPC
+from random import Random
+from typing import TYPE_CHECKING
+
+import pytest
+
+from mavstack.errors import LocalProtocolError, LogTimeout, RemoteDenied
+from mavstack.services.ftp import FtpClient, FtpServer, MemoryStore
+from mavstack.services.log import LogClient, LogEntry, LogServer
+from mavstack.sim.storage import DataflashLogs, UlogLogs, file_store
+from mavstack.sim.storage.flight_logs import LEAST_KEPT, PIECE
+from tests.services.network import GROUND, VEHICLE, Network, bad_weather
+from tests.sim.storage.samples import BOOT, log_start, read_dataflash, read_ulog, sample, values_of
+
+if TYPE_CHECKING:
+    from tests.seeds import Seeds
+
+SECOND = 1_000_000
+
+
+@pytest.fixture(params=[DataflashLogs, UlogLogs], ids=["ardupilot", "px4"])
+def kind(request):
+    return request.param
+
+
+@pytest.fixture(params=["memory", "folder"])
+def store(request, tmp_path):
+    return file_store(None if request.param == "memory" else tmp_path / "vehicle")
+
+
+@pytest.fixture
+def logs(kind, store):
+    logs = kind(store, log_start)
+    yield logs
+    logs.end()
+
+
+def fly(logs, begin_us: int, samples: int = 20) -> None:
+    """One flight, of so many tenths of a second."""
+    logs.begin(begin_us)
+    for step in range(samples):
+        logs.write(sample(begin_us + step * 100_000))
+    logs.end()
+
+
+def content(logs, number: int) -> bytes:
+    size = next(log.size for log in logs.logs() if log.id == number)
+    return logs.read(number, 0, size)
+
+
+def paths(store, path: str = "") -> list[str]:
+    found = []
+    for entry in store.list_directory(path or "/"):
+        inside = f"{path}/{entry.name}"
+        found += paths(store, inside) if entry.is_directory else [inside]
+    return found
+
+
+class TestFlights:
+    def test_no_flight_no_log(self, logs) -> None:
+        assert logs.logs() == []
+        assert not logs.writing
+        logs.write(sample())
+        logs.text(0, 6, "nobody hears")
+        logs.mode(0, 1)
+        logs.armed(0, True)
+        logs.event(0, 1)
+        logs.error(0, 1, 1)
+        logs.parameter(0, "X", 1)
+        logs.home(0, 0.0, 0.0, 0.0)
+        logs.end()
+        assert logs.logs() == []
+        with pytest.raises(FileNotFoundError):
+            logs.read(1, 0, 1)
+
+    def test_a_flight_is_a_log(self, logs, kind, tmp_path) -> None:
+        fly(logs, 5 * SECOND)
+        fly(logs, 65 * SECOND, samples=7)
+        first, second = logs.logs()
+        assert (first.id, second.id) == ((1, 2) if kind is DataflashLogs else (0, 1))
+        assert (first.time_utc, second.time_utc) == (int(BOOT) + 5, int(BOOT) + 65)
+        for log, number in ((first, 20), (second, 7)):
+            data = content(logs, log.id)
+            assert len(data) == log.size
+            if kind is DataflashLogs:
+                assert len(read_dataflash(data, tmp_path)["ATT"]) == number
+            else:
+                assert len(values_of(read_ulog(data), "vehicle_attitude")["timestamp"]) == number
+
+    def test_one_that_is_written_can_be_read(self, logs, kind, tmp_path) -> None:
+        logs.begin(0)
+        logs.write(sample(0))
+        (early,) = logs.logs()
+        begun = logs.read(early.id, 0, early.size)
+        for step in range(1, 50):
+            logs.write(sample(step * 100_000))
+        (later,) = logs.logs()
+        assert later.size > early.size
+        assert later.may_be(early)
+        grown = logs.read(later.id, 0, later.size)
+        assert grown.startswith(begun)
+        assert len(grown) == later.size
+        if kind is DataflashLogs:
+            assert len(read_dataflash(grown, tmp_path)["ATT"]) == 50
+        assert logs.writing
+
+    def test_what_is_said_is_in_it(self, logs, kind, tmp_path) -> None:
+        logs.begin(0)
+        logs.text(1, 4, "Something happened")
+        logs.end()
+        data = content(logs, logs.logs()[0].id)
+        if kind is DataflashLogs:
+            assert read_dataflash(data, tmp_path)["MSG"][-1]["Message"] == "Something happened"
+        else:
+            assert read_ulog(data).logged_messages[-1].message == "Something happened"
+
+    def test_a_begun_one_ends_the_other(self, logs) -> None:
+        logs.begin(0)
+        logs.begin(SECOND)
+        assert len(logs.logs()) == 2
+
+    def test_the_store_lags_by_little(self, logs, store) -> None:
+        logs.begin(0)
+        for step in range(100):
+            logs.write(sample(step * 100_000))
+        held = next(path for path in paths(store) if path.upper().endswith(("BIN", "ULG")))
+        file = store.open_file(held)
+        lagging = file.size()
+        file.close()
+        assert 0 <= logs.logs()[0].size - lagging < 2 * PIECE
+
+    def test_reading_a_range(self, logs) -> None:
+        fly(logs, 0)
+        (log,) = logs.logs()
+        whole = logs.read(log.id, 0, log.size)
+        pieces = [logs.read(log.id, at, 90) for at in range(0, log.size, 90)]
+        assert b"".join(pieces) == whole
+        assert logs.read(log.id, log.size, 90) == b""
+
+
+class TestNames:
+    def test_ardupilot(self) -> None:
+        store = MemoryStore()
+        logs = DataflashLogs(store, log_start)
+        for flight in range(3):
+            fly(logs, flight * SECOND, samples=1)
+        assert paths(store) == [
+            "/APM/LOGS/00000001.BIN",
+            "/APM/LOGS/00000002.BIN",
+            "/APM/LOGS/00000003.BIN",
+            "/APM/LOGS/LASTLOG.TXT",
+        ]
+        assert store["/APM/LOGS/LASTLOG.TXT"] == b"3\r\n"
+
+    def test_px4(self) -> None:
+        store = MemoryStore()
+        logs = UlogLogs(store, log_start)
+        for begin_us in (0, 300_000, 7200 * SECOND):
+            fly(logs, begin_us, samples=1)
+        assert paths(store) == [
+            "/fs/microsd/log/2023-11-14/22_13_20.ulg",
+            "/fs/microsd/log/2023-11-14/22_13_21.ulg",
+            "/fs/microsd/log/2023-11-15/00_13_20.ulg",
+        ]
+
+    def test_ardupilot_begins_again_at_1(self) -> None:
+        store = MemoryStore({"/APM/LOGS/LASTLOG.TXT": b"499\r\n", "/APM/LOGS/00000001.BIN": b"old"})
+        logs = DataflashLogs(store, log_start)
+        fly(logs, 0, samples=1)
+        fly(logs, SECOND, samples=1)
+        found = {log.id: log.size for log in logs.logs()}
+        assert set(found) == {1, 500}
+        assert found[1] > 3
+
+    @pytest.mark.parametrize("text", [b"", b"x", b"-4", b"\xff\xfe", b"\xc2\xb2"])
+    def test_a_spoilt_number_is_found_from_the_files(self, text) -> None:
+        store = MemoryStore({"/APM/LOGS/LASTLOG.TXT": text, "/APM/LOGS/00000041.BIN": b"old"})
+        logs = DataflashLogs(store, log_start)
+        fly(logs, 0, samples=1)
+        assert [log.id for log in logs.logs()] == [41, 42]
+
+    def test_a_huge_number_is_no_harm(self) -> None:
+        store = MemoryStore({"/APM/LOGS/LASTLOG.TXT": b"99999999"})
+        logs = DataflashLogs(store, log_start)
+        fly(logs, 0, samples=1)
+        assert all(1 <= log.id <= 500 for log in logs.logs())
+
+    def test_other_files_are_no_logs(self, kind) -> None:
+        store = MemoryStore(
+            {
+                "/APM/LOGS/notes.txt": b"x",
+                "/APM/LOGS/0.BIN": b"x",
+                "/APM/LOGS/700.BIN": b"x",
+                "/fs/microsd/log/2023-11-14/x.ulg": b"x",
+                "/fs/microsd/log/today/00_00_00.ulg": b"x",
+                "/fs/microsd/log/loose.ulg": b"x",
+            }
+        )
+        assert kind(store, log_start).logs() == []
+
+    @pytest.mark.parametrize("boot", [-1e12, 0.0, 1e18])
+    def test_any_time_has_a_name(self, kind, boot) -> None:
+        logs = kind(MemoryStore(), lambda: log_start(boot=boot))
+        fly(logs, 0, samples=1)
+        assert len(logs.logs()) == 1
+
+    def test_a_day_that_is_none(self) -> None:
+        store = MemoryStore({"/fs/microsd/log/2023-99-99/00_00_00.ulg": b"x"})
+        assert [log.time_utc for log in UlogLogs(store, log_start).logs()] == [0]
+
+
+class TestLimit:
+    def limited(self, kind, store):
+        return kind(store, log_start, limit=LEAST_KEPT)
+
+    def test_the_oldest_go_first(self, kind) -> None:
+        store = MemoryStore()
+        logs = self.limited(kind, store)
+        for flight in range(60):
+            fly(logs, flight * 10 * SECOND, samples=60)
+        found = logs.logs()
+        assert sum(log.size for log in found) <= LEAST_KEPT + PIECE
+        assert 2 < len(found) < 60
+        assert found[-1].time_utc == int(BOOT) + 590
+        assert [log.id for log in found] == list(range(found[0].id, found[-1].id + 1))
+
+    def test_a_long_flight_keeps_its_last_part(self, kind, tmp_path) -> None:
+        store = MemoryStore()
+        logs = self.limited(kind, store)
+        logs.begin(0)
+        for step in range(5000):
+            logs.write(sample(step * 100_000))
+            if step % 500 == 0:
+                assert sum(log.size for log in logs.logs()) <= LEAST_KEPT + 2 * PIECE
+        logs.end()
+        found = logs.logs()
+        assert sum(log.size for log in found) >= LEAST_KEPT // 3
+        times = []
+        for log in found:
+            data = content(logs, log.id)
+            if kind is DataflashLogs:
+                times += [message["TimeUS"] for message in read_dataflash(data, tmp_path)["ATT"]]
+            else:
+                times += values_of(read_ulog(data), "vehicle_attitude")["timestamp"]
+        assert times == list(range(times[0], 5000 * 100_000, 100_000)), "nothing between is lost"
+
+    def test_after_the_numbers_begin_again_the_oldest_is_still_known(self) -> None:
+        store = MemoryStore({"/APM/LOGS/LASTLOG.TXT": b"498\r\n"})
+        logs = self.limited(DataflashLogs, store)
+        for flight in range(60):
+            fly(logs, flight * 10 * SECOND, samples=60)
+        ids = [log.id for log in logs.logs()]
+        assert max(ids) == 58
+        assert 500 not in ids
+        assert min(ids) > 30
+
+    def test_too_small_a_limit_is_our_mistake(self, kind) -> None:
+        with pytest.raises(LocalProtocolError):
+            kind(MemoryStore(), log_start, limit=LEAST_KEPT - 1)
+
+
+class TestTrouble:
+    def test_a_full_store_ends_the_log(self, kind) -> None:
+        store = MemoryStore(capacity=60_000)
+        logs = kind(store, log_start)
+        logs.begin(0)
+        assert logs.writing
+        for step in range(1000):
+            logs.write(sample(step * 100_000))
+        assert not logs.writing
+        assert logs.failed
+        (log,) = logs.logs()
+        assert 50_000 < log.size <= 60_000
+        store.capacity = 1 << 20
+        logs.begin(0)
+        assert logs.writing
+        assert not logs.failed
+
+    def test_a_store_that_takes_nothing(self, kind) -> None:
+        class Broken(MemoryStore):
+            def open_file(self, path: str, *, write: bool = False, truncate: bool = False):
+                raise OSError(ENOSPC, "no card")
+
+        logs = kind(Broken(), log_start)
+        fly(logs, 0)
+        assert logs.failed
+        assert logs.logs() == []
+
+    def test_one_that_somebody_removed_is_gone(self, logs, store) -> None:
+        fly(logs, 0)
+        fly(logs, 10 * SECOND)
+        first, second = logs.logs()
+        victim = next(path for path in sorted(paths(store)) if path.upper().endswith(("BIN", "ULG")))
+        store.remove(victim)
+        assert logs.logs() == [second]
+        with pytest.raises(FileNotFoundError):
+            logs.read(first.id, 0, 1)
+
+    def test_the_one_being_written_may_be_removed_too(self, kind) -> None:
+        store = MemoryStore()
+        logs = kind(store, log_start)
+        logs.begin(0)
+        store.remove(next(path for path in paths(store) if path.upper().endswith(("BIN", "ULG"))))
+        for step in range(100):
+            logs.write(sample(step * 100_000))
+        assert logs.logs() == []
+        logs.end()
+        fly(logs, 60 * SECOND)
+        assert len(logs.logs()) == 1
+
+    def test_erasing(self, logs, store, kind) -> None:
+        fly(logs, 0)
+        fly(logs, 10 * SECOND)
+        logs.read(logs.logs()[0].id, 0, 9)
+        logs.erase()
+        assert logs.logs() == []
+        assert paths(store) == []
+        fly(logs, 20 * SECOND)
+        assert [log.id for log in logs.logs()] == [1 if kind is DataflashLogs else 0]
+
+    def test_erasing_while_it_is_written_begins_another(self, logs) -> None:
+        logs.begin(0)
+        logs.write(sample(30 * SECOND))
+        logs.erase()
+        assert logs.writing
+        (log,) = logs.logs()
+        assert log.time_utc == int(BOOT) + 30
+
+
+class TestFolder:
+    def test_it_is_found_again(self, kind, tmp_path) -> None:
+        logs = kind(file_store(tmp_path), log_start)
+        fly(logs, 0)
+        fly(logs, 10 * SECOND)
+        before = {log.id: content(logs, log.id) for log in logs.logs()}
+        again = kind(file_store(tmp_path), log_start)
+        assert {log.id: content(again, log.id) for log in again.logs()} == before
+        fly(again, 20 * SECOND)
+        assert [log.id for log in again.logs()] == [*before, max(before) + 1]
+
+    def test_one_that_was_cut_off_is_there(self, kind, tmp_path) -> None:
+        logs = kind(file_store(tmp_path), log_start)
+        logs.begin(0)
+        for step in range(200):
+            logs.write(sample(step * 100_000))
+        size = logs.logs()[0].size
+        again = kind(file_store(tmp_path), log_start)
+        assert [log.size for log in again.logs()] == [size]
+        logs.end()
+
+
+class Ends:
+    """A vehicle with logs and files, and someone who wants them."""
+
+    def __init__(self, seed: int, logs, store, weather=None) -> None:
+        self.network = Network(seed)
+        self.vehicle = self.network.node(VEHICLE)
+        self.vehicle.engine.add(LogServer(VEHICLE, logs))
+        self.vehicle.engine.add(FtpServer(VEHICLE, store))
+        self.ground = self.network.node(GROUND)
+        self.logs = self.ground.engine.add(LogClient(GROUND, VEHICLE))
+        self.files = self.ground.engine.add(FtpClient(GROUND, VEHICLE))
+        self.network.connect(self.ground, self.vehicle, weather)
+
+    def run(self, client, operation):
+        self.ground.engine.touch(client)
+        assert self.network.run(lambda: operation.done, limit=2000)
+        return operation
+
+
+def test_over_the_network(kind) -> None:
+    store = MemoryStore()
+    logs = kind(store, log_start)
+    fly(logs, 0, samples=40)
+    fly(logs, 10 * SECOND, samples=3)
+    ends = Ends(1, logs, store)
+    listed = ends.run(ends.logs, ends.logs.list_logs(ends.network.now)).result()
+    assert list(listed) == list(logs.logs())
+    for entry in listed:
+        data = ends.run(ends.logs, ends.logs.download(entry, ends.network.now)).result()
+        assert data == content(logs, entry.id)
+    for path in paths(store):
+        data = ends.run(ends.files, ends.files.read_file(path, ends.network.now)).result()
+        assert data == store[path]
+    ends.run(ends.logs, ends.logs.erase(ends.network.now)).result()
+    assert logs.logs() == []
+
+
+def scenario(seed: int) -> None:
+    """A log is fetched while it is written, whatever the weather: a part of it, whole, or a typed error."""
+    random = Random(seed)
+    store = MemoryStore()
+    logs = random.choice([DataflashLogs, UlogLogs])(store, log_start)
+    fly(logs, 0, samples=random.randrange(9))
+    logs.begin(10 * SECOND)
+    ends = Ends(seed, logs, store, bad_weather(random))
+
+    def go_on(step: int) -> None:
+        logs.write(sample(10 * SECOND + step * 100_000))
+
+    for step in range(20):
+        ends.network.at(step / 10, lambda step=step: go_on(step))
+    entry: LogEntry = random.choice(logs.logs())
+    operation = ends.run(ends.logs, ends.logs.download(entry, ends.network.now, limit=900.0))
+    if operation.error is None:
+        data = operation.result()
+        assert len(data) >= entry.size
+        assert content(logs, entry.id).startswith(data)
+    else:
+        assert isinstance(operation.error, LogTimeout | RemoteDenied)
+
+
+def test_fetched_while_it_is_written(seeds: Seeds) -> None:
+    seeds.check(scenario)

@@ -1,0 +1,110 @@
+"""The storage of a vehicle: its firmware's files and logs, made from what the vehicle knows."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.services import Address
+from mavstack.services.mission import MissionItem, MissionServer, Plan, PlanType, pack_plan, unpack_plan
+from mavstack.services.parameters import Parameter, unpack, write_upload
+from mavstack.sim.kinds import FIELD, Firmware, VehicleType
+from mavstack.sim.parameters import Parameters
+from mavstack.sim.storage import DataflashLogs, Storage, UlogLogs
+from tests.sim.storage.samples import BOOT, read_dataflash, read_ulog, sample
+from tests.sim.storage.test_roots import names, put, read
+
+ACCEPTED, DENIED = common.MavMissionResult.ACCEPTED, common.MavMissionResult.DENIED
+PLAN = Plan.of([MissionItem(16, param5=47.0, param6=8.0), MissionItem(common.MavCmd.NAV_LAND)])
+
+
+def make_vehicle(firmware: Firmware, kind: VehicleType = VehicleType.COPTER) -> SimpleNamespace:
+    address = Address(9, 1)
+    return SimpleNamespace(
+        firmware=firmware,
+        type=kind,
+        address=address,
+        parameters=Parameters(firmware, kind, 9),
+        mission=MissionServer(address, validate=lambda plan, source: ACCEPTED if len(plan) < 9 else DENIED),
+        touched=[],
+        touch=lambda service: None,
+        uptime=12.5,
+        booted_at=BOOT,
+        autopilot=SimpleNamespace(home=FIELD, mode=SimpleNamespace(number=4)),
+        body=SimpleNamespace(frame=SimpleNamespace(to_global=lambda *place: (47.0, 8.0, 488.0))),
+    )
+
+
+@pytest.fixture
+def ardupilot() -> SimpleNamespace:
+    return make_vehicle(Firmware.ARDUPILOT)
+
+
+def test_a_log_knows_the_vehicle(ardupilot, tmp_path) -> None:
+    storage = Storage(ardupilot)
+    assert isinstance(storage.logs, DataflashLogs)
+    ardupilot.mission.replace(PLAN)
+    storage.logs.begin(1_000_000)
+    storage.logs.write(sample(1_000_000))
+    storage.logs.end()
+    path = "/APM/LOGS/00000001.BIN"
+    found = read_dataflash(read(storage.files, path), tmp_path)
+    assert found["MSG"][0]["Message"] == storage.firmware
+    assert len(found["PARM"]) == len(ardupilot.parameters)
+    assert {message["Name"] for message in found["PARM"]} == {
+        each.name for each in ardupilot.parameters.table
+    }
+    assert len(found["CMD"]) == 2
+    assert found["MODE"][0]["ModeNum"] == 4
+    assert found["ORGN"][-1]["Lat"] == pytest.approx(FIELD.latitude)
+
+
+def test_a_log_of_px4(tmp_path) -> None:
+    vehicle = make_vehicle(Firmware.PX4)
+    storage = Storage(vehicle, folder=tmp_path)
+    assert isinstance(storage.logs, UlogLogs)
+    storage.logs.begin(0)
+    storage.logs.write(sample(0))
+    storage.logs.end()
+    (day,) = (tmp_path / "fs" / "microsd" / "log").iterdir()
+    (file,) = day.iterdir()
+    log = read_ulog(file.read_bytes())
+    assert len(log.initial_parameters) == len(vehicle.parameters)
+    assert log.initial_parameters["MAV_SYS_ID"] == 9
+    assert names(storage.files, "/fs/microsd/log") == [day.name]
+
+
+@pytest.mark.parametrize("firmware", list(Firmware))
+@pytest.mark.parametrize("kind", list(VehicleType))
+def test_every_vehicle_has_a_name(firmware, kind) -> None:
+    assert Storage(make_vehicle(firmware, kind)).firmware.startswith(("Ardu", "PX4"))
+
+
+def test_plans_by_file_are_judged(ardupilot) -> None:
+    files = Storage(ardupilot).files
+    put(files, "@MISSION/mission.dat", pack_plan(PLAN))
+    assert ardupilot.mission.plan(PlanType.MISSION) == PLAN
+    assert unpack_plan(read(files, "@MISSION/mission.dat")).plan == PLAN
+    with pytest.raises(OSError, match="refused"):
+        put(files, "@MISSION/mission.dat", pack_plan(Plan.of(PLAN.items * 5)))
+    assert ardupilot.mission.plan(PlanType.MISSION) == PLAN
+
+
+def test_parameters_by_file_are_set_all_or_none(ardupilot) -> None:
+    files, table = Storage(ardupilot).files, ardupilot.parameters.table
+    one, other = table["RTL_ALT"], table["WPNAV_SPEED"]
+    before = one.value
+    wanted = [
+        Parameter(each.name, each.value + 1, each.kind, table.index_of(each.name)) for each in (one, other)
+    ]
+    other.maximum = other.value
+    with pytest.raises(OSError, match="refused"):
+        put(files, "@PARAM/param.pck", write_upload(wanted))
+    assert one.value == before
+    other.maximum = None
+    one.maximum = None
+    put(files, "@PARAM/param.pck", write_upload([*wanted, Parameter("NOT_OURS", 1.0, 9, 0)]))
+    assert one.value == before + 1
+    assert unpack(read(files, "@PARAM/param.pck")).whole

@@ -1,0 +1,144 @@
+"""A real vehicle with its services and its telemetry, whose autopilot has the modes of the autopilot's tests.
+
+flight = Flight(VehicleType.COPTER, Firmware.PX4)
+flight.run(5.0)
+flight.newest(common.Attitude)
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from mavstack.dialects import Dialect, Message, common
+from mavstack.services import Address
+from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
+from mavstack.sim.motion import World
+from mavstack.sim.parameters import Parameters
+from mavstack.sim.telemetry import provide_ardupilot, provide_px4
+from mavstack.sim.vehicle import Vehicle
+from mavstack.wire import Encoder, Packet, Parser
+from tests.sim.autopilot.stub import TAKEOFF, StubFlavour, new_figures, usual_behaviours
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+AnyMessage = TypeVar("AnyMessage", bound=Message)
+
+START = 1_700_000_000.0
+RATE = 50.0
+GROUND = Address(255, 190)
+KINDS = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
+NAMES = [f"{firmware}-{kind}" for kind, firmware in KINDS]
+
+
+class TelemetryFlavour(StubFlavour):
+    """A flavour that only has telemetry."""
+
+    def __init__(self, kind: VehicleType, firmware: Firmware) -> None:
+        super().__init__(new_figures(kind), usual_behaviours())
+        self.transmitter = firmware is Firmware.ARDUPILOT
+        self._firmware = firmware
+
+    def provide(self, vehicle: Any) -> None:
+        self._figures.body = vehicle.body
+        (provide_px4 if self._firmware is Firmware.PX4 else provide_ardupilot)(vehicle)
+
+
+def new_vehicle(
+    world: World,
+    kind: VehicleType = VehicleType.COPTER,
+    firmware: Firmware = Firmware.ARDUPILOT,
+    *,
+    home: Home = FIELD,
+    system: int = 1,
+    **parameters: float,
+) -> Vehicle:
+    """Put a vehicle into a world; some parameters may be other than usual."""
+    table = Parameters(firmware, kind, system)
+    for name, value in parameters.items():
+        table.set(name, value)
+    flavour = TelemetryFlavour(kind, firmware)
+    return Vehicle(world.add(kind, home), kind, firmware, Address(system, 1), flavour, table, START)
+
+
+class Flight:
+    """One vehicle, one peer, and their time."""
+
+    def __init__(
+        self,
+        kind: VehicleType = VehicleType.COPTER,
+        firmware: Firmware = Firmware.ARDUPILOT,
+        *,
+        system: int = 1,
+        **parameters: float,
+    ) -> None:
+        self.world = World(seed=1, rate=RATE)
+        self.vehicle = new_vehicle(self.world, kind, firmware, system=system, **parameters)
+        self.port = self.vehicle.open_port("ground")
+        self.packets: list[tuple[float, Packet]] = []
+        self._encoder = Encoder(*GROUND)
+        self._parser = Parser(Dialect.load("all"))
+        self._steps = 0
+
+    @property
+    def now(self) -> float:
+        return START + self._steps / RATE
+
+    @property
+    def body(self) -> Any:
+        return self.vehicle.body
+
+    def step(self) -> None:
+        self.world.step()
+        self._steps += 1
+        self.vehicle.step(self.now)
+        for _, data in self.vehicle.data_to_send():
+            self.packets += [(self.now, packet) for packet in self._parser.feed(data, self.now)]
+
+    def run(self, seconds: float) -> None:
+        for _ in range(round(seconds * RATE)):
+            self.step()
+
+    def until(self, holds: Callable[[], bool], *, within: float) -> None:
+        begun = self.now
+        while not holds():
+            assert self.now - begun < within, f"not within {within} s"
+            self.step()
+
+    def send(self, message: Message) -> None:
+        """Let the peer send something."""
+        self.vehicle.receive(self.port, self._encoder.encode(message, self.now))
+
+    def command(self, command: int, *params: float) -> None:
+        fields = {f"param{place}": value for place, value in enumerate(params, 1)}
+        self.send(common.CommandLong(target_system=1, target_component=1, command=command, **fields))
+
+    def fly(self, seconds: float = 15.0) -> Flight:
+        """Arm, and leave the ground if the type can."""
+        self.run(3.0)
+        assert not self.vehicle.autopilot.arm()
+        self.vehicle.autopilot.enter(TAKEOFF, "test")
+        self.run(seconds)
+        return self
+
+    # What was heard
+
+    def rates(self, seconds: float) -> Counter[str]:
+        """How often each message comes in the next seconds, in all."""
+        self.packets.clear()
+        self.run(seconds)
+        return Counter(type(packet.message).__name__ for _, packet in self.packets)
+
+    def newest(self, kind: type[AnyMessage], *, within: float = 11.0) -> AnyMessage:
+        """The next message of a kind."""
+        self.packets.clear()
+        steps = 0
+        while True:
+            for _, packet in self.packets:
+                if isinstance(packet.message, kind):
+                    return packet.message
+            assert steps < within * RATE, f"no {kind.__name__} within {within} s"
+            self.packets.clear()
+            self.step()
+            steps += 1

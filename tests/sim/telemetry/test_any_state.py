@@ -1,0 +1,165 @@
+"""Whatever the body is like and whatever the vehicle does: each message can be made, and sent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from math import nan
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.motion.geodesy import LocalFrame
+from mavstack.sim.motion.readings import BatteryState, EstimateHealth, Motion, SensorReadings, Wind
+from mavstack.sim.telemetry.ardupilot import ONLY, ardupilot_producers
+from mavstack.sim.telemetry.producers import Producers
+from mavstack.sim.telemetry.px4 import px4_producers
+from mavstack.wire import Encoder
+from tests.sim.autopilot.stub import GUIDED, LAND, RETURN
+from tests.sim.telemetry.flight import KINDS, NAMES, Flight
+
+if TYPE_CHECKING:
+    from mavstack.dialects import Message
+
+NUMBER = st.floats(-1e7, 1e7) | st.sampled_from([0.0, -0.0, 1e9, -1e9])
+UNKNOWN = NUMBER | st.just(nan)
+INTEGERS = {
+    "gps_fix": st.integers(0, 8),
+    "gps_satellites": st.integers(-1, 1000),
+    "cells": st.integers(1, 14),
+}
+
+
+@dataclass
+class AnyBody:
+    """A body as telemetry reads it."""
+
+    truth: Motion
+    estimate: Motion
+    sensors: SensorReadings
+    battery: BatteryState
+    health: EstimateHealth
+    wind: Wind
+    airspeed: float
+    throttle: float
+    transition: float
+    on_ground: bool
+    flies_forward: bool
+    servos: tuple[int, ...]
+    frame: LocalFrame
+
+
+def _tuples(kind, numbers):
+    fields = {
+        name: INTEGERS.get(name, st.booleans() if hint in (bool, "bool") else numbers)
+        for name, hint in kind.__annotations__.items()
+    }
+    return st.builds(kind, **fields)
+
+
+BODIES = st.builds(
+    AnyBody,
+    truth=_tuples(Motion, NUMBER),
+    estimate=_tuples(Motion, NUMBER),
+    sensors=_tuples(SensorReadings, UNKNOWN),
+    battery=_tuples(BatteryState, UNKNOWN),
+    health=_tuples(EstimateHealth, NUMBER),
+    wind=_tuples(Wind, NUMBER),
+    airspeed=UNKNOWN,
+    throttle=NUMBER,
+    transition=st.floats(0.0, 1.0),
+    on_ground=st.booleans(),
+    flies_forward=st.booleans(),
+    servos=st.tuples(*[st.integers(-1, 70_000)] * 16),
+    frame=st.builds(LocalFrame, st.floats(-90, 90), st.floats(-180, 180), st.floats(-1000, 10_000)),
+)
+
+
+@cache
+def _flight(kind: VehicleType, firmware: Firmware) -> Flight:
+    flight = (
+        Flight(kind, firmware, RNGFND1_TYPE=1) if firmware is Firmware.ARDUPILOT else Flight(kind, firmware)
+    )
+    return flight.fly(3.0)
+
+
+def _producers(flight: Flight):
+    of = Producers(flight.vehicle)
+    return (px4_producers if flight.vehicle.firmware is Firmware.PX4 else ardupilot_producers)(of)
+
+
+def _send_all(flight: Flight) -> set[type[Message]]:
+    """Make and encode every message that the vehicle can send; which there were."""
+    encoder, made = Encoder(1, 1), set()
+    for kind, produce in _producers(flight).items():
+        message = produce(flight.now)
+        if message is not None:
+            assert type(message).__mavlink_row__[0] == kind.__mavlink_row__[0]
+            assert encoder.encode(message, flight.now)
+            made.add(kind)
+    return made
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(body=BODIES, which=st.sampled_from(KINDS), target=st.none() | st.tuples(NUMBER, NUMBER, NUMBER))
+def test_any_body(body, which, target):
+    flight = _flight(*which)
+    vehicle, autopilot = flight.vehicle, flight.vehicle.autopilot
+    real, vehicle.body = vehicle.body, body
+    autopilot.target, before = target, autopilot.target
+    try:
+        made = _send_all(flight)
+    finally:
+        vehicle.body, autopilot.target = real, before
+    assert len(made) >= 25
+
+
+@pytest.mark.parametrize(("kind", "firmware"), KINDS, ids=NAMES)
+def test_every_state_of_a_flight(kind, firmware):
+    """Boot, ready, armed, on the way, without satellites, coming home, landed; over a link of MAVLink 2."""
+    flight = Flight(kind, firmware)
+    states = [
+        lambda: None,
+        lambda: flight.run(3.0),
+        flight.vehicle.autopilot.arm,
+        lambda: flight.vehicle.autopilot.enter(GUIDED, "test"),
+        lambda: flight.fly(6.0),
+        lambda: flight.body.fail_gps(True),
+        lambda: flight.vehicle.autopilot.enter(RETURN, "test"),
+        lambda: flight.body.fail_gps(False),
+        lambda: flight.vehicle.autopilot.enter(LAND, "test"),
+        lambda: flight.vehicle.autopilot.disarm("test"),
+        flight.vehicle.reboot,
+    ]
+    every = set()
+    for begin in states:
+        begin()
+        flight.step()
+        every |= _send_all(flight)
+        flight.run(2.0)
+        every |= _send_all(flight)
+    assert flight.port.state.unsendable == 0
+    rare = {
+        "OrbitExecutionStatus",
+        "FenceStatus",
+        "PositionTargetLocalNed",
+        "NavControllerOutput",
+        "RcChannels",
+    }
+    rare |= {
+        "PositionTargetGlobalInt",
+        "EscInfo",
+        "EscStatus",
+        "EscTelemetry1To4",
+        "DistanceSensor",
+        "Rangefinder",
+    }
+    missing = {
+        kind.__name__
+        for kind in _producers(flight).keys() - every
+        if flight.vehicle.type in ONLY.get(kind, VehicleType)
+    }
+    assert missing <= rare

@@ -1,0 +1,194 @@
+from __future__ import annotations
+
+import asyncio
+from math import inf
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import MavstackError
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node
+from mavstack.node.pacing import BULK_AT_ONCE
+from mavstack.services.log.entry import CHUNK
+from mavstack.sim import Runner, Simulation, run_virtually
+from mavstack.sim.runner import BULK_RATE
+from mavstack.sim.skills import arm, run_until
+
+
+async def both(simulation: Simulation, work, *, speed: float = 1.0, **options):
+    network = MemoryNetwork()
+    async with Runner(simulation, speed=speed) as runner:
+        await runner.connect(network.link(), simulation.vehicles)
+        runner.start()
+        async with Node(network.link(), **options) as ground:
+            return await work(ground, runner)
+
+
+def test_a_command_is_answered_at_once():
+    simulation = Simulation()
+    simulation.add()
+
+    async def work(ground, _):
+        vehicle = await ground.autopilot()
+        asked = ground.now()
+        await vehicle.command(common.MavCmd.DO_SET_ROI_NONE)
+        return ground.now() - asked
+
+    assert run_virtually(both(simulation, work)) < 0.03
+
+
+def test_time_runs_as_fast_as_it_is_told():
+    for speed, seconds in ((1, 10), (4, 40), (0.5, 5)):
+        simulation = Simulation()
+        simulation.add()
+
+        async def work(_ground, _runner):
+            await asyncio.sleep(10)
+
+        began = simulation.now
+        run_virtually(both(simulation, work, speed=speed))
+        assert simulation.now - began == pytest.approx(seconds, abs=0.1)
+
+
+def test_a_log_is_sent_no_faster_than_peers_can_read_whatever_the_speed():
+    simulation = Simulation()
+    vehicle = simulation.add("rover")
+    arm(simulation, vehicle)
+    run_until(simulation, lambda: vehicle.storage.logs.logs()[0].size > 120_000)
+    vehicle.autopilot.disarm("enough")
+
+    async def work(ground, runner):
+        peer, seconds = await ground.autopilot(), []
+        for runner.speed in (1.0, 5.0):
+            began = ground.now()
+            await peer.logs.download(1)
+            seconds.append(ground.now() - began)
+        return seconds
+
+    least = (120_000 / CHUNK - BULK_AT_ONCE) / BULK_RATE
+    for seconds in run_virtually(both(simulation, work)):
+        assert least < seconds < 2.5 * least
+
+
+def test_a_speed_may_change_while_it_runs():
+    simulation = Simulation()
+    simulation.add()
+
+    async def work(_ground, runner):
+        await asyncio.sleep(5)
+        runner.speed = 4.0
+        await asyncio.sleep(5)
+
+    began = simulation.now
+    run_virtually(both(simulation, work))
+    assert simulation.now - began == pytest.approx(25, abs=0.1)
+
+
+def test_as_fast_as_it_can():
+    simulation = Simulation()
+    simulation.add()
+    began = simulation.now
+    asyncio.run(Runner(simulation, speed=inf).run(30))
+    assert simulation.now - began == pytest.approx(30, abs=0.2)
+
+
+def test_a_machine_that_cannot_keep_up_loses_time_and_says_so():
+    simulation = Simulation()
+    simulation.add()
+
+    async def slow(_ground, runner):
+        loop = asyncio.get_running_loop()
+        await asyncio.sleep(1)
+        loop._jumping.now += 60  # as if the machine had slept
+        await asyncio.sleep(1)
+        return runner.lag
+
+    began = simulation.now
+    lag = run_virtually(both(simulation, slow))
+    assert lag == pytest.approx(59.5, abs=0.6)
+    assert simulation.now - began < 4
+
+
+@pytest.mark.parametrize("speed", [0, -1, float("nan")])
+def test_speeds_that_make_no_sense(speed):
+    with pytest.raises(MavstackError, match="speed"):
+        Runner(Simulation(), speed=speed)
+
+
+def test_many_vehicles_on_one_link():
+    simulation = Simulation()
+    for _ in range(5):
+        simulation.add()
+
+    async def work(ground, _):
+        remotes = [await ground.autopilot(system) for system in range(1, 6)]
+        await asyncio.sleep(3)
+        await remotes[2].command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
+        values = await asyncio.gather(*(remote.parameters.get("SYSID_THISMAV") for remote in remotes))
+        return [int(value.value) for value in values]
+
+    assert run_virtually(both(simulation, work)) == [1, 2, 3, 4, 5]
+    assert [vehicle.autopilot.armed for vehicle in simulation.vehicles] == [False, False, True, False, False]
+
+
+def test_a_broadcast_reaches_all():
+    simulation = Simulation()
+    for _ in range(3):
+        simulation.add()
+
+    async def work(ground, _):
+        for system in (1, 2, 3):
+            await ground.autopilot(system)
+        await asyncio.sleep(3)
+        ground.send(common.CommandLong(command=common.MavCmd.COMPONENT_ARM_DISARM, param1=1))
+        await asyncio.sleep(0.1)
+
+    run_virtually(both(simulation, work))
+    assert all(vehicle.autopilot.armed for vehicle in simulation.vehicles)
+
+
+def test_a_peer_that_comes_late_and_goes():
+    simulation = Simulation()
+    vehicle = simulation.add()
+    network = MemoryNetwork()
+
+    async def work():
+        async with Runner(simulation) as runner:
+            await runner.connect(network.link(), simulation.vehicles)
+            runner.start()
+            for _ in range(2):
+                async with Node(network.link()) as ground:
+                    await ground.autopilot()
+                    assert len(vehicle.ports) == 1
+                await asyncio.sleep(0.1)
+                assert not vehicle.ports
+
+    run_virtually(work())
+
+
+def test_it_speaks_over_two_links_at_once():
+    simulation = Simulation()
+    vehicle = simulation.add()
+    first, second = MemoryNetwork(), MemoryNetwork()
+
+    async def work():
+        async with Runner(simulation) as runner:
+            for network in (first, second):
+                await runner.connect(network.link(), simulation.vehicles)
+            runner.start()
+            async with Node(first.link(), system=254) as one, Node(second.link(), system=253) as two:
+                await (await one.autopilot()).command(common.MavCmd.DO_SET_ROI_NONE)
+                await (await two.autopilot()).command(common.MavCmd.DO_SET_ROI_NONE)
+                assert len(vehicle.ports) == 2
+
+    run_virtually(work())
+
+
+@pytest.mark.parametrize("speed", [1.0, inf])
+def test_a_time_that_is_no_whole_number_of_steps_ends_too(speed):
+    simulation = Simulation()
+    simulation.add()
+    began = simulation.now
+    run_virtually(Runner(simulation, speed=speed).run(0.05))
+    assert simulation.now - began == pytest.approx(0.06)

@@ -1,0 +1,74 @@
+"""The flights that the tests of this room share; processes of one test run share them too."""
+
+from __future__ import annotations
+
+import pickle
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from mavstack.sim.kinds import Firmware, VehicleType
+from tests.sim.whole_flights.fleet import fly_all
+from tests.sim.whole_flights.plans import triangle, whole_mission
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from tests.sim.whole_flights.station import Flight
+
+    Flights = dict[tuple[VehicleType, Firmware], Flight]
+
+COPTERS = [(VehicleType.COPTER, firmware) for firmware in Firmware]
+#: Every type once, the firmwares in turn.
+WINDY = [(kind, list(Firmware)[number % 2]) for number, kind in enumerate(VehicleType)]
+
+
+def shared(factory: pytest.TempPathFactory, worker: str, name: str, fly: Callable[[], Flights]) -> Flights:
+    """Fly once, whichever process of the test run comes first; the others wait for what it found."""
+    if worker == "master":
+        return fly()
+    folder = factory.getbasetemp().parent
+    mine, result, failed = folder / f"{name}.mine", folder / f"{name}.pickle", folder / f"{name}.failed"
+    try:
+        mine.touch(exist_ok=False)
+    except FileExistsError:
+        while not result.exists():
+            if failed.exists():
+                pytest.fail(failed.read_text())
+            time.sleep(0.1)
+        return pickle.loads(result.read_bytes())
+    try:
+        flights = fly()
+    except BaseException as error:
+        failed.write_text(f"in another process: {error!r}")
+        raise
+    written = folder / f"{name}.part"
+    written.write_bytes(pickle.dumps(flights))
+    written.rename(result)
+    return flights
+
+
+@pytest.fixture(scope="session")
+def worker(request: pytest.FixtureRequest) -> str:
+    """Which process of a test run this is; "master" if there is but one."""
+    return getattr(request.config, "workerinput", {}).get("workerid", "master")
+
+
+@pytest.fixture(scope="session")
+def calm(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
+    """Every type and firmware flies everything, in still air."""
+    return shared(tmp_path_factory, worker, "calm", lambda: fly_all(whole_mission, logs=COPTERS))
+
+
+@pytest.fixture(scope="session")
+def windy(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
+    """Every type flies a triangle in 6 m/s of wind with gusts, in steps half as fine."""
+    return shared(tmp_path_factory, worker, "windy", lambda: fly_all(triangle, WINDY, wind=6, rate=25))
+
+
+@pytest.fixture(scope="session")
+def far_away(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
+    """Copters beyond a radio that loses a tenth and takes its time."""
+    weather = {"loss": 0.1, "latency": 0.2, "jitter": 0.05, "seed": 3}
+    return shared(tmp_path_factory, worker, "far_away", lambda: fly_all(triangle, COPTERS, **weather))

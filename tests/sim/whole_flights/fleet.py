@@ -1,0 +1,165 @@
+"""Twelve vehicles in one simulation, each flown by the station as users of its firmware do."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from math import hypot
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.links import Impairment, MemoryNetwork, impair
+from mavstack.node import Node
+from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.runner import Runner
+from mavstack.sim.simulation import RATE, Simulation
+from mavstack.sim.telemetry.px4 import Link, use_link
+from mavstack.sim.virtual import run_virtually
+from tests.sim.whole_flights.station import SAMPLES, Flight, Sample, Station
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable, Sequence
+
+    from mavstack.node import RemoteComponent
+    from mavstack.sim.vehicle import Vehicle
+    from tests.sim.whole_flights.plans import FlightPlan
+
+CMD = common.MavCmd
+ALL = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
+#: Streams of ArduPilot's, in hertz: as few as a slow radio would have.
+STREAMS = ("RAW_SENS", "EXT_STAT", "RC_CHAN", "RAW_CTRL", "POSITION", "EXTRA1", "EXTRA2", "EXTRA3")
+#: What does not disarm by itself is at rest when it is slower than this.
+AT_REST = 0.2
+#: So long after an item began it is on its way, if it stood still before.
+SETTING_OUT = 6.0
+
+
+def whisper(vehicle: Vehicle) -> None:
+    """Let a vehicle send little: most of the time of a test would go into telemetry."""
+    if vehicle.firmware is Firmware.PX4:
+        use_link(vehicle, Link.MINIMAL)
+        return
+    for stream in STREAMS:
+        vehicle.parameters.set(f"SR0_{stream}", 1 if stream in ("EXT_STAT", "POSITION") else 0)
+
+
+@asynccontextmanager
+async def station(simulation: Simulation, **weather: float) -> AsyncIterator[Station]:
+    """A station that hears the vehicles of a simulation over one link."""
+    network = MemoryNetwork()
+    link = impair(network.link(), Impairment(**weather)) if weather else network.link()
+    async with Runner(simulation) as runner:
+        await runner.connect(network.link(), simulation.vehicles)
+        running = runner.start()
+        async with Node(link) as node:
+            here = Station(simulation, node)
+            listening = [asyncio.create_task(here.listen()), asyncio.create_task(here.listen_to_texts())]
+            try:
+                yield here
+            finally:
+                for task in listening:
+                    task.cancel()
+                if running.done():
+                    running.result()
+
+
+def record(simulation: Simulation, flights: dict[int, Flight]) -> None:
+    """Write down the truth of all vehicles as time goes by."""
+    steps, every = 0, round(1.0 / (SAMPLES * simulation.length))
+
+    def look(elapsed: float) -> None:
+        nonlocal steps
+        steps += 1
+        if steps % every == 0:
+            for vehicle in simulation.vehicles:
+                flights[vehicle.address.system].track.append(sample(vehicle, elapsed))
+
+    simulation.before_step.append(look)
+
+
+def sample(vehicle: Vehicle, elapsed: float) -> Sample:
+    body = vehicle.body
+    return Sample(
+        elapsed,
+        body.truth,
+        body.battery,
+        body.airspeed,
+        body.throttle,
+        body.on_ground,
+        body.transition,
+        vehicle.autopilot.armed,
+    )
+
+
+def fly_all(
+    plan_of: Callable[[VehicleType, Firmware], FlightPlan],
+    kinds: Sequence[tuple[VehicleType, Firmware]] = ALL,
+    *,
+    wind: float = 0.0,
+    rate: float = RATE,
+    logs: Sequence[tuple[VehicleType, Firmware]] = (),
+    **weather: float,
+) -> dict[tuple[VehicleType, Firmware], Flight]:
+    """Let vehicles fly, all at once; gives what became of each."""
+    simulation = Simulation(seed=7, rate=rate)
+    simulation.world.set_wind(speed=wind, direction=250, turbulence=0.15 if wind else 0.0)
+    flights: dict[int, Flight] = {}
+    for kind, firmware in kinds:
+        vehicle = simulation.add(kind, firmware)
+        whisper(vehicle)
+        flights[vehicle.address.system] = Flight(plan_of(kind, firmware))
+    record(simulation, flights)
+
+    async def everything() -> None:
+        async with station(simulation, **weather) as here, asyncio.TaskGroup() as group:
+            for system, flight in flights.items():
+                flight.journal = here.journal(system)
+                wanted = (flight.kind, flight.plan.firmware) in logs
+                group.create_task(fly(here, system, flight, wanted))
+
+    run_virtually(everything())
+    return {(flight.kind, flight.plan.firmware): flight for flight in flights.values()}
+
+
+async def fly(here: Station, system: int, flight: Flight, with_log: bool) -> None:
+    """One flight, from the first heartbeat to the last log."""
+    remote, journal = await here.node.autopilot(system), flight.journal
+    name = f"{flight.kind} of {flight.plan.firmware}"
+    await here.until(lambda: journal.ready, f"{name} ready", within=60)
+    await remote.mission.upload(flight.plan.items)
+    flight.downloaded = (await remote.mission.download()).items
+    await start(remote, flight)
+    flight.began = here.now
+    if flight.kind.flies:
+        await here.until(lambda: journal.armed, f"{name} armed", within=5)
+        await here.until(lambda: not journal.armed, f"{name} landed")
+    else:
+        last = flight.plan.order[-1]
+        await here.until(lambda: any(seq == last for _, seq in journal.current), f"{name} at its last item")
+        await asyncio.sleep(SETTING_OUT)
+        await here.until(lambda: at_rest(flight), f"{name} at rest", within=120)
+        await remote.command(CMD.COMPONENT_ARM_DISARM, 0)
+    flight.ended = here.now
+    await asyncio.sleep(2.5)
+    flight.logs = await remote.logs.list()
+    if with_log:
+        flight.log = await remote.logs.download(flight.logs[-1])
+
+
+async def start(remote: RemoteComponent, flight: Flight) -> None:
+    """Have the mission flown."""
+    if flight.plan.firmware is Firmware.PX4:
+        await remote.modes.set("MISSION")
+        await remote.command(CMD.COMPONENT_ARM_DISARM, 1)
+    elif flight.kind in (VehicleType.PLANE, VehicleType.VTOL):
+        await remote.modes.set("AUTO")
+        await remote.command(CMD.COMPONENT_ARM_DISARM, 1)
+    else:
+        await remote.command(CMD.COMPONENT_ARM_DISARM, 1)
+        await remote.modes.set("AUTO")
+        await remote.command(CMD.MISSION_START)
+
+
+def at_rest(flight: Flight) -> bool:
+    """Whether it has not moved for some seconds."""
+    return all(hypot(*each.motion[3:6]) < AT_REST for each in flight.track[-25:])

@@ -1,0 +1,101 @@
+"""A track beside its plan: which part of a flight belongs to which leg, and how far off it was."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import dist, hypot
+from typing import TYPE_CHECKING
+
+from mavstack.sim.kinds import VehicleType
+
+if TYPE_CHECKING:
+    from tests.sim.whole_flights.plans import Place
+    from tests.sim.whole_flights.station import Flight, Sample
+
+Flat = tuple[float, float]
+WINGS = (VehicleType.PLANE, VehicleType.VTOL)
+#: A wing's take-off ends wherever it is high enough.
+_TAKE_OFF_ENDS_ANYWHERE = (VehicleType.PLANE,)
+HOME = (0.0, 0.0, 0.0)
+#: So near its radius, as a share of it, a circle has been joined.
+_JOINED = 0.1
+
+
+@dataclass(frozen=True)
+class Leg:
+    """What was flown between two items that were reached."""
+
+    seq: int
+    begin: Flat
+    end: Place
+    #: Around the end; 0 if it is flown to.
+    circle: float
+    track: list[Sample]
+    #: The leg before, whose line may still be left.
+    before: Leg | None = None
+
+    def off(self, place: Flat) -> float:
+        """How far a place is from this leg, or from the one before it; a circle is joined at its side."""
+        own = max(from_line(place, self.begin, self.end[:2]) - self.circle, 0.0)
+        if self.before is None:
+            return own
+        return min(own, from_line(place, self.before.begin, self.before.end[:2]))
+
+    @property
+    def worst(self) -> float:
+        """The greatest cross-track error on it."""
+        return max((self.off(flat(sample)) for sample in self.track), default=0.0)
+
+    @property
+    def out_of_round(self) -> float:
+        """The greatest error of the radius, once it is on its circle."""
+        errors = [abs(dist(flat(sample), self.end[:2]) - self.circle) for sample in self.track]
+        joined = next((at for at, error in enumerate(errors) if error < _JOINED * self.circle), len(errors))
+        return max(errors[joined:], default=0.0)
+
+    def heights(self) -> list[float]:
+        """How much too high it was, all the way."""
+        return [-sample.motion.down - self.end[2] for sample in self.track]
+
+
+def flat(sample: Sample) -> Flat:
+    return sample.motion.north, sample.motion.east
+
+
+def from_line(place: Flat, begin: Flat, end: Flat) -> float:
+    """How far a place is from the line between two others."""
+    along = end[0] - begin[0], end[1] - begin[1]
+    size = along[0] ** 2 + along[1] ** 2
+    share = ((place[0] - begin[0]) * along[0] + (place[1] - begin[1]) * along[1]) / size if size else 0.0
+    share = min(max(share, 0.0), 1.0)
+    return hypot(place[0] - begin[0] - share * along[0], place[1] - begin[1] - share * along[1])
+
+
+def reached_in_order(flight: Flight) -> list[int]:
+    """The items that navigate, as the station heard of them."""
+    return [seq for _, seq in flight.journal.reached if seq in flight.plan.order]
+
+
+def legs_of(flight: Flight) -> list[Leg]:
+    """The legs in the order that they were flown, by what the station heard, but for take-off and landing.
+
+    What hovers, drives or dives goes straight home in the end.
+    """
+    plan = flight.plan
+    legs: list[Leg] = []
+    since, begin = flight.began, HOME[:2]
+    for time, seq in flight.journal.reached:
+        end = plan.places.get(seq)
+        if seq not in plan.order or end is None or end == HOME:
+            continue
+        track = [sample for sample in flight.track if since < sample.time <= time]
+        circle = plan.circles.get(seq, 0.0)
+        if not (legs == [] and flight.kind.flies and seq == plan.order[0]):
+            legs.append(Leg(seq, begin, end, circle, track, legs[-1] if legs else None))
+        anywhere = circle or (seq == plan.order[0] and flight.kind in _TAKE_OFF_ENDS_ANYWHERE)
+        begin = flat(track[-1]) if anywhere else end[:2]
+        since = time
+    if flight.kind not in WINGS:
+        track = [sample for sample in flight.track if since < sample.time <= flight.ended]
+        legs.append(Leg(plan.order[-1], begin, HOME, 0.0, track, legs[-1]))
+    return legs

@@ -1,0 +1,172 @@
+"""Scripts of flights without a mission, each with a vehicle of its own, all in one simulation.
+
+    @script("copter")
+    async def it_returns(pilot: Pilot) -> None:
+        await pilot.take_off(10)
+        ...
+
+A script is flown with both firmwares unless it names one. What it asserts is what its test tells.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import traceback
+from dataclasses import dataclass
+from math import dist, hypot, inf, nan
+from typing import TYPE_CHECKING
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.sim.kinds import FIELD, Firmware, VehicleType
+from mavstack.sim.motion import LocalFrame
+from mavstack.sim.simulation import Simulation
+from mavstack.sim.virtual import run_virtually
+from tests.sim.whole_flights.fleet import station, whisper
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from mavstack.node import RemoteComponent
+    from mavstack.services.setpoints import Setpoint
+    from mavstack.sim.motion import Motion
+    from mavstack.sim.vehicle import Vehicle
+    from tests.sim.whole_flights.station import Journal, Station
+
+CMD = common.MavCmd
+_FRAME = LocalFrame(*FIELD[:3])
+#: Steps a second: half the usual number, for there are many vehicles.
+RATE = 25.0
+PX4, ARDUPILOT = Firmware.PX4, Firmware.ARDUPILOT
+
+
+class Pilot:
+    """Who flies one vehicle, by MAVLink."""
+
+    def __init__(self, here: Station, remote: RemoteComponent, vehicle: Vehicle) -> None:
+        self.here, self.remote, self.vehicle = here, remote, vehicle
+        self.journal: Journal = here.journal(vehicle.address.system)
+
+    # What is known of it: by the journal what it says, by the truth what is so
+
+    @property
+    def px4(self) -> bool:
+        return self.vehicle.firmware is PX4
+
+    @property
+    def mode(self) -> str:
+        return str(self.vehicle.autopilot.mode.name).upper()
+
+    @property
+    def truth(self) -> Motion:
+        return self.vehicle.body.truth
+
+    @property
+    def height(self) -> float:
+        return -self.truth.down
+
+    def away(self, north: float = 0.0, east: float = 0.0) -> float:
+        return hypot(self.truth.north - north, self.truth.east - east)
+
+    @property
+    def speed(self) -> float:
+        return dist(self.truth[3:6], (0, 0, 0))
+
+    def said(self, start: str) -> bool:
+        return any(text.startswith(start) for text in self.journal.texts)
+
+    async def until(self, holds: Callable[[], bool], what: str, within: float = 60.0) -> None:
+        await self.here.until(holds, f"{what}; it is in {self.mode} at {self.truth[:3]}", within)
+
+    async def wait(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+
+    # What is done with it
+
+    async def command(self, command: int, *params: float, frame: int | None = None) -> None:
+        await self.remote.command(command, *params, frame=frame)
+
+    async def set_mode(self, *names: str) -> None:
+        """By the name that ArduPilot has for it, or by PX4's."""
+        await self.remote.modes.set(names[-1] if self.px4 else names[0])
+
+    async def take_off(self, height: float) -> None:
+        await self.until(lambda: self.journal.ready, "ready", 30)
+        if self.px4:
+            await self.command(CMD.NAV_TAKEOFF, nan, 0, 0, nan, nan, nan, FIELD.altitude + height)
+            await self.command(CMD.COMPONENT_ARM_DISARM, 1)
+        elif self.vehicle.type is VehicleType.PLANE:
+            await self.remote.parameters.set("TKOFF_ALT", height)
+            await self.set_mode("TAKEOFF")
+            await self.command(CMD.COMPONENT_ARM_DISARM, 1)
+        else:
+            await self.set_mode("GUIDED")
+            await self.command(CMD.COMPONENT_ARM_DISARM, 1)
+            await self.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, height)
+        slow = inf if self.vehicle.type is VehicleType.PLANE else 0.5
+        await self.until(lambda: self.height > 0.9 * height and self.speed < slow, "up")
+
+    async def go_to(self, north: float, east: float, height: float) -> None:
+        """By DO_REPOSITION."""
+        latitude, longitude, altitude = _FRAME.to_global(north, east, -height)
+        change = common.MavDoRepositionFlags.CHANGE_MODE
+        params = (-1, change, 0, nan, latitude, longitude, altitude)
+        await self.command(CMD.DO_REPOSITION, *params, frame=common.MavFrame.GLOBAL)
+
+    async def follow(self, setpoint: Setpoint, seconds: float) -> None:
+        """Stream a setpoint, in the mode that follows it."""
+        async with self.remote.setpoints(rate=10) as stream:
+            stream.set(setpoint)
+            await asyncio.sleep(0.5)
+            await self.set_mode("GUIDED", "OFFBOARD")
+            await asyncio.sleep(seconds)
+
+
+@dataclass(frozen=True)
+class Script:
+    """One of them, for one vehicle."""
+
+    name: str
+    kind: VehicleType
+    firmware: Firmware
+    fly: Callable[[Pilot], Awaitable[None]]
+
+
+SCRIPTS: list[Script] = []
+
+
+def script(kind: str, *firmwares: Firmware) -> Callable[..., Callable[[Pilot], Awaitable[None]]]:
+    """Have a coroutine function flown."""
+
+    def add(fly: Callable[[Pilot], Awaitable[None]]) -> Callable[[Pilot], Awaitable[None]]:
+        for firmware in firmwares or tuple(Firmware):
+            name = f"{fly.__name__}-{kind}-{firmware}"
+            SCRIPTS.append(Script(name, VehicleType(kind), firmware, fly))
+        return fly
+
+    return add
+
+
+def fly_scripts() -> dict[str, str]:
+    """Fly them all; gives for each what went wrong, or an empty text."""
+    simulation, outcomes = Simulation(seed=11, rate=RATE), {}
+    vehicles = [simulation.add(each.kind, each.firmware) for each in SCRIPTS]
+    for vehicle in vehicles:
+        whisper(vehicle)
+
+    async def fly(here: Station, each: Script, vehicle: Vehicle) -> None:
+        try:
+            remote = await here.node.autopilot(vehicle.address.system)
+            await each.fly(Pilot(here, remote, vehicle))
+            outcomes[each.name] = ""
+        except (Exception, pytest.fail.Exception):  # noqa: BLE001 (the test tells)
+            outcomes[each.name] = traceback.format_exc(limit=-4)
+
+    async def all_of_them() -> None:
+        async with station(simulation) as here, asyncio.TaskGroup() as group:
+            for each, vehicle in zip(SCRIPTS, vehicles, strict=True):
+                group.create_task(fly(here, each, vehicle))
+
+    run_virtually(all_of_them())
+    return outcomes

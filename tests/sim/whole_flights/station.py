@@ -1,0 +1,145 @@
+"""The ground station of whole flights, and what it and the simulation wrote down.
+
+The station knows the vehicles by MAVLink alone. What it heard of each stands in a `Journal`; beside it stands
+what really happened, `Sample` by `Sample`, which no station could know.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+from mavstack.dialects import common
+from mavstack.services.statustext import StatusText
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from mavstack.dialects import Message
+    from mavstack.node import Node
+    from mavstack.services.log import LogEntry
+    from mavstack.sim.kinds import VehicleType
+    from mavstack.sim.motion.readings import BatteryState, Motion
+    from mavstack.sim.simulation import Simulation
+    from tests.sim.whole_flights.plans import FlightPlan
+
+CMD = common.MavCmd
+#: Samples of the truth a second.
+SAMPLES = 5
+LONGEST = 600.0
+_ARMED = common.MavModeFlag.SAFETY_ARMED
+_PREARM = common.MavSysStatusSensor.PREARM_CHECK
+_HEARD = (
+    common.Heartbeat,
+    common.SysStatus,
+    common.MissionCurrent,
+    common.MissionItemReached,
+    common.ExtendedSysState,
+    common.GlobalPositionInt,
+)
+
+
+class Sample(NamedTuple):
+    """The truth of one moment, in simulated seconds from the start."""
+
+    time: float
+    motion: Motion
+    battery: BatteryState
+    airspeed: float
+    throttle: float
+    on_ground: bool
+    transition: float
+    armed: bool
+
+
+@dataclass
+class Journal:
+    """What the station heard of one vehicle, and when."""
+
+    reached: list[tuple[float, int]] = field(default_factory=list)
+    current: list[tuple[float, int]] = field(default_factory=list)
+    states: list[int] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+    modes: list[int] = field(default_factory=list)
+    armed: bool = False
+    ready: bool = False
+    landed_state: int = 0
+    latest: dict[type, Message] = field(default_factory=dict)
+
+    def hear(self, message: Message, now: float) -> None:
+        self.latest[type(message)] = message
+        match message:
+            case common.Heartbeat(base_mode=flags, custom_mode=mode):
+                self.armed = bool(flags & _ARMED)
+                _note(self.modes, mode)
+            case common.SysStatus():
+                self.ready = bool(message.onboard_control_sensors_health & _PREARM)
+            case common.MissionCurrent(seq=seq):
+                if not self.current or self.current[-1][1] != seq:
+                    self.current.append((now, seq))
+                _note(self.states, int(message.mission_state))
+            case common.MissionItemReached(seq=seq):
+                self.reached.append((now, seq))
+            case common.ExtendedSysState():
+                self.landed_state = int(message.landed_state)
+
+
+def _note(seen: list[int], value: int) -> None:
+    if not seen or seen[-1] != value:
+        seen.append(value)
+
+
+@dataclass
+class Flight:
+    """One vehicle's flight, from power to the last word."""
+
+    plan: FlightPlan
+    track: list[Sample] = field(default_factory=list)
+    journal: Journal = field(default_factory=Journal)
+    downloaded: Sequence[object] = ()
+    logs: tuple[LogEntry, ...] = ()
+    log: bytes = b""
+    began: float = 0.0
+    ended: float = 0.0
+
+    @property
+    def kind(self) -> VehicleType:
+        return self.plan.kind
+
+    @property
+    def flown(self) -> list[Sample]:
+        """While it was armed."""
+        return [sample for sample in self.track if sample.armed]
+
+
+class Station:
+    """A simulation and the node that watches it."""
+
+    def __init__(self, simulation: Simulation, node: Node) -> None:
+        self.simulation, self.node = simulation, node
+        self.journals: dict[int, Journal] = {}
+
+    @property
+    def now(self) -> float:
+        return self.simulation.elapsed
+
+    def journal(self, system: int) -> Journal:
+        return self.journals.setdefault(system, Journal())
+
+    async def listen(self) -> None:
+        async with self.node.packets(*_HEARD) as packets:
+            async for packet in packets:
+                if packet.component == common.MavComponent.AUTOPILOT1:
+                    self.journal(packet.system).hear(packet.message, self.now)
+
+    async def listen_to_texts(self) -> None:
+        async with self.node.events(StatusText) as texts:
+            async for text in texts:
+                self.journal(text.source.system).texts.append(text.text)
+
+    async def until(self, holds: Callable[[], bool], what: str, within: float = LONGEST) -> None:
+        end = self.now + within
+        while not holds():
+            assert self.now < end, f"not within {within:g} s: {what}"
+            await asyncio.sleep(0.1)

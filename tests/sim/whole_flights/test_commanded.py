@@ -1,0 +1,20 @@
+"""Flights without a mission, by commands, setpoints and sticks over MAVLink: `scripts.py`, one test each."""
+
+from __future__ import annotations
+
+import pytest
+
+import tests.sim.whole_flights.scripts  # noqa: F401 (it fills the list)
+from tests.sim.whole_flights.conftest import shared
+from tests.sim.whole_flights.pilot import SCRIPTS, fly_scripts
+
+
+@pytest.fixture(scope="session")
+def outcomes(tmp_path_factory, worker):
+    return shared(tmp_path_factory, worker, "commanded", fly_scripts)
+
+
+@pytest.mark.parametrize("name", [each.name for each in SCRIPTS])
+def test_commanded(outcomes, name: str) -> None:
+    if outcomes[name]:
+        pytest.fail(outcomes[name], pytrace=False)

@@ -1,0 +1,45 @@
+"""A radio that loses a tenth of what is sent, and takes 200 ms each way: missions are flown all the same."""
+
+from __future__ import annotations
+
+from math import hypot
+
+import pytest
+
+from mavstack.sim.kinds import Firmware, VehicleType
+from tests.sim.whole_flights.legs import legs_of, reached_in_order
+
+COPTER = VehicleType.COPTER
+BOUND = 5.0
+bad_link = pytest.mark.parametrize("firmware", list(Firmware), ids=str)
+
+
+@bad_link
+def test_the_whole_mission_arrives(far_away, firmware) -> None:
+    flight = far_away[COPTER, firmware]
+    first = 1 if flight.plan.ardupilot else 0
+    assert list(flight.downloaded)[first:] == flight.plan.items[first:]
+
+
+@bad_link
+def test_it_is_flown_to_its_end(far_away, firmware) -> None:
+    flight = far_away[COPTER, firmware]
+    end = flight.track[-1]
+    assert hypot(end.motion.north, end.motion.east) < 1.5
+    assert end.on_ground
+    assert not end.armed
+    # which item was reached is told once, and that may be lost
+    reached = reached_in_order(flight)
+    assert reached == [seq for seq in flight.plan.order if seq in reached]
+    told = [seq for _, seq in flight.journal.current]
+    assert [seq for seq in flight.plan.order if seq in told] == flight.plan.order
+
+
+@bad_link
+def test_it_keeps_to_its_legs(far_away, firmware) -> None:
+    assert all(leg.worst < BOUND for leg in legs_of(far_away[COPTER, firmware]))
+
+
+@bad_link
+def test_its_log_is_listed(far_away, firmware) -> None:
+    assert far_away[COPTER, firmware].logs[-1].size > 100_000
