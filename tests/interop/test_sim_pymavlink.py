@@ -17,6 +17,9 @@ from tests.interop.pymavlink_peer import PATIENCE, receive, say_hello
 if TYPE_CHECKING:
     from pathlib import Path
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 pytestmark = pytest.mark.interop
 
 SPEED = 6.0
@@ -33,9 +36,24 @@ def script(kind: str, firmware: str = "ardupilot", **parameters):
     for name, value in parameters.items():
         simulated.vehicle.parameters.set(name, value)
     with simulated, closing(mavutil.mavlink_connection(simulated.url)) as connection:
+        keep_patience(connection)
         say_hello(connection)
         assert connection.wait_heartbeat(timeout=PATIENCE) is not None
         yield simulated.vehicle, connection
+
+
+def keep_patience(connection) -> None:
+    """Most of mavutil waits for ever: a script that does not get on ends with an error."""
+    end, usual = time.monotonic() + 3 * PATIENCE, connection.recv_match
+
+    def recv_match(condition=None, type=None, blocking=False, timeout=None):  # noqa: A002 (its name for it)
+        message = usual(condition, type, blocking, timeout or PATIENCE)
+        given_up = message is None and blocking and timeout is None
+        assert not given_up, f"no {type} with {condition}"
+        assert time.monotonic() < end, f"still waiting for {type} with {condition}"
+        return message
+
+    connection.recv_match = recv_match
 
 
 def acknowledged(connection, command: int) -> int:

@@ -1,4 +1,4 @@
-"""The ends of the Earth and of patience: poles, many vehicles, reboots, endless jumps, floods, and sameness."""
+"""The ends of the Earth and of patience: poles, many vehicles, reboots, endless jumps, floods, sameness."""
 
 from __future__ import annotations
 

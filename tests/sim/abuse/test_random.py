@@ -1,4 +1,4 @@
-"""Whatever is said to a vehicle and done to it, in any order: it goes on, its numbers are finite, it answers."""
+"""Whatever is said and done to a vehicle, in any order: it goes on, its numbers are finite, it answers."""
 
 from __future__ import annotations
 
