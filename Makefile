@@ -19,7 +19,8 @@ test: $(VENV)/installed ## Run everything that continuous integration runs
 	cargo test --release --locked -p mavstack-core
 	$(BIN)/python -m mavstack.dialects.generate --check
 	$(BIN)/python -m mavstack.sync.generate --check
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto -m "not interop"
+	$(BIN)/pytest -m interop
 
 check: $(VENV)/installed ## The Python tests alone
 	$(BIN)/pytest -n auto

@@ -118,7 +118,7 @@ async def test_a_copter(tmp_path) -> None:
         await flies_as_it_is_told(flight)
         await maintains(flight)
         await reboots(flight)
-        assert not flight.ground.complaints()
+        assert not flight.ground.complaints("MAV Errors: 0", "AHRS {", "SYS_STATUS {", "COMM_STATUS {")
 
 
 async def sets_parameters(flight: Cockpit) -> None:
@@ -289,9 +289,7 @@ async def test_a_rover(tmp_path) -> None:
         )
         await flight.enters("AUTO")
         await flight.arms()
-        await flight.ground.hear(
-            "Mission: 1 WP", "Reached waypoint #1", "Reached waypoint #2", "Mission: 3 RTL"
-        )
+        await flight.ground.hear("Reached waypoint #1", "Reached waypoint #2", "Mission: 3 RTL")
         await flight.until(lambda: flight.distance() < 3)
         for name in ("HOLD", "STEERING", "LOITER", "MANUAL", "GUIDED"):
             await flight.enters(name)
