@@ -14,7 +14,7 @@ from mavstack.sim.runner import Runner
 from tests.interop.mavproxy import mavproxy, needs_mavproxy
 from tests.interop.simulated import Flight
 
-pytestmark = [pytest.mark.interop, needs_mavproxy]
+pytestmark = [pytest.mark.interop, pytest.mark.draft, needs_mavproxy]
 
 #: It reads one datagram at a time, and on a busy machine it would lose some at a higher speed.
 SPEED = 6.0
