@@ -7,9 +7,9 @@ import pytest
 
 from mavstack.errors import LinkError, LinkURLError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, open_link
+from mavstack.sim.virtual import run_virtually
 
 from .tlogs import packet, tlog
-from .virtual import run_virtually
 
 START = 1_700_000_000.0
 

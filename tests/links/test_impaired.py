@@ -16,10 +16,10 @@ from mavstack.links import (
     memory_pair,
     open_link,
 )
+from mavstack.sim.virtual import run_virtually
 
 from .conformance import Conformance
 from .peers import LinkPeer, UdpPeer
-from .virtual import run_virtually
 
 
 class TestImpaired(Conformance):

@@ -11,10 +11,10 @@ from mavstack.errors import LinkError
 from mavstack.links import ChannelClosed, ChannelOpened, LinkDown, open_link
 from mavstack.links.connection import Backoff
 from mavstack.links.tcp import TcpClient
+from mavstack.sim.virtual import run_virtually
 
 from .conformance import Conformance, receive, settle
 from .peers import Acceptor, StreamPeer, UdpPeer
-from .virtual import run_virtually
 
 
 class TestTcpin(Conformance):
