@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
+#: Scripts that only listen say something once, and go on listening for long.
+LINK = "udpin://127.0.0.1:0?idle=600"
+
 
 class Background:
     """One simulated vehicle, or several of a kind, in a thread."""
@@ -40,7 +43,7 @@ class Background:
         home: Home = FIELD,
         seed: int = 1,
         speed: float = 1.0,
-        link: str = "udpin://127.0.0.1:0",
+        link: str = LINK,
         airborne: bool = False,
     ) -> None:
         self.simulation = Simulation(seed=seed)

@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import Port, Vehicle
 
 
+#: How long the firmwares wait for an item of a plan, in seconds.
+_ASK_AGAIN = {Firmware.ARDUPILOT: 1.0, Firmware.PX4: 0.25}
+
+
 class Services:
     """What lives on one vehicle's engine."""
 
@@ -66,6 +70,7 @@ class Services:
                 guided=flavour.guided_items(vehicle),
                 plain_requests=vehicle.firmware is Firmware.ARDUPILOT,
                 float_answers=True,
+                ask_again=_ASK_AGAIN[vehicle.firmware],
             )
         )
         self.mission.answer_commands(self.commands, engine.touch)

@@ -415,5 +415,17 @@ def test_a_firmware_may_keep_to_the_older_messages() -> None:
     assert kinds(station.item(plan, 0)) == ["MissionRequest"]
     assert kinds(station.tell(plan.items[1].to_float(VEHICLE, 1, 0))) == ["MissionRequest"]
     assert result_of(station.item(plan, 2)) == Result.ACCEPTED
+    station.list()
     assert kinds(station.tell(common.MissionRequest(seq=1, **to_vehicle()))) == ["MissionItem"]
     assert kinds(station.tell(common.MissionRequestInt(seq=1, **to_vehicle()))) == ["MissionItemInt"]
+
+
+def test_an_item_is_not_asked_for_again_too_soon() -> None:
+    pauses = []
+    for station in (make(), make(ask_again=1.0)):
+        station.count(3)
+        station.now += 0.001
+        assert seqs(station.item(plan_of(3), 0)) == [1]
+        pauses.append(station.service.next_timeout() - station.now)
+    assert pauses[0] < 0.5
+    assert pauses[1] == pytest.approx(1.0, abs=0.01)

@@ -31,6 +31,8 @@ MEMORY = 30.0
 #: A count like the last one that comes so soon after its upload is a late one of the same upload.
 LATE_COUNT = 0.3
 MOST_REMEMBERED = 64
+#: Before an item is asked for again: at first, and at least.
+FIRST_PAUSE, ASK_AGAIN = 0.25, 0.02
 #: The longest time between two requests for an item, unless the link is slower.
 MOST_PAUSE = 0.5
 #: After so many unanswered requests for the first item the older form is tried too.
@@ -49,12 +51,12 @@ class Receiving:
     count_raw: bytes
     begun_at: float
     moved_at: float
+    round_trip: RoundTrip
     items: list[MissionItem] = field(default_factory=list)
     tries: int = 0
     asked_at: float = 0.0
     timeout: float | None = None
     as_float: bool = False
-    round_trip: RoundTrip = field(default_factory=lambda: RoundTrip(initial=0.25, least=0.02, most=3.0))
 
     @property
     def due(self) -> int:
@@ -96,6 +98,7 @@ class Uploads:
 
     `complete` takes a whole plan and gives MAV_MISSION_RESULT and the plan's id; `check` judges one item;
     `reply` sends a message to someone. With `plain_requests` items are always asked for by MISSION_REQUEST.
+    `ask_again` is the least time before an item is asked for again.
     """
 
     def __init__(
@@ -105,9 +108,10 @@ class Uploads:
         reply: Callable[[Message, Address], None],
         *,
         plain_requests: bool = False,
+        ask_again: float = ASK_AGAIN,
     ) -> None:
         self._complete, self._check, self._reply = complete, check, reply
-        self._plain_requests = plain_requests
+        self._plain_requests, self._ask_again = plain_requests, ask_again
         self._running: dict[int, Receiving] = {}
         self._ended: OrderedDict[tuple[Address, int], _Ended] = OrderedDict()
 
@@ -125,7 +129,8 @@ class Uploads:
             return  # it was sent twice, and is asked for again if it is not this
         elif not any(known is not None and known.doubled(raw, now) for known in (running, ended)):
             self._ended.pop((source, kind), None)
-            receiving = Receiving(kind, source, message.count, raw, now, now)
+            trip = RoundTrip(initial=max(FIRST_PAUSE, self._ask_again), least=self._ask_again, most=3.0)
+            receiving = Receiving(kind, source, message.count, raw, now, now, trip)
             self._running[kind] = receiving
             self._go_on(receiving, now)
 

@@ -7,7 +7,8 @@ MISSION_ITEM. Partial lists are not part of the protocol and are refused.
 
 The firmwares keep to what the guide said once, and scripts for them count on it: with `float_answers`
 MISSION_REQUEST is answered with MISSION_ITEM to everybody, with `plain_requests` (ArduPilot) it is also what
-uploads are asked for by, and either form of item is taken.
+uploads are asked for by, and either form of item is taken. Some count how often they are asked: `ask_again`
+is how long an answer may take at least, in seconds.
 
 `home_first` makes a mission as ArduPilot has it: its item 0 is the vehicle's `home`, whatever was uploaded
 there.
@@ -26,7 +27,7 @@ from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
 from mavstack.services.mission.item import MissionItem
 from mavstack.services.mission.plan import MOST_ITEMS, PLAN_TYPES, Plan, PlanStore, PlanType
-from mavstack.services.mission.receiving import MOST_REMEMBERED, Uploads
+from mavstack.services.mission.receiving import ASK_AGAIN, MOST_REMEMBERED, Uploads
 from mavstack.services.mission.sending import Downloads
 from mavstack.services.service import Event, HasRoom, Outgoing, Service, always_room
 from mavstack.services.timing import DOUBLED_WITHIN
@@ -101,6 +102,7 @@ class MissionServer(Service):
         guided: Guided | None = None,
         plain_requests: bool = False,
         float_answers: bool = False,
+        ask_again: float = ASK_AGAIN,
     ) -> None:
         super().__init__(local)
         self.store = store or PlanStore()
@@ -116,7 +118,9 @@ class MissionServer(Service):
         self._shown: dict[int, tuple[Plan, MissionItem | None, Plan]] = {}
         self._cleared: OrderedDict[Address, tuple[bytes, float]] = OrderedDict()
         self._float_answers = float_answers
-        self._uploads = Uploads(self._complete, check, self._reply, plain_requests=plain_requests)
+        self._uploads = Uploads(
+            self._complete, check, self._reply, plain_requests=plain_requests, ask_again=ask_again
+        )
         self._downloads = Downloads(self.plan, self._current_of, self._uploads.acknowledge, self._reply)
 
     # For the program

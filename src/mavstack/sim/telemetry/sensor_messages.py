@@ -132,6 +132,15 @@ class SensorMessages:
 
     def _gps_raw(self, time_usec: int) -> Message:
         felt = self._view.sensors
+        if not self._view.autopilot.booted:  # who waits for a fix before it arms must not be refused then
+            return common.GpsRawInt(
+                time_usec,
+                common.GpsFixType.NO_FIX,
+                eph=UINT16_MAX,
+                epv=UINT16_MAX,
+                vel=UINT16_MAX,
+                cog=UINT16_MAX,
+            )
         fixed = felt.gps_fix >= _FIX_3D
         speed = hypot(felt.gps_velocity_north, felt.gps_velocity_east)
         altitude = int32(felt.gps_altitude * 1e3)
