@@ -1,4 +1,4 @@
-"""The whole MAVLink system: `mavstack.Node`, `Dialect`, `Parser`, `open_link`, `open_log` and the rest.
+"""The whole MAVLink system: `mavstack.connect`, `Dialect`, `Parser`, `open_log` and the rest.
 
 Names are imported on first use, so that `import mavstack` costs next to nothing.
 """
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from mavstack.logs import LogFile, open_log
     from mavstack.node import Node
     from mavstack.security import SigningKey
+    from mavstack.vehicle import connect
     from mavstack.wire import Encoder, Packet, Parser, Signing, encode
 
 __version__ = "0.1.0"
@@ -33,6 +34,7 @@ __all__ = [
     "Parser",
     "Signing",
     "SigningKey",
+    "connect",
     "encode",
     "open_link",
     "open_log",
@@ -49,6 +51,7 @@ _HOMES = {
     "Parser": "mavstack.wire",
     "Signing": "mavstack.wire",
     "SigningKey": "mavstack.security",
+    "connect": "mavstack.vehicle",
     "encode": "mavstack.wire",
     "open_link": "mavstack.links",
     "open_log": "mavstack.logs",

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
-from argparse import RawDescriptionHelpFormatter
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.actions import Actions
 from mavstack.cli.failures import UsageError
 from mavstack.cli.options import load_dialect
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Callable
 
 EXAMPLES: Final = """\
 examples:
@@ -29,21 +28,7 @@ examples:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions and their arguments."""
-    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-
-    def action(name: str, summary: str, run: Callable[[Namespace], int]) -> ArgumentParser:
-        made = actions.add_parser(
-            name,
-            help=summary,
-            description=summary[0].upper() + summary[1:] + ".",
-            epilog="examples:\n"
-            + "\n".join(line for line in EXAMPLES.splitlines() if f"dialect {name}" in line),
-            formatter_class=RawDescriptionHelpFormatter,
-            allow_abbrev=False,
-        )
-        made.set_defaults(run_action=run)
-        return made
-
+    action = Actions(parser, "dialect", EXAMPLES).add
     listing = action("list", "list the official dialects", _list)
     show = action("show", "show a dialect, or a message, enum or enum entry of it", _show)
     show.add_argument("dialect", metavar="NAME|FILE.xml")

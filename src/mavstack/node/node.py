@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack._core import HasCoreDialect
+    from mavstack.node.dispatch import Listening
     from mavstack.node.subscription import Subscription
     from mavstack.security import SigningKey, TimestampStore
     from mavstack.services import Client, Operation, Service
@@ -219,6 +220,16 @@ class Node:
         return self._packets.subscribe(
             kinds, Address(system, component), _as_it_is, queue=queue, keep_all=keep_all
         )
+
+    def listen(
+        self, hear: Callable[[Packet], None], *kinds: type[Message], system: int = 0, component: int = 0
+    ) -> Listening:
+        """Have a function called with each packet of these classes (none: all) at once, as it comes.
+
+        It must be quick: all else waits for it. It is called until the result is closed, and not called for
+        what came while the node was not open.
+        """
+        return self._packets.listen(kinds, Address(system, component), hear)
 
     def events(
         self, *kinds: type[AnyEvent], of: Service | None = None, queue: int = QUEUE

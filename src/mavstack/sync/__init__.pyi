@@ -11,6 +11,7 @@ from mavstack.errors import CommandTimeout
 from mavstack.errors import RemoteDenied
 from mavstack.errors import RemoteTimeout
 from mavstack.links import Link
+from mavstack.node.dispatch import Listening
 from mavstack.node.driver import Driver
 from mavstack.security import SigningKey
 from mavstack.security import TimestampStore
@@ -501,6 +502,13 @@ class Node:
 
     def packets(self, *kinds: type[Message], system: int=..., component: int=..., queue: int=..., keep_all: bool=...) -> Subscription[Packet]:
         """The same with their headers; without `kinds` every packet, unknown ids too, raw as they are."""
+
+    def listen(self, hear: Callable[[Packet], None], *kinds: type[Message], system: int=..., component: int=...) -> Listening:
+        """Have a function called with each packet of these classes (none: all) at once, as it comes.
+
+        It must be quick: all else waits for it. It is called until the result is closed, and not called for
+        what came while the node was not open.
+        """
 
     def events(self, *kinds: type[AnyEvent], of: Service | None=..., queue: int=...) -> Subscription[AnyEvent]:
         """Events of these classes (none: all), of links and of services; `of` chooses one service."""

@@ -1,0 +1,60 @@
+"""How commands reach a vehicle: `--url`, `--system`, `--timeout`, and what is done with it.
+
+The URL is taken from MAVSTACK_URL where it is not given, so that a session of commands names it once. A
+command waits for the vehicle's first heartbeat, does its work, and leaves; what fails is told in one line.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from typing import TYPE_CHECKING
+
+from mavstack.cli.options import seconds, system_id
+from mavstack.vehicle import connect
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Awaitable, Callable
+
+    from mavstack.vehicle import Vehicle
+
+DEFAULT_URL = "udpin://0.0.0.0:14550"
+#: How long to wait for a first heartbeat, in seconds.
+PATIENCE = 10.0
+
+
+def add_connection(parser: ArgumentParser) -> None:
+    """Offer what says which vehicle is meant, and how long to wait for it."""
+    group = parser.add_argument_group("the vehicle")
+    group.add_argument(
+        "--url",
+        action="append",
+        metavar="URL",
+        help=f"where it is heard; may be given several times (default: $MAVSTACK_URL or {DEFAULT_URL})",
+    )
+    group.add_argument(
+        "--system", type=system_id, metavar="ID", help="its system id (default: the first vehicle heard)"
+    )
+    group.add_argument(
+        "--timeout",
+        type=seconds,
+        default=PATIENCE,
+        metavar="SECONDS",
+        help=f"how long to wait for its first heartbeat (default: {PATIENCE:g})",
+    )
+
+
+def urls_of(arguments: Namespace) -> list[str]:
+    """The URLs to connect to."""
+    return arguments.url or [os.environ.get("MAVSTACK_URL") or DEFAULT_URL]
+
+
+def on_vehicle(arguments: Namespace, work: Callable[[Vehicle], Awaitable[int]]) -> int:
+    """Connect, wait for the vehicle, do the work; the exit code that it gives."""
+
+    async def whole() -> int:
+        async with connect(*urls_of(arguments)) as node:
+            return await work(await node.vehicle(arguments.system, timeout=arguments.timeout))
+
+    return asyncio.run(whole())
