@@ -20,7 +20,7 @@ test: $(VENV)/installed ## Run everything that continuous integration runs
 	$(BIN)/python -m mavstack.dialects.generate --check
 	$(BIN)/python -m mavstack.sync.generate --check
 	$(BIN)/pytest -n auto -m "not interop"
-	$(BIN)/pytest -m "interop and not draft"
+	$(BIN)/pytest -m interop
 
 check: $(VENV)/installed ## The Python tests alone
 	$(BIN)/pytest -n auto

@@ -17,10 +17,7 @@ from tests.interop.pymavlink_peer import PATIENCE, receive, say_hello
 if TYPE_CHECKING:
     from pathlib import Path
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-pytestmark = [pytest.mark.interop, pytest.mark.draft]
+pytestmark = pytest.mark.interop
 
 SPEED = 6.0
 ACCEPTED = mavlink.MAV_RESULT_ACCEPTED

@@ -65,6 +65,7 @@ FIGURES: dict[str, Any] = {
     "flare_altitude": 3.0,
     "circle_radius": 10.0,
     "circle_speed": 4.0,
+    "circles_where_it_is": False,
     "setpoint_frames": frozenset({_F.LOCAL_NED, _F.LOCAL_OFFSET_NED, _F.BODY_NED, _F.BODY_OFFSET_NED}),
     "thrust_is_climb": False,
     "forward_beyond": inf,

@@ -46,10 +46,11 @@ def test_a_px4_has_none_until_somebody_steers() -> None:
     assert radio.was_present
 
 
-def test_sticks_mean_the_same_by_channels_and_by_manual_control() -> None:
-    one = grounded(seconds=0.2)
+@pytest.mark.parametrize(("firmware", "pulled"), [("ardupilot", 1750), ("px4", 1250)])
+def test_sticks_mean_the_same_by_channels_and_by_manual_control(firmware: str, pulled: int) -> None:
+    one = grounded("copter", firmware, seconds=0.2)
     radio = one.autopilot.radio
-    override(one, c1=1750, c2=1250, c3=1600, c4=1000)
+    override(one, c1=1750, c2=pulled, c3=1600, c4=1000)
     by_channels = radio.sticks
     assert by_channels == pytest.approx((0.5, 0.5, 0.6, -1.0))
     sticks(one, y=500, x=-500, z=600, r=-1000)
@@ -58,7 +59,7 @@ def test_sticks_mean_the_same_by_channels_and_by_manual_control() -> None:
 
 def test_pulses_beyond_the_ends_are_at_the_ends() -> None:
     one = grounded(seconds=0.2)
-    override(one, c1=2500, c2=500)
+    override(one, c1=2500, c2=2500)
     assert one.autopilot.radio.sticks[:2] == (1.0, 1.0)
 
 

@@ -23,6 +23,8 @@ CM = 0.01
 CENTIDEGREE = radians(0.01)
 SLOWEST = 0.1
 SMALLEST_RADIUS = 0.5
+#: In CIRCLE_OPTIONS.
+_CENTRE_IS_HERE = 4
 _F = common.MavFrame
 _FRAMES = frozenset({int(_F.LOCAL_NED), int(_F.LOCAL_OFFSET_NED), int(_F.BODY_NED), int(_F.BODY_OFFSET_NED)})
 
@@ -89,6 +91,10 @@ class ArdupilotFigures(Figures):
         """Counter-clockwise if CIRCLE_RATE is negative."""
         radius = self.number("CIRCLE_RADIUS", CM, default=10.0)
         return -radius if self.number("CIRCLE_RATE", default=20.0) < 0 else radius
+
+    @property
+    def circles_where_it_is(self) -> bool:
+        return bool(int(self.number("CIRCLE_OPTIONS", default=0.0)) & _CENTRE_IS_HERE)
 
     @property
     def circle_speed(self) -> float:

@@ -130,6 +130,11 @@ class Figures(ABC):
 
     @property
     @abstractmethod
+    def circles_where_it_is(self) -> bool:
+        """Whether the mode circles the place where it was entered, rather than one a radius ahead."""
+
+    @property
+    @abstractmethod
     def circle_speed(self) -> float:
         """Along that circle, for what hovers, drives or swims."""
 

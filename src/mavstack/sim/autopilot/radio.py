@@ -15,7 +15,7 @@ from mavstack.services.manual_control import (
     OverrideLost,
     OverrideReceived,
 )
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.kinds import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services import Address
@@ -44,6 +44,8 @@ class RadioControl:
     def __init__(self, vehicle: Vehicle, *, transmitter: bool) -> None:
         self._vehicle = vehicle
         self._hovers_at_middle = vehicle.type is VehicleType.SUB or vehicle.type.on_surface
+        # ArduPilot's channel 2 is low for a stick that is pushed, PX4's is high.
+        self._pulled = 1.0 if vehicle.firmware is Firmware.ARDUPILOT else -1.0
         #: Whether there is a transmitter, and whether it is switched on.
         self.fitted = transmitter
         self.switched_on = transmitter and "radio" not in vehicle.faults.active
@@ -86,7 +88,7 @@ class RadioControl:
         for held in self._inputs.values():
             return self._sticks_of(held)
         roll, pitch, throttle, yaw = self.channels[:4]
-        return Sticks(_share(roll), -_share(pitch), self._throttle(throttle), _share(yaw))
+        return Sticks(_share(roll), self._pulled * _share(pitch), self._throttle(throttle), _share(yaw))
 
     def move(self, channel: int, pulse: int) -> None:
         """Move a stick or switch of the transmitter: channels count from 1."""

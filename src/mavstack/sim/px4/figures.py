@@ -84,6 +84,10 @@ class Px4Figures(Figures):
         return self.loiter_radius
 
     @property
+    def circles_where_it_is(self) -> bool:
+        return True
+
+    @property
     def circle_speed(self) -> float:
         return self.cruise_speed
 

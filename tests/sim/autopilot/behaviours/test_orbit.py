@@ -61,6 +61,14 @@ def test_it_stops_after_the_turns_that_were_asked() -> None:
     assert flight.speed < 0.5
 
 
+def test_the_mode_can_circle_where_it_is() -> None:
+    flight = Flight(circle_radius=6.0, circle_speed=1.0, circles_where_it_is=True).in_the_air(10.0)
+    here = flight.body.truth
+    flight.fly(Circle)
+    flight.run(40)
+    assert flight.distance((here.north, here.east, here.down)) == pytest.approx(6.0, abs=1.0)
+
+
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_the_mode_circles_a_point_one_radius_ahead(kind: VehicleType) -> None:
     flight = Flight(kind, circle_radius=6.0, circle_speed=1.0)

@@ -76,7 +76,7 @@ class Orbit(Behaviour):
 
 
 class Circle(Behaviour):
-    """The mode: around a point one radius ahead; a wing around where it is."""
+    """The mode: around a point one radius ahead, or around where it is, as a wing always does."""
 
     def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot)
@@ -91,7 +91,8 @@ class Circle(Behaviour):
         if handling.circles:
             handling.hold()
         else:
-            centre = handling.ahead(abs(figures.circle_radius))
+            ahead = 0.0 if figures.circles_where_it_is else abs(figures.circle_radius)
+            centre = handling.ahead(ahead)
             yield from Orbit(autopilot, centre, figures.circle_radius, speed=figures.circle_speed).fly()
         while True:
             yield
