@@ -140,6 +140,33 @@ class Conformance:
                     break
             assert data == b"a" * 100 + b"b" * 100
 
+    async def test_who_reads_is_handed_the_same_bytes_and_then_the_end(self):
+        async with self.connected() as (link, channel, peer):
+            events = []
+            reading = asyncio.create_task(link.read(events.extend))
+            for letter in (b"a", b"b"):
+                await peer.send(letter * 100)
+            await settle(lambda: sum(len(each.data) for each in events) == 200)
+            assert b"".join(event.data for event in events) == b"a" * 100 + b"b" * 100
+            assert all(event.channel is channel for event in events)
+            assert channel.counters.bytes_in >= 200
+            await link.close()
+            await reading
+            assert isinstance(events[-1], ChannelClosed)
+
+    async def test_who_reads_can_stop_and_another_goes_on(self):
+        async with self.connected() as (link, _, peer):
+            events = []
+            reading = asyncio.create_task(link.read(events.extend))
+            await asyncio.sleep(0)
+            with pytest.raises(LinkError, match="two tasks"):
+                await anext(link)
+            reading.cancel()
+            await asyncio.gather(reading, return_exceptions=True)
+            await peer.send(b"later")
+            assert await receive(link, 5) == b"later"
+            assert not events
+
     async def test_what_cannot_be_sent_is_dropped_and_counted(self):
         async with self.connected(self.small) as (_, channel, _):
             accepted = [channel.write(bytes(1000)) for _ in range(2000)]

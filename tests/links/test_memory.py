@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 from contextlib import asynccontextmanager
 
 import pytest
@@ -72,3 +73,18 @@ def test_other_urls_and_options_are_refused():
         MemoryNetwork().link("udpin://0.0.0.0:14550")
     with pytest.raises(LinkURLError, match="has no option 'loss'"):
         MemoryNetwork().link("memory://fleet?loss=0.1")
+
+
+async def test_a_reader_is_never_called_by_the_other_end():
+    one, other = memory_pair()
+    async with one, other:
+        events = []
+        reading = asyncio.create_task(other.read(events.extend))
+        await asyncio.sleep(0)
+        events.clear()
+        one.channels[0].write(b"hello")
+        assert events == []
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert [event.data for event in events] == [b"hello"]
+        reading.cancel()

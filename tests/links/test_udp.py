@@ -47,6 +47,26 @@ class TestUdpout(Conformance):
         await peer.close()
 
 
+async def test_a_reader_is_called_by_what_reads_the_socket_and_in_order():
+    async with open_link("udpin://127.0.0.1:0") as link:
+        peer = UdpPeer(link.address)
+        callers, data = [], []
+
+        def take(events):
+            callers.append(sys._getframe(1).f_code.co_name)
+            data.extend(event.data for event in events if isinstance(event, BytesReceived))
+
+        reading = asyncio.create_task(link.read(take))
+        for number in range(10):
+            await peer.send(bytes([number]))
+            await settle(lambda number=number: len(data) > number)
+        assert data == [bytes([number]) for number in range(10)]
+        assert callers[0] == "hand_over"  # the first came with the channel, by the queue
+        assert callers[-1] == "deliver"
+        reading.cancel()
+        await peer.close()
+
+
 class WithoutReaders(asyncio.SelectorEventLoop):
     """As the proactor of Windows: it watches no sockets for us."""
 

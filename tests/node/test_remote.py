@@ -88,6 +88,7 @@ def test_standard_modes() -> None:
         server.offer(modes_of(PX4, COPTER, [0, 0x04040000, rtl], {rtl: standard.SAFE_RECOVERY}), 0.0)
         assert await modes.set_standard(standard.SAFE_RECOVERY) == rtl
         assert server.current.custom_mode == rtl
+        assert [mode.name for mode in await modes.list()][-1] == "RTL"  # nameless on the wire
         assert (modes.current, modes.monitor.standard_mode) == (None, None)  # nobody followed it until now
         await asyncio.sleep(3)
         assert (modes.current, modes.monitor.standard_mode) == ("RTL", standard.SAFE_RECOVERY)

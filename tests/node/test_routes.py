@@ -60,11 +60,18 @@ def test_of_two_links_the_first_stays_until_it_falls_silent() -> None:
         routes.learn(COPTER, A, tenth / 10)
         routes.learn(COPTER, B, tenth / 10)
         assert list(routes.channels_to(COPTER, ALL)) == [A]
-    assert routes.is_redundant(COPTER)
     routes.learn(COPTER, B, 2.9 + SILENCE)
     assert list(routes.channels_to(COPTER, ALL)) == [B]
     routes.learn(COPTER, A, 2.9 + SILENCE)
     assert list(routes.channels_to(COPTER, ALL)) == [B]
+
+
+def test_it_tells_who_is_heard_on_more_than_one_channel() -> None:
+    routes: Routes[str] = Routes()
+    assert [routes.learn(COPTER, channel, 0.0) for channel in (A, A, B, A)] == [False, False, True, True]
+    assert not routes.learn(CAMERA, B, 0.0)
+    routes.forget(B)
+    assert not routes.learn(COPTER, A, 1.0)
 
 
 def test_a_closed_channel_leads_to_nobody() -> None:

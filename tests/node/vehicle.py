@@ -68,7 +68,7 @@ class Vehicle(Node):
             AutopilotVersion(capabilities=capabilities, flight=FirmwareVersion(1, 2, 3, 255)),
         )
 
-    def _happened(self, event, service) -> None:
+    def _happened(self, event, service=None) -> None:
         super()._happened(event, service)
         match event:
             case ModeChanged():

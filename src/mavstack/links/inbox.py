@@ -4,6 +4,10 @@ The bound is in bytes, each event counting a fixed overhead beside its data, so 
 chunks nor a flood of tiny datagrams can fill the memory. A backend either offers (`offer`: refused and
 counted when the queue is full, for datagrams) or puts and then waits for room (`put`, `room`: the kernel's
 own flow control then slows the peer, for streams and files).
+
+Who reads by `hand_over` may be called by the backend itself (`deliver`): what the event loop has just told it
+of goes to the reader in the same turn of the loop, past the queue and past the task that waits for it. What
+one end of a link in this process writes to the other is never delivered so, or the two would call each other.
 """
 
 from __future__ import annotations
@@ -17,7 +21,7 @@ from mavstack.links.channel import Channel, Counters
 from mavstack.links.events import BytesReceived, ChannelClosed, ChannelOpened, LinkDown, LinkEvent
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 EVENT_OVERHEAD = 256
 
@@ -32,6 +36,7 @@ class Inbox:
         self._events: deque[LinkEvent] = deque()
         self._channels: dict[Channel, None] = {}
         self._reader: asyncio.Future[None] | None = None
+        self._take: Callable[[Sequence[LinkEvent]], None] | None = None
         self._room = asyncio.Event()
         self._room.set()
         self._ended = False
@@ -71,6 +76,20 @@ class Inbox:
         self.put(channel, data, time)
         return True
 
+    def deliver(self, channel: Channel, data: bytes, time: float) -> None:
+        """Give received bytes to the reader at once if it takes them so, else offer them.
+
+        To be called from a callback of the event loop.
+        """
+        take = self._take
+        if take is None or self._events or self._ended:
+            self.offer(channel, data, time)
+            return
+        counters = channel.counters
+        counters.bytes_in += len(data)
+        counters.chunks_in += 1
+        take((BytesReceived(channel, data, time),))
+
     def put(self, channel: Channel, data: bytes, time: float) -> None:
         """Queue received bytes, even over the bound: the caller waits for `room` before it reads more."""
         counters = channel.counters
@@ -108,6 +127,15 @@ class Inbox:
         self._events.clear()
         self._release(self._used)
         return events
+
+    async def hand_over(self, take: Callable[[Sequence[LinkEvent]], None]) -> None:
+        """Call a function with all that comes, until the end."""
+        self._take = take
+        try:
+            while events := await self.get_all():
+                take(events)
+        finally:
+            self._take = None
 
     def _push(self, event: LinkEvent, size: int) -> None:
         if self._ended:

@@ -5,11 +5,11 @@ closed. On udpout there is one channel, open from the start; what comes back fro
 belongs to it, and after a broadcast or to a multicast group what comes from anyone. A multicast group as
 host of udpin is joined.
 
-Datagrams are read many at each wake-up of the event loop and become one event each; if nobody reads the
-events they are dropped and counted, newest first. What the kernel dropped before that is in
-`kernel_drops`, where the system tells (Linux): a larger `socket_buffer` helps up to the system's limit, the
-sysctl net.core.rmem_max. Sending never waits and never fails: an unreachable peer today may be there
-tomorrow, so errors only count as drops.
+Datagrams are read many at each wake-up of the event loop and become one event each, handed over before the
+next is read, since more come meanwhile; if nobody reads the events they are dropped and counted, newest
+first. What the kernel dropped before that is in `kernel_drops`, where the system tells (Linux): a larger
+`socket_buffer` helps up to the system's limit, the sysctl net.core.rmem_max. Sending never waits and never
+fails: an unreachable peer today may be there tomorrow, so errors only count as drops.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from mavstack.links.url import LinkURL
 
 SOCKET_BUFFER = 4 << 20
-_BATCH = 512  # datagrams read before the event loop gets its turn again
+_BATCH = 256  # datagrams read before the event loop gets its turn again
 _LARGEST = 1 << 16
 _SO_MEMINFO = 55  # Linux; the ninth number it gives counts what the socket's buffer had no room for
 
@@ -129,7 +129,7 @@ class UdpLink(Link):
             self._transport, _ = await loop.create_datagram_endpoint(lambda: _Protocol(self), sock=sock)
 
     def _readable(self, sock: socket.socket) -> None:
-        now, receive, datagram = time(), sock.recvfrom, self._datagram
+        receive, datagram = sock.recvfrom, self._datagram
         for _ in range(_BATCH):
             try:
                 data, address = receive(_LARGEST)
@@ -137,7 +137,7 @@ class UdpLink(Link):
                 return
             except OSError:  # an ICMP error about something sent earlier; the next datagram may be fine
                 continue
-            datagram(data, address, now)
+            datagram(data, address, time())
 
     async def _stop(self) -> None:
         """Read no more."""
@@ -188,7 +188,7 @@ class UdpListener(UdpLink):
         channel = self._peers.get(address) or self._admit(address)
         if channel is not None:
             channel.heard = now
-            self._inbox.offer(channel, data, now)
+            self._inbox.deliver(channel, data, now)
 
     def _admit(self, address: Address) -> UdpChannel | None:
         if len(self._peers) >= self._max_peers or self._inbox.full or self._closed:
@@ -242,7 +242,7 @@ class UdpSender(UdpLink):
     def _datagram(self, data: bytes, address: Address, now: float) -> None:
         channel = self._channel
         if channel is not None and (self._anyone or address[0] == channel.address[0]):
-            self._inbox.offer(channel, data, now)
+            self._inbox.deliver(channel, data, now)
         else:
             self._inbox.past.dropped_in += 1
 

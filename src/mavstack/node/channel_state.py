@@ -88,7 +88,10 @@ class ChannelState:
 
     def receive(self, data: bytes, now: float) -> list[Packet]:
         """The packets that the bytes complete."""
-        self.pacer.received(len(data), now)
+        if self.pacer.half_duplex:
+            self.pacer.received(len(data), now)
+        if self._signing is None and self._other is None:
+            return self._parser.feed(data)
         time = time_if_set(now)
         packets = self._parser.feed(data, time)
         if self._other is not None:

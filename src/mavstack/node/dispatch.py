@@ -5,16 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mavstack.node.subscription import Subscription
+from mavstack.services import Address
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from mavstack.dialects import Message
-    from mavstack.services import Address, Service
+    from mavstack.services import Service
     from mavstack.wire import Packet
 
 #: Stands for "every message" in the register.
 ANY = -1
+#: So much of what was found is kept; ids and addresses can be forged.
+MOST_FOUND = 16384
 
 
 class Listening:
@@ -34,21 +37,17 @@ class Listening:
         self.source = source
         self.deliver = deliver
 
-    def hears(self, packet: Packet) -> bool:
-        """Whether the packet comes from whom it listens to."""
-        system, component = self.source
-        return system in (0, packet.system) and component in (0, packet.component)
-
     def close(self) -> None:
         """Be called no more. Closing twice does nothing."""
         self._dispatch.forget(self)
 
 
 class PacketDispatch:
-    """Who listens to which packets, by message id."""
+    """Who listens to which packets, by message id and system; found once for each id and source heard."""
 
     def __init__(self) -> None:
-        self._by_id: dict[int, list[Listening]] = {}
+        self._by_key: dict[tuple[int, int], list[Listening]] = {}  # message id, system (0: any)
+        self._found: dict[tuple[int, int, int], tuple[Listening, ...]] = {}
         self._open: dict[Subscription[Any], Listening] = {}
 
     def listen(
@@ -57,8 +56,9 @@ class PacketDispatch:
         """Have a function called with the packets of these classes (none: all)."""
         ids = tuple({kind.__mavlink_row__[0] for kind in kinds}) or (ANY,)
         listening = Listening(self, ids, source, deliver)
+        self._found.clear()
         for message_id in ids:
-            self._by_id.setdefault(message_id, []).append(listening)
+            self._by_key.setdefault((message_id, source.system), []).append(listening)
         return listening
 
     def subscribe(
@@ -78,9 +78,10 @@ class PacketDispatch:
 
     def deliver(self, packet: Packet) -> None:
         """Hand a packet to all who listen."""
-        for listening in (*self._by_id.get(packet.message_id, ()), *self._by_id.get(ANY, ())):
-            if listening.hears(packet):
-                listening.deliver(packet)
+        key = packet.message_id, packet.system, packet.component
+        found = self._found.get(key)
+        for listening in self._find(*key) if found is None else found:
+            listening.deliver(packet)
 
     def end(self) -> None:
         """No more will come."""
@@ -89,10 +90,22 @@ class PacketDispatch:
 
     def forget(self, listening: Listening) -> None:
         """It listens no more."""
+        self._found.clear()
         for message_id in listening.ids:
-            listeners = self._by_id[message_id]
+            listeners = self._by_key[message_id, listening.source.system]
             if listening in listeners:
                 listeners.remove(listening)
+
+    def _find(self, message_id: int, system: int, component: int) -> tuple[Listening, ...]:
+        if len(self._found) >= MOST_FOUND:
+            self._found.clear()
+        source = Address(system, component)
+        # Who listens to everything goes first: what it keeps is there when the others are called.
+        keys = [(kind, heard) for kind in (ANY, message_id) for heard in ((0, system) if system else (0,))]
+        everyone = [listening for key in keys for listening in self._by_key.get(key, ())]
+        found = tuple(listening for listening in everyone if listening.source.covers(source))
+        self._found[message_id, system, component] = found
+        return found
 
     def _unsubscribe(self, subscription: Subscription[Any]) -> None:
         self._open.pop(subscription).close()

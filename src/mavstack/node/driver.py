@@ -1,16 +1,19 @@
 """Runs an engine over links with asyncio: the only place where MAVLink meets an event loop and a clock.
 
-One task a link reads its batches of events; one timer wakes the engine when something is due. The clock is
-Unix time as it was when the driver was made, carried on by the loop's own clock: it never goes back, and
-with a loop in virtual time it is virtual too.
+One task a link reads its events, or is handed them as they come; one timer wakes the engine when something
+is due. It may wake it too early, never too late: a timer is not set anew because what it was set for is due
+later now, as nearly every packet makes something due later. The clock is Unix time as it was when the
+driver was made, carried on by the loop's own clock: it never goes back, and with a loop in virtual time it
+is virtual too.
 
-What functions of the program raise (handlers, producers, progress callbacks) is told to the loop's exception
-handler and stops nothing.
+What functions of the program raise (handlers, producers, progress callbacks) is told to the loop's
+exception handler and stops nothing.
 """
 
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 from time import time
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -19,7 +22,7 @@ from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened,
 from mavstack.services import Client, Operation, OperationEnded, Progress
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from mavstack.links import LinkEvent
     from mavstack.node.channel_state import ChannelState
@@ -41,6 +44,7 @@ class Driver:
         on_event: Callable[[object, Service | None], None],
         on_channel: Callable[[ChannelState], None],
         version: int = 2,
+        on_error: Callable[[Operation[Any], float], None] = lambda operation, begun: None,
     ) -> None:
         self.engine = engine
         self.channels: dict[Channel, ChannelState] = {}
@@ -48,9 +52,11 @@ class Driver:
         self._on_event = on_event
         self._on_channel = on_channel
         self._version = version
+        self._on_error = on_error
         self._loop = asyncio.get_running_loop()
         engine.on_failure = self._failed
-        self._epoch = time() - self._loop.time()
+        self._time = self._loop.time
+        self._epoch = time() - self._time()
         self._by_state: dict[ChannelState, Channel] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._timer: asyncio.TimerHandle | None = None
@@ -59,7 +65,7 @@ class Driver:
 
     def now(self) -> float:
         """Unix time that never goes back."""
-        return self._epoch + self._loop.time()
+        return self._epoch + self._time()
 
     def read(self, link: Link) -> None:
         """Take in what comes from an open link, until it ends."""
@@ -84,6 +90,7 @@ class Driver:
         progress: Callable[[int, int], None] | None = None,
     ) -> Result:
         """Wait for the end of an operation that was just begun."""
+        begun = self.now()
         self._waiting[operation] = future = self._loop.create_future()
         if progress is not None:
             self._progress[operation] = progress
@@ -99,10 +106,14 @@ class Driver:
         finally:
             self._waiting.pop(operation, None)
             self._progress.pop(operation, None)
+        if operation.error is not None:
+            self._on_error(operation, begun)
         return operation.result()
 
     def step(self) -> None:
         """Send what is to be sent, tell what has happened, and set the timer."""
+        if self.engine.idle:
+            return
         now = self.now()
         while True:
             for state, data in self.engine.data_to_send(now):
@@ -160,18 +171,28 @@ class Driver:
 
     async def _read(self, link: Link) -> None:
         try:
-            async for batch in link.batches():
-                for event in batch:
-                    self._guarded(f"taking in what {link.url} gave", self._take, link, event)
-                self.step()
+            await link.read(partial(self._take_all, link))
         except LinkError as error:
             self._on_event(LinkDown(str(error), float("inf")), None)
 
+    def _take_all(self, link: Link, events: Iterable[LinkEvent]) -> None:
+        for event in events:
+            try:
+                if type(event) is BytesReceived:
+                    self._received(event)
+                else:
+                    self._take(link, event)
+            except Exception as error:  # noqa: BLE001 (a defect of the program must not deafen the link)
+                self._report(f"taking in what {link.url} gave", error)
+        self.step()
+
+    def _received(self, event: BytesReceived) -> None:
+        state = self.channels[event.channel]
+        for packet in self.engine.receive(state, event.data, self._epoch + self._time()):
+            self._on_packet(packet)
+
     def _take(self, link: Link, event: LinkEvent) -> None:
         match event:
-            case BytesReceived(channel, data):
-                self._received(channel, data)
-                return
             case ChannelOpened(channel):
                 state = self.engine.open_channel(
                     channel.name,
@@ -187,14 +208,13 @@ class Driver:
                 self.engine.close_channel(state)
         self._on_event(event, None)
 
-    def _received(self, channel: Channel, data: bytes) -> None:
-        for packet in self.engine.receive(self.channels[channel], data, self.now()):
-            self._on_packet(packet)
-
     def _set_timer(self) -> None:
         due = self.engine.next_timeout()
-        if self._timer is not None:
-            self._timer.cancel()
+        timer = self._timer
+        if timer is not None:
+            if due is not None and due - self._epoch >= timer.when():
+                return
+            timer.cancel()
             self._timer = None
         if due is not None:
             self._timer = self._loop.call_at(due - self._epoch, self._time_out)
@@ -203,3 +223,4 @@ class Driver:
         self._timer = None
         self.engine.handle_timeout(self.now())
         self.step()
+        self._set_timer()

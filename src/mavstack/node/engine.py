@@ -16,6 +16,7 @@ told, the service is left alone for a moment, and all others go on; without an `
 
 from __future__ import annotations
 
+from collections import deque
 from heapq import heapify, heappop, heappush
 from itertools import count
 from typing import TYPE_CHECKING, TypeVar
@@ -38,13 +39,14 @@ from mavstack.services import (
     target_of,
 )
 from mavstack.services.signing_setup import KeyEvent
+from mavstack.wire import Packet
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
-    from mavstack.wire import Packet, Signing
+    from mavstack.wire import Signing
 
 AnyService = TypeVar("AnyService", bound=Service)
 
@@ -53,6 +55,10 @@ AnyService = TypeVar("AnyService", bound=Service)
 AFTER_FAILURE = 0.05
 #: The heap is built anew when more than so many of its entries are overtaken.
 MOST_OVERTAKEN = 1000
+
+#: For so long our own heartbeats are remembered, and so many, to know those that come back.
+ECHO = 10.0
+MOST_HEARTBEATS = 256
 
 _RADIO_STATUS = next(iter(message_ids(common.RadioStatus)))
 
@@ -68,6 +74,7 @@ class Engine:
         self.channels: list[ChannelState] = []
         #: The channel of the packet that services are looking at, while they do.
         self.arrived_on: ChannelState | None = None
+        self._heartbeats: deque[tuple[float, int, bytes]] = deque(maxlen=MOST_HEARTBEATS)
         self._past_clock = 0
         self._link_ids = count()
         #: Told of each exception out of a service; see the head of this file.
@@ -127,6 +134,14 @@ class Engine:
 
     # Services
 
+    def arrived_where(self) -> str:
+        """The name of the channel of the packet that services are looking at."""
+        return self.arrived_on.name if self.arrived_on is not None else ""
+
+    def is_echo(self, packet: Packet) -> bool:
+        """Whether a packet with our address is a heartbeat of ours that came back over looped links."""
+        return any(own[1:] == (packet.sequence, packet.payload) for own in self._heartbeats)
+
     def add(self, service: AnyService) -> AnyService:
         """Let a service live here."""
         if service not in self._services:
@@ -152,7 +167,7 @@ class Engine:
     def receive(self, channel: ChannelState, data: bytes, now: float) -> list[Packet]:
         """Take bytes of a channel; gives the packets for the program's own eyes, copies left out."""
         packets = channel.receive(data, now)
-        return [packet for packet in packets if self._take(packet, channel, now)]
+        return [packet for packet in packets if self._take(packet, channel, now)] if packets else packets
 
     def send(
         self, message: Message, now: float, target: Address | None = None, *, source: Address | None = None
@@ -161,6 +176,13 @@ class Engine:
         outgoing = Outgoing(message, target or target_of(message))
         for channel in self.routes.channels_to(outgoing.target, self.channels):
             self._encode(outgoing, channel, source or self.local, now)
+
+    def forward(self, packet: Packet, now: float) -> None:
+        """Send a packet of somebody else as it is, to where it is addressed, or to all channels."""
+        message = packet.message
+        for channel in self.routes.channels_to(target_of(message), self.channels):
+            channel.pacer.sent(len(packet.raw), now, Priority.STREAM)
+            self._to_send.append((channel, packet.raw))
 
     def data_to_send(self, now: float) -> list[tuple[ChannelState, bytes]]:
         """What to write to which channel, after everything that happened until now."""
@@ -204,25 +226,31 @@ class Engine:
     # Within
 
     def _take(self, packet: Packet, channel: ChannelState, now: float) -> bool:
-        source = Address(packet.system, packet.component)
-        self.routes.learn(source, channel, now)
-        if self.routes.is_redundant(source) and self.duplicates.is_copy(packet, channel, now):
+        message_id, system = packet.message_id, packet.system
+        redundant = self.routes.learn((system, packet.component), channel, now)
+        if redundant and self.duplicates.is_copy(packet, channel, now):
             return False
-        if packet.message_id == _RADIO_STATUS:
+        if message_id == _RADIO_STATUS:
             self._radio_status(packet, channel, now)
-        services = self._listeners.of(packet)
+        services = self._listeners.of(message_id, system)
         if services and packet.message is not None:
-            target = target_of(packet.message)
             self.arrived_on = channel
-            for service in services:
-                if target.covers(service.local) and source != service.local:
-                    self._touched[service] = None
-                    try:
-                        service.receive(packet, now)
-                    except Exception as error:  # noqa: BLE001 (as above)
-                        self.on_failure(service, error)
+            self._give(packet, services, now)
             self.arrived_on = None
         return True
+
+    def _give(self, packet: Packet, services: Iterable[Service], now: float) -> None:
+        """Have those services receive the packet that it is meant for."""
+        target = target_of(packet.message)
+        source = packet.system, packet.component
+        for service in services:
+            if target.covers(service.local) and (source != service.local or service.hears_itself):
+                try:
+                    if service.receive(packet, now) is not False:
+                        self._touched[service] = None
+                except Exception as error:  # noqa: BLE001 (as above)
+                    self._touched[service] = None
+                    self.on_failure(service, error)
 
     def _fail(self, service: Service, error: Exception) -> None:
         self._failed[service] = None
@@ -286,9 +314,19 @@ class Engine:
                 channel.thinned += 1
                 continue
             try:
-                self._to_send.append((channel, channel.encode(message, source, now, priority)))
+                data = channel.encode(message, source, now, priority)
             except EncodeError:
                 channel.unsendable += 1
+            else:
+                self._to_send.append((channel, data))
+                if source == self.local and isinstance(message, common.Heartbeat):
+                    self._remember(data, now)
+
+    def _remember(self, heartbeat: bytes, now: float) -> None:
+        while self._heartbeats and now - self._heartbeats[0][0] > ECHO:
+            self._heartbeats.popleft()
+        packet = Packet(heartbeat, self.dialect)
+        self._heartbeats.append((now, packet.sequence, packet.payload))
 
     def _encode(self, outgoing: Outgoing, channel: ChannelState, source: Address, now: float) -> None:
         data = channel.encode(outgoing.message, source, now, outgoing.priority)

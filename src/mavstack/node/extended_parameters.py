@@ -53,6 +53,12 @@ class ExtendedParameters:
         await node.driver.finish(self.client, operation, progress)
         return self.known
 
+    def forget(self) -> None:
+        """The component started anew: its parameters are to be asked for again."""
+        if "client" in self.__dict__:
+            self.client.forget(self._remote.node.now())
+            self._remote.node.changed(self.client)
+
     def changes(self) -> Subscription[ExtendedParameterChanged]:
         """Each one that changes from now on, whoever changes it."""
         return self._remote.node.events(ExtendedParameterChanged, of=self.client)

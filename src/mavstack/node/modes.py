@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -49,13 +50,23 @@ class Modes:
 
     async def list(self, *, timeout: float = 60.0) -> tuple[AvailableMode, ...]:
         """The modes that it says it has; of a firmware that does not tell, those that are known of it."""
+        known = self._known_modes()
         try:
-            return await self._remote.node.perform(self._remote.command_client, ListModes(limit=timeout))
+            told = await self._remote.node.perform(self._remote.command_client, ListModes(limit=timeout))
         except CommandDenied:
-            known = self._known_modes()
             if not known:
                 raise
             return known
+        # A standard mode has no name on the wire; it is one of the firmware's own all the same.
+        names = {mode.custom_mode: mode.name for mode in known}
+        return tuple(
+            mode if mode.name else replace(mode, name=names.get(mode.custom_mode, "")) for mode in told
+        )
+
+    def forget(self) -> None:
+        """The vehicle started anew: it may be in another mode, and have others."""
+        if "monitor" in self.__dict__:
+            self.monitor.forget()
 
     def _known_modes(self) -> tuple[AvailableMode, ...]:
         info = self._remote.info

@@ -20,17 +20,24 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import Dialect, Message, common
 from mavstack.errors import MavstackError, RemoteTimeout
-from mavstack.links import ChannelOpened, Link, open_link
+from mavstack.links import ChannelClosed, ChannelOpened, Link, open_link
 from mavstack.node.command_handlers import CommandHandlers
 from mavstack.node.dispatch import EventDispatch, PacketDispatch
 from mavstack.node.driver import Driver
 from mavstack.node.engine import Engine
+from mavstack.node.hearing import what_was_heard
 from mavstack.node.keys import Keys
 from mavstack.node.remote import RemoteComponent
 from mavstack.node.subscription import QUEUE
 from mavstack.services import Address
-from mavstack.services.addressing import describe
-from mavstack.services.heartbeat import Beacon, ComponentFound, ComponentReturned, Discovery
+from mavstack.services.heartbeat import (
+    Beacon,
+    ComponentChanged,
+    ComponentFound,
+    ComponentRebooted,
+    ComponentReturned,
+    Discovery,
+)
 from mavstack.services.message_request import MessageServer
 from mavstack.services.ping import PingServer
 from mavstack.services.signing_setup import KeyEvent
@@ -81,7 +88,7 @@ class Node:
             raise MavstackError(f"{local} is not an address: system and component are 1 to 255")
         self.engine = Engine(local, dialect or Dialect.load("all"))
         self.beacon = Beacon(local, type, autopilot)
-        self.discovery = Discovery(local)
+        self.discovery = Discovery(local, is_echo=self.engine.is_echo, where=self.engine.arrived_where)
         self.links = [open_link(link) if isinstance(link, str) else link for link in links]
         #: What every component does: it hears texts, and answers who asks whether and when it is there.
         self._everyones = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
@@ -126,6 +133,7 @@ class Node:
             on_packet=self._packets.deliver,
             on_event=self._happened,
             on_channel=self._keys.opened,
+            on_error=self._failed,
             version=self._version,
         )
         for service in (self.discovery, *self._everyones):
@@ -180,7 +188,7 @@ class Node:
         self, wanted: Callable[[ComponentInfo], bool], what: str, *, timeout: float = FIRST_HEARTBEAT
     ) -> RemoteComponent:
         """The first component alive that `wanted` says yes to; `what` names it in the error."""
-        async with self.events(ComponentFound, ComponentReturned) as events:
+        async with self.events(ComponentFound, ComponentReturned, ComponentChanged) as events:
             try:
                 async with asyncio.timeout(timeout):
                     while not (
@@ -188,9 +196,9 @@ class Node:
                     ):
                         await anext(events)
             except (TimeoutError, StopAsyncIteration):
-                others = describe(address for address, info in self.components.items() if info.alive)
                 links = ", ".join(str(link.url) for link in self.links) or "no link"
-                raise RemoteTimeout(what, links, answer=f"none in {timeout:g} s; heard: {others}") from None
+                answer = f"none in {timeout:g} s; {what_was_heard(self)}"
+                raise RemoteTimeout(what, links, answer=answer) from None
         return self.remote(*found[0].address)
 
     # What is heard and said
@@ -242,6 +250,11 @@ class Node:
         self.engine.send(message, self.driver.now(), target)
         self.driver.step()
 
+    def forward(self, packet: Packet) -> None:
+        """Send a packet of somebody else, byte for byte, to where it is addressed; see `Forwarding`."""
+        self.engine.forward(packet, self.driver.now())
+        self.driver.step()
+
     # What lives here
 
     def serve(self, service: AnyService) -> AnyService:
@@ -258,7 +271,7 @@ class Node:
 
     def now(self) -> float:
         """The time as services count it: Unix seconds that never go back."""
-        return self.driver.now()
+        return (self._driver or self.driver).now()
 
     def provide(
         self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float = 0.0
@@ -308,13 +321,24 @@ class Node:
         """Go on until the task is cancelled: what a program that only serves does last."""
         await asyncio.get_running_loop().create_future()
 
-    def _happened(self, event: object, service: Service | None) -> None:
-        if isinstance(event, ChannelOpened) and self._sends_heartbeat:
-            self.beacon.soon(self.now())  # a new peer need not wait to know us
-            self.engine.touch(self.beacon)
-        if isinstance(event, KeyEvent):
-            self._keys.told(event, service)
+    def _happened(self, event: object, service: Service | None = None) -> None:
+        """Do what is to be done about an event, and tell it to all who listen; a subclass may do more."""
+        match event:
+            case ChannelOpened() if self._sends_heartbeat:
+                self.beacon.soon(self.now())  # a new peer need not wait to know us
+                self.engine.touch(self.beacon)
+            case ChannelClosed(channel, reason):
+                lost = [address for address in self.components if not self.engine.routes.heard_on(address)]
+                self.discovery.unreachable(lost, f"its link {channel.name} is closed: {reason}")
+                self.engine.touch(self.discovery)
+            case ComponentRebooted(component) if component.address in self._remotes:
+                self._remotes[component.address].forget()
+            case KeyEvent():
+                self._keys.told(event, service)
         self._events.deliver(event, service)
+
+    def _failed(self, operation: Operation[Any], begun: float) -> None:
+        """An operation that was begun then ends with an error; a subclass may add to it what it knows."""
 
     async def __aenter__(self) -> Self:
         return await self.open()

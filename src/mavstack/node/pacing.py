@@ -55,7 +55,7 @@ class Pacer:
         self.bulk_rate = bulk_rate
         self.learned = False
         self._bulk_level = BULK_AT_ONCE
-        self._half_duplex = half_duplex
+        self.half_duplex = half_duplex
         self._known = bandwidth is not None
         self._level = LEAST_DEPTH
         self._stream_level = 0.0
@@ -77,7 +77,7 @@ class Pacer:
 
     def received(self, size: int, now: float) -> None:
         """Bytes came in, which took their time on the air too."""
-        if self._half_duplex and self.bandwidth is not None:
+        if self.half_duplex and self.bandwidth is not None:
             self._fill(now)
             self._level = max(self._level - size, -self.bandwidth * DEBT[Priority.STREAM])
 

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import RemoteDenied, RemoteError, RemoteTimeout
+from mavstack.errors import RemoteCancelled, RemoteDenied, RemoteError, RemoteTimeout
 from mavstack.services.parameters import (
     PACKED_NAME,
     Encoding,
@@ -76,6 +76,13 @@ class Parameters:
         """Each parameter that changes from now on, whoever changes it."""
         return self._remote.node.events(ParameterChanged, of=self.client)
 
+    def forget(self) -> None:
+        """The component started anew: its parameters, and how it tells them, are to be asked for again."""
+        self._capabilities = None
+        if "client" in self.__dict__:
+            self.client.forget(self._remote.node.now())
+            self._remote.node.changed(self.client)
+
     async def _fetched_packed(
         self, timeout: float | None, progress: Callable[[int, int], None] | None
     ) -> bool:
@@ -99,6 +106,8 @@ class Parameters:
     async def _ask_capabilities(self) -> int:
         try:
             return (await self._remote.version(timeout=CAPABILITIES_PATIENCE)).capabilities
+        except RemoteCancelled:
+            raise  # the node was closed
         except RemoteError:
             return 0
 

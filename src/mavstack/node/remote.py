@@ -70,6 +70,17 @@ class RemoteComponent:
         """What its heartbeat said; None if it was never heard."""
         return self.node.components.get(self.address)
 
+    def forget(self) -> None:
+        """It started anew: forget what it told before, which may be so no longer.
+
+        What is under way goes on, and ends in its result or its error. Node calls this by itself.
+        """
+        for face in ("parameters", "extended_parameters", "modes"):
+            if face in self.__dict__:
+                self.__dict__[face].forget()
+        if "mission_client" in self.__dict__:
+            self.mission_client.forget_progress()
+
     # Commands and messages
 
     async def command(

@@ -59,15 +59,20 @@ class Subscription(Generic[Item]):
         self._items.clear()
         return items
 
+    async def wait(self) -> bool:
+        """Wait until there is something to read; False if nothing will come any more."""
+        while not self._items and not self.closed:
+            self._news.clear()
+            await self._news.wait()
+        return bool(self._items)
+
     def __aiter__(self) -> Self:
         return self
 
     async def __anext__(self) -> Item:
         while not self._items:
-            if self.closed:
+            if not await self.wait():
                 raise StopAsyncIteration
-            self._news.clear()
-            await self._news.wait()
         return self._items.popleft()
 
     async def __aenter__(self) -> Self:

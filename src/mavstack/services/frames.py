@@ -14,7 +14,8 @@ from mavstack.dialects import ardupilotmega, common
 
 UNKNOWN = 0x7FFFFFFF
 LEAST = -0x80000000
-LARGEST_FLOAT32 = (2 - 2**-23) * 2.0**127
+#: What is as large rounds to infinity as a float32.
+LEAST_INFINITE = (2 - 2**-24) * 2.0**127
 
 GLOBAL_FRAMES = frozenset(
     {
@@ -57,4 +58,4 @@ def from_integer(value: int, scale: float) -> float:
 
 def as_float32(value: float) -> float:
     """A value that a float32 field takes: what is too large becomes infinite."""
-    return value if abs(value) <= LARGEST_FLOAT32 or isnan(value) else inf if value > 0 else -inf
+    return value if abs(value) < LEAST_INFINITE or isnan(value) else inf if value > 0 else -inf

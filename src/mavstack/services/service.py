@@ -66,19 +66,26 @@ class Service:
     """A state machine of one service.
 
     `handles` are the ids of the messages it wants to see, and may change; `hears` is the only address that it
-    listens to, if there is one (component 0: any of the system).
+    listens to, if there is one (component 0: any of the system). What bears its own address is not meant for
+    it, unless `hears_itself`.
     """
 
     handles: frozenset[int] = frozenset()
     hears: Address = EVERYBODY
+    hears_itself = False
 
     def __init__(self, local: Address) -> None:
         self.local = local
         self._outbox: deque[Outgoing] = deque()
         self._events: list[Event] = []
 
-    def receive(self, packet: Packet, now: float) -> None:
-        """Take a packet whose id is in `handles`; its message is never None."""
+    def receive(self, packet: Packet, now: float) -> bool | None:
+        """Take a packet whose id is in `handles`; its message is never None.
+
+        False says that nothing has changed: there is nothing to send, no event, and the same `next_timeout` and
+        `handles` as before. A service that hears much tells it and spares everyone to look.
+        """
+        return None
 
     def messages_to_send(self, now: float, has_room: HasRoom = always_room) -> Iterator[Outgoing]:
         """What to send now; each message counts as sent when it is taken from the iterator."""

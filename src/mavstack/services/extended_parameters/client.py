@@ -89,6 +89,13 @@ class ExtendedParameterClient(Client):
         """Whether the whole set was fetched."""
         return self._complete
 
+    def forget(self, now: float) -> None:
+        """The component started anew: forget its parameters; a listing that is under way begins anew."""
+        self._parameters, self._complete = {}, False  # who was given the old ones keeps them
+        for operation in self._running:
+            if isinstance(operation, ListExtendedParameters):
+                operation.begin_anew(now)
+
     def read(self, which: str | int, now: float, *, limit: float | None = None) -> ReadExtendedParameter:
         """Ask for one parameter, by name or index; its result is the `ExtendedParameter`."""
         if isinstance(which, str):

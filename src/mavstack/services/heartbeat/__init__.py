@@ -1,7 +1,12 @@
 """Heartbeats: saying that we are here, and knowing who else is (guide: heartbeat/connection protocol)."""
 
 from mavstack.services.heartbeat.beacon import Beacon
+from mavstack.services.heartbeat.claims import Claim
 from mavstack.services.heartbeat.discovery import (
+    AddressClash,
+    AddressClashOver,
+    AddressTaken,
+    ComponentChanged,
     ComponentFound,
     ComponentInfo,
     ComponentLost,
@@ -9,13 +14,20 @@ from mavstack.services.heartbeat.discovery import (
     ComponentReturned,
     Discovery,
 )
+from mavstack.services.heartbeat.kinds import describe_kind
 
 __all__ = [
+    "AddressClash",
+    "AddressClashOver",
+    "AddressTaken",
     "Beacon",
+    "Claim",
+    "ComponentChanged",
     "ComponentFound",
     "ComponentInfo",
     "ComponentLost",
     "ComponentRebooted",
     "ComponentReturned",
     "Discovery",
+    "describe_kind",
 ]

@@ -98,6 +98,10 @@ class MissionClient(Client):
         """Let the mission go on at an item, the older way; see `set_current_item` for the command."""
         return self.begin(SetCurrentItem(seq, limit=limit), now)
 
+    def forget_progress(self) -> None:
+        """The vehicle started anew: where it is in its mission is to be told again."""
+        self.progress = self._reached = None
+
     def still_held(self, plan: Plan) -> bool | None:
         """Whether the vehicle still holds a plan that it gave or was given; None if it does not tell."""
         told = self.progress.plan_ids.get(plan.type, 0) if self.progress else 0
@@ -135,8 +139,8 @@ class MissionClient(Client):
             message.fence_id,
             message.rally_points_id,
         )
-        if progress.seq != (self.progress.seq if self.progress else None):
-            self._reached = None
+        if progress.seq == self._reached and progress.seq != (self.progress.seq if self.progress else None):
+            self._reached = None  # the vehicle goes there again
         if progress != self.progress:
             self.progress = progress
             self.tell(progress)

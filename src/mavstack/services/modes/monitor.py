@@ -48,6 +48,11 @@ class ModeMonitor(Service):
         """The name of its mode, if it is known."""
         return None if self.custom_mode is None else mode_name(*self._kind, self.custom_mode)
 
+    def forget(self) -> None:
+        """The vehicle started anew: its mode is told anew, and its set of modes is counted from 0 again."""
+        self.custom_mode = self.standard_mode = self.intended = None
+        self._sequence = 0
+
     def receive(self, packet: Packet, now: float) -> None:
         if not self.target.covers(Address(packet.system, packet.component)):
             return

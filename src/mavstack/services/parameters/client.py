@@ -112,9 +112,18 @@ class ParameterClient(Client):
     def encoding(self, encoding: Encoding) -> None:
         if encoding is not self._encoding:
             self._encoding = encoding
-            self._parameters.clear()
-            self._told_at.clear()
-            self._complete, self.told_hash = False, None
+            self._clear()
+
+    def forget(self, now: float) -> None:
+        """The component started anew: forget its parameters; a listing that is under way begins anew."""
+        self._clear()
+        for operation in self._running:
+            if isinstance(operation, ListParameters):
+                operation.begin_anew(now)
+
+    def _clear(self) -> None:
+        self._parameters, self._told_at = {}, {}  # who was given the old ones keeps them
+        self._complete, self.told_hash = False, None
 
     def snapshot(self) -> Snapshot | None:
         """The whole set to keep for another day; None if it was not fetched."""

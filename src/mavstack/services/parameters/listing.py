@@ -106,6 +106,11 @@ class Listing(Operation[Result]):
         else:
             self.fail(denied(self, error))
 
+    def begin_anew(self, now: float) -> None:
+        """The component started anew: nothing that came before counts."""
+        if not self.done and self.attempts:
+            self._restart(now)
+
     # As an operation
 
     def start(self, now: float) -> None:

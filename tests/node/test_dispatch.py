@@ -1,0 +1,74 @@
+"""Who is called with which packets."""
+
+from __future__ import annotations
+
+from mavstack.dialects import common
+from mavstack.node.dispatch import MOST_FOUND, PacketDispatch
+from mavstack.node.listeners import MOST_FOUND as MOST_SERVICES_FOUND
+from mavstack.node.listeners import Listeners
+from mavstack.services import EVERYBODY, Address, Service
+from mavstack.wire import Packet, encode
+
+HEARTBEAT, ATTITUDE = common.Heartbeat(), common.Attitude()
+
+
+def packet(message, system: int = 1, component: int = 1) -> Packet:
+    return Packet(encode(message, system=system, component=component), common)
+
+
+def test_each_hears_what_it_asked_for_also_if_it_came_later() -> None:
+    dispatch, heard = PacketDispatch(), []
+    first = dispatch.listen([common.Heartbeat], EVERYBODY, lambda _: heard.append("first"))
+    dispatch.deliver(packet(HEARTBEAT))
+    dispatch.listen([], Address(1, 0), lambda _: heard.append("all of 1"))
+    dispatch.listen([], Address(2, 7), lambda _: heard.append("2/7"))
+    dispatch.deliver(packet(HEARTBEAT))
+    dispatch.deliver(packet(ATTITUDE, system=2))
+    dispatch.deliver(packet(ATTITUDE, system=2, component=7))
+    first.close()
+    first.close()
+    dispatch.deliver(packet(HEARTBEAT))
+    assert heard == ["first", "all of 1", "first", "2/7", "all of 1"]  # who hears everything goes first
+
+
+def test_one_may_close_while_packets_are_handed_over() -> None:
+    dispatch, heard = PacketDispatch(), []
+
+    def once(_: Packet) -> None:
+        heard.append("once")
+        listening.close()
+
+    listening = dispatch.listen([], EVERYBODY, once)
+    dispatch.listen([], EVERYBODY, lambda _: heard.append("always"))
+    dispatch.deliver(packet(HEARTBEAT))
+    dispatch.deliver(packet(HEARTBEAT))
+    assert heard == ["once", "always", "always"]
+
+
+def test_what_is_found_for_forged_addresses_is_bounded() -> None:
+    dispatch, listeners, heard = PacketDispatch(), Listeners(), []
+    dispatch.listen([], EVERYBODY, heard.append)
+    for number in range(2 * MOST_FOUND):
+        dispatch.deliver(packet(HEARTBEAT, 1 + number % 255, 1 + number // 255))
+        listeners.of(number, 1)
+    assert len(heard) == 2 * MOST_FOUND
+    assert len(dispatch._found) <= MOST_FOUND
+    assert len(listeners._found) <= MOST_SERVICES_FOUND
+
+
+def test_services_are_found_by_what_they_listen_to_now() -> None:
+    listeners = Listeners()
+    server, client = Service(Address(255, 190)), Service(Address(255, 190))
+    client.hears = Address(1, 1)
+    server.handles, client.handles = frozenset({0}), frozenset({0, 30})
+    for service in (server, client):
+        listeners.update(service)
+    assert listeners.of(0, 1) == (server, client)
+    assert listeners.of(0, 2) == (server,)
+    assert listeners.of(0, 0) == (server,)
+    assert listeners.of(30, 1) == (client,)
+    client.handles = frozenset({30})
+    listeners.update(client)
+    assert listeners.of(0, 1) == (server,)
+    listeners.remove(client)
+    assert listeners.of(30, 1) == ()

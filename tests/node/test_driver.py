@@ -1,0 +1,143 @@
+"""The driver's timer, which may ring early and never late; and what is read past the queue."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node
+from mavstack.node.driver import Driver
+from mavstack.node.engine import Engine
+from mavstack.services import Address, Service
+from mavstack.services.addressing import message_ids
+from mavstack.sim.virtual import run_virtually
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+LOCAL = Address(255, 190)
+
+
+class Alarm(Service):
+    """Rings once, at `due`."""
+
+    def __init__(self) -> None:
+        super().__init__(LOCAL)
+        self.due: float | None = None
+        self.rang: list[float] = []
+
+    def next_timeout(self) -> float | None:
+        return self.due
+
+    def handle_timeout(self, now: float) -> None:
+        if self.due is not None and now >= self.due:
+            self.due = None
+            self.rang.append(now)
+
+
+def with_alarm(work: Callable[[Driver, Alarm, list[float]], asyncio.Future | object]) -> Alarm:
+    """Run something with a driver and an alarm; the list is of the times for which a timer was set."""
+    alarm = Alarm()
+
+    async def running() -> None:
+        loop = asyncio.get_running_loop()
+        nothing = lambda *_: None  # noqa: E731
+        driver = Driver(Engine(LOCAL), on_packet=nothing, on_event=nothing, on_channel=nothing)
+        driver.engine.add(alarm)
+        timers: list[float] = []
+        set_at = loop.call_at
+
+        def call_at(when, callback, *arguments, **options):
+            if getattr(callback, "__self__", None) is driver:
+                timers.append(when)
+            return set_at(when, callback, *arguments, **options)
+
+        loop.call_at = call_at  # type: ignore[method-assign]
+        await work(driver, alarm, timers)
+        await driver.stop()
+
+    run_virtually(running())
+    return alarm
+
+
+def set_for(driver: Driver, alarm: Alarm, due: float | None) -> None:
+    alarm.due = due
+    driver.engine.touch(alarm)
+    driver.step()
+
+
+def test_a_timer_is_not_set_anew_for_what_is_due_later_and_rings_in_time() -> None:
+    dues = []
+
+    async def work(driver: Driver, alarm: Alarm, timers: list[float]) -> None:
+        start = driver.now()
+        for number in range(100):
+            set_for(driver, alarm, start + 1 + number / 100)
+        assert len(timers) == 1
+        await asyncio.sleep(5)
+        assert len(timers) == 2
+        dues.append(start + 1.99)
+
+    assert abs(with_alarm(work).rang[0] - dues[0]) < 1e-6
+
+
+def test_it_is_set_anew_for_what_is_due_earlier() -> None:
+    dues = []
+
+    async def work(driver: Driver, alarm: Alarm, timers: list[float]) -> None:
+        start = driver.now()
+        for due in (3.0, 2.0, 1.0):
+            set_for(driver, alarm, start + due)
+        assert len(timers) == 3
+        await asyncio.sleep(1.5)
+        dues.append(start + 1.0)
+
+    alarm = with_alarm(work)
+    assert [round(rang - due, 6) for rang, due in zip(alarm.rang, dues, strict=True)] == [0]
+
+
+def test_it_is_taken_back_when_nothing_is_due() -> None:
+    async def work(driver: Driver, alarm: Alarm, _timers: list[float]) -> None:
+        set_for(driver, alarm, driver.now() + 1)
+        set_for(driver, alarm, None)
+        assert driver._timer is None
+
+    assert with_alarm(work).rang == []
+
+
+class Watcher(Service):
+    """Hears heartbeats, and says whether anything has changed."""
+
+    handles = message_ids(common.Heartbeat)
+
+    def __init__(self, changed: bool | None) -> None:
+        super().__init__(LOCAL)
+        self.heard = self.asked = 0
+        self._changed = changed
+
+    def receive(self, packet, now) -> bool | None:
+        self.heard += 1
+        return self._changed
+
+    def next_timeout(self) -> float | None:
+        self.asked += 1
+        return None
+
+
+def test_who_says_that_nothing_has_changed_is_not_asked_anything() -> None:
+    async def work() -> None:
+        network = MemoryNetwork()
+        ground, vehicle = Node(network.link()), Node(network.link(), system=1, component=1)
+        quiet, usual = ground.serve(Watcher(changed=False)), ground.serve(Watcher(changed=None))
+        async with ground:
+            await asyncio.sleep(0.1)
+            before = quiet.asked
+            async with vehicle:
+                await asyncio.sleep(5.5)
+        assert quiet.heard == usual.heard >= 5
+        assert quiet.asked - before <= 1  # when the channel opened
+        assert usual.asked >= 5
+
+    run_virtually(work())

@@ -1,0 +1,67 @@
+"""What was remembered of a component that started anew is forgotten, and nothing else."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.sim.virtual import run_virtually
+from tests.node.vehicle import Pair
+
+
+@pytest.mark.parametrize("autopilot", [common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA])
+def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
+    async def scenario():
+        async with Pair(autopilot=autopilot) as pair:
+            remote = pair.remote
+            assert remote.mission.progress is None
+            remote.modes.monitor.custom_mode = 7
+            remote.modes.monitor.intended = 7
+            parameters = await remote.parameters.fetch()
+            cameras = await remote.extended_parameters.fetch()
+            pair.vehicle.send(common.MissionCurrent(seq=3, total=9))
+            await asyncio.sleep(1)
+            assert remote.mission.progress.seq == 3
+            asked = []
+            pair.vehicle.listen(
+                lambda packet: asked.append(packet.message.command), common.CommandLong, common.CommandInt
+            )
+            remote.forget()
+            assert not remote.parameters.known
+            assert not remote.extended_parameters.known
+            assert not remote.parameters.client.complete
+            assert remote.modes.current is remote.modes.monitor.intended is None
+            assert remote.mission.progress is None
+            assert parameters
+            assert cameras  # who was given them keeps them
+            assert (await remote.parameters.get("P_07")).value == 7
+            assert asked == [common.MavCmd.REQUEST_MESSAGE]  # its capabilities
+
+    run_virtually(scenario())
+
+
+def test_there_may_be_nothing_to_forget():
+    async def scenario():
+        async with Pair() as pair:
+            pair.remote.forget()
+            assert not {"parameters", "modes", "mission_client"} & set(vars(pair.remote))
+
+    run_virtually(scenario())
+
+
+@pytest.mark.parametrize("face", ["parameters", "extended_parameters"])
+def test_a_listing_under_way_begins_anew(face):
+    async def scenario():
+        async with Pair() as pair:
+            asked_of = getattr(pair.remote, face)
+            lists = pair.vehicle.messages(common.ParamRequestList, common.ParamExtRequestList)
+            fetching = asyncio.create_task(asked_of.fetch())
+            await anext(lists)
+            pair.remote.forget()
+            fetched = await fetching
+            assert len(lists.take()) == 1
+            assert len(fetched) == (40 if face == "parameters" else 1)
+
+    run_virtually(scenario())
