@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from . import c_library, report, rows, simulation, workload
 from .measure import pinned
+from .telemetry import __main__ as telemetry
 from .transfers import __main__ as transfers
 
 if TYPE_CHECKING:
@@ -29,8 +30,12 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "memory": lambda bench: iter([rows.log_memory(bench)]),
 }
 ON_ALL_CORES = ("tlog", "memory")
-TRANSFERS = "transfers"  # a table of its own, and only when asked for: it takes an hour
-SIMULATION = "simulation"  # a table of its own
+# Tables of their own.
+SIMULATION = "simulation"
+TELEMETRY = "telemetry"
+BRIEF_TRANSFERS = "brief-transfers"
+TRANSFERS = "transfers"  # only when asked for: it takes an hour
+TABLES = (SIMULATION, TELEMETRY, BRIEF_TRANSFERS)
 
 
 def main() -> None:
@@ -38,7 +43,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure against the peers.")
     parser.add_argument("--quick", action="store_true", help="fewer messages and turns: about a minute")
     parser.add_argument("--json", action="store_true", help="every turn of every ratio, for a script")
-    parser.add_argument("--only", nargs="+", choices=[*ROWS, SIMULATION, TRANSFERS], help="some rows only")
+    parser.add_argument("--only", nargs="+", choices=[*ROWS, *TABLES, TRANSFERS], help="some rows only")
     parser.add_argument("--vehicles", help="for the transfers: JSON, see transfers/vehicles.py")
     parser.add_argument(
         "--definitions",
@@ -47,7 +52,7 @@ def main() -> None:
         help="where the C headers are generated from (default: the project's own)",
     )
     options = parser.parse_args()
-    wanted = options.only or [*ROWS, SIMULATION]
+    wanted = options.only or [*ROWS, *TABLES]
     if TRANSFERS in wanted:
         _transfers(options)
     rows_wanted = [row for row in wanted if row in ROWS]
@@ -55,13 +60,21 @@ def main() -> None:
         _rows(options, rows_wanted)
     if SIMULATION in wanted:
         simulation.main(["--seconds", "5", "--turns", "1"] if options.quick else [])
+    if TELEMETRY in wanted:
+        telemetry.main(_flags(options))
+    if BRIEF_TRANSFERS in wanted:
+        transfers.main(["--brief", *_flags(options)])
 
 
 def _transfers(options: argparse.Namespace) -> None:
-    flags = [f"--{name}" for name in ("quick", "json") if getattr(options, name)]
+    flags = _flags(options)
     if options.vehicles is not None:
         flags += ["--vehicles", options.vehicles]
     transfers.main(flags)
+
+
+def _flags(options: argparse.Namespace) -> list[str]:
+    return [f"--{name}" for name in ("quick", "json") if getattr(options, name)]
 
 
 def _rows(options: argparse.Namespace, wanted: list[str]) -> None:

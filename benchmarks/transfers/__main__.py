@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 TURNS, QUICK_TURNS = 5, 3
+BRIEF_TURNS, QUICK_BRIEF_TURNS = 3, 1
+CLEAN = "a"
 LIMIT = 180.0
 
 
@@ -32,14 +34,27 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--limit", type=float, default=LIMIT, help="seconds that count as never")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK_TURNS} turns")
     parser.add_argument("--json", action="store_true", help="every turn, for a script")
+    parser.add_argument(
+        "--brief",
+        action="store_true",
+        help="a simulated vehicle over a clean link: minutes, not an hour",
+    )
     options = parser.parse_args(arguments)
     turns = QUICK_TURNS if options.quick else options.turns
+    if options.brief:
+        options.conditions, turns = [CLEAN], QUICK_BRIEF_TURNS if options.quick else BRIEF_TURNS
     run = session.Run(options.conditions, options.works, turns, options.limit, _say, options.clients)
     with tempfile.TemporaryDirectory(prefix="mavstack-vehicle-") as folder:
-        known = vehicles.read(options.vehicles) if options.vehicles else [vehicles.ours(Path(folder))]
+        known = _known(options, Path(folder))
         chosen = [one for one in known if not options.only or one.name in options.only]
         cells = list(session.measure(chosen, run))
     print((report.as_json if options.json else report.table)(cells))
+
+
+def _known(options: argparse.Namespace, folder: Path) -> list[vehicles.Vehicle]:
+    if options.vehicles:
+        return vehicles.read(options.vehicles)
+    return [vehicles.simulated() if options.brief else vehicles.ours(folder)]
 
 
 def _say(what: str) -> None:

@@ -67,6 +67,13 @@ def ours(folder: Path) -> Vehicle:
     return Vehicle("mavstack", (sys.executable, "-m", program), tuple(Work), REMOTE_FILE, str(local_file))
 
 
+def simulated() -> Vehicle:
+    """A simulated PX4, which has 1,500 parameters and no file worth reading."""
+    program = "benchmarks.transfers.sim_vehicle"
+    works = (Work.PARAMETERS, Work.MISSION_UP, Work.MISSION_DOWN)
+    return Vehicle("simulated PX4", (sys.executable, "-m", program), works)
+
+
 def read(path: Path) -> list[Vehicle]:
     """The vehicles that a file describes."""
     return [

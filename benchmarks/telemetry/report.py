@@ -1,0 +1,127 @@
+"""The tables of the telemetry: a line a receiver, medians over the turns, and the least and the greatest."""
+
+from __future__ import annotations
+
+import json
+import statistics
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import OURS
+
+from .receiver import BARE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from .turns import Flooded, Paced
+
+MICRO, MILLI = 1e6, 1e3
+AS_SENT, SPREAD, FLOOD = "as the vehicle sends", "one by one", "at full rate"
+PACED_HEAD = (
+    *("receiver", "CPU µs", "least … greatest", "bare", "times ours", "idle ms/s"),
+    *("median ms", "added", "p99 ms", "added", "first s", "lost"),
+)
+FLOOD_HEAD = ("receiver", "msg/s", "least … greatest", "of ours", "CPU µs", "times ours", "lost")
+
+
+@dataclass(slots=True)
+class Seen:
+    """Every turn of one receiver."""
+
+    paced: dict[str, list[Paced]] = field(default_factory=dict)  # by the pace
+    flooded: list[Flooded] = field(default_factory=list)
+
+
+def table(seen: dict[str, Seen], facts: Iterable[str]) -> str:
+    """Everything, for a terminal."""
+    paces = {pace: None for each in seen.values() for pace in each.paced}
+    parts = [_paced(pace, {name: each.paced[pace] for name, each in seen.items()}) for pace in paces]
+    flooded = {name: each.flooded for name, each in seen.items() if each.flooded}
+    return "\n\n".join((*parts, *([_flooded(flooded)] if flooded else []), "\n".join(facts)))
+
+
+def as_json(seen: dict[str, Seen]) -> str:
+    """Every turn, for a script."""
+    return json.dumps({name: asdict(each) for name, each in seen.items()}, indent=2, ensure_ascii=False)
+
+
+def _paced(pace: str, turns: dict[str, list[Paced]]) -> str:
+    rate = statistics.median(turn.rate for each in turns.values() for turn in each)
+    bare, ours = turns.get(BARE), turns.get(OURS)
+    rows = [
+        (
+            name,
+            f"{_median(each, lambda turn: turn.cpu) * MICRO:.1f}",
+            _range([turn.cpu * MICRO for turn in each], 1),
+            _against(each, bare, lambda turn: turn.cpu * MICRO, "{:+.1f}"),
+            _times(each, ours, lambda turn: turn.cpu),
+            f"{_median(each, lambda turn: turn.idle) * MILLI:.2f}",
+            f"{_median(each, lambda turn: turn.median) * MILLI:.3f}",
+            _against(each, bare, lambda turn: turn.median * MILLI, "{:+.3f}"),
+            f"{_median(each, lambda turn: turn.p99) * MILLI:.3f}",
+            _against(each, bare, lambda turn: turn.p99 * MILLI, "{:+.3f}"),
+            f"{_median(each, lambda turn: turn.first):.3f}",
+            f"{_median(each, lambda turn: turn.lost):.1%}",
+        )
+        for name, each in turns.items()
+    ]
+    return f"{rate:.0f} messages a second, {pace}\n{_lines(PACED_HEAD, rows)}"
+
+
+def _flooded(turns: dict[str, list[Flooded]]) -> str:
+    ours = turns.get(OURS)
+    rows = [
+        (
+            name,
+            f"{_median(each, lambda turn: turn.rate):,.0f}",
+            _range([turn.rate for turn in each], 0),
+            _times(each, ours, lambda turn: turn.rate),
+            f"{_median(each, lambda turn: turn.cpu) * MICRO:.1f}",
+            _times(each, ours, lambda turn: turn.cpu),
+            f"{_median(each, lambda turn: turn.lost):.1%}",
+        )
+        for name, each in turns.items()
+    ]
+    return f"{FLOOD}\n{_lines(FLOOD_HEAD, rows)}"
+
+
+def _lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    widths = [max(len(line[place]) for line in (head, *rows)) for place in range(len(head))]
+    told = [
+        "  ".join(
+            cell.rjust(width) if place else cell.ljust(width)
+            for place, (cell, width) in enumerate(zip(line, widths, strict=True))
+        )
+        for line in (head, ["-" * width for width in widths], *rows)
+    ]
+    return "\n".join(line.rstrip() for line in told)
+
+
+def _median(turns: Sequence[Paced] | Sequence[Flooded], of: Callable[..., float]) -> float:
+    return statistics.median(of(turn) for turn in turns)
+
+
+def _range(values: Sequence[float], digits: int) -> str:
+    return f"{min(values):,.{digits}f} … {max(values):,.{digits}f}"
+
+
+def _against(
+    turns: Sequence[Paced], base: Sequence[Paced] | None, of: Callable[[Paced], float], form: str
+) -> str:
+    """The median of what each turn was over the bare reader's of the same turn."""
+    if base is None or base is turns:
+        return ""
+    differences = [of(mine) - of(theirs) for mine, theirs in zip(turns, base, strict=True)]
+    return form.format(statistics.median(differences))
+
+
+def _times(
+    turns: Sequence[Paced] | Sequence[Flooded],
+    ours: Sequence[Paced] | Sequence[Flooded] | None,
+    of: Callable[..., float],
+) -> str:
+    """The median of the turns' ratios."""
+    if ours is None or ours is turns:
+        return ""
+    return f"{statistics.median(of(theirs) / of(mine) for theirs, mine in zip(turns, ours, strict=True)):.2f}"

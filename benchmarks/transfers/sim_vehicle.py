@@ -1,0 +1,30 @@
+"""A simulated PX4 copter with 1,500 parameters, as `mav sim` flies it, with its whole telemetry.
+
+`python -m benchmarks.transfers.sim_vehicle PORT CONDITION` is run as any other vehicle program.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+
+from mavstack.sim import Simulation
+from mavstack.sim.runner import Runner
+
+PARAMETERS = 1500
+
+
+async def fly(port: int) -> None:
+    """Be a vehicle until the process is ended."""
+    simulation = Simulation()
+    vehicle = simulation.add("copter", "px4")
+    server = vehicle.services.parameters
+    for number in range(PARAMETERS - len(server.table)):
+        server.add(f"BENCH_PARAM_{number}", number if number % 2 else number / 7)
+    async with Runner(simulation) as runner:
+        await runner.connect(f"udpout://127.0.0.1:{port}", [vehicle])
+        await runner.run()
+
+
+if __name__ == "__main__":
+    asyncio.run(fly(int(sys.argv[1])))
