@@ -72,6 +72,33 @@ class LogError(MavstackError):
     """A log file cannot be read at all; damage inside a log is counted, never raised."""
 
 
+class ParameterFileError(MavstackError):
+    """A file of parameters cannot be read or written; `path` and `line` say where."""
+
+    def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
+        self.problem = problem
+        self.path = path
+        self.line = line
+        where = "" if path is None else f"{path}: " if line is None else f"{path}:{line}: "
+        super().__init__(where + problem)
+
+    def __reduce__(self) -> tuple[type[ParameterFileError], tuple[str, str | None, int | None]]:
+        return type(self), (self.problem, self.path, self.line)
+
+
+class PlanFileError(MavstackError):
+    """A file of plans cannot be read or written; `path` and `where` (a line or a key) say where."""
+
+    def __init__(self, problem: str, path: str = "", where: str = "") -> None:
+        self.problem = problem
+        self.path = path
+        self.where = where
+        super().__init__(": ".join(filter(None, (path, where, problem))))
+
+    def __reduce__(self) -> tuple[type[PlanFileError], tuple[str, str, str]]:
+        return type(self), (self.problem, self.path, self.where)
+
+
 class LinkError(MavstackError):
     """A link cannot be opened or used; the text names the URL and what to do."""
 
@@ -99,8 +126,11 @@ class MissingExtraError(MavstackError, ImportError):
 class RemoteError(MavstackError):
     """Something asked of another component did not come to a good end.
 
-    `request` says what was asked, `target` of whom, `attempts` how often, `answer` what came back.
+    `request` says what was asked, `target` of whom, `attempts` how often, `answer` what came back; `said` is
+    what the component told people about it meanwhile (STATUSTEXT), if anything.
     """
+
+    said: tuple[str, ...] = ()
 
     def __init__(self, request: str, target: str, *, attempts: int = 1, answer: str = "no answer") -> None:
         self.request = request
@@ -111,7 +141,8 @@ class RemoteError(MavstackError):
         super().__init__(f"{request} asked of {target}{often}: {answer}")
 
     def __str__(self) -> str:
-        return str(self.args[0])
+        said = "; ".join(self.said)
+        return f"{self.args[0]} ({said})" if said else str(self.args[0])
 
     def __reduce__(self) -> tuple[object, ...]:
         return _remade, (type(self), self.args, self.__dict__)
@@ -119,6 +150,7 @@ class RemoteError(MavstackError):
 
 def _remade(kind: type[RemoteError], args: tuple[str, ...], state: dict[str, object]) -> RemoteError:
     error = kind.__new__(kind, *args)
+    error.args = args  # which TimeoutError, an OSError, leaves to its own __init__
     error.__dict__.update(state)
     return error
 
@@ -191,3 +223,54 @@ class LogTimeout(RemoteTimeout):
 
 class ModeTimeout(RemoteTimeout):
     """A mode was not entered in time, though perhaps accepted, or the list of modes never became whole."""
+
+
+class ActionTimeout(RemoteTimeout):
+    """A vehicle took on what it was asked, and then did not get it done, or stopped getting on with it."""
+
+
+class ContactLost(RemoteTimeout):
+    """A vehicle fell silent while it did what it was asked; what became of that is not known."""
+
+
+class ActionInterrupted(RemoteError):
+    """A vehicle took on what it was asked, and then did something else: a failsafe, a pilot, another station."""
+
+
+class ActionUnsupported(LocalProtocolError):
+    """No vehicle of this kind, or no firmware like its own, can do what is asked; nothing was sent."""
+
+
+class HealthTimeout(RemoteTimeout):
+    """A vehicle did not become ready to arm in time; the text holds what it lacks."""
+
+
+class GroupError(MavstackError):
+    """Some vehicles of a group did not do what was asked of all; `errors` tells why, by system id."""
+
+    def __init__(self, what: str, errors: dict[int, Exception], total: int) -> None:
+        self.what = what
+        self.errors = errors
+        self.total = total
+        super().__init__(what, errors, total)
+
+    def __str__(self) -> str:
+        by_reason: dict[str, list[int]] = {}
+        for system, error in self.errors.items():
+            by_reason.setdefault(_reason(error), []).append(system)
+        head = f"{self.what}: {len(self.errors)} of {self.total} vehicles failed"
+        lines = [f"  {', '.join(map(str, systems))}: {reason}" for reason, systems in by_reason.items()]
+        return "\n".join([head, *lines])
+
+    @staticmethod
+    def expects(error: Exception) -> bool:
+        """Whether an error is one that vehicles and links cause, not a defect of the program."""
+        return isinstance(error, MavstackError)
+
+
+def _reason(error: Exception) -> str:
+    """Why one vehicle failed, in words that are the same for all that failed for the same reason."""
+    if isinstance(error, RemoteError):
+        return str(error).replace(f" asked of {error.target}", "", 1)
+    text = " ".join(str(error).split())
+    return text if isinstance(error, MavstackError) else f"{type(error).__name__}: {text}"

@@ -22,6 +22,7 @@ _TIMEOUT: Final = 2.0
 _LIBRARIES: Final = (
     ("numpy", "tables of logs", ""),
     ("rich", "live pictures", "cli"),
+    ("prompt_toolkit", "the shell's line", "cli"),
     ("pyserial", "serial ports", "serial"),
     ("websockets", "WebSocket links", "web"),
 )

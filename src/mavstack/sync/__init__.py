@@ -1,8 +1,8 @@
-"""The same node for scripts that block: `with mavstack.sync.Node(url) as node: vehicle = node.autopilot()`.
+"""The same for scripts that block: `with mavstack.sync.connect(url) as node: vehicle = node.vehicle()`.
 
-Every name, argument, result and error is that of `mavstack.node`; see `proxy` for how.
+Every name, argument, result and error is that of `mavstack.vehicle` and `mavstack.node`; see `proxy` for how.
 """
 
-from mavstack.sync.node import Node
+from mavstack.sync.node import Connection, Node, connect
 
-__all__ = ["Node"]
+__all__ = ["Connection", "Node", "connect"]

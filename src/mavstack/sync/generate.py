@@ -1,4 +1,5 @@
-"""Writes the stub of `mavstack.sync`: the classes of `mavstack.node` with waits in place of awaits.
+"""Writes the stub of `mavstack.sync`: the classes of `mavstack.node` and
+`mavstack.vehicle` with waits in place of awaits.
 
     python -m mavstack.sync.generate            write src/mavstack/sync/__init__.pyi anew
     python -m mavstack.sync.generate --check    exit 1 if it is not what it should be
@@ -14,23 +15,42 @@ import re
 import sys
 from importlib import import_module
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, TypeGuard
 
-#: The modules of `mavstack.node` whose public classes a blocking program meets, in the stub's order.
+#: The modules whose public classes a blocking program meets, in the stub's order.
 MODULES = (
-    "subscription",
-    "command_handlers",
-    "control",
-    "extended_parameters",
-    "files",
-    "logs",
-    "modes",
-    "parameters",
-    "plans",
-    "shell",
-    "remote",
-    "node",
+    *(
+        f"node.{name}"
+        for name in (
+            "subscription",
+            "command_handlers",
+            "control",
+            "extended_parameters",
+            "files",
+            "logs",
+            "modes",
+            "parameters",
+            "plans",
+            "shell",
+            "remote",
+            "node",
+        )
+    ),
+    *(
+        f"vehicle.{name}"
+        for name in (
+            "telemetry.stream",
+            "telemetry.properties",
+            "guidance",
+            "mission",
+            "vehicle",
+            "group",
+            "connection",
+        )
+    ),
 )
+#: And the functions that it calls.
+FUNCTIONS = ("connect",)
 STUB = Path(__file__).with_name("__init__.pyi")
 RENAMED = {
     "__aenter__": "__enter__",
@@ -46,10 +66,10 @@ Function: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
 def stub() -> str:
     """The text of the stub."""
     trees = [_parsed(name) for name in MODULES]
-    classes = [item for tree in trees for item in tree.body if _is_public_class(item)]
-    own = {item.name for item in classes if isinstance(item, ast.ClassDef)}
+    items = [item for tree in trees for item in tree.body if _is_wanted(item)]
+    own = {item.name for item in items}
     variables = _type_variables(trees).values()
-    texts = ["\n" + ast.unparse(_blocking(item)) for item in classes]
+    texts = ["\n" + ast.unparse(_blocking(item)) for item in items]
     used = set(re.findall(r"\w+", " ".join((*variables, *texts))))
     imports = {line: None for tree in trees for line in _imports(tree, used - own)}
     return HEAD + "\n".join([*sorted(imports), "", *variables, *texts]) + "\n"
@@ -68,11 +88,13 @@ def main(arguments: list[str]) -> int:
 
 
 def _parsed(name: str) -> ast.Module:
-    module = import_module(f"mavstack.node.{name}")
+    module = import_module(f"mavstack.{name}")
     return ast.parse(Path(str(module.__file__)).read_text("utf-8"))
 
 
-def _is_public_class(item: ast.stmt) -> bool:
+def _is_wanted(item: ast.stmt) -> TypeGuard[ast.ClassDef | ast.FunctionDef]:
+    if isinstance(item, ast.FunctionDef):
+        return item.name in FUNCTIONS
     return isinstance(item, ast.ClassDef) and not item.name.startswith("_")
 
 
@@ -97,8 +119,9 @@ def _imports(tree: ast.Module, used: set[str]) -> list[str]:
     ]
 
 
-def _blocking(item: ast.stmt) -> ast.ClassDef:
-    assert isinstance(item, ast.ClassDef)  # noqa: S101 (chosen by _is_public_class)
+def _blocking(item: ast.ClassDef | ast.FunctionDef) -> ast.stmt:
+    if isinstance(item, ast.FunctionDef):
+        return _method(item)
     members = [_member(part) for part in item.body]
     item.body = [part for part in members if part is not None] or [ast.Expr(ast.Constant(...))]
     return item

@@ -1,12 +1,13 @@
-"""The blocking node: opens and closes with its thread."""
+"""The blocking node and connection: they open and close with their thread."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from mavstack.node import Node as AsyncNode
 from mavstack.node.portal import Portal
 from mavstack.sync.proxy import Blocking
+from mavstack.vehicle import Connection as AsyncConnection
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -16,10 +17,12 @@ if TYPE_CHECKING:
 class Node(Blocking):
     """A node whose every call waits; the arguments are those of `mavstack.node.Node`."""
 
+    _made_by: ClassVar[type[AsyncNode]] = AsyncNode
+
     def __init__(self, *links: Any, **options: Any) -> None:  # noqa: ANN401 (the stub has them all)
         portal = Portal()
         try:
-            super().__init__(portal.call(lambda: AsyncNode(*links, **options)), portal)
+            super().__init__(portal.call(lambda: self._made_by(*links, **options)), portal)
         except BaseException:
             portal.close()
             raise
@@ -48,3 +51,14 @@ class Node(Blocking):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+class Connection(Node):
+    """A connection whose every call waits; the arguments are those of `mavstack.connect`."""
+
+    _made_by = AsyncConnection
+
+
+def connect(*links: Any, **options: Any) -> Connection:  # noqa: ANN401 (the stub has them all)
+    """Connect to the vehicles on one link or several; a context manager, as `mavstack.connect` is."""
+    return Connection(*links, **options)

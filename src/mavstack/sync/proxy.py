@@ -7,17 +7,20 @@ attribute up in the loop's thread, and what it finds there tells what to give ba
     plain method, property  called in the loop's thread
     async iterator          an iterator
     async context manager   a context manager
-    object of the node      a proxy of it
-    list, mapping           a copy of it
+    object of the node      a proxy of it, and so for a vehicle, a group, an event that tells of a vehicle
+    list, mapping           a copy of it, of proxies if it holds such objects
     anything else           itself: messages, packets, events and plain values cannot change
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import is_dataclass
 from functools import wraps
 from inspect import isawaitable
 from typing import TYPE_CHECKING, Any
+
+from mavstack.vehicle.life import VehicleEvent
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,7 +29,8 @@ if TYPE_CHECKING:
 
     from mavstack.node.portal import Portal
 
-NODE_PACKAGE = "mavstack.node."
+#: Whose objects live in the loop's thread.
+PACKAGES = ("mavstack.node.", "mavstack.vehicle.")
 
 
 class Blocking:
@@ -48,8 +52,32 @@ class Blocking:
     def __repr__(self) -> str:
         return f"<blocking {self._inner!r}>"
 
-    def __iter__(self) -> Self:
-        return self
+    def __iter__(self) -> Iterator[Any]:
+        inner = self._inner
+        if hasattr(type(inner), "__anext__"):
+            return self
+        return iter([self._face(item) for item in self._portal.call(lambda: list(inner))])
+
+    def __len__(self) -> int:
+        inner = self._inner
+        return self._portal.call(lambda: len(inner))
+
+    def __bool__(self) -> bool:
+        return bool(self._inner)
+
+    def __getitem__(self, key: Any) -> Any:  # noqa: ANN401 (whatever the mapping has)
+        inner = self._inner
+        return self._face(self._portal.call(lambda: inner[_inner(key)]))
+
+    def __contains__(self, item: object) -> bool:
+        inner = self._inner
+        return self._portal.call(lambda: _inner(item) in inner)
+
+    def __eq__(self, other: object) -> bool:
+        return self._inner is _inner(other)
+
+    def __hash__(self) -> int:
+        return hash(self._inner)
 
     def __next__(self) -> Any:  # noqa: ANN401 (what the iterator yields)
         inner = self._inner
@@ -94,7 +122,9 @@ class Blocking:
             return Blocking(found, self._portal)
         if isinstance(found, list):
             return [self._face(item) for item in found]
-        return dict(found) if isinstance(found, Mapping) else found
+        if isinstance(found, Mapping):
+            return {self._face(key): self._face(value) for key, value in found.items()}
+        return found
 
 
 def _inner(argument: Any) -> Any:  # noqa: ANN401 (any value)
@@ -103,4 +133,7 @@ def _inner(argument: Any) -> Any:  # noqa: ANN401 (any value)
 
 def _is_of_node(found: object) -> bool:
     kind = type(found)
-    return kind.__module__.startswith(NODE_PACKAGE) or hasattr(kind, "__anext__")
+    if is_dataclass(kind) and not isinstance(found, VehicleEvent):
+        return False
+    lives = kind.__module__.startswith(PACKAGES) and not isinstance(found, str | tuple)
+    return lives or hasattr(kind, "__anext__")

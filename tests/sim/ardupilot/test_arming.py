@@ -101,3 +101,20 @@ def test_a_copter_left_alone_disarms() -> None:
     bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     bench.run(4)
     assert not bench.autopilot.armed
+
+
+@pytest.mark.parametrize(
+    ("spoil", "healthy"), [(lambda bench: bench.set_mode("RTL"), True), (low_voltage, False)]
+)
+def test_the_mode_is_no_check_before_arming(spoil: Callable[[Bench], object], healthy: bool) -> None:
+    bench = Bench("copter")
+    spoil(bench)
+    bench.run(2)
+    bench.messages.clear()
+    bench.run(3)
+    told = [message for message in bench.messages if isinstance(message, common.SysStatus)]
+    assert told
+    assert all(
+        bool(message.onboard_control_sensors_health & common.MavSysStatusSensor.PREARM_CHECK) is healthy
+        for message in told
+    )

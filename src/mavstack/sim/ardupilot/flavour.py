@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.version import provide_versions
-from mavstack.sim.ardupilot.arming import PreArmWatch, arming_problems
+from mavstack.sim.ardupilot.arming import PreArmWatch, arming_problems, prearm_problems
 from mavstack.sim.ardupilot.behaviours import NoseWatch, Trail, trail_of
 from mavstack.sim.ardupilot.commands import origin_of, register_commands
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
@@ -82,6 +82,10 @@ class ArdupilotFlavour(Flavour):
         vehicle.say("Initialising ArduPilot", common.MavSeverity.INFO)
 
     # Arming
+
+    def prearm_problems(self, autopilot: Autopilot) -> Iterator[str]:
+        """Without the mode and the throttle, which are looked at when arming is asked for."""
+        return prearm_problems(autopilot)
 
     def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
         """With the prefix of an attempt to arm."""

@@ -47,6 +47,10 @@ class Flavour(ABC):
     def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
         """Why the vehicle may not be armed now, as the firmware says it."""
 
+    def prearm_problems(self, autopilot: Autopilot) -> Iterator[str]:
+        """What the firmware's own checks find before anybody asks for arming."""
+        return self.arming_problems(autopilot)
+
     @abstractmethod
     def register(self, vehicle: Vehicle) -> None:
         """Take the commands that the firmware takes, and begin its watches."""

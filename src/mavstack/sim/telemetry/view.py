@@ -120,13 +120,14 @@ class View:
 
     @property
     def ready(self) -> bool:
-        """Whether the firmware would let the motors be armed, or they are."""
+        """Whether the firmware's checks find nothing wrong, or it is armed."""
         if self.autopilot.armed:
             return True
         now = self.vehicle.now
         if not 0 <= now - self._ready_at < _CHECKED_FOR:
             self._ready_at = now
-            self._ready = next(iter(self.autopilot.flavour.arming_problems(self.autopilot)), None) is None
+            problems = self.autopilot.flavour.prearm_problems(self.autopilot)
+            self._ready = next(iter(problems), None) is None
         return self._ready
 
     def parameter(self, name: str, default: float) -> float:

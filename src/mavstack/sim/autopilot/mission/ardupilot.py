@@ -251,7 +251,7 @@ class ArdupilotMissionRules(MissionRules):
                 yield
         if kind in _WINGS:
             mission.say("Mission complete, changing mode to RTL")
-            yield from mission.leave(autopilot.flavour.return_to_launch, "mission end")
+            yield from mission.leave(autopilot.flavour.return_to_launch, reason="mission end")
         if kind.on_surface:
             mission.say("Mission Complete", _SEVERITY.NOTICE)
         mission.set_course(mission.course.point or autopilot.handling.place)

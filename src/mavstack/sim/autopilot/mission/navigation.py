@@ -138,7 +138,7 @@ def return_to_launch(step: Step) -> Iterator[None]:
     """Go home: by the mode for it, or as an item."""
     autopilot = step.autopilot
     if step.mission.rules.returns_in_mode:
-        yield from step.mission.leave(autopilot.flavour.return_to_launch, "mission item")
+        yield from step.mission.rules.go_home(step)
     if autopilot.vehicle.type is VehicleType.SUB:
         yield from step.travel(autopilot.home_position)
         return

@@ -89,6 +89,8 @@ _REGIONS_PLACELESS = frozenset({common.MavRoi.NONE, common.MavRoi.WPNEXT, common
 _ALL = frozenset({1, 2, 3, 4})
 _TAKEOFFS = frozenset({_CMD.NAV_TAKEOFF, _CMD.NAV_VTOL_TAKEOFF})
 _HIGHEST = 1.0e5
+#: What was reached is said again, once a second.
+_SAID_AGAIN = 10
 
 
 class Px4MissionRules(MissionRules):
@@ -98,6 +100,9 @@ class Px4MissionRules(MissionRules):
     actions_meanwhile = False
     zero_altitude_is_here = False
     waypoints_fly_forward = False
+
+    #: What stands for the item that was reached last, until another is.
+    _reached: object = None
 
     # Uploads
 
@@ -125,6 +130,7 @@ class Px4MissionRules(MissionRules):
         return bad_place(item, highest=_HIGHEST, may_be_left_out=True)
 
     def replaced(self, mission: MissionRunner, was: int) -> None:
+        self._reached = None
         problem = self.problem(mission)
         if problem is not None:
             mission.say(problem, _SEVERITY.CRITICAL)
@@ -166,6 +172,26 @@ class Px4MissionRules(MissionRules):
         if step.item.command in _TAKEOFFS and self.grounded:
             step.mission.say(f"Climb to {self._height(step.item):.1f} meters above home")
 
+    def reported(self, mission: MissionRunner, seq: int) -> None:
+        self._reached = told = object()
+
+        def say_again() -> None:
+            if self._reached is told and mission.exists:
+                mission.say_reached(seq)
+
+        for seconds in range(1, _SAID_AGAIN + 1):
+            mission.later(say_again, after=seconds)
+
+    def go_home(self, step: Step) -> Iterator[None]:
+        mission, flavour = step.mission, self.autopilot.flavour
+        was_last = mission.hand_over(step.seq)
+        if was_last:
+            mission.say("Mission finished, loitering")
+        mission.say("Returning to launch")
+        # Disarmed, it will be in the mode that it held in, and not begin the mission anew.
+        modes = (flavour.hold, flavour.return_to_launch) if was_last else (flavour.return_to_launch,)
+        return mission.leave(*modes, reason="mission item")
+
     @property
     def takeoff_goes_there(self) -> bool:
         return True
@@ -187,7 +213,7 @@ class Px4MissionRules(MissionRules):
                 autopilot.body.idle()
                 while True:
                     yield
-        yield from mission.leave(autopilot.flavour.hold, "mission end")
+        yield from mission.leave(autopilot.flavour.hold, reason="mission end")
 
     def _disarm(self) -> None:
         """It has landed by the mission, which is no mode's landing any more."""

@@ -96,6 +96,13 @@ class MissionRules(ABC):
         """Whether the end of an item is told by MISSION_ITEM_REACHED."""
         return True
 
+    def reported(self, mission: MissionRunner, seq: int) -> None:  # noqa: B027 (not every firmware says it again)
+        """An item was told to be reached."""
+
+    def go_home(self, step: Step) -> Iterator[None]:
+        """Change over to the mode that returns."""
+        return step.mission.leave(self.autopilot.flavour.return_to_launch, reason="mission item")
+
     @property
     def returns_in_mode(self) -> bool:
         """Whether NAV_RETURN_TO_LAUNCH changes the mode, rather than being flown as an item."""

@@ -216,12 +216,26 @@ class MissionRunner:
         """Do something that a script cannot do itself: before the next tick, or after some seconds."""
         self._later.append((self.autopilot.now + after, act))
 
-    def leave(self, mode: int, reason: str) -> Iterator[None]:
-        """Enter another mode, unless somebody else does meanwhile, and wait until it is so."""
+    def leave(self, *modes: int, reason: str) -> Iterator[None]:
+        """Enter another mode or one after the other, unless somebody else does meanwhile; wait until it is so."""
         autopilot, mine = self.autopilot, self.autopilot.behaviour
-        self.later(lambda: autopilot.behaviour is mine and autopilot.enter(mode, reason))
+
+        def enter() -> None:
+            if autopilot.behaviour is mine:
+                for mode in modes:
+                    autopilot.enter(mode, reason)
+
+        self.later(enter)
         while True:
             yield
+
+    def hand_over(self, seq: int) -> bool:
+        """An item goes on outside the mission, so it counts as done; whether it was the last one."""
+        self._complete = self._next is None or self.route.leg(self._next) is None
+        if self._complete:
+            self._show(_STATE.COMPLETE)
+        self._tell_reached(seq)
+        return self._complete
 
     def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
         """Say something by STATUSTEXT."""
@@ -358,10 +372,18 @@ class MissionRunner:
         self.rules.started(step)
         yield from script_of(item.command)(step)
         if self.rules.reports(item):
-            self.server.reached(seq)
-            self._touch()
+            self._tell_reached(seq)
 
     # Telling
+
+    def _tell_reached(self, seq: int) -> None:
+        self.say_reached(seq)
+        self.rules.reported(self, seq)
+
+    def say_reached(self, seq: int) -> None:
+        """Say that an item was reached."""
+        self.server.reached(seq)
+        self._touch()
 
     def _move_to(self, seq: int) -> None:
         if 0 <= seq < len(self.items):

@@ -1,0 +1,1 @@
+"""What a vehicle does when it is asked, seen through to its end."""

@@ -1,0 +1,42 @@
+"""How each value is read out of the messages that were heard; nothing here sends or waits."""
+
+from mavstack.vehicle.telemetry.readers.motion import (
+    read_attitude,
+    read_local_position,
+    read_position,
+    read_speeds,
+    read_velocity,
+    read_wind,
+)
+from mavstack.vehicle.telemetry.readers.power import read_batteries
+from mavstack.vehicle.telemetry.readers.sensors import read_gps, read_imu, read_odometry, read_rc
+from mavstack.vehicle.telemetry.readers.state import (
+    read_armed,
+    read_home,
+    read_in_air,
+    read_landed_state,
+    read_mode,
+    read_system_status,
+    read_vtol_state,
+)
+
+__all__ = [
+    "read_armed",
+    "read_attitude",
+    "read_batteries",
+    "read_gps",
+    "read_home",
+    "read_imu",
+    "read_in_air",
+    "read_landed_state",
+    "read_local_position",
+    "read_mode",
+    "read_odometry",
+    "read_position",
+    "read_rc",
+    "read_speeds",
+    "read_system_status",
+    "read_velocity",
+    "read_vtol_state",
+    "read_wind",
+]

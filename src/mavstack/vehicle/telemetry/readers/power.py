@@ -1,0 +1,86 @@
+"""The batteries, out of BATTERY_STATUS of each, SYS_STATUS, or HIGH_LATENCY2.
+
+BATTERY_STATUS has a slot a cell. Who knows only the sum puts it into the first slot, and what does not fit
+there into those behind it; then there are no cells to tell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.vehicle.telemetry.readers.known import INT16_MAX, UINT16_MAX, known, scaled
+from mavstack.vehicle.telemetry.values import Battery
+
+if TYPE_CHECKING:
+    from mavstack.vehicle.telemetry.telemetry import Telemetry
+
+_MILLI, _CENTI = 1000.0, 100.0
+#: The largest voltage of a slot: more follows in the next.
+_FULL_SLOT = 65_534
+#: No cell has more, in millivolts: what a slot holds then is a sum.
+_MOST_OF_A_CELL = 6_000
+
+
+def read_batteries(heard: Telemetry) -> dict[int, Battery]:
+    """Every battery by its id, in their order."""
+    told = {number: _of_its_own(message) for number, message in sorted(heard.battery_messages().items())}
+    summary = _of_the_vehicle(heard)
+    if summary is None:
+        return told
+    if not told:
+        return {0: summary}
+    first = next(iter(told))
+    told[first] = _filled_in(told[first], summary)
+    return told
+
+
+def _of_its_own(message: common.BatteryStatus) -> Battery:
+    volts, cells = _voltages(message)
+    return Battery(
+        id=message.id,
+        volts=volts,
+        amperes=scaled(message.current_battery, -1, _CENTI),
+        percent=scaled(message.battery_remaining, -1, 1.0),
+        consumed=scaled(message.current_consumed, -1, 1.0),
+        temperature=scaled(message.temperature, INT16_MAX, _CENTI),
+        cells=cells,
+        time_remaining=scaled(message.time_remaining, 0, 1.0),
+        charge_state=known(message.charge_state, common.MavBatteryChargeState.UNDEFINED),
+        faults=message.fault_bitmask,
+    )
+
+
+def _voltages(message: common.BatteryStatus) -> tuple[float | None, tuple[float, ...]]:
+    slots = [value for value in message.voltages if value != UINT16_MAX]
+    slots += [value for value in message.voltages_ext if value != 0]
+    if not slots:
+        return None, ()
+    is_sum = len(slots) == 1 or slots[0] == _FULL_SLOT or slots[0] > _MOST_OF_A_CELL
+    return sum(slots) / _MILLI, () if is_sum else tuple(value / _MILLI for value in slots)
+
+
+def _of_the_vehicle(heard: Telemetry) -> Battery | None:
+    match heard.finer(common.SysStatus, common.HighLatency2):
+        case common.SysStatus() as fine:
+            battery = Battery(
+                volts=scaled(fine.voltage_battery, UINT16_MAX, _MILLI),
+                amperes=scaled(fine.current_battery, -1, _CENTI),
+                percent=scaled(fine.battery_remaining, -1, 1.0),
+            )
+        case common.HighLatency2() as coarse:
+            battery = Battery(percent=scaled(coarse.battery, -1, 1.0))
+        case _:
+            return None
+    return None if battery == Battery() else battery
+
+
+def _filled_in(battery: Battery, summary: Battery) -> Battery:
+    """What its own message leaves open, the vehicle's summary may tell."""
+    return replace(
+        battery,
+        volts=summary.volts if battery.volts is None else battery.volts,
+        amperes=summary.amperes if battery.amperes is None else battery.amperes,
+        percent=summary.percent if battery.percent is None else battery.percent,
+    )

@@ -1,0 +1,82 @@
+"""The blocking face of the vehicle API: a script flies a simulated vehicle over real sockets."""
+
+from __future__ import annotations
+
+import pytest
+
+import mavstack.sync
+from mavstack.dialects import common
+from mavstack.errors import ActionUnsupported, CommandDenied, GroupError
+from mavstack.sim.background import Background
+from mavstack.vehicle import VehicleFound
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    background = Background("copter", "ardupilot", count=2, speed=20.0)
+    for vehicle in background.simulation.vehicles:
+        vehicle.parameters.set("FS_GCS_ENABLE", 0)  # our heartbeats come by the real clock
+    with background:
+        yield background
+
+
+@pytest.fixture
+def node(simulated):
+    with mavstack.sync.connect(simulated.url) as node:
+        node.wait_for_vehicles(2, timeout=30)
+        yield node
+
+
+def test_a_script_flies_a_vehicle(node):
+    vehicle = node.vehicle(1)
+    vehicle.healthy()
+    vehicle.arm()
+    vehicle.takeoff(10)
+    assert vehicle.armed
+    assert vehicle.position.relative_altitude == pytest.approx(10, abs=2)
+    vehicle.move(north=10)
+    with vehicle.guided() as guidance:
+        guidance.velocity(north=1)
+        vehicle.next(common.GlobalPositionInt)
+    assert vehicle.params.get("WPNAV_SPEED").value == 1000
+    assert vehicle.mission.download().items is not None
+    with vehicle.stream(common.Attitude, rate=10) as attitudes:
+        assert isinstance(next(attitudes), common.Attitude)
+    vehicle.rtl()
+    assert not vehicle.armed
+
+
+def test_vehicles_groups_and_events(node):
+    assert list(node.vehicles) == [1, 2]
+    assert node.vehicles[2] == node.vehicle(2)
+    assert node.vehicles[2] != node.vehicle(1)
+    group = node.group()
+    assert len(group) == 2
+    assert group
+    assert [vehicle.system for vehicle in group] == [1, 2]
+    for vehicle in group:
+        vehicle.healthy()
+    group.set_mode("GUIDED").check()
+    results = group.arm()
+    assert results.ok
+    assert set(results) == set(group)
+    assert results[node.vehicle(1)] is None
+    group.disarm().check()
+    with pytest.raises(GroupError):
+        group.takeoff(10).check()  # disarmed
+
+
+def test_events_lead_to_blocking_vehicles(simulated):
+    with mavstack.sync.connect(simulated.url) as node, node.events(VehicleFound) as events:
+        found = next(events)
+        assert found.vehicle == node.vehicle(found.vehicle.system)
+
+
+def test_errors_are_the_same(node):
+    vehicle = node.vehicle(1)
+    with pytest.raises(CommandDenied):
+        vehicle.component.command(common.MavCmd.DO_ORBIT)
+    with Background("rover") as rover, mavstack.sync.connect(rover.url) as other:
+        driven = other.vehicle()
+        with pytest.raises(ActionUnsupported, match="a rover cannot take off"):
+            driven.takeoff(10)

@@ -1,0 +1,216 @@
+"""Rates: held while they are wanted, and asked for again when the vehicle may have forgotten them."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied
+from mavstack.sim.kinds import VehicleType
+from tests.sim.whole_flights.fleet import whisper
+from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
+from tests.vehicle.world import ARDUPILOT, fly
+from tests.vehicle.world import PX4 as SIMULATED_PX4
+
+COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, SIMULATED_PX4)]
+ATTITUDE, ODOMETRY = 30, 331
+
+
+def boot_time(seconds):
+    return common.SystemTime(time_boot_ms=int(seconds * 1000))
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
+def test_they_come_again_after_a_reboot(kind):
+    async def scenario(world, vehicle):
+        await vehicle.set_rate(common.HighresImu, 10)
+        await asyncio.sleep(2)
+        assert vehicle.age(common.HighresImu) < 0.2
+        world.simulated.reboot()
+        await asyncio.sleep(15)
+        assert vehicle.age(common.HighresImu) < 0.2
+
+    fly(kind, scenario, prepare=whisper)
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
+def test_they_come_again_after_a_reboot_while_the_link_was_gone(kind):
+    async def scenario(world, vehicle):
+        async with vehicle.stream(common.HighresImu, rate=10):
+            await asyncio.sleep(2)
+            world.simulated.faults.inject("link off")
+            await asyncio.sleep(20)
+            world.simulated.reboot()
+            await asyncio.sleep(5)
+            world.simulated.faults.inject("link on")
+            await asyncio.sleep(15)
+            assert vehicle.age(common.HighresImu) < 0.2
+
+    fly(kind, scenario, prepare=whisper)
+
+
+def test_all_are_asked_for_at_once_when_a_reboot_shows():
+    async def scenario(peer):
+        peer.say(boot_time(100))
+        await peer.vehicle.set_rate(common.HighresImu, 10)
+        await peer.vehicle.set_rate(common.Vibration, 1)
+        for second in range(5):
+            peer.say(common.HighresImu(), common.Vibration(), boot_time(100 + second))
+            await asyncio.sleep(1)
+        assert len(peer.asked) == 2
+        for second in range(6):  # they still come, at whatever rate is usual
+            peer.say(common.HighresImu(), common.Vibration(), boot_time(1 + second))
+            await asyncio.sleep(1)
+        assert sorted(peer.asked[2:]) == sorted(peer.asked[:2])
+
+    with_peer(scenario)
+
+
+def test_a_vehicle_that_forgets_silently_is_asked_again():
+    async def scenario(peer):
+        await peer.vehicle.set_rate(common.Attitude, 10)
+        for _ in range(100):
+            peer.say(common.Attitude())
+            await asyncio.sleep(0.1)
+        assert len(peer.asked) == 1
+        await asyncio.sleep(30)
+        times = len(peer.asked)
+        assert 2 <= times <= 4
+        await asyncio.sleep(600)
+        assert times + 5 <= len(peer.asked) <= times + 15, "again, but not for ever as often"
+
+    with_peer(scenario)
+
+
+def test_nobody_is_asked_who_is_not_there():
+    async def scenario(peer):
+        await peer.vehicle.set_rate(common.Attitude, 10)
+        asked = []
+        peer.vehicle.component.set_message_interval = lambda *arguments: asked.append(arguments)
+        await peer.node.close()
+        await asyncio.sleep(60)
+        assert not peer.vehicle.alive
+        assert asked == []
+
+    with_peer(scenario)
+
+
+def test_who_wants_it_again_at_once_gets_it():
+    async def scenario(peer):
+        rates = peer.vehicle.telemetry.rates
+        await peer.vehicle.set_rate(common.Attitude, 10)
+        await peer.vehicle.set_rate(common.Attitude, None)
+        await peer.vehicle.set_rate(common.Attitude, 20)
+        await asyncio.sleep(1)
+        assert rates.held == {common.Attitude: 20}
+        assert peer.asked[-1] == (ATTITUDE, 50_000)
+
+    with_peer(scenario)
+
+
+def test_what_was_refused_is_not_asked_again_before_a_reboot():
+    async def scenario(peer):
+        peer.answer = RESULT.DENIED
+        peer.say(boot_time(100))
+        with pytest.raises(CommandDenied, match="DENIED"):
+            await peer.vehicle.set_rate(common.Odometry, 5)
+        assert peer.vehicle.telemetry.rates.denied(common.Odometry).code == RESULT.DENIED
+        with pytest.raises(CommandDenied):
+            await peer.vehicle.telemetry.rates.ask(common.Odometry)
+        for second in range(60):
+            peer.say(boot_time(100 + second))
+            await asyncio.sleep(1)
+        assert len(peer.asked) == 1
+        peer.answer = RESULT.ACCEPTED
+        for second in range(10):
+            peer.say(boot_time(1 + second))
+            await asyncio.sleep(1)
+        assert len(peer.asked) >= 2
+        assert peer.vehicle.telemetry.rates.denied(common.Odometry) is None
+
+    with_peer(scenario)
+
+
+def test_a_rate_can_be_changed_and_taken_back():
+    async def scenario(peer):
+        rates = peer.vehicle.telemetry.rates
+        await peer.vehicle.set_rate(common.Attitude, 10)
+        await peer.vehicle.set_rate(common.Attitude, 5)
+        assert rates.held == {common.Attitude: 5}
+        await peer.vehicle.set_rate(common.Attitude, None)
+        await asyncio.sleep(1)
+        assert rates.held == {}
+        assert [interval for _, interval in peer.asked] == [100_000, 200_000, 0]
+        await asyncio.sleep(30)
+        assert len(peer.asked) == 3
+        assert not rates._tasks, "nothing is left to watch"
+
+    with_peer(scenario)
+
+
+def test_what_was_asked_once_is_not_asked_again():
+    async def scenario(peer):
+        rates = peer.vehicle.telemetry.rates
+        first, second = rates.hold(common.Attitude, 5), rates.hold(common.Attitude, 4)
+        await asyncio.gather(*(rates.ask(common.Attitude) for _ in range(3)))
+        assert len(peer.asked) == 1
+        rates.release(second)
+        rates.release(second)
+        await asyncio.sleep(1)
+        assert len(peer.asked) == 1, "the faster one is still wanted"
+        rates.release(first)
+        await asyncio.sleep(1)
+        assert peer.asked[1:] == [(ATTITUDE, 0)]
+        await rates.ask(common.Attitude)  # nobody wants it
+        assert len(peer.asked) == 2
+
+    with_peer(scenario)
+
+
+# At least so often
+
+
+def test_what_comes_often_enough_is_not_asked_for():
+    async def scenario(peer):
+        peer.say(common.Attitude())
+        await asyncio.sleep(0.1)
+        assert await peer.vehicle.telemetry.ensure(common.Attitude, 4) is True
+        assert peer.asked == []
+
+    with_peer(scenario)
+
+
+@pytest.mark.parametrize(("answer", "comes"), [(RESULT.ACCEPTED, True), (RESULT.UNSUPPORTED, False)])
+def test_what_does_not_come_is_asked_for_once(answer, comes):
+    async def scenario(peer):
+        peer.answer = answer
+        for _ in range(3):
+            assert await peer.vehicle.telemetry.ensure(common.Odometry, 4) is comes
+        assert peer.asked == [(ODOMETRY, 250_000)]
+
+    with_peer(scenario, autopilot=PX4)
+
+
+def test_closing_ends_its_tasks():
+    async def scenario(peer):
+        rates = peer.vehicle.telemetry.rates
+        await peer.vehicle.set_rate(common.Attitude, 10)
+        assert rates._tasks
+        await peer.vehicle.telemetry.close()
+        await asyncio.sleep(0)
+        assert not rates._tasks
+
+    with_peer(scenario)
+
+
+def test_the_connections_end_ends_its_tasks():
+    async def scenario(peer):
+        rates = peer.vehicle.telemetry.rates
+        await peer.vehicle.set_rate(common.Attitude, 10)
+        await peer.vehicle.node.close()
+        await asyncio.sleep(0.1)
+        assert not rates._tasks
+
+    with_peer(scenario)

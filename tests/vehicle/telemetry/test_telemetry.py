@@ -1,0 +1,192 @@
+"""What was heard last, by whom, and when."""
+
+from __future__ import annotations
+
+import asyncio
+from math import pi
+from types import SimpleNamespace
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, MavstackError, MessageTimeout, RemoteCancelled
+from mavstack.vehicle.telemetry.telemetry import MOST_KINDS
+from tests.vehicle.telemetry.stage import RESULT, on_stage, with_peer
+
+CAMERA = common.MavComponent.CAMERA
+
+
+def test_the_latest_of_a_kind_and_its_age():
+    async def scenario(stage):
+        vehicle = stage.vehicle
+        assert vehicle.latest(common.Attitude) is None
+        assert vehicle.age(common.Attitude) is None
+        stage.hear(common.Attitude(roll=1), common.Attitude(roll=2))
+        await asyncio.sleep(2.5)
+        message = vehicle.latest(common.Attitude)
+        assert isinstance(message, common.Attitude)
+        assert message.roll == 2
+        assert vehicle.age(common.Attitude) == pytest.approx(2.5)
+
+    on_stage(scenario)
+
+
+def test_a_component_of_the_vehicle_is_not_mistaken_for_its_autopilot():
+    async def scenario(stage):
+        vehicle = stage.vehicle
+        stage.hear(common.Attitude(yaw=pi / 2), component=CAMERA)
+        assert vehicle.latest(common.Attitude) is None
+        assert vehicle.attitude is None
+        stage.hear(common.Attitude(yaw=0.0))
+        stage.hear(common.Attitude(yaw=pi / 2), component=CAMERA)
+        assert vehicle.attitude.yaw == 0
+        assert vehicle.latest(common.Attitude, CAMERA).yaw == pytest.approx(pi / 2)
+        assert vehicle.age(common.Attitude, CAMERA) == 0
+
+    on_stage(scenario)
+
+
+def test_another_vehicle_is_another():
+    async def scenario(stage):
+        stage.hear(common.Attitude(yaw=1), system=2)
+        assert stage.vehicle.attitude is None
+
+    on_stage(scenario)
+
+
+def test_so_many_kinds_are_kept_and_those_heard_last_stay():
+    async def scenario(stage):
+        stage.hear(common.SystemTime())
+        for number in range(MOST_KINDS):
+            await asyncio.sleep(0.001)
+            stage.hear(common.Attitude(), component=number % 250 + 2)
+            odd = SimpleNamespace(system=1, component=1, message_id=60_000 + number, message=None)
+            stage.node._packets.deliver(odd)
+        assert len(stage.telemetry._latest) <= MOST_KINDS
+        assert stage.vehicle.latest(common.Attitude, 249) is not None
+        assert stage.vehicle.latest(common.SystemTime) is None
+
+    on_stage(scenario)
+
+
+def test_a_function_is_called_with_each_message_until_closed():
+    async def scenario(stage):
+        heard, from_camera = [], []
+        listening = stage.vehicle.on(common.Attitude, heard.append)
+        stage.vehicle.on(common.Attitude, from_camera.append, CAMERA)
+        stage.hear(common.Attitude(roll=1), common.Heartbeat())
+        stage.hear(common.Attitude(roll=2), component=CAMERA)
+        assert heard == [common.Attitude(roll=1)]
+        assert from_camera == [common.Attitude(roll=2)]
+        listening.close()
+        stage.hear(common.Attitude(roll=3))
+        assert len(heard) == 1
+
+    on_stage(scenario)
+
+
+def test_the_function_finds_the_latest_value_in_its_place():
+    async def scenario(stage):
+        seen = []
+        stage.vehicle.on(common.Attitude, lambda _: seen.append(stage.vehicle.attitude.yaw))
+        stage.hear(common.Attitude(yaw=pi))
+        assert seen == [pytest.approx(180)]
+
+    on_stage(scenario)
+
+
+def test_a_function_that_fails_is_told_and_stops_nothing():
+    async def scenario(stage):
+        told, heard = [], []
+        asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
+        stage.vehicle.on(common.Attitude, lambda message: 1 / 0)
+        stage.vehicle.on(common.Attitude, heard.append)
+        stage.hear(common.Attitude())
+        assert len(heard) == 1
+        assert "ATTITUDE" in told[0]["message"]
+        assert isinstance(told[0]["exception"], ZeroDivisionError)
+
+    on_stage(scenario)
+
+
+def test_values_stay_after_the_connection_was_closed():
+    async def scenario(stage):
+        stage.heartbeat()
+        stage.hear(common.ExtendedSysState(landed_state=2), common.Attitude())
+        await stage.node.close()
+        vehicle = stage.vehicle
+        assert vehicle.attitude is not None
+        assert vehicle.in_air is True
+        assert vehicle.health().ready is None
+        assert vehicle.texts == []
+        with pytest.raises(MavstackError, match="not open"):
+            await vehicle.next(common.Attitude, timeout=1)
+
+    on_stage(scenario)
+
+
+def test_closed_telemetry_hears_nothing():
+    async def scenario(stage):
+        await stage.telemetry.close()
+        stage.hear(common.Attitude(), common.Statustext(text="late"))
+        assert stage.vehicle.attitude is None
+        assert stage.vehicle.texts == []
+
+    on_stage(scenario)
+
+
+# The next message
+
+
+def test_the_next_message_is_one_that_comes_from_now_on():
+    async def scenario(peer):
+        peer.say(common.Attitude(roll=1))
+        await asyncio.sleep(0.1)
+        asyncio.get_running_loop().call_later(1, peer.say, common.Attitude(roll=2))
+        message = await peer.vehicle.next(common.Attitude)
+        assert message.roll == 2
+        assert peer.asked == [], "it comes by itself"
+
+    with_peer(scenario)
+
+
+def test_a_next_message_that_does_not_come():
+    async def scenario(peer):
+        with pytest.raises(MessageTimeout, match="ATTITUDE asked of 1/1: none came in 3 s"):
+            await peer.vehicle.next(common.Attitude, timeout=3)
+        assert peer.asked == [(30, 250_000)]
+
+    with_peer(scenario)
+
+
+def test_a_next_message_that_the_vehicle_does_not_have():
+    async def scenario(peer):
+        peer.answer = RESULT.UNSUPPORTED
+        with pytest.raises(CommandDenied, match="UNSUPPORTED"):
+            await peer.vehicle.next(common.Odometry, timeout=30)
+
+    with_peer(scenario)
+
+
+def test_a_next_message_when_the_connection_closes():
+    async def scenario(peer):
+        waiting = asyncio.create_task(peer.vehicle.next(common.Attitude))
+        await asyncio.sleep(0.5)
+        await peer.vehicle.node.close()
+        with pytest.raises(RemoteCancelled, match="ATTITUDE asked of 1/1: the connection was closed"):
+            await waiting
+
+    with_peer(scenario)
+
+
+def test_a_next_message_whose_waiter_is_cancelled_leaves_nothing_behind():
+    async def scenario(peer):
+        waiting = asyncio.create_task(peer.vehicle.next(common.Attitude))
+        await asyncio.sleep(0.5)
+        waiting.cancel()
+        await asyncio.gather(waiting, return_exceptions=True)
+        assert not peer.vehicle.node._packets._open
+        await asyncio.sleep(10)
+        assert peer.asked == []
+
+    with_peer(scenario)

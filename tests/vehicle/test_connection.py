@@ -1,0 +1,293 @@
+"""Finding vehicles, and what a connection goes through with them: links that drop, reboots, silence."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node
+from mavstack.services.mission import MissionItem
+from mavstack.sim.kinds import VehicleType
+from mavstack.sim.virtual import run_virtually
+from mavstack.vehicle import NodeOptions, VehicleLost, VehicleRebooted, VehicleReturned, connect
+from tests.sim.whole_flights.fleet import whisper
+from tests.vehicle.peers import AUTOPILOT, TYPE, play
+from tests.vehicle.world import ARDUPILOT, PX4, fly, named
+
+COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
+STATION = {"type": TYPE.GCS, "autopilot": AUTOPILOT.INVALID, "uptime": None}
+CAMERA = {"type": TYPE.CAMERA, "autopilot": AUTOPILOT.INVALID, "uptime": None}
+
+
+def plan(count=60):
+    return [
+        MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47.1 + number * 1e-5, param6=8.1, param7=20.0)
+        for number in range(count)
+    ]
+
+
+# Finding
+
+
+def test_the_keywords_are_those_of_a_node():
+    parameters = inspect.signature(Node.__init__).parameters.values()
+    keywords = {each.name for each in parameters if each.kind is inspect.Parameter.KEYWORD_ONLY}
+    assert set(NodeOptions.__annotations__) == keywords
+
+
+def test_keywords_reach_the_node():
+    node = connect(system=200, component=common.MavComponent.ONBOARD_COMPUTER, type=TYPE.ONBOARD_CONTROLLER)
+    assert node.address == (200, 191)
+    with pytest.raises(TypeError, match="sistem"):
+        connect(sistem=3)
+
+
+def test_it_is_awaitable():
+    async def scenario():
+        node = await connect(MemoryNetwork().link())
+        assert node.is_open
+        await node.close()
+
+    run_virtually(scenario())
+
+
+def test_without_a_vehicle_the_error_tells_what_was_heard():
+    async def scenario(stage):
+        await stage.enter(1, 100, **CAMERA)
+        await stage.enter(254, 190, **STATION)
+        with pytest.raises(RemoteTimeout) as caught:
+            await stage.node.vehicle(timeout=5)
+        assert str(caught.value) == (
+            "a vehicle's heartbeat asked of memory://pair: "
+            "none in 5 s; heard: 1/100 camera, 254/190 ground station"
+        )
+
+    play(scenario)
+
+
+def test_of_another_system_the_error_tells_the_vehicles():
+    async def scenario(stage):
+        await stage.enter(3)
+        with pytest.raises(RemoteTimeout, match=r"vehicle 7 asked.*heard: 3/1 quadrotor with ArduPilot$"):
+            await stage.node.vehicle(7, timeout=5)
+
+    play(scenario)
+
+
+@pytest.mark.parametrize(
+    ("said", "text"),
+    [
+        (None, "heard: nobody, as no link has a peer; look at address and port"),
+        (b"", "heard: nobody; look at address and port, and whether the vehicle is on"),
+        (b"\x00\x55" * 40, "heard: 80 bytes that are not MAVLink; look at the baud rate"),
+        (common.Attitude(), "heard: 1 packets, but no heartbeat"),
+    ],
+    ids=["no peer", "silence", "noise", "no heartbeat"],
+)
+def test_when_nobody_was_heard_the_error_tells_what_to_look_at(said, text):
+    async def scenario(stage):
+        if said is not None:
+            peer = Node(stage.network.link(), system=1, component=1, heartbeat=False)
+            await peer.open()
+            await asyncio.sleep(0.1)
+            for channel in peer.driver.channels:
+                if isinstance(said, bytes):
+                    channel.write(said)
+            if not isinstance(said, bytes):
+                peer.send(said)
+        with pytest.raises(RemoteTimeout) as caught:
+            await stage.node.vehicle(timeout=5)
+        if said is not None:
+            await peer.close()
+        assert text in str(caught.value)
+
+    play(scenario, heartbeat=False)
+
+
+def test_a_lost_vehicle_is_waited_for():
+    async def scenario(stage):
+        peer = await stage.enter()
+        first = await stage.node.vehicle()
+        peer.quiet = True
+        await asyncio.sleep(20)
+        with pytest.raises(RemoteTimeout, match=r"1/1 quadrotor with ArduPilot \(silent now\)"):
+            await stage.node.vehicle(timeout=3)
+        waiting = asyncio.create_task(stage.node.vehicle())
+        await asyncio.sleep(3)
+        peer.quiet = False
+        assert await waiting is first
+
+    play(scenario)
+
+
+def test_vehicles_are_in_the_order_in_which_they_were_found():
+    async def scenario(stage):
+        for system in (9, 2, 5):
+            await stage.enter(system)
+            await asyncio.sleep(2)
+        assert list(stage.node.vehicles) == [9, 2, 5]
+        assert (await stage.node.vehicle()).system == 9
+        with pytest.raises(TypeError):
+            stage.node.vehicles[1] = None
+
+    play(scenario)
+
+
+def test_waiting_for_many():
+    async def scenario(stage):
+        for system in (1, 2):
+            await stage.enter(system)
+        group = await stage.node.wait_for_vehicles(2)
+        assert sorted(group.systems) == [1, 2]
+        with pytest.raises(RemoteTimeout, match=r"of 3 vehicles asked of .*: 2 in 4 s; heard: 1/1 quad"):
+            await stage.node.wait_for_vehicles(3, timeout=4)
+        late = asyncio.create_task(stage.node.wait_for_vehicles(3))
+        await asyncio.sleep(10)
+        await stage.enter(3)
+        assert sorted((await late).systems) == [1, 2, 3]
+
+    play(scenario)
+
+
+def test_a_group_of_vehicles_that_are_not_there():
+    async def scenario(stage):
+        await stage.enter(4)
+        await stage.node.vehicle()
+        assert stage.node.group().systems == stage.node.group(4).systems == (4,)
+        with pytest.raises(MavstackError, match="no vehicle has the system id 3; those heard: 4"):
+            stage.node.group(4, 3)
+
+    play(scenario)
+
+
+# Links that drop and return
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=named)
+def test_what_is_asked_in_a_silence_ends_in_its_typed_timeout_and_the_connection_goes_on(kind):
+    async def scenario(world, vehicle):
+        events = world.node.events(VehicleLost, VehicleReturned)
+        world.simulated.cut(True)
+        asked = [
+            vehicle.component.command(common.MavCmd.DO_SET_HOME, 1),
+            vehicle.params.get("SYSID_THISMAV"),
+            vehicle.params.fetch(),
+            vehicle.mission.upload(plan(5)),
+            vehicle.mission.download(),
+            vehicle.arm(),
+        ]
+        async with asyncio.timeout(300):
+            ended = await asyncio.gather(*asked, return_exceptions=True)
+        for error in ended:
+            assert isinstance(error, RemoteTimeout), error
+            assert "1/1" in str(error)
+        world.simulated.cut(False)
+        await vehicle.params.fetch()
+        await world.until(lambda: vehicle.alive)
+        assert [type(event) for event in events.take()] == [VehicleLost, VehicleReturned]
+        async with world.node.messages(common.Heartbeat, system=1) as heartbeats:
+            await anext(heartbeats)
+
+    fly(kind, scenario, prepare=whisper)
+
+
+def test_what_is_under_way_goes_on_after_a_short_silence():
+    async def scenario(world, vehicle):
+        async def cut():
+            await asyncio.sleep(1)
+            world.simulated.cut(True)
+            await asyncio.sleep(3)
+            world.simulated.cut(False)
+
+        cutting = asyncio.create_task(cut())
+        uploaded = await vehicle.mission.upload(plan(300))
+        assert len(uploaded.items) == 300
+        await cutting
+
+    fly(COPTERS[0], scenario, prepare=whisper, latency=0.2)
+
+
+def test_a_link_that_is_closed_and_opened_again():
+    async def scenario(stage):
+        peer = await stage.enter()
+        vehicle = await stage.node.vehicle()
+        await peer.stop()
+        with pytest.raises(RemoteTimeout):
+            await vehicle.component.command(common.MavCmd.DO_SET_HOME, 1)
+        stage.told()
+        await stage.enter(uptime=300.0)
+        assert await stage.node.vehicle() is vehicle
+        assert [type(event) for event in stage.told(VehicleReturned)] == [VehicleReturned]
+
+    play(scenario)
+
+
+# Reboots
+
+
+async def outcome(work):
+    """What it came to; None if that is a typed error."""
+    try:
+        return await work
+    except RemoteError:
+        return None
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=named)
+def test_what_was_known_of_it_is_forgotten_at_a_reboot(kind):
+    async def scenario(world, vehicle):
+        parameters = await vehicle.params.fetch()
+        vehicle.component.modes.monitor  # noqa: B018 (it follows from the first use on)
+        await world.until(lambda: vehicle.component.modes.current is not None)
+        whole = len(parameters)
+        events = world.node.events(VehicleRebooted)
+        world.simulated.reboot()
+        await anext(events)
+        assert not vehicle.params.known
+        assert not vehicle.params.client.complete
+        assert len(parameters) == whole  # who was given them keeps them
+        assert len(await vehicle.params.fetch()) == whole
+        await world.until(lambda: vehicle.component.modes.current is not None)
+        assert not events.take()
+
+    fly(kind, scenario, prepare=whisper)
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=named)
+@pytest.mark.parametrize("packed", [True, False])
+def test_a_fetch_across_a_reboot_is_whole_or_ends_in_its_error(kind, packed):
+    async def scenario(world, vehicle):
+        whole = await vehicle.params.fetch(packed=packed)
+        steps = []
+
+        def progress(*step):
+            steps.append(step)
+            if len(steps) == 3:
+                world.simulated.reboot()
+
+        fetched = await outcome(vehicle.params.fetch(packed=packed, timeout=120, progress=progress))
+        assert len(steps) >= 3
+        assert fetched is None or fetched.keys() == whole.keys()
+        assert len(await vehicle.params.fetch(packed=packed)) == len(whole)
+
+    fly(kind, scenario, prepare=whisper, latency=0.05)
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=named)
+def test_an_upload_across_a_reboot_is_whole_or_ends_in_its_error(kind):
+    async def scenario(world, vehicle):
+        before = await vehicle.mission.upload(plan(3))
+        uploading = asyncio.create_task(vehicle.mission.upload(plan(100), timeout=60))
+        await asyncio.sleep(1)
+        assert not uploading.done()
+        world.simulated.reboot()
+        uploaded = await outcome(uploading)
+        await world.until(lambda: vehicle.alive)
+        assert len((await vehicle.mission.download()).items) == len((uploaded or before).items)
+
+    fly(kind, scenario, prepare=whisper, latency=0.05)

@@ -1,0 +1,240 @@
+"""Many vehicles asked as one: what each came to is told, whatever became of the others."""
+
+from __future__ import annotations
+
+import asyncio
+import pickle
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import (
+    CommandDenied,
+    CommandTimeout,
+    GroupError,
+    LocalProtocolError,
+    MavstackError,
+    RemoteCancelled,
+    RemoteTimeout,
+)
+from mavstack.sim.kinds import VehicleType
+from mavstack.vehicle import Group, VehicleFound, VehicleLost
+from tests.sim.whole_flights.fleet import whisper
+from tests.vehicle.peers import play
+from tests.vehicle.world import ARDUPILOT, PX4, fly
+
+
+def with_group(count, scenario):
+    """Run a scenario with a group of scripted vehicles, which answer nothing."""
+
+    async def whole(stage):
+        for system in range(1, count + 1):
+            await stage.enter(system)
+        await scenario(stage, await stage.node.wait_for_vehicles(count))
+
+    play(whole)
+
+
+def test_each_comes_to_its_own_result():
+    async def scenario(stage, group):
+        async def work(vehicle):
+            await asyncio.sleep(vehicle.system)
+            if vehicle.system == 2:
+                raise CommandDenied("arming", "2/1", answer="DENIED", code=2)
+            return vehicle.system * 10
+
+        begun = stage.node.now()
+        results = await group.each(work)
+        assert stage.node.now() - begun == pytest.approx(3.0, abs=0.1)  # at the same time
+        first, second, third = group
+        assert list(results) == [first, second, third]
+        assert results[first] == 10
+        assert isinstance(results[second], CommandDenied)
+        assert results.succeeded == {first: 10, third: 30}
+        assert list(results.errors) == list(results.failed) == [second]
+        assert not results.ok
+        assert len(results) == 3
+        with pytest.raises(GroupError) as caught:
+            results.check()
+        assert isinstance(caught.value, MavstackError)
+        assert caught.value.errors == {2: results[second]}
+        assert str(caught.value) == "work: 1 of 3 vehicles failed\n  2: arming: DENIED"
+
+    with_group(3, scenario)
+
+
+def test_when_all_do_it():
+    async def scenario(stage, group):
+        results = await group.each(lambda vehicle: asyncio.sleep(0, vehicle.system))
+        assert results.ok
+        assert not results.failed
+        assert results.check() == results.succeeded == dict(results)
+        assert sorted(results.values()) == [1, 2]
+
+    with_group(2, scenario)
+
+
+def test_a_defect_of_ours_loses_no_other_result_and_is_told_as_the_cause():
+    async def scenario(stage, group):
+        def work(vehicle):
+            if vehicle.system == 2:
+                return {}["nothing"]  # before it is even awaited
+            return asyncio.sleep(1, "done")
+
+        results = await group.each(work)
+        assert list(results.succeeded.values()) == ["done", "done"]
+        with pytest.raises(GroupError, match="2: KeyError: 'nothing'") as caught:
+            results.check()
+        assert isinstance(caught.value.__cause__, KeyError)
+
+    with_group(3, scenario)
+
+
+@pytest.mark.parametrize(("at_once", "most"), [(1, 1), (3, 3), (100, 8), (None, 8)])
+def test_at_once(at_once, most):
+    async def scenario(stage, group):
+        running = highest = 0
+
+        async def work(vehicle):
+            nonlocal running, highest
+            running += 1
+            highest = max(highest, running)
+            await asyncio.sleep(1)
+            running -= 1
+
+        assert (await group.each(work, at_once=at_once)).ok
+        assert highest == most
+
+    with_group(8, scenario)
+
+
+def test_none_at_once_is_misuse():
+    async def scenario(stage, group):
+        with pytest.raises(LocalProtocolError, match="0 at once"):
+            await group.each(lambda vehicle: asyncio.sleep(0), at_once=0)
+
+    with_group(1, scenario)
+
+
+def test_cancelling_cancels_all_and_leaves_each_end_clean():
+    async def scenario(stage, group):
+        cancelled = []
+        for peer in stage.peers:
+            peer.node.listen(
+                lambda packet, peer=peer: cancelled.append(peer.node.address.system), common.CommandCancel
+            )
+        command = common.MavCmd.DO_SET_HOME
+        asking = asyncio.create_task(
+            group.each(lambda vehicle: vehicle.component.command(command, 1), at_once=2)
+        )
+        await asyncio.sleep(1)
+        asking.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await asking
+        await asyncio.sleep(1)
+        assert sorted(cancelled) == [1, 2]  # the third was not asked yet
+        assert not any(vehicle.component.command_client.busy for vehicle in group)
+
+    with_group(3, scenario)
+
+
+def test_work_that_cancels_itself_is_told():
+    async def scenario(stage, group):
+        async def work(vehicle):
+            if vehicle.system == 1:
+                raise asyncio.CancelledError
+
+        results = await group.each(work)
+        assert list(results.failed) == [stage.node.vehicles[1]]
+        (error,) = results.errors.values()
+        assert isinstance(error, RemoteCancelled)
+
+    with_group(2, scenario)
+
+
+def test_those_who_fail_for_one_reason_share_a_line():
+    errors = {
+        system: CommandTimeout("arming", f"{system}/1", attempts=6, answer="no answer")
+        for system in range(1, 4)
+    }
+    errors[9] = CommandDenied("arming", "9/1", answer="DENIED")
+    errors[9].said = ("PreArm: GPS 1: bad fix",)
+    error = GroupError("arming", errors, 50)
+    assert str(error) == (
+        "arming: 4 of 50 vehicles failed\n"
+        "  1, 2, 3: arming 6 times: no answer\n"
+        "  9: arming: DENIED (PreArm: GPS 1: bad fix)"
+    )
+    again = pickle.loads(pickle.dumps(error))
+    assert str(again) == str(error)
+    assert again.errors.keys() == error.errors.keys()
+
+
+def test_a_vehicle_is_in_a_group_once():
+    async def scenario(stage, group):
+        vehicle = stage.node.vehicles[1]
+        twice = Group([vehicle, *group, vehicle])
+        assert twice.systems == (1, 2)
+        assert vehicle in twice
+        assert repr(twice) == "<Group of 1, 2>"
+        assert repr(Group([])) == "<Group of nobody>"
+        assert (await Group([]).arm()).ok
+
+    with_group(2, scenario)
+
+
+def prepare(simulated):
+    whisper(simulated)
+    if simulated.address.system == 5:
+        simulated.faults.inject("gps off")
+
+
+def test_fifty_vehicles():
+    """Of fifty, one has no GPS and refuses to arm, one is cut off; all others do what they are asked."""
+    kinds = [(VehicleType.COPTER, ARDUPILOT if number % 2 else PX4) for number in range(50)]
+
+    async def scenario(world, vehicle):
+        node = world.node
+        fleet = await node.wait_for_vehicles(50, timeout=10)
+        assert sorted(fleet.systems) == sorted(node.vehicles) == list(range(1, 51))
+        events = node.events(VehicleFound, VehicleLost)
+
+        name = {ARDUPILOT: "RTL_ALT", PX4: "RTL_RETURN_ALT"}
+        firmware = {each.address.system: each.firmware for each in world.simulation.vehicles}
+        wanted = {system: 20 + system for system in fleet.systems}
+        results = await fleet.each(
+            lambda each: each.params.set(name[firmware[each.system]], wanted[each.system]), at_once=10
+        )
+        assert {each.system: value.value for each, value in results.check().items()} == wanted
+        results = await fleet.each(lambda each: each.params.fetch())
+        assert all(
+            parameters[name[firmware[each.system]]].value == wanted[each.system]
+            for each, parameters in results.check().items()
+        )
+
+        armed = set()
+        for each in world.simulation.vehicles:
+            each.listeners.append(lambda each, kind, text: text == "armed" and armed.add(each.address.system))
+        world.simulation.vehicles[6].cut(True)
+        results = await fleet.arm()
+        assert {each.system: type(error) for each, error in results.errors.items()} == {
+            5: CommandDenied,
+            7: CommandTimeout,
+        }
+        with pytest.raises(GroupError, match="arming: 2 of 50 vehicles failed") as caught:
+            results.check()
+        assert "\n  5: " in str(caught.value)
+        assert "\n  7: " in str(caught.value)
+        assert armed == set(fleet.systems) - {5, 7}
+        (lost,) = events.take()
+        assert lost.vehicle.system == 7
+
+        with pytest.raises(RemoteTimeout, match=r"of 50 vehicles asked of .*: 49 in 2 s"):
+            await node.wait_for_vehicles(50, timeout=2)
+        there = await node.wait_for_vehicles(49)
+        modes = {ARDUPILOT: "LOITER", PX4: "HOLD"}
+        results = await there.each(lambda each: each.set_mode(modes[firmware[each.system]]))
+        assert len(results.check()) == 49
+        assert {each.component.modes.current for each in there} == {"LOITER"}  # as PX4 calls it within
+
+    fly(kinds, scenario, prepare=prepare)

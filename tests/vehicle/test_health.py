@@ -1,0 +1,351 @@
+"""Whether a vehicle is ready to arm, and the reasons in words."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import ardupilotmega, common
+from mavstack.errors import CommandDenied, HealthTimeout, RemoteTimeout
+from mavstack.services.statustext import chunks_of
+from mavstack.sim.kinds import VehicleType
+from tests.sim.whole_flights.fleet import whisper
+from tests.vehicle.telemetry.stage import ARDUPILOT as AP
+from tests.vehicle.telemetry.stage import PX4 as PX
+from tests.vehicle.telemetry.stage import on_stage
+from tests.vehicle.world import ALL, ARDUPILOT, PX4, fly, named
+
+COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
+BIT = common.MavSysStatusSensor
+EKF = ardupilotmega.EkfStatusFlags
+ESTIMATED = EKF.ATTITUDE | EKF.POS_HORIZ_ABS | EKF.POS_VERT_ABS
+
+
+def status(enabled=BIT.PREARM_CHECK, health=0, present=None, **others):
+    return common.SysStatus(enabled if present is None else present, enabled, health, **others)
+
+
+NOT_READY = status()
+READY = status(health=BIT.PREARM_CHECK)
+
+
+def texts_of(health):
+    return [problem.text for problem in health.problems]
+
+
+# Simulated vehicles
+
+
+@pytest.mark.parametrize("kind", ALL, ids=named)
+def test_every_vehicle_gets_ready_by_itself(kind):
+    async def scenario(world, vehicle):
+        before = vehicle.health()
+        assert not before.ready
+        health = await vehicle.healthy(timeout=30)
+        assert health.ready is True
+        assert vehicle.health() == health
+        await vehicle.arm()
+
+    fly(kind, scenario, ready=False)
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=named)
+def test_before_it_has_started_it_says_so(kind):
+    async def scenario(world, vehicle):
+        with pytest.raises(HealthTimeout) as caught:
+            await vehicle.healthy(timeout=0.5)
+        text = str(caught.value)
+        assert text.startswith("being ready to arm asked of 1/1: not in 0.5 s: ")
+        expected = "System not initialised" if kind[1] == ARDUPILOT else "ekf2 missing data"
+        assert expected in text
+
+    fly(kind, scenario, ready=False)
+
+
+FAULTS = [
+    (ARDUPILOT, "gps off", ["GPS 1: Bad fix", "Need Position Estimate", "GPS has no 3D fix (0 satellites)"]),
+    (ARDUPILOT, "compass 120", ["Compass 1 not healthy"]),
+    (ARDUPILOT, "radio off", ["radio control receiver is not healthy", "Throttle below failsafe"]),
+    (ARDUPILOT, "battery 5", ["Battery 1 low voltage failsafe"]),
+    (PX4, "gps off", ["No valid global position estimate", "GPS has no 3D fix (0 satellites)"]),
+    (PX4, "compass 120", ["heading estimate invalid", "compass does not fit the estimate"]),
+    (PX4, "battery 10", ["battery 0 is low (10 %)"]),
+    (PX4, "battery 6", ["battery 0 is critically low (6 %)"]),
+    (PX4, "battery 2", ["battery 0 is almost empty (2 %)"]),
+]
+
+
+def quiet_with_battery_limits(simulated):
+    whisper(simulated)
+    if simulated.firmware == ARDUPILOT:
+        simulated.parameters.set("BATT_LOW_VOLT", 15.5)
+
+
+@pytest.mark.parametrize(("firmware", "fault", "reasons"), FAULTS, ids=[f"{f}-{n}" for f, n, _ in FAULTS])
+def test_a_fault_is_told_in_words_and_ends_with_it(firmware, fault, reasons):
+    async def scenario(world, vehicle):
+        await vehicle.healthy(timeout=30)
+        if firmware == ARDUPILOT:
+            await vehicle.set_mode("GUIDED")
+        world.simulated.faults.inject(fault)
+        await world.until(lambda: vehicle.health().ready is False)
+        with pytest.raises(HealthTimeout) as caught:
+            await vehicle.healthy(timeout=12)
+        found = texts_of(vehicle.health())
+        assert set(reasons) <= set(found)
+        assert len(found) == len(set(found))
+        for reason in reasons:
+            assert reason in str(caught.value)
+        kind, _, _ = fault.partition(" ")
+        world.simulated.faults.inject(
+            {"compass": "compass 0", "battery": "battery 100"}.get(kind, f"{kind} on")
+        )
+        assert (await vehicle.healthy(timeout=60)).ready
+        await world.until(lambda: not set(reasons) & set(texts_of(vehicle.health())), within=3)
+
+    fly((VehicleType.COPTER, firmware), scenario, prepare=quiet_with_battery_limits)
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=named)
+def test_it_works_over_a_link_that_loses_packets(kind):
+    async def scenario(world, vehicle):
+        assert (await vehicle.healthy(timeout=60)).ready
+
+    fly(kind, scenario, ready=False, loss=0.3, latency=0.2, seed=3)
+
+
+def test_a_silent_vehicle_is_told_as_silent():
+    async def scenario(world, vehicle):
+        await vehicle.healthy(timeout=30)
+        world.simulated.faults.inject("link off")
+        await asyncio.sleep(20)
+        health = vehicle.health()
+        assert health.ready is None
+        assert texts_of(health)[-1].startswith("it is silent for ")
+        with pytest.raises(RemoteTimeout, match=r"does not say whether it is ready; .*it is silent"):
+            await vehicle.healthy(timeout=5)
+
+    fly(COPTERS[0], scenario)
+
+
+def test_an_arming_that_is_refused_leaves_its_reason():
+    async def scenario(world, vehicle):
+        world.simulated.faults.inject("battery 2")
+        await asyncio.sleep(20)
+        with pytest.raises(CommandDenied):
+            await vehicle.arm()
+        assert vehicle.health().ready is False
+
+    fly(COPTERS[1], scenario)
+
+
+# Scripted: each message by itself
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "message", "ready"),
+    [
+        (AP, NOT_READY, False),
+        (AP, READY, True),
+        (AP, status(enabled=0), None),
+        (PX, status(enabled=0), False),
+        (PX, status(enabled=0, health=BIT.PREARM_CHECK), True),
+        (common.MavAutopilot.GENERIC, status(enabled=0), None),
+    ],
+)
+def test_ready_is_what_the_vehicle_says(autopilot, message, ready):
+    async def scenario(stage):
+        assert stage.vehicle.health().ready is None
+        stage.heartbeat(autopilot)
+        assert stage.vehicle.health().ready is None
+        stage.hear(message)
+        assert stage.vehicle.health().ready is ready
+
+    on_stage(scenario)
+
+
+def test_what_it_said_long_ago_does_not_count():
+    async def scenario(stage):
+        stage.heartbeat()
+        stage.hear(READY)
+        for _ in range(40):
+            await asyncio.sleep(1)
+            stage.heartbeat()
+        assert stage.vehicle.health().ready is None
+
+    on_stage(scenario)
+
+
+PROBLEMS = [
+    (status(BIT.PREARM_CHECK), "its checks before arming fail, and it has not said which", "SYS_STATUS"),
+    (
+        status(BIT.SENSOR_3D_MAG | BIT.SENSOR_3D_GYRO, BIT.SENSOR_3D_GYRO),
+        "compass is not healthy",
+        "SYS_STATUS",
+    ),
+    (
+        status(0, onboard_control_sensors_enabled_extended=1),
+        "parachute is not healthy",
+        "SYS_STATUS",
+    ),
+    (common.GpsRawInt(fix_type=2, satellites_visible=5), "GPS has no 3D fix (5 satellites)", "GPS_RAW_INT"),
+    (common.GpsRawInt(fix_type=1, satellites_visible=255), "GPS has no 3D fix", "GPS_RAW_INT"),
+    (common.GpsRawInt(fix_type=0), "no GPS receiver is heard", "GPS_RAW_INT"),
+    (
+        ardupilotmega.EkfStatusReport(ESTIMATED & ~EKF.POS_HORIZ_ABS),
+        "horizontal position is not estimated",
+        "EKF_STATUS_REPORT",
+    ),
+    (
+        ardupilotmega.EkfStatusReport(EKF.UNINITIALIZED),
+        "the estimator is not initialised",
+        "EKF_STATUS_REPORT",
+    ),
+    (ardupilotmega.EkfStatusReport(ESTIMATED | EKF.GPS_GLITCHING), "GPS glitches", "EKF_STATUS_REPORT"),
+    (
+        ardupilotmega.EkfStatusReport(ESTIMATED, compass_variance=1.5),
+        "compass does not fit the estimate",
+        "EKF_STATUS_REPORT",
+    ),
+    (common.EstimatorStatus(flags=ESTIMATED | 1024), "GPS glitches", "ESTIMATOR_STATUS"),
+    (common.EstimatorStatus(flags=ESTIMATED | 2048), "the accelerometer is not believed", "ESTIMATOR_STATUS"),
+    (
+        common.EstimatorStatus(flags=ESTIMATED, mag_ratio=2),
+        "compass does not fit the estimate",
+        "ESTIMATOR_STATUS",
+    ),
+    (common.BatteryStatus(charge_state=2, battery_remaining=14), "battery 0 is low (14 %)", "BATTERY_STATUS"),
+    (common.BatteryStatus(id=1, fault_bitmask=4), "battery 1 reports a fault", "BATTERY_STATUS"),
+    (
+        common.Heartbeat(2, 3, system_status=common.MavState.CALIBRATING),
+        "it is being calibrated",
+        "HEARTBEAT",
+    ),
+    (common.Statustext(text="PreArm: RC not calibrated"), "RC not calibrated", "STATUSTEXT"),
+    (common.Statustext(text="Arm: Throttle too high"), "Throttle too high", "STATUSTEXT"),
+    (common.Statustext(text="Preflight Fail: Gyro 0 fault"), "Gyro 0 fault", "STATUSTEXT"),
+    (common.Statustext(text="Arming denied: not landed"), "not landed", "STATUSTEXT"),
+]
+
+
+@pytest.mark.parametrize(("message", "text", "source"), PROBLEMS, ids=[text for _, text, _ in PROBLEMS])
+def test_each_message_is_put_into_words(message, text, source):
+    async def scenario(stage):
+        stage.heartbeat()
+        stage.hear(message)
+        problems = stage.vehicle.health().problems
+        assert [(problem.text, problem.source) for problem in problems] == [(text, source)]
+        assert text in str(stage.vehicle.health())
+
+    on_stage(scenario)
+
+
+def test_all_is_well():
+    async def scenario(stage):
+        stage.heartbeat(system_status=common.MavState.STANDBY)
+        stage.hear(
+            status(BIT.PREARM_CHECK | BIT.SENSOR_GPS, BIT.PREARM_CHECK | BIT.SENSOR_GPS),
+            common.GpsRawInt(fix_type=3, satellites_visible=12),
+            ardupilotmega.EkfStatusReport(ESTIMATED, 0.1, 0.1, 0.1, 0.1),
+            common.BatteryStatus(charge_state=1, battery_remaining=90),
+            common.Statustext(text="EKF3 IMU0 is using GPS"),
+        )
+        health = stage.vehicle.health()
+        assert (health.ready, health.problems, str(health)) == (True, (), "ready")
+
+    on_stage(scenario)
+
+
+def test_a_vehicle_without_gps_does_not_lack_one():
+    async def scenario(stage):
+        stage.heartbeat()
+        stage.hear(status(BIT.PREARM_CHECK, BIT.PREARM_CHECK), common.GpsRawInt(fix_type=0))
+        assert stage.vehicle.health().problems == ()
+
+    on_stage(scenario)
+
+
+def test_a_lost_fix_is_told_once():
+    async def scenario(stage):
+        stage.heartbeat()
+        stage.hear(status(BIT.SENSOR_GPS | BIT.SENSOR_3D_MAG), common.GpsRawInt(fix_type=1))
+        assert texts_of(stage.vehicle.health()) == [
+            "GPS has no 3D fix (0 satellites)",
+            "compass is not healthy",
+        ]
+
+    on_stage(scenario)
+
+
+def test_flags_of_a_vehicle_that_is_far_away():
+    async def scenario(stage):
+        stage.hear(common.HighLatency2(type=2, autopilot=PX, failure_flags=1 | 128))
+        health = stage.vehicle.health()
+        assert health.ready is None
+        assert texts_of(health) == ["GPS is not healthy", "battery is not healthy"]
+        assert {problem.source for problem in health.problems} == {"HIGH_LATENCY2"}
+
+    on_stage(scenario)
+
+
+# How long words count
+
+
+def say(stage, *texts, component=1):
+    stage.hear(*(common.Statustext(text=text) for text in texts), component=component)
+
+
+def test_ardupilots_reasons_come_in_one_go():
+    async def scenario(stage):
+        stage.heartbeat()
+        stage.hear(NOT_READY)
+        say(stage, "PreArm: one", "PreArm: two")
+        await asyncio.sleep(29)
+        stage.heartbeat()
+        stage.hear(NOT_READY)
+        assert texts_of(stage.vehicle.health()) == ["one", "two"]
+        say(stage, "PreArm: two")
+        assert texts_of(stage.vehicle.health()) == ["two"]
+        await asyncio.sleep(50)
+        stage.heartbeat()
+        stage.hear(NOT_READY)
+        assert texts_of(stage.vehicle.health()) == [
+            "its checks before arming fail, and it has not said which"
+        ]
+
+    on_stage(scenario)
+
+
+def test_px4s_reasons_count_until_it_is_ready():
+    async def scenario(stage):
+        stage.heartbeat(PX)
+        stage.hear(NOT_READY)
+        say(stage, "Preflight Fail: one")
+        stage.hear(*chunks_of("Arming denied: Resolve system health failures first", 2, 1))
+        await asyncio.sleep(20)
+        say(stage, "Preflight Fail: two")
+        await asyncio.sleep(300)
+        stage.heartbeat(PX)
+        stage.hear(NOT_READY)
+        assert texts_of(stage.vehicle.health()) == ["one", "two"]
+        say(stage, "Preflight Fail: late")
+        await asyncio.sleep(1)
+        stage.hear(READY)
+        assert stage.vehicle.health().problems == ()
+        await asyncio.sleep(1)
+        stage.hear(NOT_READY)
+        say(stage, "Preflight Fail: three")
+        assert texts_of(stage.vehicle.health()) == ["three"]
+
+    on_stage(scenario)
+
+
+def test_what_a_camera_says_is_not_its_reason():
+    async def scenario(stage):
+        stage.heartbeat()
+        stage.hear(NOT_READY)
+        say(stage, "PreArm: no film", component=common.MavComponent.CAMERA)
+        assert "no film" not in texts_of(stage.vehicle.health())
+
+    on_stage(scenario)

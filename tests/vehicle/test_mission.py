@@ -1,0 +1,229 @@
+"""Missions: flown to their end, paused, followed; with firmwares that tell their state and with older ones."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import ActionInterrupted, ActionTimeout, CommandDenied
+from mavstack.services.mission import MissionItem
+from mavstack.sim.kinds import VehicleType
+from tests.vehicle.failures.calls import ITEMS
+from tests.vehicle.failures.scripted import ARDUPILOT, CMD, PX4, play
+from tests.vehicle.world import ARDUPILOT as ARDUPILOT_SIM
+from tests.vehicle.world import PX4 as PX4_SIM
+from tests.vehicle.world import fly, named
+
+STATE = common.MissionState
+COPTERS = pytest.mark.parametrize(
+    "kind", [(VehicleType.COPTER, ARDUPILOT_SIM), (VehicleType.COPTER, PX4_SIM)], ids=named
+)
+BOTH = pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT], ids=["px4", "ardupilot"])
+
+
+def plan_for(world, ending, ardupilot):
+    """Home where ArduPilot wants it, up, around, and an ending."""
+    frame = world.simulated.body.frame
+
+    def item(command, north=0.0, east=0.0, up=15.0):
+        latitude, longitude, _ = frame.to_global(north, east, 0.0)
+        return MissionItem(command, param5=latitude, param6=longitude, param7=up)
+
+    home = [item(CMD.NAV_WAYPOINT, up=0.0)] if ardupilot else []
+    around = [item(CMD.NAV_WAYPOINT, north, east) for north, east in ((30, 0), (30, 30))]
+    last = [MissionItem(ending, frame=common.MavFrame.MISSION)] if ending == CMD.NAV_RETURN_TO_LAUNCH else [item(ending, 0, 30, 0.0)]
+    return home + [item(CMD.NAV_TAKEOFF), *around, *last]
+
+
+@COPTERS
+@pytest.mark.parametrize("ending", [CMD.NAV_RETURN_TO_LAUNCH, CMD.NAV_LAND], ids=["rtl", "land"])
+def test_flown_to_its_end(kind, ending):
+    async def scenario(world, vehicle):
+        first = 1 if kind[1] == ARDUPILOT_SIM else 0
+        await vehicle.mission.upload(plan_for(world, ending, bool(first)))
+        async with vehicle.mission.items() as passing:
+            await vehicle.mission.fly()
+            reached = [each.seq for each in passing.take()]
+        assert world.simulated.body.truth.down > -1.0
+        await world.until(lambda: vehicle.armed is False, within=20)
+        assert {first + 1, first + 2} <= set(reached)
+
+    fly(kind, scenario)
+
+
+@COPTERS
+def test_paused_and_gone_on_with(kind):
+    async def scenario(world, vehicle):
+        items = plan_for(world, CMD.NAV_RETURN_TO_LAUNCH, kind[1] == ARDUPILOT_SIM)
+        await vehicle.mission.upload(items)
+        await vehicle.arm()
+        await vehicle.mission.start()
+        await world.until(lambda: -world.simulated.body.truth.down > 12)
+        flying = asyncio.create_task(vehicle.mission.fly())
+        await asyncio.sleep(6)
+        await vehicle.mission.pause()
+        with pytest.raises(ActionInterrupted, match="the mission asked of 1/1: it changed to"):
+            await flying
+        before = world.simulated.body.truth.north
+        await asyncio.sleep(10)
+        assert abs(world.simulated.body.truth.north - before) < 12
+        await vehicle.mission.fly()
+        assert not vehicle.armed or world.simulated.body.truth.down > -1.0
+
+    fly(kind, scenario)
+
+
+async def flown(made, *, timeout=None):
+    """A mission that is under way, once it was asked for."""
+    made.script.arm()
+    await made.vehicle.mission.upload(ITEMS)
+    await asyncio.sleep(1.5)
+    flying = asyncio.create_task(made.vehicle.mission.fly(timeout=timeout))
+    await asyncio.sleep(3)
+    return flying
+
+
+def tell(made, seq, state=STATE.UNKNOWN, total=None):
+    """An older firmware's MISSION_CURRENT has no state, and counts nothing."""
+    made.script.send(
+        common.MissionCurrent(seq=seq, total=len(ITEMS) if total is None else total, mission_state=state)
+    )
+
+
+def reach(made, seq):
+    made.script.send(common.MissionItemReached(seq=seq))
+
+
+@BOTH
+def test_an_older_firmware_ends_with_its_last_item(autopilot):
+    async def scenario(made):
+        flying = await flown(made)
+        first = 1 if autopilot == ARDUPILOT else 0
+        total = len(ITEMS) - first
+        for seq in range(first, len(ITEMS)):
+            assert not flying.done()
+            tell(made, seq, total=total)
+            await asyncio.sleep(2)
+            assert not flying.done()
+            reach(made, seq)
+            await asyncio.sleep(0.5)
+        await asyncio.wait_for(flying, 3)
+
+    play(scenario, autopilot=autopilot)
+
+
+@pytest.mark.parametrize("mode", ["LAND", "RTL"])
+def test_an_older_firmware_that_lands_ends_with_its_motors(mode):
+    async def scenario(made):
+        flying = await flown(made)
+        tell(made, len(ITEMS) - 1)
+        reach(made, len(ITEMS) - 2)
+        made.script.enter(mode)
+        reach(made, len(ITEMS) - 1)
+        await asyncio.sleep(20)
+        assert not flying.done()
+        made.script.arm(False)
+        await asyncio.wait_for(flying, 3)
+
+    play(scenario)
+
+
+def test_a_vehicle_that_disarms_in_its_last_item_has_landed():
+    async def scenario(made):
+        flying = await flown(made)
+        reach(made, 0)
+        tell(made, len(ITEMS) - 1)
+        await asyncio.sleep(5)
+        assert not flying.done()
+        made.script.arm(False)
+        await asyncio.wait_for(flying, 3)
+
+    play(scenario)
+
+
+@pytest.mark.parametrize("state", [STATE.UNKNOWN, STATE.ACTIVE])
+def test_disarmed_before_the_end_is_an_interruption(state):
+    async def scenario(made):
+        flying = await flown(made)
+        reach(made, 1)
+        tell(made, 2, state)
+        await asyncio.sleep(5)
+        made.say("Crash: disarming", 0)
+        made.script.arm(False)
+        with pytest.raises(ActionInterrupted, match="it was disarmed .Crash: disarming."):
+            await flying
+
+    play(scenario)
+
+
+def test_the_state_tells_the_end():
+    async def scenario(made):
+        flying = await flown(made)
+        tell(made, 3, STATE.ACTIVE)
+        await asyncio.sleep(3)
+        tell(made, len(ITEMS) - 1, STATE.ACTIVE)
+        await asyncio.sleep(3)
+        assert not flying.done()
+        tell(made, len(ITEMS) - 1, STATE.COMPLETE)
+        await asyncio.wait_for(flying, 3)
+
+    play(scenario)
+
+
+def test_the_end_of_the_flight_before_is_not_this_ones():
+    async def scenario(made):
+        made.script.arm()
+        await made.vehicle.mission.upload(ITEMS)
+        tell(made, len(ITEMS) - 1, STATE.COMPLETE)
+        await asyncio.sleep(1.5)
+        flying = asyncio.create_task(made.vehicle.mission.fly())
+        await asyncio.sleep(10)
+        assert not flying.done()
+        tell(made, 0, STATE.ACTIVE)
+        await asyncio.sleep(2)
+        tell(made, len(ITEMS) - 1, STATE.COMPLETE)
+        await asyncio.wait_for(flying, 3)
+
+    play(scenario)
+
+
+def test_a_vehicle_that_never_tells_ends_with_the_limit():
+    async def scenario(made):
+        flying = await flown(made, timeout=40)
+        with pytest.raises(ActionTimeout, match="the mission asked of 1/1: not done in 40 s"):
+            await flying
+
+    play(scenario)
+
+
+def test_it_arms_first_and_a_refusal_ends_it():
+    async def scenario(made):
+        made.script.arm(False)
+        await made.vehicle.mission.upload(ITEMS)
+        await asyncio.sleep(1.5)
+        made.script.refuse(CMD.COMPONENT_ARM_DISARM)
+        made.script.saying = lambda: made.say("PreArm: no fix")
+        made.script.heard.clear()
+        with pytest.raises(CommandDenied, match="COMPONENT_ARM_DISARM asked of 1/1: DENIED .PreArm: no fix."):
+            await made.vehicle.mission.fly()
+        modes = [each for each in made.script.heard if getattr(each, "command", None) == CMD.DO_SET_MODE]
+        assert modes == []
+
+    play(scenario)
+
+
+def test_items_and_progress():
+    async def scenario(made):
+        async with made.vehicle.mission.items() as items:
+            tell(made, 2, STATE.ACTIVE)
+            reach(made, 1)
+            reach(made, 1)
+            reach(made, 2)
+            await asyncio.sleep(0.2)
+            assert [each.seq for each in items.take()] == [1, 2]
+        assert made.vehicle.mission.progress.seq == 2
+        assert made.vehicle.mission.progress.state == STATE.ACTIVE
+
+    play(scenario)

@@ -1,0 +1,86 @@
+"""Every type and both firmwares fly a whole mission by the API alone, all at once, and over a bad link."""
+
+from __future__ import annotations
+
+import asyncio
+from math import hypot
+
+import pytest
+
+from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.virtual import run_virtually
+from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.plans import triangle, whole_mission
+from tests.vehicle.world import ALL, named, world
+
+#: How near home it comes to rest, in metres: a plane rolls out along its course.
+HOME_WITHIN = {VehicleType.PLANE: 80.0}
+NEAR = 4.0
+#: Of a mission, in simulated seconds.
+LONGEST = 900.0
+
+
+class Flown:
+    """What became of one mission."""
+
+    def __init__(self, plan):
+        self.plan, self.reached = plan, []
+        self.downloaded = self.armed = self.away = None
+
+
+async def flown(made, system, plan):
+    flight = Flown(plan)
+    vehicle = await made.node.vehicle(system)
+    await vehicle.mission.upload(plan.items)
+    flight.downloaded = (await vehicle.mission.download()).items
+    async with vehicle.mission.items() as items:
+        await vehicle.mission.fly(timeout=LONGEST)
+        flight.reached = [item.seq for item in items.take()]
+    if not plan.kind.flies:
+        await asyncio.sleep(5)
+        await vehicle.disarm()
+    truth = made.simulation.vehicles[system - 1].body.truth
+    flight.armed, flight.away = vehicle.armed, hypot(truth.north, truth.east)
+    return flight
+
+
+def fly_all(plan_of, **weather):
+    async def whole():
+        async with world(*ALL, prepare=whisper, **weather) as made:
+            flights = [flown(made, number + 1, plan_of(*kind)) for number, kind in enumerate(ALL)]
+            return dict(zip(ALL, await asyncio.gather(*flights), strict=True))
+
+    return run_virtually(whole())
+
+
+@pytest.fixture(scope="module")
+def calm():
+    return fly_all(whole_mission)
+
+
+@pytest.fixture(scope="module")
+def bad_link():
+    return fly_all(triangle, loss=0.1, latency=0.2, seed=4)
+
+
+def check(flight):
+    first = 1 if flight.plan.firmware is Firmware.ARDUPILOT else 0  # ArduPilot's own home
+    assert list(flight.downloaded)[first:] == flight.plan.items[first:]
+    assert flight.away < HOME_WITHIN.get(flight.plan.kind, NEAR)
+    assert not flight.armed
+
+
+@pytest.mark.xdist_group("calm")
+@pytest.mark.parametrize("kind", ALL, ids=named)
+def test_a_whole_mission(calm, kind):
+    flight = calm[kind]
+    check(flight)
+    order = [seq for seq in flight.reached if seq in flight.plan.order]
+    assert order[:-1] == flight.plan.order[: len(order) - 1]
+    assert len(order) >= len(flight.plan.order) - 2
+
+
+@pytest.mark.xdist_group("bad link")
+@pytest.mark.parametrize("kind", ALL, ids=named)
+def test_over_a_link_that_loses_a_tenth_and_takes_its_time(bad_link, kind):
+    check(bad_link[kind])

@@ -1,0 +1,96 @@
+"""Simulated vehicles, and a connection to them, in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mavstack.links import Impairment, MemoryNetwork, impair
+from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.runner import Runner
+from mavstack.sim.simulation import Simulation
+from mavstack.sim.skills import run_until
+from mavstack.sim.virtual import run_virtually
+from mavstack.vehicle import Connection, connect
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+
+    from mavstack.sim.vehicle import Vehicle as Simulated
+    from mavstack.vehicle import Vehicle
+
+ARDUPILOT, PX4 = Firmware.ARDUPILOT, Firmware.PX4
+Kind = tuple[VehicleType, Firmware]
+ALL: list[Kind] = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
+FLYING = [(kind, firmware) for kind, firmware in ALL if kind.flies]
+
+
+def named(kind: Kind) -> str:
+    return "-".join(kind)
+
+
+@dataclass
+class World:
+    """A simulation, the connection to its vehicles, and what is between them."""
+
+    simulation: Simulation
+    node: Connection
+    network: MemoryNetwork
+
+    @property
+    def simulated(self) -> Simulated:
+        return self.simulation.vehicles[0]
+
+    async def until(self, holds: Callable[[], bool], *, within: float = 60.0) -> None:
+        end = self.node.now() + within
+        while not holds():
+            assert self.node.now() < end, "it did not come about"
+            await asyncio.sleep(0.1)
+
+
+@asynccontextmanager
+async def world(
+    *kinds: Kind, ready: bool = True, prepare: Callable[[Simulated], None] | None = None, **weather: float
+) -> AsyncIterator[World]:
+    """Vehicles that stand at home, ready to arm, and a connection that need not have heard them yet."""
+    simulation = Simulation(seed=5)
+    for kind, firmware in kinds:
+        vehicle = simulation.add(kind, firmware)
+        if prepare is not None:
+            prepare(vehicle)
+    if ready:
+        for vehicle in simulation.vehicles:
+            run_until(simulation, lambda vehicle=vehicle: vehicle.autopilot.booted)
+        simulation.advance(simulation.now + 15.0)
+        for vehicle in simulation.vehicles:
+            vehicle.data_to_send()
+    network = MemoryNetwork()
+    link = impair(network.link(), Impairment(**weather)) if weather else network.link()
+    async with Runner(simulation) as runner:
+        await runner.connect(network.link(), simulation.vehicles)
+        running = runner.start()
+        async with connect(link) as node:
+            yield World(simulation, node, network)
+        if running.done():
+            running.result()
+
+
+def fly(
+    kind: Kind | Sequence[Kind],
+    scenario: Callable[[World, Vehicle], Awaitable[None]],
+    *,
+    ready: bool = True,
+    prepare: Callable[[Simulated], None] | None = None,
+    **weather: float,
+) -> World:
+    """Run a scenario with a vehicle (the first of several) in virtual time."""
+    kinds = [kind] if isinstance(kind[1], Firmware) else kind
+
+    async def whole() -> World:
+        async with world(*kinds, ready=ready, prepare=prepare, **weather) as made:
+            await scenario(made, await made.node.vehicle(1))
+            return made
+
+    return run_virtually(whole())
