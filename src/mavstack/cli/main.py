@@ -49,25 +49,25 @@ class Command(Protocol):
 
 COMMANDS: Final[Mapping[str, Entry]] = MappingProxyType(
     {
+        "sim": Entry("mavstack.cli.sim", "simulated vehicles that any ground station or script can fly"),
+        "demo": Entry("mavstack.cli.demo", "a simulated fleet and its live picture, with no hardware"),
         "watch": Entry(
             "mavstack.cli.watch", "live messages of a link or a file: rates, values, link quality"
-        ),
-        "shell": Entry(
-            "mavstack.cli.shell", "interactive console: mode, arm, takeoff, wp, param, fence, ftp, log …"
         ),
         "vehicle": Entry(
             "mavstack.cli.vehicle", "one thing asked of a vehicle: arm, takeoff, goto, mode, info …"
         ),
         "param": Entry("mavstack.cli.param", "a vehicle's parameters: list, get, set, save, load, diff"),
-        "ftp": Entry("mavstack.cli.ftp", "the files on a vehicle: ls, get, put, rm, mkdir, rename, crc"),
-        "log": Entry("mavstack.cli.log", "the logs on a vehicle: list, get, erase"),
         "mission": Entry(
             "mavstack.cli.mission", "missions, fences, rally points: upload, download, show, convert, start"
         ),
+        "ftp": Entry("mavstack.cli.ftp", "the files on a vehicle: ls, get, put, rm, mkdir, rename, crc"),
+        "log": Entry("mavstack.cli.log", "the logs on a vehicle: list, get, erase"),
+        "shell": Entry(
+            "mavstack.cli.shell", "interactive console: mode, arm, takeoff, wp, param, fence, ftp, log …"
+        ),
         "dialect": Entry("mavstack.cli.dialect", "list, show, check, compare and import message definitions"),
         "doctor": Entry("mavstack.cli.doctor", "what is installed and working"),
-        "sim": Entry("mavstack.cli.sim", "simulated vehicles that any ground station or script can fly"),
-        "demo": Entry("mavstack.cli.demo", "a simulated fleet and its live picture, with no hardware"),
     }
 )
 
@@ -82,7 +82,9 @@ usage: mav COMMAND …
 
 examples:
   mav demo
-  mav watch udpin://0.0.0.0:14550
+  mav sim
+  mav vehicle info --url udpin://0.0.0.0:14550
+  mav shell udpin://0.0.0.0:14550
   mav watch flight.tlog --once
   mav dialect show common ATTITUDE
 """
