@@ -7,6 +7,7 @@ from math import atan2, hypot, remainder, tau
 
 import pytest
 
+from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported, CommandDenied
 from mavstack.sim.kinds import VehicleType
 from tests.vehicle.world import ALL, ARDUPILOT, FLYING, PX4, fly, named
@@ -100,9 +101,10 @@ def test_a_copter_lands_where_it_is(kind):
 @pytest.mark.parametrize("radius", [15.0, -15.0])
 def test_an_orbit(kind, radius):
     async def scenario(world, vehicle):
-        world.simulated.autopilot.radio.move(3, 1500)  # in CIRCLE, ArduPilot climbs and sinks by it
         await vehicle.arm()
         await vehicle.takeoff(15)
+        world.simulated.autopilot.radio.move(3, 1500)  # in CIRCLE, ArduPilot climbs and sinks by it
+        await asyncio.sleep(1)
         await vehicle.orbit(*place(world, 30.0, 0.0), 15, radius=radius, speed=4)
         before = bearing(world, 30.0)
         for _ in range(6):

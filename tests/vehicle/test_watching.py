@@ -40,7 +40,9 @@ def test_it_looks_at_each_message_that_comes():
     play(scenario)
 
 
-@pytest.mark.parametrize(("step", "every", "goes_on"), [(0.6, 20.0, True), (0.4, 60.0, False), (-1, 5, False)])
+@pytest.mark.parametrize(
+    ("step", "every", "goes_on"), [(0.6, 20.0, True), (0.4, 60.0, False), (-1, 5, False)]
+)
 def test_progress_renews_patience(step, every, goes_on):
     async def scenario(made):
         begun = made.node.now()

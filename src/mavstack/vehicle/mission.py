@@ -104,6 +104,7 @@ class Mission(PlanOf):
         ending = Ending(vehicle)
         async with Watch(vehicle) as watch, self.items() as reached:
             if not vehicle.armed:
+                await with_reasons(vehicle, vehicle.firmware.become_armable())
                 await vehicle.arm()
             await self.start()
             aim = Aim(

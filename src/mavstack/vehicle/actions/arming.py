@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.errors import ActionTimeout, ContactLost, RemoteCancelled, RemoteError
+from mavstack.errors import ActionTimeout, CommandDenied, ContactLost, RemoteCancelled, RemoteTimeout
 from mavstack.services.heartbeat import ComponentFound, ComponentLost, ComponentRebooted, ComponentReturned
 from mavstack.vehicle.reasons import with_reasons
 from mavstack.vehicle.watching import Aim, Watch
@@ -45,7 +45,7 @@ async def reboot(vehicle: Vehicle, *, wait: bool) -> None:
     It may be gone before its acknowledgement comes: then it is not asked again, lest it reboots once more.
     """
     if wait and vehicle.age(common.SystemTime) is None:
-        with suppress(RemoteError):
+        with suppress(CommandDenied, RemoteTimeout):
             await vehicle.next(common.SystemTime, timeout=CLOCK_PATIENCE)
     kinds: tuple[type[_News], ...] = (ComponentLost, *_BACK)
     async with vehicle.node.events(*kinds) as events:

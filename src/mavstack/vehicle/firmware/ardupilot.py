@@ -30,6 +30,8 @@ _HOLDING: Final[Mapping[VehicleClass, str]] = MappingProxyType(
         VehicleClass.SUB: "POSHOLD",
     }
 )
+#: In these a copter or a rover cannot be armed, and stays when it has landed or come home.
+_NOT_ARMABLE: Final = frozenset({"rtl", "smart_rtl", "land", "brake", "circle"})
 _LANDING: Final[Mapping[VehicleClass, str]] = MappingProxyType(
     {VehicleClass.COPTER: "LAND", VehicleClass.VTOL: "QLAND"}
 )
@@ -135,6 +137,10 @@ class ArduPilot(Firmware):
         if (self.vehicle.mode or "").lower() not in _GUIDED:
             await self.guide()
         await self.command(CMD.CONDITION_YAW, heading % 360.0, 0, 0, 0)
+
+    async def become_armable(self) -> None:
+        if (self.vehicle.mode or "").lower() in _NOT_ARMABLE:
+            await self.guide()
 
     async def start_mission(self) -> None:
         """AUTO, and on the ground the command to begin: a copter would wait for the pilot's throttle."""

@@ -96,6 +96,9 @@ class Firmware:
         """Turn to a heading in degrees."""
         await self.command(CMD.CONDITION_YAW, heading, 0, 0, 0)
 
+    async def become_armable(self) -> None:
+        """Leave a mode in which it does not let itself be armed, such as the one that it landed in."""
+
     async def start_mission(self) -> None:
         """Fly the mission, armed or to be armed."""
         await self.set_standard_mode(_STANDARD.MISSION)
