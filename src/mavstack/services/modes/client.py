@@ -168,7 +168,8 @@ class SetMode(_ModeProcedure[int]):
             if mode.name.casefold() == name.casefold():
                 return int(mode.custom_mode)
         known = mode_names(int(heartbeat.autopilot), int(heartbeat.type)).values()
-        names = ", ".join([*known, *(mode.name for mode in listed)]) or "none that is known"
+        told = [mode.name for mode in listed] or known
+        names = ", ".join(dict.fromkeys(told)) or "none that is known"
         raise RemoteDenied(
             self.request,
             str(self.target),

@@ -17,7 +17,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, RemoteError
+from mavstack.errors import CommandDenied, LocalProtocolError, RemoteError
 from mavstack.vehicle.actions.home import find_home, find_position
 from mavstack.vehicle.firmware.firmware import Place
 from mavstack.vehicle.geography import distance, moved
@@ -80,7 +80,12 @@ async def takeoff(vehicle: Vehicle, altitude: float, *, wait: bool, limit: float
         armed=True,
         limit=limit,
     )
-    await _see_through(vehicle, vehicle.firmware.takeoff(altitude), lambda: aim, wait=wait)
+    try:
+        await _see_through(vehicle, vehicle.firmware.takeoff(altitude), lambda: aim, wait=wait)
+    except CommandDenied as error:
+        if vehicle.armed is False:
+            error.said = error.said or ("it is disarmed",)  # for which ArduPilot has no text
+        raise
 
 
 async def land(vehicle: Vehicle, *, wait: bool, limit: float | None) -> None:

@@ -30,7 +30,7 @@ _HOLDING: Final[Mapping[VehicleClass, str]] = MappingProxyType(
         VehicleClass.SUB: "POSHOLD",
     }
 )
-#: In these a copter or a rover cannot be armed, and stays when it has landed or come home.
+#: In these a copter or a rover cannot be armed, though it stays in them when it has come home.
 _NOT_ARMABLE: Final = frozenset({"rtl", "smart_rtl", "land", "brake", "circle"})
 _LANDING: Final[Mapping[VehicleClass, str]] = MappingProxyType(
     {VehicleClass.COPTER: "LAND", VehicleClass.VTOL: "QLAND"}
@@ -139,7 +139,8 @@ class ArduPilot(Firmware):
         await self.command(CMD.CONDITION_YAW, heading % 360.0, 0, 0, 0)
 
     async def become_armable(self) -> None:
-        if (self.vehicle.mode or "").lower() in _NOT_ARMABLE:
+        mode = (self.vehicle.mode or "").lower()
+        if mode in _NOT_ARMABLE or (mode == "auto" and self.kind is VehicleClass.COPTER):
             await self.guide()
 
     async def start_mission(self) -> None:
@@ -149,12 +150,14 @@ class ArduPilot(Firmware):
             await self.command(CMD.MISSION_START)
 
     def _check_throttle(self) -> None:
-        """In CIRCLE a copter climbs and sinks by the pilot's throttle, as far as there is one: to the ground."""
+        """In CIRCLE a copter climbs and sinks by the pilot's throttle, if there is one, to the ground."""
         rc, channel = self.vehicle.rc, self.vehicle.params.known.get("RCMAP_THROTTLE")
         number = _THROTTLE if channel is None else int(channel.value)
         pulse = rc.channels[number - 1] if rc is not None and number <= len(rc.channels) else None
         if pulse is not None and abs(pulse - _MIDDLE) > _DEAD_ZONE:
-            answer = f"its throttle stick is at {pulse} us, and it would climb or sink by it; centre the stick"
+            answer = (
+                f"its throttle stick is at {pulse} us, and it would climb or sink by it; centre the stick"
+            )
             raise ActionUnsupported(f"{self.vehicle.address} cannot orbit now: {answer}")
 
     async def _loiter(self, place: Place, radius: float) -> None:

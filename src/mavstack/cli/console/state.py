@@ -1,0 +1,31 @@
+"""Where the shell keeps what lasts: the user's state directory, as each system has it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Final
+
+_HISTORY: Final = "shell_history"
+
+
+def state_directory() -> Path:
+    """The directory; it may not exist yet."""
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
+        return Path(base) / "mavstack"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "mavstack"
+    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "mavstack"
+
+
+def history_file() -> Path | None:
+    """The file of lines that were typed, readable for the user alone; None if there can be none."""
+    try:
+        path = state_directory() / _HISTORY
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch(mode=0o600)
+    except (OSError, RuntimeError):  # RuntimeError: there is no home directory
+        return None
+    return path

@@ -1,0 +1,35 @@
+"""The terminal while a command runs."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_LOCAL_FLAGS = 3  # their place in what tcgetattr gives
+
+
+@contextmanager
+def without_echo() -> Iterator[None]:
+    """Typed letters are kept for the next line and not shown; Ctrl-C works. It takes termios."""
+    try:
+        import termios
+
+        descriptor = sys.stdin.fileno()
+        before = termios.tcgetattr(descriptor)
+    except (ImportError, OSError, ValueError, AttributeError):
+        yield
+        return
+    except termios.error:  # not a terminal
+        yield
+        return
+    quiet = list(before)
+    quiet[_LOCAL_FLAGS] &= ~termios.ECHO
+    termios.tcsetattr(descriptor, termios.TCSANOW, quiet)
+    try:
+        yield
+    finally:
+        termios.tcsetattr(descriptor, termios.TCSANOW, before)

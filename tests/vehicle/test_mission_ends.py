@@ -1,0 +1,42 @@
+"""A mission that ends with a return is over when the vehicle is home, and can be flown again."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.services.mission import MissionItem, Plan
+from mavstack.sim.kinds import VehicleType
+from tests.vehicle.world import ARDUPILOT, PX4, fly, named
+
+CMD = common.MavCmd
+COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
+
+
+def there_and_back(world, firmware):
+    frame = world.simulated.body.frame
+
+    def item(command, north, up):
+        latitude, longitude, _ = frame.to_global(north, 0.0, 0.0)
+        return MissionItem(command, param5=latitude, param6=longitude, param7=up)
+
+    home = [item(CMD.NAV_WAYPOINT, 0.0, 0.0)] if firmware is ARDUPILOT else []
+    returning = MissionItem(CMD.NAV_RETURN_TO_LAUNCH, frame=common.MavFrame.MISSION)
+    flown = [item(CMD.NAV_TAKEOFF, 0.0, 10.0), item(CMD.NAV_WAYPOINT, 25.0, 10.0), returning]
+    return Plan.of([*home, *flown])
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=named)
+def test_it_is_over_when_the_vehicle_has_returned_and_can_be_flown_again(kind):
+    async def scenario(world, vehicle):
+        await vehicle.mission.upload(there_and_back(world, kind[1]))
+        for _ in range(2):
+            async with vehicle.mission.items() as items:
+                await vehicle.mission.fly()
+                reached = [each.seq for each in items.take()]
+            assert not world.simulated.autopilot.armed
+            assert -world.simulated.body.truth.down < 0.5
+            assert reached == sorted(set(reached))  # each once, though PX4 says each eleven times
+            assert len(reached) >= 2
+
+    fly(kind, scenario)
