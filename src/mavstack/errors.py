@@ -234,7 +234,7 @@ class ContactLost(RemoteTimeout):
 
 
 class ActionInterrupted(RemoteError):
-    """A vehicle took on what it was asked, and then did something else: a failsafe, a pilot, another station."""
+    """A vehicle took on what it was asked, then did something else: a failsafe, a pilot, another station."""
 
 
 class ActionUnsupported(LocalProtocolError):

@@ -82,7 +82,7 @@ class Service:
     def receive(self, packet: Packet, now: float) -> bool | None:
         """Take a packet whose id is in `handles`; its message is never None.
 
-        False says that nothing has changed: there is nothing to send, no event, and the same `next_timeout` and
+        False says that nothing has changed: nothing to send, no event, and the same `next_timeout` and
         `handles` as before. A service that hears much tells it and spares everyone to look.
         """
         return None

@@ -822,9 +822,16 @@ class Mission(PlanOf):
         """Arm if need be, start, and wait for the end; a mission that lands ends with the motors."""
 
 class Ending:
-    """Whether a mission is over, and what it ended with has been done."""
+    """Whether a mission is over, and what it ended with has been done.
+
+    A mode is in it if the mission goes on in it: the one in which a vehicle waits when all is done only at
+    the end, since before that it is a pause.
+    """
 
     def __init__(self, vehicle: Vehicle) -> None:
+        ...
+
+    def __contains__(self, mode: object) -> bool:
         ...
 
     def left(self) -> float | None:
@@ -904,6 +911,9 @@ class Vehicle(Values):
 
     def goto(self, latitude: float, longitude: float, altitude: float | None=..., *, yaw: float | None=..., radius: float | None=..., wait: bool=..., timeout: float | None=...) -> None:
         """Go to a place, at the altitude that it has if none is given; a wing circles it with the radius."""
+
+    def move(self, north: float=..., east: float=..., up: float=..., *, wait: bool=..., timeout: float | None=...) -> None:
+        """Go so many metres from where it is."""
 
     def orbit(self, latitude: float, longitude: float, altitude: float | None=..., *, radius: float=..., speed: float | None=..., wait: bool=..., timeout: float | None=...) -> None:
         """Circle a place, counter-clockwise if the radius is negative; done when it is on the circle."""

@@ -135,6 +135,7 @@ class Ending:
         self._standing = Lasting(vehicle, STANDS)
         self._running = False
         self._over_at: float | None = None
+        self._furthest = 0
         self._reached: set[int] = set()
 
     def __contains__(self, mode: object) -> bool:
@@ -160,7 +161,9 @@ class Ending:
             told = progress.state != _STATE.UNKNOWN
             finished = progress.state == _STATE.COMPLETE if told else last in self._reached
             done = finished or left_it
-            if done or (self._vehicle.armed is False and progress.seq >= last):
+            # ArduPilot begins anew when it is disarmed, and may say that first.
+            self._furthest = max(self._furthest, progress.seq)
+            if done or (self._vehicle.armed is False and self._furthest >= last):
                 self._over_at = self._over_at or self._vehicle.node.now()
         return self._over_at is not None and self._has_settled(self._over_at)
 

@@ -38,7 +38,7 @@ _LANDING: Final[Mapping[VehicleClass, str]] = MappingProxyType(
 #: CIRCLE_OPTIONS: the circle's centre is where the mode is entered.
 _CENTRE_IS_HERE: Final = 4
 _CENTIMETRES: Final = 100.0
-#: The throttle's channel, where RCMAP_THROTTLE does not say else, its middle, and how far from it is still it.
+#: The throttle's channel, where RCMAP_THROTTLE does not say else, its middle, how far from it is still it.
 _THROTTLE: Final = 3
 _MIDDLE: Final = 1500
 _DEAD_ZONE: Final = 100
@@ -150,7 +150,7 @@ class ArduPilot(Firmware):
             await self.command(CMD.MISSION_START)
 
     def _check_throttle(self) -> None:
-        """In CIRCLE a copter climbs and sinks by the pilot's throttle, if there is one, to the ground."""
+        """In CIRCLE a copter climbs and sinks by the pilot's throttle, if there is one."""
         rc, channel = self.vehicle.rc, self.vehicle.params.known.get("RCMAP_THROTTLE")
         number = _THROTTLE if channel is None else int(channel.value)
         pulse = rc.channels[number - 1] if rc is not None and number <= len(rc.channels) else None

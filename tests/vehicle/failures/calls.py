@@ -1,0 +1,352 @@
+"""Every call of the vehicle API that waits, and how it fails: one row each."""
+
+from __future__ import annotations
+
+from mavstack.dialects import common
+from mavstack.errors import (
+    ActionTimeout,
+    CommandTimeout,
+    HealthTimeout,
+    LogTimeout,
+    MessageTimeout,
+    MissionTimeout,
+    ModeTimeout,
+    ParameterDenied,
+    ParameterTimeout,
+    RemoteDenied,
+)
+from tests.vehicle.failures.rows import (
+    FALLING_BACK,
+    FTP,
+    ITEMS,
+    MISSION_RESULT,
+    PARAM,
+    PLACE,
+    Call,
+    command,
+    file,
+    keeps_logs,
+    mode,
+    no_plan,
+    nothing,
+    plan,
+    rate,
+    read_only,
+)
+from tests.vehicle.failures.scripted import CMD, Scene
+
+
+async def up(scene: Scene) -> None:
+    scene.script.altitude = 0.0
+
+
+async def disarmed(scene: Scene) -> None:
+    scene.script.arm(False)
+
+
+async def with_mission(scene: Scene) -> None:
+    await scene.vehicle.mission.upload(ITEMS)
+
+
+async def in_mission(scene: Scene) -> None:
+    await with_mission(scene)
+    scene.script.enter("MISSION")
+
+
+async def not_ready(scene: Scene) -> None:
+    scene.script.ready = False
+
+
+async def guided(scene: Scene) -> None:
+    async with scene.vehicle.guided():
+        pass
+
+
+async def leave_guided(scene: Scene) -> None:
+    guidance = scene.guidance
+    await guidance.__aexit__(None, None, None)
+
+
+async def enter_guided(scene: Scene) -> None:
+    scene.guidance = scene.vehicle.guided()
+    await scene.guidance.__aenter__()
+
+
+async def first(scene: Scene) -> None:
+    async with scene.vehicle.stream(common.Attitude) as messages:
+        await anext(messages)
+
+
+async def stream_at_rate(scene: Scene) -> None:
+    async with scene.vehicle.stream(common.Attitude, rate=5.0):
+        pass
+
+
+async def speak(scene: Scene) -> None:
+    async with scene.vehicle.shell() as shell:
+        await anext(shell)
+
+
+async def open_shell(scene: Scene) -> None:
+    async with scene.vehicle.shell():
+        pass
+
+
+NOT_WAITED = "it asks, and does not wait for what comes of it"
+VEHICLE = [
+    command(
+        "Vehicle.arm",
+        lambda s: s.vehicle.arm(),
+        CMD.COMPONENT_ARM_DISARM,
+        stuck=(ActionTimeout, "arming asked of 1/1: not done in 10 s"),
+        armed=False,
+    ),
+    command(
+        "Vehicle.disarm",
+        lambda s: s.vehicle.disarm(),
+        CMD.COMPONENT_ARM_DISARM,
+        stuck=(ActionTimeout, "disarming asked of 1/1: not done in 10 s"),
+    ),
+    mode("Vehicle.set_mode", lambda s: s.vehicle.set_mode("RTL")),
+    command(
+        "Vehicle.takeoff",
+        lambda s: s.vehicle.takeoff(30),
+        CMD.NAV_TAKEOFF,
+        stuck=(ActionTimeout, "takeoff to 30 m asked of 1/1: got no further for 30 s, 30 m to go"),
+        interrupted=True,
+        before=up,
+    ),
+    command(
+        "Vehicle.land",
+        lambda s: s.vehicle.land(),
+        CMD.NAV_LAND,
+        stuck=(ActionTimeout, "landing asked of 1/1: got no further for 30 s, 20 m to go"),
+        interrupted=True,
+    ),
+    command(
+        "Vehicle.rtl",
+        lambda s: s.vehicle.rtl(),
+        CMD.NAV_RETURN_TO_LAUNCH,
+        stuck=(ActionTimeout, "return asked of 1/1: got no further for 90 s, 20 m to go"),
+        interrupted=True,
+    ),
+    mode("Vehicle.hold", lambda s: s.vehicle.hold(), before=in_mission),
+    command(
+        "Vehicle.goto",
+        lambda s: s.vehicle.goto(*PLACE),
+        CMD.DO_REPOSITION,
+        stuck=(ActionTimeout, "going to 47.399000, 8.547000 asked of 1/1: got no further for 30 s, 18"),
+        interrupted=True,
+    ),
+    command(
+        "Vehicle.move",
+        lambda s: s.vehicle.move(north=100),
+        CMD.DO_REPOSITION,
+        stuck=(ActionTimeout, "asked of 1/1: got no further for 30 s, 100 m to go"),
+        interrupted=True,
+    ),
+    command(
+        "Vehicle.orbit",
+        lambda s: s.vehicle.orbit(*PLACE),
+        CMD.DO_ORBIT,
+        stuck=(ActionTimeout, "orbit of 20 m asked of 1/1: got no further for 30 s"),
+        interrupted=True,
+    ),
+    command("Vehicle.set_speed", lambda s: s.vehicle.set_speed(5), CMD.DO_CHANGE_SPEED, why_not=NOT_WAITED),
+    command(
+        "Vehicle.set_yaw",
+        lambda s: s.vehicle.set_yaw(90),
+        CMD.DO_REPOSITION,
+        stuck=(ActionTimeout, "turning to 90 degrees asked of 1/1: got no further for 30 s, 90 degrees"),
+        interrupted=True,
+    ),
+    command("Vehicle.set_home", lambda s: s.vehicle.set_home(), CMD.DO_SET_HOME, why_not=NOT_WAITED),
+    command(
+        "Vehicle.reboot",
+        lambda s: s.vehicle.reboot(),
+        CMD.PREFLIGHT_REBOOT_SHUTDOWN,
+        silent=ActionTimeout,
+        stuck=(ActionTimeout, "reboot asked of 1/1: did not come back in 60 s"),
+    ),
+    Call(
+        "Vehicle.healthy",
+        lambda s: s.vehicle.healthy(),
+        silent=HealthTimeout,
+        stuck=(HealthTimeout, "being ready to arm asked of 1/1: not in 60 s: not ready"),
+        before=not_ready,
+        why_not="nothing is asked that could be refused",
+    ),
+    rate(
+        "Vehicle.next",
+        lambda s: s.vehicle.next(common.Attitude),
+        4,
+        silent=MessageTimeout,
+    ),
+    rate(
+        "Vehicle.set_rate",
+        lambda s: s.vehicle.set_rate(common.Attitude, 5.0),
+        5,
+        why_not=NOT_WAITED,
+    ),
+]
+TELEMETRY = [
+    rate(
+        "Telemetry.next",
+        lambda s: s.vehicle.telemetry.next(common.Attitude),
+        4,
+        silent=MessageTimeout,
+    ),
+    rate(
+        "Telemetry.set_rate",
+        lambda s: s.vehicle.telemetry.set_rate(common.Attitude, 5.0),
+        5,
+        why_not=NOT_WAITED,
+    ),
+    Call(
+        "Telemetry.ensure",
+        lambda s: s.vehicle.telemetry.ensure(common.Attitude, 5.0),
+        silent=None,
+        why_not="it tells by False that the vehicle refused or is silent",
+    ),
+    Call(
+        "Telemetry.ask_for_home",
+        lambda s: s.vehicle.telemetry.ask_for_home(),
+        silent=None,
+        why_not="it remembers that the vehicle has none to tell",
+    ),
+    Call("Telemetry.close", lambda s: s.vehicle.telemetry.close(), silent=None, why_not="nothing is asked"),
+    rate("Stream.__anext__", first, 4, silent=None, why_not="it waits for what may come"),
+    Call("Stream.__aenter__", stream_at_rate, silent=None, why_not="it asks while others read"),
+    Call("Stream.__aexit__", stream_at_rate, silent=None, why_not="it does not wait for the vehicle"),
+]
+MISSION = [
+    plan("Mission.upload", lambda s: s.vehicle.mission.upload(ITEMS), "uploading the mission"),
+    plan(
+        "Mission.download",
+        lambda s: s.vehicle.mission.download(),
+        "downloading the mission",
+        refuse=no_plan,
+        codes=(MISSION_RESULT.UNSUPPORTED,),
+        before=with_mission,
+    ),
+    plan("Mission.clear", lambda s: s.vehicle.mission.clear(), "clearing the mission", before=with_mission),
+    command(
+        "Mission.set_current",
+        lambda s: s.vehicle.mission.set_current(3),
+        CMD.DO_SET_MISSION_CURRENT,
+        codes=FALLING_BACK,
+        silent=MissionTimeout,
+        before=with_mission,
+        why_not=NOT_WAITED,
+    ),
+    mode("Mission.start", lambda s: s.vehicle.mission.start(), before=with_mission),
+    mode("Mission.pause", lambda s: s.vehicle.mission.pause(), before=in_mission),
+    mode(
+        "Mission.fly",
+        lambda s: s.vehicle.mission.fly(timeout=50),
+        before=with_mission,
+        stuck=(ModeTimeout, "accepted, but not entered"),
+        interrupted=True,
+    ),
+    plan("PlanOf.upload", lambda s: s.vehicle.fence.upload(ITEMS), "uploading the fence"),
+    plan(
+        "PlanOf.download",
+        lambda s: s.vehicle.rally.download(),
+        "downloading the rally points",
+        refuse=no_plan,
+        codes=(MISSION_RESULT.UNSUPPORTED,),
+    ),
+    plan("PlanOf.clear", lambda s: s.vehicle.fence.clear(), "clearing the fence"),
+]
+GUIDANCE = [
+    mode("Guidance.__aenter__", guided),
+    mode("Guidance.__aexit__", leave_guided, before=enter_guided),
+]
+PARAMETERS = [
+    Call(
+        "Parameters.get",
+        lambda s: s.vehicle.params.get("NO_SUCH"),
+        "parameter NO_SUCH",
+        nothing,
+        ParameterDenied,
+        (PARAM.DOES_NOT_EXIST,),
+        waits=False,
+        silent=ParameterTimeout,
+    ),
+    Call(
+        "Parameters.set",
+        lambda s: s.vehicle.params.set("P_00", 7),
+        "P_00",
+        read_only,
+        ParameterDenied,
+        (PARAM.READ_ONLY,),
+        waits=False,
+        silent=ParameterTimeout,
+    ),
+    Call(
+        "Parameters.fetch",
+        lambda s: s.vehicle.params.fetch(),
+        silent=ParameterTimeout,
+        why_not="a list is not refused, only single parameters are",
+    ),
+]
+FILES = [
+    file("Files.list", lambda s: s.vehicle.ftp.list("/none"), "/none"),
+    file("Files.read", lambda s: s.vehicle.ftp.read("/none"), "/none"),
+    file("Files.write", lambda s: s.vehicle.ftp.write("/logs", b"x" * 900), "/logs", FTP.FAILERRNO),
+    file("Files.checksum", lambda s: s.vehicle.ftp.checksum("/none"), "/none"),
+    file("Files.remove", lambda s: s.vehicle.ftp.remove("/none"), "/none"),
+    file("Files.rename", lambda s: s.vehicle.ftp.rename("/none", "/some"), "/none"),
+    file("Files.truncate", lambda s: s.vehicle.ftp.truncate("/none", 4), "/none"),
+    file("Files.make_directory", lambda s: s.vehicle.ftp.make_directory("/logs"), "/logs", FTP.FILEEXISTS),
+    file("Files.remove_directory", lambda s: s.vehicle.ftp.remove_directory("/none"), "/none"),
+]
+LOGS = [
+    Call(
+        "Logs.list",
+        lambda s: s.vehicle.logs.list(),
+        silent=LogTimeout,
+        why_not="a vehicle that does not want to list its logs says nothing",
+    ),
+    Call(
+        "Logs.download",
+        lambda s: s.vehicle.logs.download(9),
+        "log 9",
+        nothing,
+        RemoteDenied,
+        (0,),
+        waits=False,
+        silent=LogTimeout,
+    ),
+    Call(
+        "Logs.erase",
+        lambda s: s.vehicle.logs.erase(),
+        "erasing all logs",
+        keeps_logs,
+        RemoteDenied,
+        (0,),
+        waits=False,
+        silent=LogTimeout,
+    ),
+]
+MODES = [
+    mode("Modes.set", lambda s: s.vehicle.modes.set("RTL"), waits=False),
+    command(
+        "Modes.set_standard",
+        lambda s: s.vehicle.modes.set_standard(common.MavStandardMode.MISSION),
+        CMD.DO_SET_STANDARD_MODE,
+        waits=False,
+    ),
+    Call(
+        "Modes.list",
+        lambda s: s.vehicle.modes.list(),
+        silent=CommandTimeout,
+        why_not="those of PX4 and ArduPilot are known without being told",
+    ),
+]
+SHELL = [
+    Call("Shell.__anext__", speak, silent=None, why_not="it waits for what a shell says, if it ever does"),
+    Call("Shell.__aenter__", open_shell, silent=None, why_not="nobody acknowledges the opening of a shell"),
+    Call("Shell.__aexit__", open_shell, silent=None, why_not="nobody acknowledges the closing of a shell"),
+]
+CALLS = [*VEHICLE, *TELEMETRY, *MISSION, *GUIDANCE, *PARAMETERS, *FILES, *LOGS, *MODES, *SHELL]

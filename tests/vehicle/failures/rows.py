@@ -1,0 +1,129 @@
+"""What a row about one call says: how the vehicle refuses, and what is then raised; what a silent vehicle
+leads to, and what one that accepts and does nothing. Where a call cannot fail so, the row says why not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
+
+from mavstack.dialects import common
+from mavstack.errors import (
+    CommandDenied,
+    CommandTimeout,
+    FileDenied,
+    FileTimeout,
+    MissionDenied,
+    MissionTimeout,
+    ModeTimeout,
+    RemoteDenied,
+    RemoteError,
+)
+from mavstack.services.mission import MissionItem
+from tests.vehicle.failures.scripted import CMD, RESULT, Scene
+
+Do = Callable[[Scene], Awaitable[Any]]
+
+MISSION_RESULT, FTP, PARAM = common.MavMissionResult, common.MavFtpErr, common.MavParamError
+#: What a firmware that knows the command answers if it does not want to.
+CODES = (RESULT.DENIED, RESULT.TEMPORARILY_REJECTED, RESULT.FAILED, RESULT.UNSUPPORTED)
+#: UNSUPPORTED is answered with an older way.
+FALLING_BACK = CODES[:3]
+ITEMS = [MissionItem(CMD.NAV_WAYPOINT, param5=47.4, param6=8.55, param7=20.0) for _ in range(8)]
+PLACE = (47.3990, 8.5470, 25.0)
+
+
+@dataclass(frozen=True)
+class Call:
+    """One call: `do` makes it, and the rest says how it fails."""
+
+    name: str
+    do: Do
+    #: What the error names.
+    asked: str = ""
+    refuse: Callable[[Scene, int], None] | None = None
+    denied: type[RemoteDenied] = CommandDenied
+    codes: tuple[int, ...] = CODES
+    #: Whether a refusal waits for a reason that is told after it.
+    waits: bool = True
+    #: What a vehicle that says nothing leads to.
+    silent: type[RemoteError] | None = CommandTimeout
+    #: What one that accepts and does nothing leads to, and what is then said.
+    stuck: tuple[type[RemoteError], str] | None = None
+    #: Whether it ends at once if the vehicle does something else.
+    interrupted: bool = False
+    #: What is to be done beforehand.
+    before: Do | None = None
+    armed: bool = True
+    #: Why it does not fail in the ways that are not given.
+    why_not: str = ""
+
+
+def command(name: str, do: Do, number: int, *, codes: tuple[int, ...] = CODES, **more: Any) -> Call:
+    """A call that asks for a command."""
+    asked = CMD(number).official_name.removeprefix("MAV_CMD_")
+
+    def refuse(scene: Scene, code: int) -> None:
+        scene.script.refuse(number, result=code)
+
+    return Call(name, do, asked, refuse, codes=codes, **more)
+
+
+def rate(name: str, do: Do, hertz: int, **more: Any) -> Call:
+    """A call that asks for messages at a rate."""
+
+    def refuse(scene: Scene, code: int) -> None:
+        scene.script.refuse(CMD.SET_MESSAGE_INTERVAL, result=code)
+
+    asked = f"ATTITUDE at {hertz} Hz"
+    return Call(name, do, asked, refuse, codes=FALLING_BACK, waits=False, **more)
+
+
+def mode(name: str, do: Do, **more: Any) -> Call:
+    """A call that asks for a mode."""
+    more = {"silent": ModeTimeout, "stuck": (ModeTimeout, "accepted, but not entered")} | more
+    return command(name, do, CMD.DO_SET_MODE, codes=FALLING_BACK, **more)
+
+
+def plan(name: str, do: Do, asked: str, **more: Any) -> Call:
+    """A call that transfers a plan."""
+    codes = (MISSION_RESULT.DENIED, MISSION_RESULT.UNSUPPORTED_FRAME, MISSION_RESULT.INVALID_PARAM5_X)
+
+    def refuse(scene: Scene, code: int) -> None:
+        scene.script.refuse_plans(code)
+
+    base: dict[str, Any] = {
+        "refuse": refuse,
+        "denied": MissionDenied,
+        "codes": codes,
+        "silent": MissionTimeout,
+    }
+    return Call(name, do, asked, **base | more)
+
+
+def no_plan(scene: Scene, code: int) -> None:
+    scene.script.mission.limits.clear()
+
+
+def file(name: str, do: Do, asked: str, code: int | None = FTP.FILENOTFOUND, **more: Any) -> Call:
+    """A call that works on a file that is not there, or not allowed."""
+    if code is None:
+        return Call(name, do, asked, silent=FileTimeout, **more)
+    return Call(name, do, asked, nothing, FileDenied, (code,), waits=False, silent=FileTimeout, **more)
+
+
+def nothing(scene: Scene, code: int) -> None:
+    """What is asked for is refused by itself."""
+
+
+def read_only(scene: Scene, code: int) -> None:
+    scene.script.parameters.table["P_00"].read_only = True
+
+
+def keeps_logs(scene: Scene, code: int) -> None:
+    scene.script.logs.erase = lambda: None
+
+
+def named(call: Call) -> str:
+    return call.name

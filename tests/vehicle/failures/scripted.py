@@ -1,0 +1,299 @@
+"""An autopilot that does what a test has it do: refuse and say why, accept and not act, fall silent."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.links import Impairment, MemoryNetwork, impair
+from mavstack.services import Service, message_ids
+from mavstack.services.log import LogServer
+from mavstack.services.modes import ModeServer, mode_names, mode_number, modes_of
+from mavstack.services.statustext import chunks_of
+from mavstack.sim.virtual import run_virtually
+from mavstack.vehicle import connect
+from tests.node.vehicle import MODES
+from tests.node.vehicle import Vehicle as Everything
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+    from mavstack.dialects import Message
+    from mavstack.vehicle import Connection, Vehicle
+
+CMD, RESULT, SEVERITY = common.MavCmd, common.MavResult, common.MavSeverity
+PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
+ARMED = common.MavModeFlag.SAFETY_ARMED | common.MavModeFlag.CUSTOM_MODE_ENABLED
+#: What it is asked for by the way, and not what a test is about.
+BY_THE_WAY = (
+    common.Heartbeat,
+    common.Ping,
+    common.Timesync,
+    common.MissionAck,
+)
+#: Commands that it accepts, and for some the mode that PX4 enters for them.
+ACCEPTED = {
+    CMD.COMPONENT_ARM_DISARM: None,
+    CMD.NAV_TAKEOFF: "TAKEOFF",
+    CMD.NAV_LAND: "LAND",
+    CMD.NAV_RETURN_TO_LAUNCH: "RTL",
+    CMD.DO_REPOSITION: "LOITER",
+    CMD.DO_ORBIT: "ORBIT",
+    CMD.DO_CHANGE_SPEED: None,
+    CMD.DO_SET_HOME: None,
+    CMD.CONDITION_YAW: None,
+    CMD.DO_LAND_START: None,
+    CMD.MISSION_START: None,
+    CMD.PREFLIGHT_REBOOT_SHUTDOWN: None,
+    CMD.RUN_PREARM_CHECKS: None,
+}
+#: What else than a command can be asked for and be refused.
+ASKED_FOR = (
+    *(common.MissionCount, common.MissionRequestList, common.MissionClearAll, common.MissionSetCurrent),
+    *(common.ParamSet, common.ParamRequestRead, common.ParamRequestList),
+    *(common.FileTransferProtocol, common.LogRequestList, common.LogRequestData, common.LogErase),
+)
+
+
+class Sayer(Service):
+    """Says a text before anything else answers a request."""
+
+    handles = message_ids(*ASKED_FOR)
+
+    def __init__(self, local) -> None:
+        super().__init__(local)
+        self.text = ""
+
+    def receive(self, packet, now) -> None:
+        if self.text:
+            for chunk in chunks_of(self.text, SEVERITY.CRITICAL, 77):
+                self.send(chunk)
+            self.text = ""
+
+
+class Scripted(Everything):
+    """It stands on the ground, or at `altitude`, and moves only if a test moves it."""
+
+    def __init__(self, *links, autopilot=PX4, kind=common.MavType.QUADROTOR) -> None:
+        super().__init__(*links, autopilot=autopilot if autopilot in MODES else PX4)
+        self.beacon.type, self.beacon.autopilot = kind, autopilot
+        self.logs_server = next(each for each in self.engine._services if isinstance(each, LogServer))
+        self._offer_modes(autopilot, kind)
+        self.refused: dict[int, int] = {}
+        self.saying: Callable[[], None] = lambda: None
+        self.acts = True  # else it acknowledges, and does nothing
+        self.silent = False
+        self.altitude, self.heading = 20.0, 0.0
+        self.latitude, self.longitude = 47.397742, 8.545594
+        self.landed = common.MavLandedState.IN_AIR
+        self.ready = True
+        self.heard: list[Message] = []
+        self.told_home = True
+        self._support()
+        self._tell()
+        self._speak_first()
+        self.listen(lambda packet: self.heard.append(packet.message))
+        self._mute()
+        if mode_number(autopilot, kind, "LOITER") is not None:
+            self.enter("LOITER")
+
+    requests = ASKED_FOR
+
+    # What a test has it do
+
+    def enter(self, mode: str) -> None:
+        """Be in a mode, whoever wanted it."""
+        number = mode_number(self.beacon.autopilot, self.beacon.type, mode)
+        assert number is not None, mode
+        self.modes._current = self.modes._named(number)
+        self._show_mode(number)
+
+    def arm(self, armed: bool = True) -> None:
+        self.beacon.base_mode = ARMED if armed else common.MavModeFlag.CUSTOM_MODE_ENABLED
+        self._soon()
+
+    def refuse(self, *commands: int, result: int = RESULT.DENIED) -> None:
+        self.refused |= dict.fromkeys(map(int, commands), result)
+
+    def refuse_plans(self, result: int) -> None:
+        self.mission._validate = lambda plan, source: result
+
+    def asked(self, *without: type[Message]) -> list[Message]:
+        """What it was asked since `heard` was emptied, without what belongs to any connection."""
+        return [message for message in self.heard if not isinstance(message, BY_THE_WAY + without)]
+
+    # Within
+
+    def _offer_modes(self, autopilot, kind) -> None:
+        names = list(mode_names(autopilot, kind)) or MODES[PX4]
+        self.engine.remove(self.modes)
+        standard = {
+            0x03040000: common.MavStandardMode.POSITION_HOLD,
+            0x04040000: common.MavStandardMode.MISSION,
+        }
+        offered = modes_of(autopilot, kind, names, standard)
+        self.modes = self.serve(ModeServer(self.address, offered, names[0], autopilot=autopilot))
+        self.modes.register(self.commands.server)
+
+    def _support(self) -> None:
+        server = self.commands.server
+        for command, mode in ACCEPTED.items():
+            server.support(command, lambda request, mode=mode: self._do(request, mode))
+        self.mission.answer_commands(server, self.engine.touch)
+        for command in server.supported:
+            server.support(command, self._unless_refused(server.handler_of(command)))
+
+    def _unless_refused(self, handler):
+        def answer(request):
+            result = self.refused.get(int(request.command.command))
+            if result is None:
+                return handler(request)
+            self.saying()
+            return common.MavResult(result)
+
+        return answer
+
+    def _do(self, request, mode):
+        if request.command.command == CMD.COMPONENT_ARM_DISARM and self.acts:
+            self.arm(request.command.param1 == 1)
+        if mode and self.acts and self.beacon.autopilot == PX4:
+            self.enter(mode)
+        return RESULT.ACCEPTED
+
+    def _tell(self) -> None:
+        self.provide(common.GlobalPositionInt, self._position, interval=0.25)
+        self.provide(
+            common.ExtendedSysState,
+            lambda now: common.ExtendedSysState(landed_state=self.landed),
+            interval=0.5,
+        )
+        self.provide(common.SysStatus, self._status, interval=0.5)
+        self.provide(common.HomePosition, self._home)
+
+    def _position(self, now):
+        return common.GlobalPositionInt(
+            lat=round(self.latitude * 1e7),
+            lon=round(self.longitude * 1e7),
+            alt=round((self.altitude + 488) * 1000),
+            relative_alt=round(self.altitude * 1000),
+            hdg=round(self.heading * 100),
+        )
+
+    def _status(self, now):
+        check = common.MavSysStatusSensor.PREARM_CHECK
+        health = check if self.ready else 0
+        return common.SysStatus(
+            onboard_control_sensors_present=check,
+            onboard_control_sensors_enabled=check,
+            onboard_control_sensors_health=health,
+        )
+
+    def _home(self, now):
+        if not self.told_home:
+            return None
+        return common.HomePosition(
+            latitude=round(47.397742 * 1e7), longitude=round(8.545594 * 1e7), altitude=488_000
+        )
+
+    def _speak_first(self) -> None:
+        services = tuple(self.engine._services)
+        for service in services:
+            self.engine.remove(service)
+        self.sayer = Sayer(self.address)
+        for service in (self.sayer, *services):
+            self.serve(service)
+
+    def _mute(self) -> None:
+        said = self.engine.data_to_send
+        self.engine.data_to_send = lambda now: [each for each in said(now) if not self.silent]
+
+    def _happened(self, event, service=None) -> None:
+        if type(event).__name__ == "ModeChanged":
+            if self.acts:
+                self._show_mode(self.modes.current.custom_mode)
+            return
+        super()._happened(event, service)
+
+    def _show_mode(self, number: int) -> None:
+        self.beacon.custom_mode = number
+        self._soon()
+
+    def _soon(self) -> None:
+        if self.is_open:
+            self.beacon.soon(self.now())
+            self.changed(self.beacon)
+
+
+@dataclass
+class Scene:
+    """A scripted autopilot, and the connection and the vehicle that a program has."""
+
+    script: Scripted
+    node: Connection
+    vehicle: Vehicle
+    listening: set = field(default_factory=set)
+
+    def say(self, text: str, severity: int = SEVERITY.CRITICAL, after: float = 0.0) -> None:
+        """Have it tell people something, now or a while later."""
+        if after:
+            asyncio.get_running_loop().call_later(after, self.script.say, text, severity)
+        else:
+            self.script.say(text, severity)
+
+    def watch_registers(self) -> None:
+        """Count from now on who listens to packets."""
+        packets = self.node._packets
+        listen, forget = packets.listen, packets.forget
+        self.listening = set()
+
+        def listen_counted(*args):
+            listening = listen(*args)
+            self.listening.add(listening)
+            return listening
+
+        def forget_counted(listening):
+            self.listening.discard(listening)
+            forget(listening)
+
+        packets.listen, packets.forget = listen_counted, forget_counted
+
+    def registers(self) -> dict[str, int]:
+        """How many listen to the connection, and what goes on there."""
+        node = self.node
+        return {
+            "listening": len(self.listening),
+            "subscriptions": len(node._packets._open),
+            "events": len(node._events._open),
+            "services": len(node.engine._services),
+            "waiting": len(node.driver._waiting),
+            "tasks": len(asyncio.all_tasks()),
+        }
+
+
+@asynccontextmanager
+async def scene(
+    latency: float = 0.0, network: MemoryNetwork | None = None, **options
+) -> AsyncIterator[Scene]:
+    """A scripted autopilot whose connection has heard what it tells by itself."""
+    network = network or MemoryNetwork()
+    link = impair(network.link(), Impairment(latency=latency)) if latency else network.link()
+    async with Scripted(network.link(), **options) as script, connect(link) as node:
+        vehicle = await node.vehicle(1)
+        await asyncio.sleep(1.0 + 2 * latency)
+        script.heard.clear()
+        made = Scene(script, node, vehicle)
+        made.watch_registers()
+        yield made
+
+
+def play(scenario: Callable[[Scene], Awaitable[None]], **options) -> None:
+    """Run a scenario in virtual time."""
+
+    async def whole() -> None:
+        async with scene(**options) as made:
+            await scenario(made)
+
+    run_virtually(whole())

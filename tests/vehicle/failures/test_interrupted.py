@@ -1,0 +1,158 @@
+"""A vehicle that does something else in the middle of an action: a failsafe, a pilot, another station."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import ActionInterrupted
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node
+from tests.vehicle.failures.calls import CALLS, enter_guided
+from tests.vehicle.failures.rows import named
+from tests.vehicle.failures.scripted import ARDUPILOT, PX4, Scene, play, run_virtually, scene
+
+WATCHED = [call for call in CALLS if call.interrupted]
+#: Landing and returning end with the motors off; where it turns, it need not be armed.
+MAY_DISARM = {"Vehicle.land", "Vehicle.rtl", "Vehicle.set_yaw"}
+WHAT = {
+    "Vehicle.takeoff": "takeoff to 30 m",
+    "Vehicle.land": "landing",
+    "Vehicle.rtl": "return",
+    "Vehicle.goto": "going to 47.399000, 8.547000",
+    "Vehicle.move": "going to 47.398641, 8.545594",
+    "Vehicle.orbit": "orbit of 20 m",
+    "Vehicle.set_yaw": "turning to 90 degrees",
+    "Mission.fly": "the mission",
+}
+#: Of ArduPilot, those that are one step; an orbit begins with going there.
+ARDUPILOT_CALLS = [call for call in WATCHED if call.name != "Mission.fly"]
+
+
+async def interrupted(made: Scene, call, happens) -> ActionInterrupted:
+    made.script.arm()
+    if call.before:
+        await call.before(made)
+    await asyncio.sleep(1.5)
+    loop = asyncio.get_running_loop()
+    loop.call_later(5.0, made.script.say, "Failsafe: battery", 2)
+    loop.call_later(5.2, happens)
+    begun = made.node.now()
+    with pytest.raises(ActionInterrupted) as error:
+        await call.do(made)
+    assert 6 < made.node.now() - begun < 10
+    return error.value
+
+
+@pytest.mark.parametrize("call", WATCHED, ids=named)
+def test_another_mode(call):
+    async def scenario(made):
+        error = await interrupted(made, call, lambda: made.script.enter("ALTCTL"))
+        assert str(error) == f"{WHAT[call.name]} asked of 1/1: it changed to ALTCTL (Failsafe: battery)"
+        assert error.said == ("Failsafe: battery",)
+
+    play(scenario, autopilot=PX4)
+
+
+@pytest.mark.parametrize("call", ARDUPILOT_CALLS, ids=named)
+def test_another_mode_of_ardupilots(call):
+    async def scenario(made):
+        error = await interrupted(made, call, lambda: made.script.enter("STABILIZE"))
+        what = WHAT["Vehicle.goto"] if call.name == "Vehicle.orbit" else WHAT[call.name]
+        assert str(error) == f"{what} asked of 1/1: it changed to STABILIZE (Failsafe: battery)"
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+@pytest.mark.parametrize("call", [call for call in WATCHED if call.name not in MAY_DISARM], ids=named)
+def test_disarmed_in_the_air(call):
+    async def scenario(made):
+        error = await interrupted(made, call, lambda: made.script.arm(False))
+        assert str(error) == f"{WHAT[call.name]} asked of 1/1: it was disarmed (Failsafe: battery)"
+
+    play(scenario)
+
+
+@pytest.mark.parametrize("call", [call for call in WATCHED if call.name in MAY_DISARM], ids=named)
+def test_disarming_ends_a_landing(call):
+    async def scenario(made):
+        made.script.arm()
+        await asyncio.sleep(1.5)
+        loop = asyncio.get_running_loop()
+        loop.call_later(5.0, made.script.arm, False)
+        loop.call_later(9.0, setattr, made.script, "heading", 90.0)
+        begun = made.node.now()
+        await call.do(made)
+        assert 5 <= made.node.now() - begun < 10
+
+    play(scenario)
+
+
+@pytest.mark.parametrize("call", WATCHED, ids=named)
+def test_a_mode_for_a_moment_is_no_interruption(call):
+    """Some change their mode before they tell that an action has ended."""
+
+    async def scenario(made):
+        made.script.arm()
+        if call.before:
+            await call.before(made)
+        await asyncio.sleep(1.5)
+        doing = asyncio.create_task(call.do(made))
+        await asyncio.sleep(6)
+        mode = made.vehicle.mode
+        made.script.enter("ALTCTL")
+        await asyncio.sleep(1.0)
+        made.script.enter(mode)
+        await asyncio.sleep(6)
+        assert not doing.done()
+        doing.cancel()
+        await asyncio.gather(doing, return_exceptions=True)
+
+    play(scenario)
+
+
+def test_another_station_takes_over():
+    async def whole() -> None:
+        network = MemoryNetwork()
+        async with scene(network=network) as made, Node(network.link(), system=254) as other:
+            made.script.arm()
+            await asyncio.sleep(1.5)
+            going = asyncio.create_task(made.vehicle.goto(47.5, 8.5, 30))
+            await asyncio.sleep(6)
+            theirs = await other.autopilot()
+            await theirs.modes.set("RTL")
+            with pytest.raises(ActionInterrupted, match="it changed to RTL"):
+                await going
+
+    run_virtually(whole())
+
+
+def test_the_next_setpoint_tells_that_guidance_was_interrupted():
+    async def scenario(made):
+        made.script.arm()
+        await enter_guided(made)
+        guidance = made.guidance
+        guidance.velocity(north=1)
+        made.say("Failsafe: no RC")
+        made.script.enter("RTL")
+        await asyncio.sleep(0.5)
+        assert guidance.interrupted
+        for order in (
+            lambda: guidance.velocity(1),
+            lambda: guidance.body_velocity(1),
+            lambda: guidance.position(1, 2, -3),
+            lambda: guidance.goto(47, 8, 20),
+            lambda: guidance.attitude(0, 0, 0, 0.5),
+            guidance.check,
+        ):
+            with pytest.raises(ActionInterrupted) as error:
+                order()
+            assert str(error.value) == "following setpoints asked of 1/1: it changed to RTL (Failsafe: no RC)"
+        made.script.heard.clear()
+        await guidance.__aexit__(None, None, None)
+        assert not [each for each in made.script.heard if isinstance(each, common.CommandLong)]
+        assert made.vehicle.mode == "RTL"
+
+    play(scenario)

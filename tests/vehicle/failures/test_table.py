@@ -1,0 +1,40 @@
+"""No call of the vehicle API is without a row."""
+
+from __future__ import annotations
+
+from inspect import iscoroutinefunction
+
+from mavstack.node.files import Files
+from mavstack.node.logs import Logs
+from mavstack.node.modes import Modes
+from mavstack.node.parameters import Parameters
+from mavstack.node.shell import Shell
+from mavstack.vehicle import Vehicle
+from mavstack.vehicle.guidance import Guidance
+from mavstack.vehicle.mission import Mission, PlanOf
+from mavstack.vehicle.telemetry import Stream, Telemetry
+from tests.vehicle.failures.calls import CALLS
+
+FACES = (
+    *(Vehicle, Telemetry, Stream, Mission, PlanOf, Guidance),
+    *(Parameters, Files, Logs, Modes, Shell),
+)
+
+
+def calls_of(face):
+    special = {"__aenter__", "__aexit__", "__anext__"}
+    names = [name for name in dir(face) if name in special or not name.startswith("_")]
+    return {f"{face.__name__}.{name}" for name in names if iscoroutinefunction(getattr(face, name))}
+
+
+def test_every_call_has_a_row():
+    wanted = set().union(*map(calls_of, FACES))
+    rows = [call.name for call in CALLS]
+    assert len(wanted) > 50
+    assert set(rows) == wanted
+    assert len(rows) == len(set(rows))
+
+
+def test_what_a_call_cannot_come_to_has_a_reason():
+    for call in CALLS:
+        assert call.why_not or (call.refuse and call.silent), call.name

@@ -1,0 +1,44 @@
+"""What a vehicle is asked, as plain tuples that a test can spell out."""
+
+from __future__ import annotations
+
+from math import isnan
+
+from mavstack.dialects import common
+from tests.vehicle.failures.scripted import CMD, Scene
+
+LONG, INT = "long", "int"
+HERE = (47.397742, 8.545594)
+THERE = (47.3990, 8.5470)
+#: How its rates are asked for is not how its firmware is.
+_RATES = (CMD.SET_MESSAGE_INTERVAL,)
+NAN = "nan"
+
+
+def plain(number: float) -> float | str:
+    return NAN if isnan(number) else round(number, 5)
+
+
+def asked_of(made: Scene) -> list[tuple]:
+    """Commands, settings of parameters and setpoints, in their order."""
+    found: list[tuple] = []
+    for message in made.script.heard:
+        match message:
+            case common.CommandLong(command=command) if command not in _RATES:
+                params = [getattr(message, f"param{number}") for number in range(1, 8)]
+                found.append((LONG, command.name, *map(plain, params)))
+            case common.CommandInt(command=command) if command not in _RATES:
+                params = [getattr(message, f"param{number}") for number in range(1, 5)]
+                place = (message.x / 1e7, message.y / 1e7, message.z)
+                found.append((INT, command.name, message.frame.name, *map(plain, (*params, *place))))
+            case common.ParamSet():
+                found.append(("set", message.param_id, round(message.param_value, 3)))
+            case common.SetPositionTargetGlobalInt():
+                place = (message.lat_int / 1e7, message.lon_int / 1e7, message.alt)
+                found.append(("setpoint", message.coordinate_frame.name, *map(plain, place)))
+    return found
+
+
+def mode(number: float, sub: float = 0) -> tuple:
+    """DO_SET_MODE with the flag that says that the mode is one of the firmware's own."""
+    return (LONG, "DO_SET_MODE", 1, number, sub, 0, 0, 0, 0)

@@ -1,0 +1,189 @@
+"""What ArduPilot is asked: modes, altitudes above home, and other modes for each class of vehicle."""
+
+from __future__ import annotations
+
+import asyncio
+from math import degrees
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import ActionUnsupported, CommandDenied
+from mavstack.vehicle.firmware.ardupilot import ArduPilot
+from tests.vehicle.failures.scripted import ARDUPILOT, CMD, RESULT, play
+from tests.vehicle.firmware.asked import HERE, INT, LONG, NAN, THERE, asked_of, mode
+
+TYPE = common.MavType
+COPTER, PLANE, VTOL = TYPE.QUADROTOR, TYPE.FIXED_WING, TYPE.VTOL_FIXEDROTOR
+ROVER, BOAT, SUB = TYPE.GROUND_ROVER, TYPE.SURFACE_BOAT, TYPE.SUBMARINE
+GUIDED = {COPTER: 4, PLANE: 15, VTOL: 15, ROVER: 15, BOAT: 15, SUB: 4}
+MISSION_START = (LONG, "MISSION_START", 0, 0, 0, 0, 0, 0, 0)
+
+
+def reposition(*params):
+    return (INT, "DO_REPOSITION", "GLOBAL_RELATIVE_ALT", -1, 1, *params)
+
+
+def takeoff(altitude):
+    return (LONG, "NAV_TAKEOFF", 0, 0, 0, 0, 0, 0, altitude)
+
+
+ASKED = [
+    (COPTER, "takeoff", lambda v: v.takeoff(12, wait=False), [mode(4), takeoff(12)]),
+    (VTOL, "takeoff", lambda v: v.takeoff(30, wait=False), [mode(15), takeoff(30)]),
+    (COPTER, "land", lambda v: v.land(wait=False), [mode(9)]),
+    (VTOL, "land", lambda v: v.land(wait=False), [mode(20)]),
+    (PLANE, "land", lambda v: v.land(wait=False), [(LONG, "DO_LAND_START", 0, 0, 0, 0, 0, 0, 0)]),
+    (COPTER, "rtl", lambda v: v.rtl(wait=False), [mode(6)]),
+    (PLANE, "rtl", lambda v: v.rtl(wait=False), [mode(11)]),
+    (ROVER, "rtl", lambda v: v.rtl(wait=False), [mode(11)]),
+    (COPTER, "hold", lambda v: v.hold(), [mode(17)]),
+    (PLANE, "hold", lambda v: v.hold(), [mode(12)]),
+    (VTOL, "hold", lambda v: v.hold(), [mode(12)]),
+    (ROVER, "hold", lambda v: v.hold(), [mode(4)]),
+    (BOAT, "hold", lambda v: v.hold(), [mode(5)]),
+    (SUB, "hold", lambda v: v.hold(), [mode(16)]),
+    (COPTER, "goto", lambda v: v.goto(*THERE, 30, wait=False), [mode(4), reposition(0, 0, *THERE, 30)]),
+    (COPTER, "as high", lambda v: v.goto(*THERE, wait=False), [mode(4), reposition(0, 0, *THERE, 20)]),
+    (
+        PLANE,
+        "goto",
+        lambda v: v.goto(*THERE, 80, yaw=90, radius=70, wait=False),
+        [mode(15), reposition(70, 0, *THERE, 80)],
+    ),
+    (
+        COPTER,
+        "goto and turn",
+        lambda v: v.goto(*THERE, 30, yaw=180, wait=False),
+        [mode(4), reposition(0, -3.14159, *THERE, 30), (LONG, "CONDITION_YAW", 180, 0, 0, 0, 0, 0, 0)],
+    ),
+    (PLANE, "orbit", lambda v: v.orbit(*THERE, 80, wait=False), [mode(15), reposition(20, 0, *THERE, 80)]),
+    (
+        VTOL,
+        "orbit the other way round",
+        lambda v: v.orbit(*THERE, radius=-90, wait=False),
+        [mode(15), reposition(90, 1, *THERE, 20)],
+    ),
+    (
+        COPTER,
+        "turn",
+        lambda v: v.set_yaw(-90, wait=False),
+        [mode(4), (LONG, "CONDITION_YAW", 270, 0, 0, 0, 0, 0, 0)],
+    ),
+    (COPTER, "mission", lambda v: v.mission.start(), [mode(3), MISSION_START]),
+    (ROVER, "mission", lambda v: v.mission.start(), [mode(10), MISSION_START]),
+    (PLANE, "mission", lambda v: v.mission.start(), [mode(10)]),
+    (COPTER, "pause", lambda v: v.mission.pause(), [mode(17)]),
+    (
+        COPTER,
+        "home there",
+        lambda v: v.set_home(*THERE, 500),
+        [
+            (INT, "DO_SET_HOME", "GLOBAL", 0, 0, 0, NAN, *THERE, 500),
+            (LONG, "REQUEST_MESSAGE", 242, 0, 0, 0, 0, 0, 0),
+        ],
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("kind", "act", "wanted"),
+    [(kind, act, wanted) for kind, _, act, wanted in ASKED],
+    ids=[f"{kind.name} {action}" for kind, action, *_ in ASKED],
+)
+def test_each_class(kind, act, wanted):
+    async def scenario(made):
+        await act(made.vehicle)
+        assert asked_of(made) == wanted
+        assert type(made.vehicle.firmware) is ArduPilot
+
+    play(scenario, autopilot=ARDUPILOT, kind=kind)
+
+
+UNSUPPORTED = [
+    *((kind, "take off", lambda v: v.takeoff(5)) for kind in (ROVER, BOAT, SUB)),
+    *((kind, "land", lambda v: v.land()) for kind in (ROVER, BOAT, SUB)),
+    *((kind, "orbit", lambda v: v.orbit(*HERE)) for kind in (ROVER, BOAT, SUB)),
+    (PLANE, "turn on the spot", lambda v: v.set_yaw(90)),
+    (SUB, "return by itself", lambda v: v.rtl()),
+]
+
+
+@pytest.mark.parametrize(("kind", "what", "act"), UNSUPPORTED)
+def test_what_it_cannot_do_is_not_asked(kind, what, act):
+    async def scenario(made):
+        with pytest.raises(ActionUnsupported, match=rf"cannot {what} \(asked of 1/1\)"):
+            await act(made.vehicle)
+        assert asked_of(made) == []
+
+    play(scenario, autopilot=ARDUPILOT, kind=kind)
+
+
+def test_a_plane_takes_off_by_its_mode():
+    async def scenario(made):
+        made.script.parameters.add("TKOFF_ALT", 50.0)
+        await made.vehicle.takeoff(80, wait=False)
+        asked = [each for each in asked_of(made) if each[1] != "REQUEST_MESSAGE"]
+        assert asked == [("set", "TKOFF_ALT", 80), mode(13)]
+
+    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+
+
+def test_an_older_version_is_sent_there_by_a_setpoint():
+    async def scenario(made):
+        made.script.refuse(CMD.DO_REPOSITION, result=RESULT.UNSUPPORTED)
+        await made.vehicle.goto(*THERE, 30, wait=False)
+        await asyncio.sleep(0.1)
+        assert asked_of(made)[-1] == ("setpoint", "GLOBAL_RELATIVE_ALT_INT", *THERE, 30)
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+def test_what_is_denied_is_not_tried_by_a_setpoint():
+    async def scenario(made):
+        made.script.refuse(CMD.DO_REPOSITION, result=RESULT.DENIED)
+        with pytest.raises(CommandDenied):
+            await made.vehicle.goto(*THERE, 30, wait=False)
+        assert not [each for each in asked_of(made) if each[0] == "setpoint"]
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+CIRCLES = [
+    (15.0, 4.0, degrees(4 / 15)),
+    (-15.0, 4.0, -degrees(4 / 15)),
+    (-15.0, None, -20.0),
+    (15.0, None, 20.0),
+]
+
+
+@pytest.mark.parametrize(("radius", "speed", "rate"), CIRCLES)
+@pytest.mark.parametrize("older", [False, True], ids=["newer", "older"])
+def test_a_copter_circles_in_a_mode_of_its_own(radius, speed, rate, older):
+    async def scenario(made):
+        parameters = made.script.parameters
+        for name, value in (("CIRCLE_RADIUS", 1000.0), ("CIRCLE_RATE", 20.0)):
+            parameters.add(name, value)
+        if not older:
+            parameters.add("CIRCLE_OPTIONS", 1)
+        made.script.latitude, made.script.longitude = THERE  # it is there already
+        made.script.arm()
+        await asyncio.sleep(1)
+        await made.vehicle.orbit(*THERE, 20, radius=radius, speed=speed, wait=False)
+        assert parameters["CIRCLE_RADIUS"] == 1500
+        assert parameters["CIRCLE_RATE"] == pytest.approx(rate, abs=0.01)
+        if not older:
+            assert parameters["CIRCLE_OPTIONS"] == 5
+        assert asked_of(made)[-1][1::2][:2] == ("DO_SET_MODE", 7)
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+def test_it_turns_in_guided_as_it_is():
+    async def scenario(made):
+        await made.vehicle.set_mode("GUIDED")
+        made.script.heard.clear()
+        await made.vehicle.set_yaw(450, wait=False)
+        assert asked_of(made) == [(LONG, "CONDITION_YAW", 90, 0, 0, 0, 0, 0, 0)]
+
+    play(scenario, autopilot=ARDUPILOT)

@@ -1,0 +1,142 @@
+"""What PX4 is asked: commands with altitudes above the sea, and modes by main and sub mode."""
+
+from __future__ import annotations
+
+import asyncio
+from math import pi
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import ActionUnsupported
+from mavstack.vehicle.firmware.px4 import Px4
+from tests.vehicle.failures.scripted import play
+from tests.vehicle.firmware.asked import HERE, INT, LONG, NAN, THERE, asked_of, mode
+
+TYPE = common.MavType
+COPTER, PLANE, ROVER, BOAT, SUB = (
+    *(TYPE.QUADROTOR, TYPE.FIXED_WING, TYPE.GROUND_ROVER, TYPE.SURFACE_BOAT),
+    TYPE.SUBMARINE,
+)
+HOME_ALTITUDE = 488.0
+ASK_HOME = (LONG, "REQUEST_MESSAGE", 242, 0, 0, 0, 0, 0, 0)
+
+
+def reposition(*params):
+    return (INT, "DO_REPOSITION", "GLOBAL", *params)
+
+
+ASKED = {
+    "arm": (lambda v: v.arm(), [(LONG, "COMPONENT_ARM_DISARM", 1, 0, 0, 0, 0, 0, 0)]),
+    "arm by force": (lambda v: v.arm(force=True), [(LONG, "COMPONENT_ARM_DISARM", 1, 21196, 0, 0, 0, 0, 0)]),
+    "takeoff": (
+        lambda v: v.takeoff(12, wait=False),
+        [ASK_HOME, (LONG, "NAV_TAKEOFF", NAN, 0, 0, NAN, NAN, NAN, HOME_ALTITUDE + 12)],
+    ),
+    "land": (lambda v: v.land(wait=False), [(LONG, "NAV_LAND", 0, 0, 0, NAN, NAN, NAN, NAN)]),
+    "rtl": (lambda v: v.rtl(wait=False), [(LONG, "NAV_RETURN_TO_LAUNCH", 0, 0, 0, 0, 0, 0, 0)]),
+    "hold": (lambda v: v.hold(), [mode(4, 3)]),
+    "goto": (
+        lambda v: v.goto(*THERE, 30, wait=False),
+        [ASK_HOME, reposition(-1, 1, 0, NAN, *THERE, HOME_ALTITUDE + 30)],
+    ),
+    "goto at its altitude": (
+        lambda v: v.goto(*THERE, yaw=90, wait=False),
+        [reposition(-1, 1, 0, round(pi / 2, 5), *THERE, NAN)],
+    ),
+    "goto around": (
+        lambda v: v.goto(*THERE, radius=60, yaw=270, wait=False),
+        [reposition(-1, 1, 60, round(-pi / 2, 5), *THERE, NAN)],
+    ),
+    "orbit": (
+        lambda v: v.orbit(*THERE, 40, radius=-25, speed=3, wait=False),
+        [ASK_HOME, (INT, "DO_ORBIT", "GLOBAL", -25, 3, 0, NAN, *THERE, HOME_ALTITUDE + 40)],
+    ),
+    "orbit as it likes": (
+        lambda v: v.orbit(*THERE, wait=False),
+        [(INT, "DO_ORBIT", "GLOBAL", 20, NAN, 0, NAN, *THERE, NAN)],
+    ),
+    "speed": (lambda v: v.set_speed(7), [(LONG, "DO_CHANGE_SPEED", 1, 7, -1, 0, 0, 0, 0)]),
+    "home here": (lambda v: v.set_home(), [(LONG, "DO_SET_HOME", 1, 0, 0, 0, 0, 0, 0), ASK_HOME]),
+    "home there": (
+        lambda v: v.set_home(*THERE, 500),
+        [(INT, "DO_SET_HOME", "GLOBAL", 0, 0, 0, NAN, *THERE, 500), ASK_HOME],
+    ),
+    "home there, as high": (
+        lambda v: v.set_home(*THERE),
+        [ASK_HOME, (INT, "DO_SET_HOME", "GLOBAL", 0, 0, 0, NAN, *THERE, HOME_ALTITUDE), ASK_HOME],
+    ),
+    "mission": (lambda v: v.mission.start(), [mode(4, 4)]),
+    "pause": (lambda v: v.mission.pause(), [mode(4, 3)]),
+    "reboot": (lambda v: v.reboot(wait=False), [(LONG, "PREFLIGHT_REBOOT_SHUTDOWN", 1, 0, 0, 0, 0, 0, 0)]),
+}
+
+
+@pytest.mark.parametrize("action", ASKED)
+def test_a_copter(action):
+    act, wanted = ASKED[action]
+
+    async def scenario(made):
+        made.script.altitude = 10.0
+        await act(made.vehicle)
+        assert asked_of(made) == wanted
+        assert type(made.vehicle.firmware) is Px4
+
+    play(scenario)
+
+
+def test_turning_leaves_it_where_it_is():
+    async def scenario(made):
+        await made.vehicle.set_yaw(45, wait=False)
+        (asked,) = asked_of(made)
+        assert asked[:6] == ("int", "DO_REPOSITION", "GLOBAL", -1, 1, 0)
+        assert asked[6] == pytest.approx(pi / 4, abs=1e-4)
+        raw = next(message for message in made.script.heard if isinstance(message, common.CommandInt))
+        assert (raw.x, raw.y) == (0x7FFFFFFF, 0x7FFFFFFF)  # the integers that stand for none
+
+    play(scenario)
+
+
+@pytest.mark.parametrize("kind", [ROVER, BOAT, SUB])
+def test_what_drives_or_dives(kind):
+    async def scenario(made):
+        vehicle = made.vehicle
+        for action in (vehicle.takeoff(10), vehicle.land(), vehicle.orbit(*HERE)):
+            with pytest.raises(ActionUnsupported, match=r"cannot (take off|land|orbit) \(asked of 1/1\)"):
+                await action
+        assert asked_of(made) == []
+        await vehicle.goto(*THERE, wait=False)
+        assert asked_of(made) == [reposition(-1, 1, 0, NAN, *THERE, NAN)]
+
+    play(scenario, kind=kind)
+
+
+def test_a_plane_does_not_turn_on_the_spot():
+    async def scenario(made):
+        with pytest.raises(ActionUnsupported, match="a plane cannot turn on the spot"):
+            await made.vehicle.set_yaw(90)
+        assert asked_of(made) == []
+
+    play(scenario, kind=PLANE)
+
+
+def test_without_home_its_position_tells_how_high_it_is():
+    async def scenario(made):
+        made.script.told_home = False
+        await made.vehicle.takeoff(12, wait=False)
+        assert asked_of(made)[-1][-1] == pytest.approx(HOME_ALTITUDE + 12, abs=0.01)
+
+    play(scenario)
+
+
+def test_it_returns_though_home_is_not_known():
+    async def scenario(made):
+        made.script.told_home = False
+        made.script.arm()
+        asyncio.get_running_loop().call_later(100, made.script.arm, False)
+        begun = made.node.now()
+        await made.vehicle.rtl()
+        assert made.node.now() - begun == pytest.approx(100, abs=30)
+        assert asked_of(made)[0][:2] == (LONG, "NAV_RETURN_TO_LAUNCH")
+
+    play(scenario)
