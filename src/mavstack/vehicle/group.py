@@ -82,7 +82,8 @@ class Results(Mapping["Vehicle", "Result | Exception"], Generic[Result]):
 
     def __repr__(self) -> str:
         errors = {vehicle.system: error for vehicle, error in self.errors.items()}
-        return f"<Results of {self._what}: {len(self) - len(errors)} of {len(self)} did it; errors: {errors}>"
+        told = f"; errors: {errors}" if errors else ""
+        return f"<Results of {self._what}: {len(self) - len(errors)} of {len(self)} did it{told}>"
 
 
 class Group(Collection["Vehicle"]):

@@ -1,0 +1,29 @@
+"""A simulated copter follows setpoints: a circle, flown by a velocity that turns."""
+
+import asyncio
+from math import cos, sin
+
+import mavstack
+from mavstack.sim.background import Background
+
+SPEED = 5  # simulated seconds in a real one
+
+
+async def main(url: str) -> None:
+    """Take off, follow, land."""
+    async with mavstack.connect(url) as node:
+        vehicle = await node.vehicle()
+        await vehicle.healthy()
+        await vehicle.arm()
+        await vehicle.takeoff(10)
+        async with vehicle.guided() as guidance:
+            for step in range(40):
+                angle = step * 0.3
+                guidance.velocity(north=3 * cos(angle), east=3 * sin(angle))
+                await asyncio.sleep(0.5 / SPEED)
+        print("after the circle:", vehicle.velocity, vehicle.position)
+        await vehicle.land()
+
+
+with Background("copter", "ardupilot", speed=SPEED) as simulated:
+    asyncio.run(main(simulated.url))
