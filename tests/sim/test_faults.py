@@ -11,6 +11,7 @@ from mavstack.services.command import Command
 from mavstack.services.mission import MissionItem
 from mavstack.sim.faults import Fault, FaultError, FaultScript
 from mavstack.sim.simulation import Simulation
+from mavstack.wire import Parser
 from tests.sim.flights import CMD, RESULT, Airspace, Flown, airborne, grounded
 
 FIRMWARES = ["ardupilot", "px4"]
@@ -235,6 +236,22 @@ def test_a_reboot_on_the_ground(firmware) -> None:
     assert len(one.vehicle.mission.plan(0).items) >= 2
     assert one.all_of(common.Heartbeat), "the link is the same"
     assert one.command(CMD.COMPONENT_ARM_DISARM, 1) == RESULT.ACCEPTED, one.texts
+
+
+@pytest.mark.parametrize(("firmware", "name"), [("ardupilot", "SYSID_THISMAV"), ("px4", "MAV_SYS_ID")])
+def test_another_system_id_counts_from_the_next_boot(firmware, name) -> None:
+    simulation = Simulation(rate=20)
+    vehicle = simulation.add("copter", firmware)
+    vehicle.open_port("ground")
+    vehicle.parameters.set(name, 42)
+    heard = []
+    for _ in range(2):
+        simulation.advance(simulation.now + 3)
+        data = b"".join(data for _, data in vehicle.data_to_send())
+        heard.append({packet.system for packet in Parser(common).feed(data)})
+        vehicle.reboot()
+    simulation.advance(simulation.now + 3)
+    assert heard == [{1}, {42}]
 
 
 def waypoint() -> MissionItem:

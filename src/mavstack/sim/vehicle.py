@@ -43,6 +43,7 @@ AnyEvent = TypeVar("AnyEvent", bound="Event")
 
 #: How long nothing is heard of a vehicle that reboots, in seconds.
 REBOOT_SILENCE = 1.0
+LARGEST_ID = 255
 
 
 @dataclass(eq=False, slots=True)
@@ -191,9 +192,11 @@ class Vehicle:
         return int(self.uptime * 1000) & 0xFFFFFFFF
 
     def reboot(self) -> None:
-        """Restart the autopilot: motors off wherever it is, and silence for a moment."""
+        """Restart the autopilot: motors off wherever it is, silence for a moment, perhaps another system id."""
         self.fall_silent()
         self.body.stop()
+        if 0 < self.parameters.system <= LARGEST_ID:  # two vehicles may have the same, as real ones may
+            self.address = self.address._replace(system=self.parameters.system)
         self._boot()
         self._silent_until = self.now + REBOOT_SILENCE
 
