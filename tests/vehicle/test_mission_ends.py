@@ -40,3 +40,16 @@ def test_it_is_over_when_the_vehicle_has_returned_and_can_be_flown_again(kind):
             assert len(reached) >= 2
 
     fly(kind, scenario)
+
+
+def test_of_an_older_version_that_does_not_tell_how_long_it_is():
+    async def scenario(world, vehicle):
+        server = world.simulated.mission
+        server.current_message = lambda: common.MissionCurrent(seq=server.current)
+        await vehicle.mission.upload(there_and_back(world, ARDUPILOT))
+        async with vehicle.mission.items() as items:
+            await vehicle.mission.fly()
+            assert {1, 2} <= {each.seq for each in items.take()}
+        assert not world.simulated.autopilot.armed
+
+    fly(COPTERS[0], scenario)

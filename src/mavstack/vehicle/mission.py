@@ -47,6 +47,8 @@ class PlanOf:
     def __init__(self, vehicle: Vehicle, plan_type: int) -> None:
         self._vehicle = vehicle
         self._plans = Plans(vehicle.component, plan_type)
+        #: How many items it holds, as far as they were sent or fetched.
+        self.count: int | None = None
 
     async def upload(
         self,
@@ -57,14 +59,18 @@ class PlanOf:
     ) -> Plan:
         """Give the vehicle a plan in the place of its own; it holds either the old or the whole new one."""
         asked = self._plans.upload(items, timeout=timeout, progress=progress)
-        return await with_reasons(self._vehicle, asked)
+        plan = await with_reasons(self._vehicle, asked)
+        self.count = len(plan)
+        return plan
 
     async def download(
         self, *, timeout: float | None = None, progress: Callable[[int, int], None] | None = None
     ) -> Plan:
         """Get the plan that the vehicle holds."""
         asked = self._plans.download(timeout=timeout, progress=progress)
-        return await with_reasons(self._vehicle, asked)
+        plan = await with_reasons(self._vehicle, asked)
+        self.count = len(plan)
+        return plan
 
     async def clear(self, *, timeout: float | None = None) -> None:
         """Let the vehicle forget the plan."""
@@ -102,6 +108,8 @@ class Mission(PlanOf):
         """Arm if need be, start, and wait for the end; a mission that lands ends with the motors."""
         vehicle = self._vehicle
         ending = Ending(vehicle)
+        if self.count is None and not (self.progress and self.progress.total):  # as older ones do not tell it
+            await self.download()
         async with Watch(vehicle) as watch, self.items() as reached:
             if not vehicle.armed:
                 await with_reasons(vehicle, vehicle.firmware.become_armable())
@@ -184,6 +192,8 @@ class Ending:
 
     def _last(self, progress: MissionProgress) -> int:
         """The number of the last item: home, where it is one, does not count among them."""
+        if not progress.total:
+            return (self._vehicle.mission.count or 0) - 1
         first = 1 if self._vehicle.component.mission_client.home_first else 0
         return progress.total - 1 + first
 

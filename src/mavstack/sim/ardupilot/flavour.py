@@ -99,6 +99,7 @@ class ArdupilotFlavour(Flavour):
         """The motors were disarmed: the mission begins anew."""
         autopilot.vehicle.say(disarmed_text(self.type), common.MavSeverity.INFO)
         autopilot.mission.reset()
+        autopilot.mission.restore(autopilot.mission.rules.first)
 
     # Modes
 

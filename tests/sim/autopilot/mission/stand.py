@@ -89,8 +89,10 @@ class MissionFlight(Flight):
 
     @property
     def reached(self) -> list[int]:
-        """What MISSION_ITEM_REACHED told, in order."""
-        return [message.seq for message in self.sent if isinstance(message, common.MissionItemReached)]
+        """What MISSION_ITEM_REACHED told, in order; of what PX4 says again and again, the first."""
+        told = [message.seq for message in self.sent if isinstance(message, common.MissionItemReached)]
+        again = self.vehicle.firmware is Firmware.PX4
+        return [seq for at, seq in enumerate(told) if not again or at == 0 or told[at - 1] != seq]
 
     @property
     def currents(self) -> list[int]:

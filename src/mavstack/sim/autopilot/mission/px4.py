@@ -177,7 +177,8 @@ class Px4MissionRules(MissionRules):
 
         def say_again() -> None:
             if self._reached is told and mission.exists:
-                mission.say_reached(seq)
+                mission.server.reached(seq)
+                self.vehicle.touch(mission.server)
 
         for seconds in range(1, _SAID_AGAIN + 1):
             mission.later(say_again, after=seconds)

@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import CurrentItemSet, Plan, PlanReplaced, PlanType
-from mavstack.sim.autopilot.fence.plan import check_fence_item, check_fence_plan
 from mavstack.sim.autopilot.mission.actions import GuidedLimits
 from mavstack.sim.autopilot.mission.course import Course
 from mavstack.sim.autopilot.mission.flavours import rules_of
+from mavstack.sim.autopilot.mission.judging import judge_item, judge_plan
 from mavstack.sim.autopilot.mission.route import Leg, Route
 from mavstack.sim.autopilot.mission.scripts import script_of
-from mavstack.sim.autopilot.mission.step import Step
-from mavstack.sim.autopilot.rally import check_rally_item
+from mavstack.sim.autopilot.mission.step import Step, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.handling import Point
 
 _STATE = common.MissionState
-_RESULT = common.MavMissionResult
 _CMD = common.MavCmd
 #: `mission_mode` of MISSION_CURRENT.
 IN_MISSION, SUSPENDED = 1, 2
@@ -186,29 +184,17 @@ class MissionRunner:
 
     def landing_start(self) -> int | None:
         """The nearest DO_LAND_START."""
-        starts = [seq for seq, item in enumerate(self.items) if item.command == _CMD.DO_LAND_START]
-        places = {seq: Step(self, seq, self.items[seq]) for seq in starts}
-        handling = self.autopilot.handling
-        return min(
-            starts,
-            key=lambda seq: handling.distance(places[seq].place()) if places[seq].has_place else float(seq),
-            default=None,
-        )
+        return nearest(self, _CMD.DO_LAND_START)
 
     # For the services
 
     def check(self, kind: int, seq: int, item: MissionItem) -> int:
         """Judge one item of an upload: MAV_MISSION_RESULT."""
-        firmware = self.autopilot.vehicle.firmware
-        if kind == PlanType.MISSION:
-            return self.rules.check(item)
-        return check_fence_item(item) if kind == PlanType.FENCE else check_rally_item(item, firmware)
+        return judge_item(self.rules, kind, item)
 
     def validate(self, plan: Plan, source: Address) -> int:
         """Judge a whole plan: MAV_MISSION_RESULT."""
-        if plan.type == PlanType.MISSION:
-            return self.rules.may_replace(flying=self._flying, empty=not plan.items)
-        return check_fence_plan(plan) if plan.type == PlanType.FENCE else _RESULT.ACCEPTED
+        return judge_plan(self.rules, plan, flying=self._flying)
 
     # For the scripts
 
@@ -217,23 +203,16 @@ class MissionRunner:
         self._later.append((self.autopilot.now + after, act))
 
     def leave(self, *modes: int, reason: str) -> Iterator[None]:
-        """Enter another mode or one after the other, unless somebody else does meanwhile; wait until it is so."""
+        """Enter another mode, or several in turn, unless somebody else does meanwhile; wait until then."""
         autopilot, mine = self.autopilot, self.autopilot.behaviour
-
-        def enter() -> None:
-            if autopilot.behaviour is mine:
-                for mode in modes:
-                    autopilot.enter(mode, reason)
-
-        self.later(enter)
+        self.later(lambda: autopilot.behaviour is mine and [autopilot.enter(mode, reason) for mode in modes])
         while True:
             yield
 
     def hand_over(self, seq: int) -> bool:
         """An item goes on outside the mission, so it counts as done; whether it was the last one."""
-        self._complete = self._next is None or self.route.leg(self._next) is None
-        if self._complete:
-            self._show(_STATE.COMPLETE)
+        if self._next is None or self.route.leg(self._next) is None:
+            self._end()
         self._tell_reached(seq)
         return self._complete
 
@@ -322,10 +301,13 @@ class MissionRunner:
             self._next = leg.then
         return leg
 
-    def _finish(self) -> Iterator[None]:
+    def _end(self) -> None:
         if not self._complete:
             self._complete = True
             self._show(_STATE.COMPLETE)
+
+    def _finish(self) -> Iterator[None]:
+        self._end()
         yield from self._while_undisturbed(self.rules.finish(self))
         while not self._interrupted:
             yield
@@ -377,13 +359,9 @@ class MissionRunner:
     # Telling
 
     def _tell_reached(self, seq: int) -> None:
-        self.say_reached(seq)
-        self.rules.reported(self, seq)
-
-    def say_reached(self, seq: int) -> None:
-        """Say that an item was reached."""
         self.server.reached(seq)
         self._touch()
+        self.rules.reported(self, seq)
 
     def _move_to(self, seq: int) -> None:
         if 0 <= seq < len(self.items):

@@ -106,3 +106,14 @@ class Step:
 
 
 Script: TypeAlias = Callable[[Step], Iterator[None]]
+
+
+def nearest(mission: MissionRunner, command: int) -> int | None:
+    """The nearest item of a command; one that has no place is as far away as its number."""
+
+    def away(seq: int) -> float:
+        step = Step(mission, seq, mission.items[seq])
+        return step.handling.distance(step.place()) if step.has_place else float(seq)
+
+    found = (seq for seq, item in enumerate(mission.items) if item.command == command)
+    return min(found, key=away, default=None)
