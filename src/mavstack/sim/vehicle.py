@@ -192,7 +192,7 @@ class Vehicle:
         return int(self.uptime * 1000) & 0xFFFFFFFF
 
     def reboot(self) -> None:
-        """Restart the autopilot: motors off wherever it is, silence for a moment, perhaps another system id."""
+        """Restart the autopilot: motors off wherever it is, then silence, perhaps another system id."""
         self.fall_silent()
         self.body.stop()
         if 0 < self.parameters.system <= LARGEST_ID:  # two vehicles may have the same, as real ones may

@@ -128,7 +128,7 @@ class LandingSequence(Behaviour):
         mission = self.autopilot.mission
         start = mission.landing_start()
         if start is None:
-            yield from mission.leave(self.autopilot.flavour.return_to_launch, "no landing sequence")
+            yield from mission.leave(self.autopilot.flavour.return_to_launch, reason="no landing sequence")
             return
         mission.go_to_item(start)
         yield from mission.fly()
@@ -146,13 +146,13 @@ class PlaneReturn(Behaviour):
             if sequence is not None and (wanted == _AT_ONCE or self._is_home()):
                 yield from self._land_by_mission(sequence)
             if self._hovers_at_home() and self._is_home():
-                yield from autopilot.mission.leave(_QRTL, "home is reached")
+                yield from autopilot.mission.leave(_QRTL, reason="home is reached")
             yield
 
     def _land_by_mission(self, sequence: int) -> Iterator[None]:
         autopilot = self.autopilot
         autopilot.mission.go_to_item(sequence)
-        yield from autopilot.mission.leave(autopilot.flavour.mission, "landing sequence")
+        yield from autopilot.mission.leave(autopilot.flavour.mission, reason="landing sequence")
 
     def _hovers_at_home(self) -> bool:
         return int(self.autopilot.vehicle.parameters.get("Q_RTL_MODE", 0)) == _HOVER_AT_HOME

@@ -8,6 +8,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours import Circle, Orbit
+from mavstack.sim.autopilot.radio import Sticks
 from mavstack.sim.kinds import VehicleType
 from tests.sim.autopilot.stub import GUIDED, Flight, turned
 
@@ -121,3 +122,13 @@ def test_a_vtol_circles_hovering_or_on_its_wing() -> None:
     flight.run(40)
     assert flight.body.transition == 0.0
     assert 1.0 < flight.speed < 7.0
+
+
+@pytest.mark.parametrize(("throttle", "rises"), [(0.0, -1), (0.5, 0), (1.0, 1)])
+def test_in_the_mode_the_throttle_climbs_and_sinks(throttle: float, rises: int) -> None:
+    flight = Flight(circle_radius=6.0, circle_speed=1.0).in_the_air(40.0)
+    flight.radio.sticks = Sticks(0.0, 0.0, throttle, 0.0)
+    flight.fly(Circle)
+    flight.run(8)
+    climbed = -flight.body.truth.down - 40.0
+    assert climbed * rises > 4 if rises else abs(climbed) < 2

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviour import Behaviour
+from mavstack.sim.autopilot.behaviours.manual import ByHand
 from mavstack.sim.autopilot.behaviours.steps import become, stay_landed
 
 if TYPE_CHECKING:
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.handling import Point
 
 _YAW = common.OrbitYawBehaviour
+#: How far ahead of it a climb is aimed, in seconds.
+_AHEAD = 1.0
 
 
 class Orbit(Behaviour):
@@ -93,6 +96,20 @@ class Circle(Behaviour):
         else:
             ahead = 0.0 if figures.circles_where_it_is else abs(figures.circle_radius)
             centre = handling.ahead(ahead)
-            yield from Orbit(autopilot, centre, figures.circle_radius, speed=figures.circle_speed).fly()
+            orbit = Orbit(autopilot, centre, figures.circle_radius, speed=figures.circle_speed)
+            for _ in orbit.fly():
+                self._climb_by_throttle(orbit)
+                yield
         while True:
             yield
+
+    def _climb_by_throttle(self, orbit: Orbit) -> None:
+        """What flies climbs and sinks as the pilot's throttle says, if there is a pilot."""
+        autopilot = self.autopilot
+        radio = autopilot.radio
+        if not (autopilot.vehicle.type.flies and radio.present):
+            return
+        climb = ByHand.middle(radio.sticks) * autopilot.figures.pilot_climb_speed
+        if climb:
+            north, east, _ = orbit.centre
+            orbit.centre = north, east, autopilot.handling.place[2] - climb * _AHEAD
