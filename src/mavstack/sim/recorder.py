@@ -148,7 +148,7 @@ class Recorder:
         items = self._vehicle.mission.plan(common.MavMissionType.MISSION).items
         self._reached = sequence - 1 if sequence > self._sequence else -1
         self._sequence = sequence
-        if sequence < len(items):
+        if sequence < len(items) and self._vehicle.autopilot.armed:  # disarmed, it only begins anew
             self._logs.command(time_us, items[sequence], sequence, len(items))
 
     def _notice_failsafes(self, time_us: int) -> None:

@@ -204,6 +204,7 @@ async def it_circles(pilot: Pilot) -> None:
     """CIRCLE: around a point one radius ahead, of ten metres."""
     await pilot.take_off(10)
     centre = 10 * cos(pilot.truth.yaw), 10 * sin(pilot.truth.yaw)
+    pilot.vehicle.autopilot.radio.move(3, 1500)  # or it would sink
     await pilot.set_mode("CIRCLE")
     await pilot.wait(4)
     await _goes_round(pilot, centre, 10)

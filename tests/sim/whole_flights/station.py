@@ -79,8 +79,9 @@ class Journal:
                 if not self.current or self.current[-1][1] != seq:
                     self.current.append((now, seq))
                 _note(self.states, int(message.mission_state))
-            case common.MissionItemReached(seq=seq):
-                self.reached.append((now, seq))
+            case common.MissionItemReached(seq=seq):  # PX4 says it again and again
+                if not self.reached or self.reached[-1][1] != seq:
+                    self.reached.append((now, seq))
             case common.ExtendedSysState():
                 self.landed_state = int(message.landed_state)
 
