@@ -267,7 +267,8 @@ async def test_a_plane(tmp_path) -> None:
         )
         await flight.enters("AUTO")
         await flight.arms()
-        await flight.ground.hear("AP: Mission: 1 Takeoff", "waypoint 2", "Reached waypoint #2")
+        await flight.until(lambda: "Mission: 1 Takeoff" in flight.texts)
+        await flight.ground.hear("waypoint 2", "Reached waypoint #2")
         await flight.ground.hear("AP: Mission: 3 LoitTurns")
         for name in ("LOITER", "FBWA", "CRUISE", "CIRCLE"):
             await flight.enters(name)
@@ -277,7 +278,7 @@ async def test_a_plane(tmp_path) -> None:
         await flight.until(lambda: abs(flight.distance(200, 200) - 80) < 25)
         await flight.says("rtl", "Mode RTL")
         await flight.enters("AUTO")
-        await flight.says("wp set 2", "DO_SET_MISSION_CURRENT: ACCEPTED", "waypoint 2")
+        await flight.says("wp set 2", "DO_SET_MISSION_CURRENT: ACCEPTED", "Mission: 2 WP")
         await flight.says("land", "DO_LAND_START: ACCEPTED", "Mission: 6 Land", "Throttle disarmed")
         await flight.disarms()
         assert flight.distance() < 150

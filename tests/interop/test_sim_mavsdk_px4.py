@@ -17,6 +17,7 @@ SHELL = 10
 
 async def test_a_shell() -> None:
     async with in_flight("copter", "px4") as flight:
+        await flight.hears("health_all_ok", True)
         for line, wanted in {
             "ver all": "PX4 version",
             "param show MIS_TAKEOFF_ALT": "MIS_TAKEOFF_ALT",
