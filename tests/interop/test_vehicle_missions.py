@@ -12,12 +12,12 @@ from mavstack.sim.simulation import Simulation
 from mavstack.vehicle import connect
 from tests.sim.whole_flights.fleet import whisper
 from tests.sim.whole_flights.plans import triangle
-from tests.vehicle.test_whole_missions import check, flown
+from tests.vehicle.test_whole_missions import check, flown, loaded
 from tests.vehicle.world import ALL, World
 
 pytestmark = pytest.mark.interop
 
-#: Simulated seconds in a real one; to the vehicles the link is as much slower.
+#: Simulated seconds in a real one while they fly; to the vehicles the link is as much slower then.
 SPEED = 4.0
 #: What vehicles wait for our heartbeats, which come by the real clock.
 TIMEOUTS = {"FS_GCS_TIMEOUT", "FS_LONG_TIMEOUT", "FS_SHORT_TIMEOUT", "FS_TIMEOUT"}
@@ -35,7 +35,7 @@ async def test_all_types_fly_over_a_bad_link() -> None:
     simulation.advance(simulation.now + 30.0)
     for vehicle in simulation.vehicles:
         vehicle.data_to_send()
-    async with Runner(simulation, speed=SPEED) as runner:
+    async with Runner(simulation) as runner:
         link = await runner.connect("udpin://127.0.0.1:0", simulation.vehicles)
         running = runner.start()
         bad = impair(
@@ -43,7 +43,9 @@ async def test_all_types_fly_over_a_bad_link() -> None:
         )
         async with connect(bad) as node:
             made = World(simulation, node, None)
-            flights = [flown(made, number + 1, triangle(*kind)) for number, kind in enumerate(ALL)]
-            for flight in await asyncio.gather(*flights):
+            plans = [loaded(made, number + 1, triangle(*kind)) for number, kind in enumerate(ALL)]
+            flights = await asyncio.gather(*plans)
+            runner.speed = SPEED  # vehicles would lose patience with an upload by a link so slow
+            for flight in await asyncio.gather(*(flown(made, flight) for flight in flights)):
                 check(flight)
         assert not running.done()

@@ -23,31 +23,42 @@ LONGEST = 900.0
 class Flown:
     """What became of one mission."""
 
-    def __init__(self, plan):
-        self.plan, self.reached = plan, []
+    def __init__(self, plan, system):
+        self.plan, self.system, self.reached = plan, system, []
         self.downloaded = self.armed = self.away = None
 
 
-async def flown(made, system, plan):
-    flight = Flown(plan)
-    vehicle = await made.node.vehicle(system)
-    await vehicle.mission.upload(plan.items)
-    flight.downloaded = (await vehicle.mission.download()).items
+async def loaded(made, system, plan):
+    """Put a mission on a vehicle, and read it back."""
+    flight = Flown(plan, system)
+    mission = (await made.node.vehicle(system)).mission
+    await mission.upload(plan.items)
+    flight.downloaded = (await mission.download()).items
+    return flight
+
+
+async def flown(made, flight):
+    """Fly the mission that is on it."""
+    vehicle = await made.node.vehicle(flight.system)
     async with vehicle.mission.items() as items:
         await vehicle.mission.fly(timeout=LONGEST)
         flight.reached = [item.seq for item in items.take()]
-    if not plan.kind.flies:
+    if not flight.plan.kind.flies:
         await asyncio.sleep(5)
         await vehicle.disarm()
-    truth = made.simulation.vehicles[system - 1].body.truth
+    truth = made.simulation.vehicles[flight.system - 1].body.truth
     flight.armed, flight.away = vehicle.armed, hypot(truth.north, truth.east)
     return flight
+
+
+async def loaded_and_flown(made, system, plan):
+    return await flown(made, await loaded(made, system, plan))
 
 
 def fly_all(plan_of, **weather):
     async def whole():
         async with world(*ALL, prepare=whisper, **weather) as made:
-            flights = [flown(made, number + 1, plan_of(*kind)) for number, kind in enumerate(ALL)]
+            flights = [loaded_and_flown(made, number + 1, plan_of(*kind)) for number, kind in enumerate(ALL)]
             return dict(zip(ALL, await asyncio.gather(*flights), strict=True))
 
     return run_virtually(whole())
