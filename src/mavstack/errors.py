@@ -16,6 +16,18 @@ class LocalProtocolError(MavstackError):
     """The calling program asked for something the protocol does not allow."""
 
 
+class InvalidArgumentError(LocalProtocolError, ValueError):
+    """A call was given an argument outside what it accepts; the text names the argument and its range."""
+
+
+class InvalidTypeError(LocalProtocolError, TypeError):
+    """A call was given an argument of a type that it does not accept; the text names the argument."""
+
+
+class InvalidStateError(LocalProtocolError, RuntimeError):
+    """A call is not possible now, such as sending through a node that is not open."""
+
+
 class FieldNameError(LocalProtocolError, TypeError):
     """A message was given a field that its definition does not have."""
 
