@@ -3,9 +3,10 @@
 from mavstack.services.addressing import EVERYBODY, Address, message_ids, target_of
 from mavstack.services.operation import Client, Operation, OperationEnded, Pause, Procedure, Progress
 from mavstack.services.service import Event, HasRoom, Outgoing, Priority, Service, always_room, earliest
-from mavstack.services.timing import RoundTrip
+from mavstack.services.timing import DEFAULT_WAIT_TIMEOUT, RoundTrip
 
 __all__ = [
+    "DEFAULT_WAIT_TIMEOUT",
     "EVERYBODY",
     "Address",
     "Client",

@@ -7,6 +7,9 @@ that got no answer. Only an answer that surely belongs to its question is measur
 
 from __future__ import annotations
 
+#: Seconds that calls which wait for something to appear (`wait_for_…`) wait when no timeout is given.
+DEFAULT_WAIT_TIMEOUT = 60.0
+
 #: For so long the same bytes of one source are one packet that the network doubled. Longer, and they may be
 #: the same request again: sequence numbers begin anew after 256, and in each process that is started.
 DOUBLED_WITHIN = 0.5
