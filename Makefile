@@ -5,28 +5,37 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust/core rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
-.PHONY: demo test check nightly lint format bench fuzz generate clean
+.PHONY: demo test interop nightly check lint docs format bench fuzz generate clean
 
 demo: $(VENV)/installed ## Fly seven simulated vehicles and show their live picture
 	@$(BIN)/mav demo
 
-test: $(VENV)/installed ## Run everything that continuous integration runs
+test: lint ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
+	cargo test --release --locked -p mavstack-core
+	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and (not interop or smoke)" --seeds $(or $(SEEDS),60)
+
+interop: $(VENV)/installed ## Run the other tests with programs that are not ours, several at a time: they mostly wait
+	$(BIN)/pytest -n $(or $(WORKERS),6) --dist loadscope -m "interop and not smoke and not nightly"
+
+nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
+	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300
+	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200
+
+check: $(VENV)/installed ## Run the Python tests of the fast tier alone
+	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not interop" --seeds $(or $(SEEDS),60)
+
+lint: $(VENV)/installed ## Check style, types, layers, vocabulary and generated files
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
+	$(BIN)/python -m tools.vocabulary
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	cargo fmt --all --check
 	cargo clippy --all-targets --release --locked -- -D warnings
-	cargo test --release --locked -p mavstack-core
 	$(BIN)/python -m mavstack.dialects.generate --check
 	$(BIN)/python -m mavstack.sync.generate --check
-	$(BIN)/pytest -n auto -m "not interop"
-	$(BIN)/pytest -m interop
 
-check: $(VENV)/installed ## The Python tests alone
-	$(BIN)/pytest -n auto
-
-nightly: $(VENV)/installed ## The randomised tests alone, each over SEEDS (10000)
-	$(BIN)/pytest -n auto -m seeds --seeds $(or $(SEEDS),10000)
+docs: $(VENV)/installed ## Build the documentation site in site/
+	$(BIN)/mkdocs build --strict --quiet
 
 bench: $(VENV)/installed ## Compare speed and memory with the peers
 	$(BIN)/python -m benchmarks

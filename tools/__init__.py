@@ -1,0 +1,1 @@
+"""Development tools: checks that `make test` runs over the sources."""

@@ -1,0 +1,188 @@
+"""Check names and prose against the project's vocabulary.
+
+    python -m tools.vocabulary [PATH...]
+
+The list of banned words is `vocabulary.toml` beside this file. Identifiers are checked where they are defined
+(classes, functions, arguments, assigned names), so a library's names do not count. Prose is docstrings and
+comments of Python and Rust, and Markdown outside code blocks. The exit code is 1 if anything was found.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import io
+import re
+import sys
+import tokenize
+import tomllib
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+ROOT = Path(__file__).resolve().parents[1]
+WORDS = Path(__file__).with_suffix(".toml")
+DEFAULT_PATHS = ("src", "rust", "tests", "benchmarks", "examples", "tools", "backend", "docs")
+DEFAULT_FILES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
+SUFFIXES = (".py", ".rs", ".md")
+#: Files that hold generated or recorded text.
+EXCLUDED = ("*/dialects/definitions/*", "*/target/*", "*/__pycache__/*", "*/site/*")
+_RUST_DEFINITION = re.compile(
+    r"\b(?:fn|struct|enum|trait|mod|const|static|type|let(?: mut)?)\s+([A-Za-z_]\w*)"
+)
+_RUST_COMMENT = re.compile(r"//[/!]*\s?(.*)$")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A banned word in a file."""
+
+    path: str
+    line: int
+    word: str
+    replacement: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.word!r}: {self.replacement}"
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """The banned words, with the places where each is allowed."""
+
+    identifiers: dict[str, str]
+    prose: dict[str, str]
+    allowed: dict[str, list[str]]
+
+    @classmethod
+    def load(cls, path: Path = WORDS) -> Vocabulary:
+        """Read the list from a TOML file."""
+        data = tomllib.loads(path.read_text("utf-8"))
+        return cls(data.get("identifiers", {}), data.get("prose", {}), data.get("allowed", {}))
+
+    def check(self, path: str, text: str) -> list[Finding]:
+        """Return the findings in one file, whose kind its name tells."""
+        names, prose = _READERS[Path(path).suffix](text)
+        found = [*self._in_names(path, names), *self._in_prose(path, prose)]
+        return sorted(found, key=lambda finding: (finding.line, finding.word))
+
+    def _in_names(self, path: str, names: Iterable[tuple[int, str]]) -> Iterator[Finding]:
+        for line, name in names:
+            parts = f"_{'_'.join(parts_of(name))}_"
+            for word, replacement in self.identifiers.items():
+                if f"_{word}_" in parts and not self._is_allowed(word, path):
+                    yield Finding(path, line, name, replacement)
+
+    def _in_prose(self, path: str, prose: Iterable[tuple[int, str]]) -> Iterator[Finding]:
+        for line, text in prose:
+            for pattern, replacement in self.prose.items():
+                match = re.search(pattern, text)
+                if match and not self._is_allowed(pattern, path):
+                    yield Finding(path, line, match[0], replacement)
+
+    def _is_allowed(self, word: str, path: str) -> bool:
+        return any(fnmatchcase(path, pattern) for pattern in self.allowed.get(word, ()))
+
+
+def parts_of(name: str) -> list[str]:
+    """Split an identifier in snake_case or CamelCase into lower-case words."""
+    return [part.lower() for part in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)]
+
+
+def python_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return the names that a Python module defines and its prose, each with its line."""
+    tree = ast.parse(text)
+    names = [found for node in ast.walk(tree) if (found := _defined(node)) is not None]
+    prose: list[tuple[int, str]] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            prose += _docstring(node)
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            prose.append((token.start[0], token.string.lstrip("#:! ")))
+    return names, prose
+
+
+def rust_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return the names that a Rust file defines and its comments, each with its line."""
+    names, prose = [], []
+    for number, line in enumerate(text.splitlines(), 1):
+        code = line.partition("//")[0]
+        names += [(number, match[1]) for match in _RUST_DEFINITION.finditer(code)]
+        if comment := _RUST_COMMENT.search(line):
+            prose.append((number, comment[1]))
+    return names, prose
+
+
+def markdown_text(text: str) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return no names and the lines of a Markdown file outside its code blocks."""
+    prose, in_code = [], False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.lstrip().startswith("```"):
+            in_code = not in_code
+        elif not in_code:
+            prose.append((number, line.lstrip("#-*> ")))
+    return [], prose
+
+
+_READERS = {".py": python_text, ".rs": rust_text, ".md": markdown_text}
+
+
+def _defined(node: ast.AST) -> tuple[int, str] | None:
+    match node:
+        case ast.ClassDef() | ast.FunctionDef() | ast.AsyncFunctionDef():
+            return node.lineno, node.name
+        case ast.arg():
+            return node.lineno, node.arg
+        case ast.Name(ctx=ast.Store()):
+            return node.lineno, node.id
+        case ast.Attribute(ctx=ast.Store()):
+            return node.lineno, node.attr
+    return None
+
+
+def _docstring(
+    node: ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef,
+) -> list[tuple[int, str]]:
+    text = ast.get_docstring(node, clean=False)
+    if text is None:
+        return []
+    return [(node.body[0].lineno + number, line.strip()) for number, line in enumerate(text.splitlines())]
+
+
+def files_below(paths: Iterable[Path]) -> Iterator[Path]:
+    """Yield the files to check below these paths, in order."""
+    for path in paths:
+        found = sorted(path.rglob("*")) if path.is_dir() else [path]
+        for file in found:
+            name = file.resolve().as_posix()
+            is_source = file.suffix in SUFFIXES and file.is_file()
+            if is_source and not any(fnmatchcase(name, pattern) for pattern in EXCLUDED):
+                yield file
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Check the given paths, by default the whole project, and print what was found."""
+    parser = argparse.ArgumentParser(prog="python -m tools.vocabulary", description=__doc__.split("\n")[0])
+    parser.add_argument("paths", nargs="*", type=Path, help="files or folders (default: the whole project)")
+    paths = parser.parse_args(arguments).paths
+    if not paths:
+        paths = [path for name in (*DEFAULT_PATHS, *DEFAULT_FILES) if (path := ROOT / name).exists()]
+    vocabulary, count = Vocabulary.load(), 0
+    for file in files_below(paths):
+        path = file.resolve()
+        name = path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else path.as_posix()
+        for finding in vocabulary.check(name, file.read_text("utf-8")):
+            print(finding)
+            count += 1
+    if count:
+        print(f"{count} places use words outside the vocabulary (tools/vocabulary.toml)", file=sys.stderr)
+    return 1 if count else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
