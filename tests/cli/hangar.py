@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from mavstack.cli import connecting, shell
+from mavstack.cli.common import connection
+from mavstack.cli.shell import command as shell
 from mavstack.links import MemoryNetwork
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.runner import Runner
+from mavstack.sim.scenarios import run_until
 from mavstack.sim.simulation import Simulation
-from mavstack.sim.skills import run_until
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
 from tests.sim.whole_flights.fleet import whisper
@@ -30,8 +31,8 @@ class Hangar:
             for vehicle in self.simulation.vehicles:
                 vehicle.data_to_send()
         self.network = MemoryNetwork()
-        monkeypatch.setattr(connecting.asyncio, "run", self.run)
-        monkeypatch.setattr(connecting, "connect", self.connect)
+        monkeypatch.setattr(connection.asyncio, "run", self.run)
+        monkeypatch.setattr(connection, "connect", self.connect)
         monkeypatch.setattr(shell, "connect", self.connect)
 
     @property

@@ -10,7 +10,7 @@ import shlex
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-from mavstack.cli import connecting
+from mavstack.cli.common import connection
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.sim.runner import Runner
@@ -40,8 +40,8 @@ class Hangar:
         #: What another ground station does while a command runs.
         self.meanwhile: Callable[[RemoteComponent], Awaitable[None]] | None = None
         self._network = MemoryNetwork()
-        monkeypatch.setattr(connecting, "connect", self._connect)
-        monkeypatch.setattr(connecting, "asyncio", SimpleNamespace(run=self._run))
+        monkeypatch.setattr(connection, "connect", self._connect)
+        monkeypatch.setattr(connection, "asyncio", SimpleNamespace(run=self._run))
 
     def put(self, path: str, data: bytes) -> None:
         """Put a file onto the vehicle."""

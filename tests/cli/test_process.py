@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from .conftest import flight, stamped
+from tests.cli.conftest import flight, stamped
 
 MAV = [sys.executable, "-m", "mavstack"]
 

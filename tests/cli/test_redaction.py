@@ -4,12 +4,11 @@ import json
 
 import pytest
 
-from mavstack.cli.lines import json_line, text_line
-from mavstack.cli.values import HIDDEN
+from mavstack.cli.common.field_values import HIDDEN
+from mavstack.cli.watch.packet_lines import json_line, text_line
 from mavstack.dialects import Dialect, common, minimal
 from mavstack.wire import Packet, encode
-
-from .conftest import flight, setup_signing, stamped
+from tests.cli.conftest import flight, setup_signing, stamped
 
 SECRET = bytes(range(100, 132))
 

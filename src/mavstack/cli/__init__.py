@@ -1,3 +1,1 @@
-"""The command `mav`, one file a subcommand."""
-
-from __future__ import annotations
+"""The command `mav`: one package per command, the parts that they share in `common`."""

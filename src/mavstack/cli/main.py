@@ -18,7 +18,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, cast
 
 from mavstack import __version__
-from mavstack.cli.failures import UsageError
+from mavstack.cli.common.usage_error import UsageError
 from mavstack.errors import LinkURLError, MavstackError, UnknownDialectError
 
 if TYPE_CHECKING:
@@ -49,25 +49,37 @@ class Command(Protocol):
 
 COMMANDS: Final[Mapping[str, Entry]] = MappingProxyType(
     {
-        "sim": Entry("mavstack.cli.sim", "simulated vehicles that any ground station or script can fly"),
-        "demo": Entry("mavstack.cli.demo", "a simulated fleet and its live picture, with no hardware"),
+        "sim": Entry(
+            "mavstack.cli.sim.command", "simulated vehicles that any ground station or script can fly"
+        ),
+        "demo": Entry(
+            "mavstack.cli.demo.command", "a simulated fleet and its live picture, with no hardware"
+        ),
         "watch": Entry(
-            "mavstack.cli.watch", "live messages of a link or a file: rates, values, link quality"
+            "mavstack.cli.watch.command", "live messages of a link or a file: rates, values, link quality"
         ),
         "vehicle": Entry(
-            "mavstack.cli.vehicle", "one thing asked of a vehicle: arm, takeoff, goto, mode, info …"
+            "mavstack.cli.vehicle.command", "one thing asked of a vehicle: arm, takeoff, goto, mode, info …"
         ),
-        "param": Entry("mavstack.cli.param", "a vehicle's parameters: list, get, set, save, load, diff"),
+        "param": Entry(
+            "mavstack.cli.param.command", "a vehicle's parameters: list, get, set, save, load, diff"
+        ),
         "mission": Entry(
-            "mavstack.cli.mission", "missions, fences, rally points: upload, download, show, convert, start"
+            "mavstack.cli.mission.command",
+            "missions, fences, rally points: upload, download, show, convert, start",
         ),
-        "ftp": Entry("mavstack.cli.ftp", "the files on a vehicle: ls, get, put, rm, mkdir, rename, crc"),
-        "log": Entry("mavstack.cli.log", "the logs on a vehicle: list, get, erase"),
+        "ftp": Entry(
+            "mavstack.cli.ftp.command", "the files on a vehicle: ls, get, put, rm, mkdir, rename, crc"
+        ),
+        "log": Entry("mavstack.cli.log.command", "the logs on a vehicle: list, get, erase"),
         "shell": Entry(
-            "mavstack.cli.shell", "interactive console: mode, arm, takeoff, wp, param, fence, ftp, log …"
+            "mavstack.cli.shell.command",
+            "interactive console: mode, arm, takeoff, wp, param, fence, ftp, log …",
         ),
-        "dialect": Entry("mavstack.cli.dialect", "list, show, check, compare and import message definitions"),
-        "doctor": Entry("mavstack.cli.doctor", "what is installed and working"),
+        "dialect": Entry(
+            "mavstack.cli.dialect.command", "list, show, check, compare and import message definitions"
+        ),
+        "doctor": Entry("mavstack.cli.doctor.command", "what is installed and working"),
     }
 )
 

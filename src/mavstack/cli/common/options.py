@@ -1,0 +1,72 @@
+"""What several subcommands ask for in the same words: a dialect, and a choice of messages."""
+
+from __future__ import annotations
+
+from argparse import ArgumentTypeError
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mavstack.cli.common.usage_error import UsageError
+from mavstack.dialects import Dialect
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser
+
+    from mavstack.dialects import Message
+
+
+def add_dialect(parser: ArgumentParser) -> None:
+    """Offer `--dialect`; `all` knows every official message."""
+    parser.add_argument(
+        "--dialect", default="all", metavar="NAME|FILE.xml", help="whose messages to know (default: all)"
+    )
+
+
+def load_dialect(name: str) -> Dialect:
+    """An official dialect by name, or one's own by the path of its file."""
+    if name.lower().endswith(".xml") and Path(name).is_file():
+        return Dialect.from_xml(name)
+    return Dialect.load(name)
+
+
+def message_ids(dialect: Dialect, text: str) -> frozenset[int]:
+    """The ids that a comma-separated list of names, patterns such as `GPS*` and ids stands for."""
+    found: set[int] = set()
+    for word in filter(None, (part.strip().upper() for part in text.split(","))):
+        found |= {int(word)} if word.isdecimal() else _matching(dialect, word)
+    if not found:
+        raise UsageError(f"no message is named in {text!r}")
+    return frozenset(found)
+
+
+def seconds(text: str) -> float:
+    """A number of seconds over zero, for argparse."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < float("inf"):
+        raise ArgumentTypeError(f"{text!r} is not a number of seconds over zero")
+    return value
+
+
+def system_id(text: str) -> int:
+    """A MAVLink system id, for argparse."""
+    if not (text.isdecimal() and int(text) <= 255):
+        raise ArgumentTypeError(f"{text!r} is not a system id, 0 to 255")
+    return int(text)
+
+
+def _matching(dialect: Dialect, pattern: str) -> set[int]:
+    ids = {message.definition.id for message in _named(dialect, pattern)}
+    if not ids:
+        near = get_close_matches(pattern, dialect.names, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise UsageError(f"dialect {dialect.name} has no message {pattern}{hint}")
+    return ids
+
+
+def _named(dialect: Dialect, pattern: str) -> list[type[Message]]:
+    return [dialect[name] for name in dialect.names if fnmatchcase(name.upper(), pattern)]

@@ -1,0 +1,130 @@
+"""`mav dialect`: message definitions to read, check, compare and import."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.actions import Actions
+from mavstack.cli.common.options import load_dialect
+from mavstack.cli.common.usage_error import UsageError
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+EXAMPLES: Final = """\
+examples:
+  mav dialect list                                  the official dialects
+  mav dialect show common                           all messages and enums of one
+  mav dialect show common ATTITUDE                  one message; an id (30) does too
+  mav dialect show ardupilotmega MAV_CMD_NAV_TAKEOFF --json
+  mav dialect check mine.xml                        what is wrong or doubtful, with lines
+  mav dialect diff common mine.xml                  what differs, and what breaks the wire
+  mav dialect import official.xml -o mine.xml       the facts of a definition, without its prose
+"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the actions and their arguments."""
+    action = Actions(parser, "dialect", EXAMPLES).add
+    listing = action("list", "list the official dialects", _list)
+    show = action("show", "show a dialect, or a message, enum or enum entry of it", _show)
+    show.add_argument("dialect", metavar="NAME|FILE.xml")
+    show.add_argument("what", metavar="MESSAGE|ID|ENUM|ENTRY", nargs="?")
+    check = action("check", "check a definition file", _check)
+    check.add_argument("file", metavar="FILE.xml")
+    check.add_argument("--strict", action="store_true", help="warnings fail the check too")
+    diff = action("diff", "compare two dialects", _diff)
+    diff.add_argument("old", metavar="OLD", help="a name or FILE.xml")
+    diff.add_argument("new", metavar="NEW", help="a name or FILE.xml")
+    diff.add_argument("--prose", action="store_true", help="compare descriptions too")
+    diff.add_argument("--exit-code", action="store_true", help="exit with 1 if something breaks the wire")
+    for made in (listing, show, check, diff):
+        made.add_argument("--json", action="store_true", help="JSON for programs")
+    importing = action("import", "write the facts of a definition file to one of your own", _import)
+    importing.add_argument("file", metavar="OFFICIAL.xml")
+    importing.add_argument(
+        "-o", "--output", metavar="FILE.xml", required=True, help="where to; messages' lines stay"
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Do what was asked."""
+    code: int = arguments.run_action(arguments)
+    return code
+
+
+def _list(arguments: Namespace) -> int:
+    from mavstack.cli.dialect.pages import dialect_facts, dialects_page
+    from mavstack.dialects import Dialect
+    from mavstack.dialects.tables import official_names
+
+    facts = [dialect_facts(Dialect.load(name)) for name in official_names()]
+    print(json.dumps(facts) if arguments.json else dialects_page(facts))
+    return 0
+
+
+def _show(arguments: Namespace) -> int:
+    from mavstack.cli.dialect.pages import contents_page, dialect_facts, find, plain
+
+    dialect = load_dialect(arguments.dialect)
+    if arguments.what is None:
+        contents = {
+            **dialect_facts(dialect),
+            "message_names": list(dialect.names),
+            "enum_names": list(dialect.enums),
+        }
+        print(json.dumps(contents) if arguments.json else contents_page(dialect))
+        return 0
+    found = find(dialect, arguments.what)
+    print(json.dumps(plain(found.facts)) if arguments.json else found.page)
+    return 0
+
+
+def _check(arguments: Namespace) -> int:
+    from dataclasses import asdict
+
+    from mavstack.dialects.checks import check_file
+
+    problems = check_file(arguments.file)
+    errors = sum(problem.severity == "error" for problem in problems)
+    if arguments.json:
+        print(json.dumps([asdict(problem) for problem in problems]))
+    else:
+        for problem in problems:
+            print(problem)
+    failed = errors or (arguments.strict and problems)
+    if failed or not arguments.json:
+        told = f"{arguments.file}: {errors} errors, {len(problems) - errors} warnings"
+        print(f"mav dialect: {told}" if failed else told, file=sys.stderr if failed else sys.stdout)
+    return 1 if failed else 0
+
+
+def _diff(arguments: Namespace) -> int:
+    from dataclasses import asdict
+
+    from mavstack.dialects.compare import compare
+
+    old, new = (load_dialect(name).definition for name in (arguments.old, arguments.new))
+    changes = compare(old, new, prose=arguments.prose)
+    broken = sum(change.breaks_wire for change in changes)
+    if arguments.json:
+        print(json.dumps([asdict(change) for change in changes]))
+    else:
+        for change in changes:
+            print(change)
+        print(f"{len(changes)} differences, {broken} of them break the wire" if changes else "no differences")
+    return 1 if broken and arguments.exit_code else 0
+
+
+def _import(arguments: Namespace) -> int:
+    from mavstack.dialects.importer import import_file
+
+    target = Path(arguments.output)
+    if target.exists() and target.samefile(arguments.file):
+        raise UsageError(f"{target} would be overwritten by what is read from it; name another file by -o")
+    definition = import_file(arguments.file, arguments.output)
+    print(f"{target}: {len(definition.messages)} messages, {len(definition.enums)} enums")
+    return 0

@@ -1,0 +1,86 @@
+"""`mav param diff`: a file beside the vehicle, or beside another file."""
+
+from __future__ import annotations
+
+from operator import itemgetter
+from typing import TYPE_CHECKING, TypeAlias
+
+from mavstack.cli.common.colours import in_colour
+from mavstack.cli.common.connection import on_vehicle
+from mavstack.cli.common.transfer_progress import TransferProgress
+from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.param.text import columns, json_value, of_vehicle, print_json
+from mavstack.vehicle.parameter_files import Owner, compare, owner_of, read_parameters, value_text
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from mavstack.vehicle import Vehicle
+    from mavstack.vehicle.parameter_files import AnyParameter, Comparison
+
+#: A name, and what the one and the other has.
+Row: TypeAlias = "tuple[str, AnyParameter | None, AnyParameter | None]"
+
+_NONE = "-"
+
+
+def diff(arguments: Namespace) -> int:
+    """`mav param diff`."""
+    if len(arguments.files) > 2:
+        raise UsageError("two files are compared at most")
+    ours = read_parameters(arguments.files[0])
+    if len(arguments.files) == 2:
+        found = compare(ours.by_name(), read_parameters(arguments.files[1]).by_name())
+        return _shown(found, (arguments.files[0], arguments.files[1]), arguments)
+
+    async def work(vehicle: Vehicle) -> int:
+        with TransferProgress("fetching parameters", in_bytes=False) as progress:
+            theirs = await vehicle.params.fetch(progress=progress)
+        found = compare(of_vehicle(ours, arguments.files[0], vehicle), theirs)
+        return _shown(found, (arguments.files[0], "vehicle"), arguments, partial=not arguments.all)
+
+    return on_vehicle(arguments, work)
+
+
+def _shown(found: Comparison, heads: tuple[str, str], arguments: Namespace, *, partial: bool = False) -> int:
+    """Show it; with `partial` what only the second has is counted and not shown."""
+    rows: list[Row] = [(each.name, each.ours, each.theirs) for each in found.different]
+    rows += [(each.name, each, None) for each in found.only_ours]
+    rows += [] if partial else [(each.name, None, each) for each in found.only_theirs]
+    rows = [row for row in rows if arguments.all or owner_of(row[0]) is not Owner.COUNTER]
+    rows.sort(key=itemgetter(0))
+    if arguments.json:
+        print_json(_json(found, rows))
+    else:
+        _print(rows, heads)
+        print(_summary(found, len(rows), partial=partial))
+    return 1 if rows and arguments.exit_code else 0
+
+
+def _print(rows: list[Row], heads: tuple[str, str]) -> None:
+    if not rows:
+        return
+    cells = [
+        (name, *(_NONE if each is None else value_text(each) for each in sides)) for name, *sides in rows
+    ]
+    head, *lines = columns([("", *heads), *cells], right=frozenset({1, 2}))
+    print(head)
+    for (_, ours, theirs), line in zip(rows, lines, strict=True):
+        print(in_colour(line, "red" if theirs is None else "green" if ours is None else "yellow"))
+
+
+def _summary(found: Comparison, shown: int, *, partial: bool) -> str:
+    text = f"{shown} different, {len(found.same)} the same" if shown else f"{len(found.same)} the same"
+    if partial and found.only_theirs:
+        text += f", {len(found.only_theirs)} only on the vehicle (--all shows them)"
+    return text
+
+
+def _json(found: Comparison, rows: list[Row]) -> dict[str, object]:
+    return {
+        "same": len(found.same),
+        "different": [
+            {"name": name, "ours": json_value(ours), "theirs": json_value(theirs)}
+            for name, ours, theirs in rows
+        ],
+    }

@@ -1,0 +1,87 @@
+"""`mav param load`: what a file holds is set, and for each parameter it is told what became of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from mavstack.cli.common.colours import in_colour
+from mavstack.cli.common.connection import on_vehicle
+from mavstack.cli.common.transfer_progress import TransferProgress
+from mavstack.cli.param.text import columns, json_value, matching, of_vehicle, print_json
+from mavstack.vehicle.parameter_files import Outcome, ParameterLoad, read_parameters, value_text
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from mavstack.vehicle import Vehicle
+    from mavstack.vehicle.parameter_files import Applied
+
+_COLOURS = {Outcome.SET: "green", Outcome.SKIPPED: "grey", Outcome.UNCHANGED: "grey"}
+
+
+def load(arguments: Namespace) -> int:
+    """`mav param load`."""
+    file = read_parameters(arguments.file, arguments.format)
+
+    async def work(vehicle: Vehicle) -> int:
+        wanted = matching(arguments.patterns, of_vehicle(file, arguments.file, vehicle))
+        task = ParameterLoad(
+            vehicle.params, wanted.values(), everything=arguments.all, dry_run=arguments.dry_run
+        )
+        with TransferProgress("fetching parameters", in_bytes=False) as progress:
+            try:
+                await task.run(progress=progress)
+            finally:
+                if any(each.outcome is not Outcome.UNTRIED for each in task.results):
+                    _show(task.results, arguments)
+        return 0 if all(each.ok for each in task.results) else 1
+
+    return on_vehicle(arguments, work)
+
+
+def _show(results: tuple[Applied, ...], arguments: Namespace) -> None:
+    if arguments.json:
+        print_json({"dry_run": arguments.dry_run, "parameters": [_json(each) for each in results]})
+        return
+    rows = [(each, _row(each)) for each in results if each.outcome is not Outcome.UNCHANGED]
+    if rows:
+        lines = columns([row for _, row in rows])
+        for (result, _), line in zip(rows, lines, strict=True):
+            print(in_colour(line, _COLOURS.get(result.outcome, "red")))
+    print(_summary(results, dry_run=arguments.dry_run))
+
+
+def _row(result: Applied) -> tuple[str, str, str]:
+    old = "" if result.before is None else value_text(result.before)
+    reached = result.after if result.outcome is Outcome.SET else None
+    new = value_text(reached if reached is not None and reached is not result.before else result.wanted)
+    change = f"{old} -> {new}" if old else new
+    if result.outcome is not Outcome.SET:
+        return result.name, change, f"{result.outcome.value}: {result.reason}"
+    return result.name, change, "counts after a reboot" if result.needs_reboot else ""
+
+
+def _summary(results: tuple[Applied, ...], *, dry_run: bool) -> str:
+    counts = Counter(each.outcome for each in results)
+    parts = [f"{counts[outcome]} {outcome.value}" for outcome in Outcome if counts[outcome]]
+    text = ", ".join(parts)
+    if dry_run:
+        text = text.replace(Outcome.SET.value, "to be set") + "; nothing was sent"
+    if counts[Outcome.SKIPPED]:
+        text += "; --all sets what was skipped too"
+    if any(each.needs_reboot for each in results) and not dry_run:
+        text += "; reboot the vehicle"
+    return text
+
+
+def _json(result: Applied) -> dict[str, object]:
+    return {
+        "name": result.name,
+        "outcome": result.outcome.value,
+        "wanted": json_value(result.wanted),
+        "before": json_value(result.before),
+        "after": json_value(result.after),
+        "reason": result.reason or None,
+        "needs_reboot": result.needs_reboot,
+    }

@@ -1,0 +1,81 @@
+"""`mav param save`: the parameters of a vehicle in a file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.cli.common.connection import on_vehicle
+from mavstack.cli.common.identity import words
+from mavstack.cli.common.transfer_progress import TransferProgress
+from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.param.text import matching, print_json
+from mavstack.dialects import common
+from mavstack.errors import ParameterFileError, RemoteError
+from mavstack.vehicle.parameter_files import FORMATS, ParameterFile, format_for, write_parameters
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from mavstack.vehicle import Vehicle
+
+_STACKS = {common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot", common.MavAutopilot.PX4: "PX4 Pro"}
+#: How long to wait for the version that stands at the head of the file, in seconds.
+_VERSION_PATIENCE = 3.0
+
+
+def save(arguments: Namespace) -> int:
+    """`mav param save`."""
+    layout = _format_name(arguments)
+
+    async def work(vehicle: Vehicle) -> int:
+        with TransferProgress("fetching parameters", in_bytes=False) as progress:
+            known = await vehicle.params.fetch(progress=progress)
+        found = matching(arguments.patterns, known)
+        system, component = vehicle.address
+        file = ParameterFile.of(
+            (found[name] for name in sorted(found)),
+            system=system,
+            component=component,
+            comments=await _comments(vehicle),
+        )
+        if arguments.file == "-":
+            print(FORMATS[layout].write(file), end="")
+            return 0
+        write_parameters(arguments.file, file, layout)
+        if arguments.json:
+            print_json({"file": arguments.file, "format": layout, "parameters": len(found)})
+        else:
+            print(f"{len(found)} parameters in {arguments.file}")
+        return 0
+
+    return on_vehicle(arguments, work)
+
+
+def _format_name(arguments: Namespace) -> str:
+    """The format, settled before the vehicle is asked anything."""
+    if arguments.format:
+        return str(arguments.format)
+    if arguments.file == "-":
+        raise UsageError(f"which format is meant? add --format, one of {', '.join(FORMATS)}")
+    try:
+        return format_for(arguments.file).name
+    except ParameterFileError as error:
+        raise UsageError(f"{error}, or add --format") from None
+
+
+async def _comments(vehicle: Vehicle) -> list[str]:
+    """What flies the vehicle, as QGroundControl writes it at the head of a file."""
+    info = vehicle.component.info
+    lines = []
+    if info is not None:
+        stack = _STACKS.get(common.MavAutopilot(info.autopilot))
+        lines.append(f"Stack: {stack or words(common.MavAutopilot(info.autopilot).name)}")
+        lines.append(f"Vehicle: {words(getattr(info.type, 'name', str(int(info.type))))}")
+    try:
+        version = await vehicle.component.version(timeout=_VERSION_PATIENCE)
+    except RemoteError:
+        return lines
+    lines.append(f"Version: {version.flight}")
+    if version.git_hash:
+        lines.append(f"Git Revision: {version.git_hash}")
+    return lines

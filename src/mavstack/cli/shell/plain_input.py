@@ -1,0 +1,56 @@
+"""Lines without prompt_toolkit: by `input` on a terminal, which a thread waits for."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import nullcontext, suppress
+from threading import Thread
+from typing import TYPE_CHECKING
+
+from mavstack.cli.shell.prompt_parts import prompt_parts
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from mavstack.cli.shell.session import Session
+
+
+class PlainLine:
+    """Reads lines at a prompt that is as it was when it was printed."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        with suppress(ImportError):
+            import readline  # noqa: F401 (it makes `input` remember lines and edit them)
+
+    async def read(self) -> str:
+        """The next line; raises EOFError at the end of the input."""
+        return await self.ask("".join(text for _, text in prompt_parts(self._session)))
+
+    def busy(self) -> AbstractContextManager[None]:
+        """The terminal stays as it is."""
+        return nullcontext()
+
+    async def ask(self, question: str) -> str:
+        """The answer to a question."""
+        loop = asyncio.get_running_loop()
+        answer: asyncio.Future[str] = loop.create_future()
+
+        def settle(text: str | None) -> None:
+            if answer.done():
+                return
+            if text is None:
+                answer.set_exception(EOFError())
+            else:
+                answer.set_result(text)
+
+        def read() -> None:
+            try:
+                text: str | None = input(question)
+            except (EOFError, OSError, ValueError):
+                text = None
+            with suppress(RuntimeError):  # the loop has ended meanwhile
+                loop.call_soon_threadsafe(settle, text)
+
+        Thread(target=read, name="mavstack-line", daemon=True).start()
+        return await answer

@@ -1,0 +1,100 @@
+"""The line that is typed, with prompt_toolkit: completion, history, and a prompt that follows the vehicle.
+
+Nothing else knows prompt_toolkit; without it `plain` reads lines.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from prompt_toolkit import PromptSession
+from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
+from prompt_toolkit.completion import Completer, Completion
+from prompt_toolkit.history import FileHistory, InMemoryHistory
+from prompt_toolkit.patch_stdout import patch_stdout
+from prompt_toolkit.shortcuts import CompleteStyle
+from prompt_toolkit.styles import Style
+
+from mavstack.cli.shell.completion import complete
+from mavstack.cli.shell.prompt_parts import prompt_parts
+from mavstack.cli.shell.state import history_file
+from mavstack.cli.shell.terminal import without_echo
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncGenerator, Iterable
+    from contextlib import AbstractContextManager
+
+    from prompt_toolkit.completion import CompleteEvent
+    from prompt_toolkit.document import Document
+    from prompt_toolkit.formatted_text import AnyFormattedText
+    from prompt_toolkit.history import History
+
+    from mavstack.cli.shell.session import Session
+
+#: How often the prompt looks at the vehicle, in seconds.
+_REFRESH: Final = 0.5
+_STYLE: Final = Style.from_dict(
+    {
+        "system": "bold",
+        "mode": "ansicyan",
+        "armed": "bold ansired",
+        "silent": "ansiyellow",
+        "end": "",
+    }
+)
+
+
+class PromptLine:
+    """Reads lines at a prompt."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        path = history_file()
+        history: History = InMemoryHistory() if path is None else FileHistory(str(path))
+        self._prompt: PromptSession[str] = PromptSession(
+            history=history,
+            completer=_Completer(session),
+            complete_while_typing=False,
+            complete_style=CompleteStyle.MULTI_COLUMN,
+            auto_suggest=AutoSuggestFromHistory(),
+            refresh_interval=_REFRESH,
+            style=_STYLE,
+        )
+
+    async def read(self) -> str:
+        """The next line; raises EOFError for Ctrl-D and KeyboardInterrupt for Ctrl-C."""
+        with patch_stdout(raw=True):
+            return await self._prompt.prompt_async(self._message)
+
+    async def ask(self, question: str) -> str:
+        """The answer to a question; it is not remembered."""
+        asking: PromptSession[str] = PromptSession()
+        return await asking.prompt_async(question)
+
+    def busy(self) -> AbstractContextManager[None]:
+        """What is typed meanwhile is not shown in the midst of what the command tells."""
+        return without_echo()
+
+    def _message(self) -> AnyFormattedText:
+        return [(f"class:{name}", text) for name, text in prompt_parts(self._session)]
+
+
+class _Completer(Completer):
+    """Asks `completion`."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Completion]:
+        """Nothing: what completes may have to ask the vehicle."""
+        return ()
+
+    async def get_completions_async(
+        self, document: Document, complete_event: CompleteEvent
+    ) -> AsyncGenerator[Completion, None]:
+        """What the word at the cursor may become."""
+        found, length = await complete(self._session, document.text_before_cursor)
+        for text in found:
+            shown = text.rstrip("/").rpartition("/")[2] + ("/" if text.endswith("/") else "")
+            quoted = f'"{text}"' if " " in text else text
+            yield Completion(quoted, start_position=-length, display=shown)

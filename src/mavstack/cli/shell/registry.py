@@ -1,0 +1,22 @@
+"""Every command of the shell, by each of its names."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.shell import control, flight, inspection, raw, storage
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from mavstack.cli.shell.console_command import Command
+
+COMMANDS: Final[Mapping[str, Command]] = MappingProxyType(
+    {
+        name: command
+        for family in (flight, storage, inspection, raw, control)
+        for command in family.COMMANDS
+        for name in command.names
+    }
+)

@@ -1,0 +1,241 @@
+"""What a vehicle is and how it is: gathered for a moment, then shown as a page or as one object."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from dataclasses import asdict
+from math import isfinite
+from textwrap import wrap
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.cli.common.colours import in_colour
+from mavstack.cli.common.field_values import clean
+from mavstack.cli.common.identity import words
+from mavstack.cli.vehicle.flight_progress import to_home
+from mavstack.dialects import common
+from mavstack.errors import MavstackError
+
+if TYPE_CHECKING:
+    from mavstack.dialects import Message
+    from mavstack.services.version import AutopilotVersion
+    from mavstack.vehicle import Vehicle
+
+#: How long to wait for what does not come, in seconds.
+PATIENCE: Final = 6.0
+#: How long the vehicle may take to say why it is not ready.
+REASONS: Final = 1.0
+#: What was heard so lately is not waited for, and so long is waited for the rest, in seconds.
+_RECENT: Final = 3.0
+_TOLD_BY: Final[tuple[type[Message], ...]] = (
+    common.SysStatus,
+    common.GpsRawInt,
+    common.GlobalPositionInt,
+    common.ExtendedSysState,
+)
+_WIDTH: Final = 92
+_FIXES: Final = ("no receiver", "no fix", "2D fix", "3D fix", "DGPS fix", "RTK float", "RTK fixed")
+_FIRMWARES: Final[dict[int, str]] = {
+    common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot",
+    common.MavAutopilot.PX4: "PX4",
+}
+
+
+async def gather_facts(vehicle: Vehicle) -> dict[str, Any]:
+    """All that is told of a vehicle, as values that JSON has; what it does not tell is None."""
+    asked = (_heard(vehicle, kind) for kind in _TOLD_BY)
+    version, *_ = await asyncio.gather(_version(vehicle), vehicle.telemetry.ask_for_home(), *asked)
+    if vehicle.health.ready is False and not vehicle.armed:
+        with suppress(MavstackError):
+            await vehicle.component.command(common.MavCmd.RUN_PREARM_CHECKS, timeout=PATIENCE)
+            await asyncio.sleep(REASONS)
+    return {**_what(vehicle), **_built(version), **_how(vehicle), **_around(vehicle)}
+
+
+def health_facts(vehicle: Vehicle) -> dict[str, Any]:
+    """Whether it is ready, and what is wrong with it."""
+    health = vehicle.health
+    return {"ready": health.ready, "problems": [clean(str(problem)) for problem in health.problems]}
+
+
+def _what(vehicle: Vehicle) -> dict[str, Any]:
+    kind = vehicle.type
+    return {
+        "system": vehicle.system,
+        "component": vehicle.address.component,
+        "type": None if kind is None else words(getattr(kind, "name", str(int(kind)))),
+        "class": str(vehicle.vehicle_type),
+        "firmware": _FIRMWARES.get(vehicle.autopilot, _named(vehicle.autopilot)),
+    }
+
+
+def _built(version: AutopilotVersion | None) -> dict[str, Any]:
+    if version is None:
+        return dict.fromkeys(("version", "git_hash", "board", "unique_id", "capabilities"))
+    flags = common.MavProtocolCapability(version.capabilities)
+    return {
+        "version": str(version.flight),
+        "git_hash": version.git_hash or None,
+        "board": {"vendor": version.vendor_id, "product": version.product_id, "board": version.board_version},
+        "unique_id": version.unique_id or None,
+        "capabilities": [flag.name for flag in common.MavProtocolCapability if flag in flags],
+    }
+
+
+def _how(vehicle: Vehicle) -> dict[str, Any]:
+    status = vehicle.system_status
+    velocity = vehicle.velocity
+    return {
+        "alive": vehicle.alive,
+        "mode": vehicle.mode,
+        "armed": vehicle.armed,
+        "in_air": vehicle.in_air,
+        "status": None if status is None else words(_named(status)),
+        "position": _plain(vehicle.position),
+        "ground_speed": None if velocity is None else round(velocity.ground_speed, 2),
+        "home": _plain(vehicle.home),
+        "home_distance": None if (away := to_home(vehicle)) is None else round(away, 1),
+        "batteries": [_plain(battery) for battery in vehicle.batteries.values()],
+        "gps": _plain(vehicle.gps),
+        "health": health_facts(vehicle),
+    }
+
+
+def _around(vehicle: Vehicle) -> dict[str, Any]:
+    others = vehicle.components
+    return {
+        "components": [
+            {"component": number, "kind": info.kind, "alive": info.alive} for number, info in others.items()
+        ]
+    }
+
+
+def page(facts: dict[str, Any]) -> list[str]:
+    """The facts for people."""
+    firmware = " ".join(filter(None, (facts["firmware"], facts["version"])))
+    commit = f" ({facts['git_hash']})" if facts["git_hash"] else ""
+    head = f"vehicle {facts['system']}: {facts['type'] or 'of an unknown type'}, {firmware}{commit}"
+    rows = [
+        ("state", _state_text(facts)),
+        ("position", _position_text(facts)),
+        ("home", _home_text(facts)),
+        *[("battery", _battery_text(battery)) for battery in facts["batteries"]],
+        ("GPS", _gps_text(facts["gps"])),
+        *_health_rows(facts["health"]),
+        *[("with", f"{each['kind']} ({each['component']})") for each in facts["components"]],
+        *_wrapped("can do", [name.lower() for name in facts["capabilities"] or ()]),
+        ("board", _board_text(facts)),
+    ]
+    lines = [in_colour(head, "bold")]
+    before = ""
+    for name, text in rows:
+        if text:
+            lines.append(f"  {'' if name == before else name:9} {text}")
+            before = name
+    return lines
+
+
+def _state_text(facts: dict[str, Any]) -> str:
+    armed = {True: in_colour("armed", "red"), False: "disarmed", None: ""}[facts["armed"]]
+    air = {True: "in the air", False: "on the ground", None: ""}[facts["in_air"]]
+    silent = "" if facts["alive"] else in_colour("silent", "red")
+    return ", ".join(filter(None, (silent, facts["mode"], armed, air, facts["status"])))
+
+
+def _position_text(facts: dict[str, Any]) -> str:
+    place = facts["position"]
+    if place is None:
+        return "not known"
+    parts = [f"{place['latitude']:.7f}, {place['longitude']:.7f}"]
+    for key, of in (("altitude", "above sea"), ("relative_altitude", "above home")):
+        if place[key] is not None:
+            parts.append(f"{round(place[key], 1) + 0.0:.1f} m {of}")  # not -0.0
+    if place["heading"] is not None:
+        parts.append(f"heading {round(place['heading']) % 360}°")
+    if facts["ground_speed"] is not None:
+        parts.append(f"{facts['ground_speed']:.1f} m/s")
+    return ", ".join(parts)
+
+
+def _home_text(facts: dict[str, Any]) -> str:
+    home = facts["home"]
+    if home is None:
+        return "not set"
+    away = facts["home_distance"]
+    return f"{home['latitude']:.7f}, {home['longitude']:.7f}, {home['altitude']:.1f} m above sea" + (
+        "" if away is None else f", {away:.0f} m away"
+    )
+
+
+def _battery_text(battery: dict[str, Any]) -> str:
+    units = (("volts", "{:.2f} V"), ("amperes", "{:.1f} A"), ("percent", "{:.0f} % left"))
+    parts = [form.format(battery[key]) for key, form in units if battery[key] is not None]
+    return ", ".join(parts) or "nothing is told of it"
+
+
+def _gps_text(gps: dict[str, Any] | None) -> str:
+    if gps is None:
+        return "nothing is told of it"
+    fix = int(gps["fix"])
+    parts = [_FIXES[fix] if fix < len(_FIXES) else f"fix {fix}"]
+    if gps["satellites"] is not None:
+        parts.append(f"{gps['satellites']} satellites")
+    if gps["hdop"] is not None:
+        parts.append(f"HDOP {gps['hdop']:.1f}")
+    return ", ".join(parts)
+
+
+def _health_rows(health: dict[str, Any]) -> list[tuple[str, str]]:
+    ready = {
+        True: in_colour("ready to arm", "green"),
+        False: in_colour("not ready to arm", "red"),
+        None: "it does not say whether it is ready to arm",
+    }[health["ready"]]
+    return [("health", ready), *[("health", in_colour(text, "yellow")) for text in health["problems"]]]
+
+
+def _wrapped(name: str, texts: list[str]) -> list[tuple[str, str]]:
+    return [(name, line) for line in wrap(", ".join(texts), _WIDTH)]
+
+
+_NUMBERS: Final = MappingProxyType({"vendor": "vendor {}", "product": "product {}", "board": "{}"})
+
+
+def _board_text(facts: dict[str, Any]) -> str:
+    board, unique = facts["board"], facts["unique_id"]
+    told = {} if board is None else {name: value for name, value in board.items() if value}
+    numbers = [_NUMBERS[name].format(value) for name, value in told.items()]
+    return ", ".join([*numbers, *([f"id {unique}"] if unique else [])])
+
+
+async def _heard(vehicle: Vehicle, kind: type[Message]) -> None:
+    age = vehicle.age(kind)
+    if age is None or age > _RECENT:
+        with suppress(MavstackError):
+            await vehicle.wait_for_message(kind, timeout=_RECENT)
+
+
+async def _version(vehicle: Vehicle) -> AutopilotVersion | None:
+    try:
+        return await vehicle.component.version(timeout=PATIENCE)
+    except MavstackError:
+        return None
+
+
+def _named(value: int) -> str:
+    return str(getattr(value, "name", int(value)))
+
+
+def _plain(value: object) -> dict[str, Any] | None:
+    """A value of telemetry as JSON has it."""
+    if value is None:
+        return None
+    fields: dict[str, Any] = asdict(value)  # type: ignore[call-overload]
+    return {key: _number(each) for key, each in fields.items()}
+
+
+def _number(value: Any) -> Any:  # noqa: ANN401 (whatever JSON has)
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    return int(value) if isinstance(value, int) and not isinstance(value, bool) else value

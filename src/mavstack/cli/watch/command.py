@@ -1,0 +1,220 @@
+"""`mav watch`: what is on a link or in a recording, live, as lines, or as a summary."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from enum import Enum, auto
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.options import add_dialect, load_dialect, message_ids, seconds, system_id
+from mavstack.cli.watch.observer import Observer, Selection
+from mavstack.cli.watch.packet_lines import json_line, text_line
+from mavstack.cli.watch.recording import STDIN, read_recording
+from mavstack.cli.watch.snapshot import take
+from mavstack.cli.watch.summary import summary_json, summary_text
+from mavstack.errors import LinkError, LinkURLError, LogError
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Callable, Sequence
+
+    from mavstack.cli.watch.follower import Follower
+    from mavstack.links import Link
+    from mavstack.wire import Packet
+
+EXAMPLES: Final = """\
+examples:
+  mav watch udpin://0.0.0.0:14550              the live picture of all that comes to port 14550
+  mav watch /dev/ttyACM0,57600 --sort rate     of a serial port, the busiest messages first
+  mav watch udpin://0.0.0.0:14550 --json       one JSON object a packet, until Ctrl-C
+  mav watch tcp:127.0.0.1:5760 --once          listen for 3 s, print a summary
+  mav watch flight.tlog                        what is in a recording
+  mav watch flight.tlog --once --json          the same for programs, as one JSON object
+  mav watch flight.tlog --speed 10             replay it live, ten times as fast as it was
+  mav watch flight.tlog --json --filter 'GPS*,ATTITUDE' --system 1 | head
+
+Without --once and --json, a link in a pipe gives a line of text a packet. Keys and passwords are
+never shown.
+"""
+
+_ONCE: Final = 3.0
+
+
+class Mode(Enum):
+    """What is shown."""
+
+    SUMMARY = auto()
+    LINES = auto()
+    LIVE = auto()
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "source", metavar="URL|FILE", help="a link, a tlog, a file of raw packets, or - for stdin"
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="one JSON object a packet; with --once, one for all"
+    )
+    parser.add_argument(
+        "--once", action="store_true", help="print a summary (of a link: after 3 s, or --for)"
+    )
+    parser.add_argument(
+        "--for",
+        dest="seconds",
+        type=seconds,
+        metavar="SECONDS",
+        help="stop after so long; of a file, recorded time",
+    )
+    parser.add_argument(
+        "--filter", metavar="NAME,…", help="only these messages: names, patterns (GPS*) or ids"
+    )
+    parser.add_argument("--system", type=system_id, metavar="N", help="only this system")
+    parser.add_argument(
+        "--sort", choices=("name", "rate", "count"), default="name", help="order of the live picture"
+    )
+    parser.add_argument("--speed", metavar="X", help="replay a tlog live, X times as fast as it was (or max)")
+    parser.add_argument(
+        "--heartbeat", action="store_true", help="send a ground station's HEARTBEAT once a second"
+    )
+    add_dialect(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """Watch."""
+    dialect = load_dialect(arguments.dialect)
+    ids = message_ids(dialect, arguments.filter) if arguments.filter else None
+    observer = Observer(dialect, Selection(ids, arguments.system))
+    path = recording_path(arguments.source)
+    if path is not None and arguments.speed is None:
+        return _watch_file(path, observer, arguments)
+    return asyncio.run(_watch_link(observer, arguments))
+
+
+def recording_path(source: str) -> str | None:
+    """The path, if the source is a file to be read rather than a link to be followed."""
+    if source == STDIN or Path(source).is_file():
+        return source
+    from mavstack.links import parse_url
+
+    try:
+        url = parse_url(source)
+    except LinkURLError:
+        if "://" not in source and Path(source).exists():
+            raise LogError(f"{source}: this is not a file") from None
+        return None
+    return url.path if url.scheme == "file" and not url.options else None
+
+
+# files
+
+
+def _watch_file(path: str, observer: Observer, arguments: Namespace) -> int:
+    if arguments.once or (not arguments.json and sys.stdout.isatty()):
+        read_recording(path, observer, None, arguments.seconds)
+        print_summary(observer, arguments, path, observer.recorded_seconds)
+    else:
+        line = json_line if arguments.json else text_line
+
+        def show(packets: Sequence[Packet]) -> None:
+            print("\n".join(line(packet, _recorded(packet)) for packet in packets))
+
+        read_recording(path, observer, show, arguments.seconds)
+    # A script that asks for the summary reads in it that there is nothing; everyone else is told.
+    if not observer.totals().packets and not (arguments.once and arguments.json):
+        raise LogError(f"{path}: there is no MAVLink packet in it")
+    return 0
+
+
+def _recorded(packet: Packet) -> float | None:
+    return None if packet.timestamp is None else packet.timestamp / 1e6
+
+
+# links
+
+
+async def _watch_link(observer: Observer, arguments: Namespace) -> int:
+    from mavstack.cli.watch.follower import Follower
+    from mavstack.links import open_link
+
+    mode = _mode(arguments)
+    options = {} if arguments.speed is None else {"speed": arguments.speed}
+    limit = arguments.seconds or (_ONCE if mode is Mode.SUMMARY else None)
+    link = open_link(arguments.source, **options)
+    follower = Follower(observer, _printer(arguments) if mode is Mode.LINES else None)
+    async with link:
+        await follow_link(link, follower, arguments, limit, str(link.url))
+    if mode is Mode.SUMMARY:
+        print_summary(observer, arguments, str(link.url), follower.seconds, follower.note)
+    _require_packets(follower, link)
+    return 0
+
+
+async def follow_link(
+    link: Link, follower: Follower, arguments: Namespace, limit: float | None, title: str
+) -> None:
+    """Follow an open link, with the live picture if that is what is wanted."""
+    from mavstack.cli.watch.follower import beside, send_heartbeats
+
+    jobs = [send_heartbeats(link)] if arguments.heartbeat else []
+    if _mode(arguments) is not Mode.LIVE:
+        async with beside(*jobs):
+            await follower.follow(link, limit)
+        return
+    from mavstack.cli.watch.live_table import LiveTable
+
+    with LiveTable(title, follower, arguments.sort) as table:
+        async with beside(*jobs, table.run()):
+            await follower.follow(link, limit)
+
+
+def _mode(arguments: Namespace) -> Mode:
+    if arguments.once:
+        return Mode.SUMMARY
+    return Mode.LINES if arguments.json or not sys.stdout.isatty() else Mode.LIVE
+
+
+def _require_packets(follower: Follower, link: Link) -> None:
+    if follower.observer.totals().packets:
+        return
+    waited = f"in {follower.seconds:.1f} s"
+    if follower.bytes:
+        problem = f"{follower.bytes} bytes came {waited}, but no MAVLink packet"
+        raise LinkError(f"{link.url}: {problem}; is it MAVLink, and the baud rate right?")
+    hint = f"; {follower.note}" if follower.note else "; some send only after --heartbeat"
+    raise LinkError(f"{link.url}: nothing came {waited}{hint}")
+
+
+# what both print
+
+
+def print_summary(
+    observer: Observer, arguments: Namespace, title: str, duration: float | None, note: str = ""
+) -> None:
+    """Print the summary, as JSON if asked for."""
+    if arguments.json:
+        print(summary_json(observer, duration))
+        return
+    picture = take(observer, title, monotonic(), duration, note)
+    print(summary_text(picture, _columns()))
+
+
+def _columns() -> int | None:
+    """The width of the terminal; `None` in a pipe."""
+    if not sys.stdout.isatty():
+        return None
+    from shutil import get_terminal_size
+
+    return get_terminal_size().columns
+
+
+def _printer(arguments: Namespace) -> Callable[[Sequence[Packet], float], None]:
+    line = json_line if arguments.json else text_line
+
+    def show(packets: Sequence[Packet], time: float) -> None:
+        print("\n".join(line(packet, time) for packet in packets))
+
+    return show

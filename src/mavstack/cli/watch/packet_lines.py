@@ -1,0 +1,42 @@
+"""One line a packet: JSON for programs, text for people and pipes."""
+
+from __future__ import annotations
+
+import json
+from datetime import datetime
+from typing import TYPE_CHECKING
+
+from mavstack.cli.common.field_values import HIDDEN, message_values, raw_hex
+from mavstack.dialects.secrets import secret_fields
+
+if TYPE_CHECKING:
+    from mavstack.wire import Packet
+
+
+def json_line(packet: Packet, time: float | None) -> str:
+    """A packet as one JSON object; `time` is Unix time in seconds."""
+    message = packet.message
+    # Written by hand: a general encoder takes several times as long, and numbers need no escapes.
+    head = (
+        f'{{"time": {"null" if time is None else repr(time)}, "system": {packet.system}, '
+        f'"component": {packet.component}, "id": {packet.message_id}, "message": '
+    )
+    if message is None:
+        return f'{head}null, "raw": "{raw_hex(packet)}"}}'
+    fields = message.to_json()
+    secret = secret_fields(packet.name or "")
+    if any(f'"{name}"' in fields for name in secret):
+        found = json.loads(fields)
+        fields = json.dumps({name: HIDDEN if name in secret else value for name, value in found.items()})
+    return f'{head}"{packet.name}", "fields": {fields}}}'
+
+
+def text_line(packet: Packet, time: float | None) -> str:
+    """A packet as people read it."""
+    clock = f"{datetime.fromtimestamp(time).astimezone():%H:%M:%S.%f}"[:-3] if time else "--:--:--.---"
+    source = f"{packet.system}/{packet.component}"
+    message = packet.message
+    if message is None:
+        return f"{clock} {source:>7} unknown id {packet.message_id}: {raw_hex(packet)}"
+    values = " ".join(f"{value.name}={value.text}" for value in message_values(message))
+    return f"{clock} {source:>7} {packet.name} {values}"

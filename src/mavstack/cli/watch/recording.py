@@ -1,0 +1,89 @@
+"""A recorded stream of packets: a tlog, raw bytes, or standard input, read piece by piece.
+
+One way serves a summary and a line a packet. It holds one piece of the file and the last packet of each
+kind, whatever the size of the file; an index of a mapped file would be quicker, but grows with it.
+"""
+
+from __future__ import annotations
+
+import sys
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, Final
+
+from mavstack._core import looks_timestamped
+from mavstack.cli.common.progress import Progress
+from mavstack.errors import LogError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from contextlib import AbstractContextManager
+
+    from mavstack.cli.watch.observer import Observer
+    from mavstack.wire import Packet
+
+STDIN: Final = "-"
+CHUNK: Final = 1 << 18
+
+_OTHER_FORMATS: Final = (
+    (b"ULog\x01\x12\x35", "a PX4 ULog"),
+    (b"\xa3\x95", "an ArduPilot dataflash log"),
+    (b"\x0a\x0d\x0d\x0a", "a pcapng capture"),
+    (b"\xd4\xc3\xb2\xa1", "a pcap capture"),
+    (b"\xa1\xb2\xc3\xd4", "a pcap capture"),
+)
+
+
+def read_recording(
+    path: str,
+    observer: Observer,
+    show: Callable[[Sequence[Packet]], None] | None = None,
+    limit: float | None = None,
+) -> None:
+    """Feed a file, or its first `limit` recorded seconds, to the observer, and its packets to `show`."""
+    with _open(path) as file:
+        head = _head(path, file)
+        timestamped = looks_timestamped(head, observer.dialect)
+        if limit is not None and not timestamped:
+            raise LogError(f"{path}: it has no recorded times to tell its first seconds by")
+        observer.open(path, timestamped=timestamped)
+        with Progress(f"reading {path}", _size(path)) as progress:
+            for data in _pieces(file, head):
+                packets = observer.receive(path, data, observer.last_recorded or 0.0, limit)
+                if show is not None and packets:
+                    show(packets)
+                progress.add(len(data))
+                if observer.beyond_limit:
+                    return
+        packets = observer.flush(path, observer.last_recorded or 0.0)
+        if show is not None and packets:
+            show(packets)
+
+
+def _open(path: str) -> AbstractContextManager[BinaryIO]:
+    return nullcontext(sys.stdin.buffer) if path == STDIN else Path(path).open("rb")
+
+
+def _size(path: str) -> int:
+    return 0 if path == STDIN else Path(path).stat().st_size
+
+
+def _head(path: str, file: BinaryIO) -> bytes:
+    head = _read(file)
+    for magic, name in _OTHER_FORMATS:
+        if head.startswith(magic):
+            raise LogError(f"{path}: this is {name}, not a stream of MAVLink packets")
+    return head
+
+
+def _pieces(file: BinaryIO, head: bytes) -> Iterator[bytes]:
+    data = head
+    while data:
+        yield data
+        data = _read(file)
+
+
+def _read(file: BinaryIO) -> bytes:
+    """What is there now, so that a pipe is followed as it is written."""
+    read_now: Callable[[int], bytes] = getattr(file, "read1", file.read)
+    return read_now(CHUNK)

@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+import json
+from importlib.metadata import PackageNotFoundError
+
+import pytest
+
+import mavstack
+from mavstack.cli.doctor import checks
+
+
+def test_all_is_well(mav):
+    result = mav("doctor")
+    assert (result.code, result.err) == (0, "")
+    assert mavstack.__version__ in result.out
+    report = json.loads(mav("doctor", "--json").out)
+    assert report["ok"] is True
+    assert {"core", "udp", "dialects", "numpy"} <= {check["name"] for check in report["checks"]}
+
+
+def test_a_missing_extra_is_told_and_no_failure(mav, monkeypatch):
+    def version(name):
+        if name == "rich":
+            raise PackageNotFoundError(name)
+        return "1"
+
+    monkeypatch.setattr(checks, "version", version)
+    result = mav("doctor")
+    assert result.code == 0
+    assert "pip install 'mavstack[cli]'" in result.out
+
+
+@pytest.mark.parametrize("failing", ["core", "udp"])
+def test_what_should_work_and_does_not_is_a_failure(mav, monkeypatch, failing):
+    def broken():
+        raise OSError("out of order")
+
+    replaced = [(name, broken if name == failing else check) for name, check in checks._CHECKS]
+    monkeypatch.setattr(checks, "_CHECKS", replaced)
+    result = mav("doctor")
+    assert result.code == 1
+    assert "out of order" in result.out
+    assert failing in result.err
+    assert json.loads(mav("doctor", "--json").out)["ok"] is False
+
+
+def test_a_wrong_checksum_is_found(mav, monkeypatch):
+    monkeypatch.setattr("mavstack.wire.crc16", lambda _data: 0)
+    assert mav("doctor").code == 1
+
+
+def test_serial_ports_without_their_library(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "serial.tools.list_ports", None)
+    assert isinstance(checks._found_ports(), list)

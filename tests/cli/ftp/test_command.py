@@ -1,0 +1,216 @@
+from __future__ import annotations
+
+import json
+import random
+import re
+
+import pytest
+
+from mavstack.cli.ftp.command import EXAMPLES
+from mavstack.services.ftp import file_crc32
+from tests.cli.simulated import Hangar, examples_of
+
+LOG = "/APM/LOGS/00000001.BIN"
+
+
+@pytest.fixture
+def hangar(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    return Hangar(monkeypatch)
+
+
+def noise(size, seed=1):
+    return random.Random(seed).randbytes(size)
+
+
+@pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
+def test_the_examples_of_the_help(mav, monkeypatch, tmp_path, firmware):
+    monkeypatch.chdir(tmp_path)
+    hangar = Hangar(monkeypatch, firmware)
+    (tmp_path / "patrol.lua").write_text("return 1\n")
+    hangar.put("/fs/microsd/log/2026-11-21/10_00_00.ulg", noise(100))
+    top = {"ardupilot": "/APM", "px4": "/fs/microsd"}[firmware]
+    hangar.put(f"{top}/LOGS/00000001.BIN", noise(5000))
+    hangar.put(f"{top}/scripts/here.lua", b"return 2\n")
+    for words in examples_of(EXAMPLES):
+        result = mav(*(word.replace("/APM", top) for word in words))
+        assert (result.code, result.err) == (0, ""), words
+    assert (tmp_path / "00000001.BIN").read_bytes() == noise(5000)
+    assert (tmp_path / "backup" / "here.lua").read_bytes() == b"return 2\n"
+    assert hangar.file(f"{top}/scripts/old.lua") is None
+    assert not hangar.has_directory(f"{top}/scripts/modules")
+
+
+def test_help_shows_the_examples_of_each_action(mav):
+    for action in ("ls", "get", "put", "rm", "mkdir", "rename", "crc"):
+        assert f"  mav ftp {action}" in mav("ftp", action, "--help").out
+
+
+def test_ls(mav, hangar):
+    hangar.put(LOG, noise(1500))
+    assert mav("ftp", "ls", "/APM").out == "  LOGS/\n  TERRAIN/\n  scripts/\n"
+    assert mav("ftp", "ls", "/APM/LOGS").out == "1.5 kB  00000001.BIN\n"
+    assert mav("ftp", "ls", LOG).out == "1.5 kB  00000001.BIN\n"
+    assert mav("ftp", "ls", "/APM/*/*.BIN").out == f"1.5 kB  {LOG}\n"
+    assert json.loads(mav("ftp", "ls", LOG, "--json").out) == [
+        {"path": LOG, "name": "00000001.BIN", "type": "file", "size": 1500}
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (["ls", "/nope"], "not found"),
+        (["ls", "/APM/*.xyz"], "nothing on the vehicle fits /APM/*.xyz"),
+        (["get", "/APM/nope"], "not found"),
+        (["get", "/APM/nope*"], "nothing on the vehicle fits /APM/nope*"),
+        (["crc", "/nope"], "not found"),
+        (["rm", "/nope"], "not found"),
+        (["mkdir", "/APM/a/b"], "not found"),
+        (["rename", "/nope", "/b"], "not found"),
+        (["put", "x", "/nope/x"], "not found"),
+        (["put", "missing", "/x"], "No such file"),
+    ],
+)
+def test_what_the_vehicle_refuses_is_told_in_one_line(mav, hangar, tmp_path, words, problem):
+    (tmp_path / "x").write_text("x")
+    result = mav("ftp", *words)
+    assert (result.code, result.out) == (1, "")
+    assert result.err.startswith("mav ftp: ")
+    assert problem in result.err
+    assert result.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("words", [["get", "/APM"], ["rm", "/APM"], ["rm", "-r", "/"], ["get"], ["dance"]])
+def test_wrong_usage(mav, hangar, words):
+    result = mav("ftp", *words)
+    assert (result.code, result.out) == (2, "")
+    assert result.err
+
+
+def test_get_to_a_file_a_directory_and_here(mav, hangar, tmp_path):
+    hangar.put(LOG, noise(3000))
+    (tmp_path / "logs").mkdir()
+    assert mav("ftp", "get", LOG).out == f"{LOG} -> 00000001.BIN (3.0 kB)\n"
+    assert mav("ftp", "get", LOG, "logs").code == 0
+    assert mav("ftp", "get", LOG, "new/").code == 0
+    told = json.loads(mav("ftp", "get", LOG, "flight.bin", "--json").out)
+    assert told == {"remote": LOG, "local": "flight.bin", "size": 3000}
+    for path in ("00000001.BIN", "logs/00000001.BIN", "new/00000001.BIN", "flight.bin"):
+        assert (tmp_path / path).read_bytes() == noise(3000)
+
+
+def test_a_virtual_file_and_an_empty_one(mav, hangar, tmp_path):
+    assert mav("ftp", "get", "@SYS/uarts.txt").code == 0
+    assert (tmp_path / "uarts.txt").read_text()
+    assert mav("ftp", "get", "@PARAM/param.pck?withdefaults=1").code == 0
+    assert (tmp_path / "param.pck").read_bytes()[:2] == b"\x1c\x67"
+    hangar.put("/APM/empty", b"")
+    assert mav("ftp", "get", "/APM/empty").code == 0
+    assert (tmp_path / "empty").read_bytes() == b""
+
+
+def test_get_a_tree(mav, hangar, tmp_path):
+    files = {"a.lua": noise(10), "modules/b.lua": noise(20), "modules/deep/c.lua": noise(30)}
+    for path, data in files.items():
+        hangar.put(f"/APM/scripts/{path}", data)
+    assert mav("ftp", "get", "-r", "/APM/scripts").code == 0
+    assert mav("ftp", "get", "-r", "/APM/scripts", "elsewhere").code == 0
+    for path, data in files.items():
+        assert (tmp_path / "scripts" / path).read_bytes() == data
+        assert (tmp_path / "elsewhere" / path).read_bytes() == data
+    assert mav("ftp", "rm", "-r", "/APM/scripts").code == 0
+    assert not hangar.has_directory("/APM/scripts")
+
+
+def test_put_is_compared(mav, hangar, tmp_path):
+    (tmp_path / "x.lua").write_bytes(noise(9000))
+    assert mav("ftp", "put", "x.lua", "/APM/scripts").out == "x.lua -> /APM/scripts/x.lua (9.0 kB)\n"
+    assert hangar.file("/APM/scripts/x.lua") == noise(9000)
+    crc = json.loads(mav("ftp", "crc", "/APM/scripts/x.lua", "--json").out)["crc"]
+    assert crc == file_crc32(noise(9000))
+    assert mav("ftp", "crc", "/APM/scripts/x.lua").out == f"{crc:08x}  /APM/scripts/x.lua\n"
+
+
+@pytest.mark.parametrize("name", ["..", "../../evil", "a/b", "C:evil", "nul\x01", "trailing."])
+def test_names_that_would_lead_elsewhere(mav, hangar, tmp_path, monkeypatch, name):
+    from mavstack.cli.ftp import command as ftp
+    from mavstack.services.ftp import Entry
+
+    async def hostile(files, top, depth=0):
+        yield top
+        yield ftp.Found(f"{top.path}/{name}", Entry(name, size=3))
+
+    monkeypatch.setattr(ftp, "walk", hostile)
+    result = mav("ftp", "get", "-r", "/APM/scripts", "into")
+    if name == "a/b":  # a name with a slash is two names here, and stays below
+        assert not (tmp_path / "b").exists()
+    else:
+        assert result.code == 1
+        assert "cannot be the name of a local file" in result.err
+    assert list(tmp_path.parent.glob("**/*evil*")) == []
+
+
+def test_a_broken_download_leaves_the_old_file_and_goes_on_where_it_stopped(
+    mav, hangar, tmp_path, monkeypatch
+):
+    data = noise(400_000)
+    hangar.put(LOG, data)
+    target = tmp_path / "00000001.BIN"
+    target.write_bytes(b"old")
+    cut = CutAfter(hangar, 200_000)
+    result = mav("ftp", "get", LOG)
+    assert result.code == 1
+    assert re.search(r"; run it again to go on from [\d.]+ kB$", result.err)
+    assert result.err.count("\n") == 1
+    assert target.read_bytes() == b"old"
+    kept = (tmp_path / ".00000001.BIN.part").stat().st_size
+    assert 0 < kept < len(data)
+    cut.mend()
+    assert mav("ftp", "get", LOG).code == 0
+    assert target.read_bytes() == data
+    assert cut.read_from >= kept
+    assert not (tmp_path / ".00000001.BIN.part").exists()
+
+
+class CutAfter:
+    """Cuts the vehicle's link when so much of a file was read from it."""
+
+    def __init__(self, hangar, size):
+        self.hangar, self.left, self.read_from = hangar, size, 1 << 40
+        store = hangar.vehicle.storage.files
+        opened = store.open_file
+        store.open_file = lambda path, **options: self._watch(opened(path, **options))
+
+    def _watch(self, file):
+        read = file.read
+
+        def counted(offset, size):
+            if size < 1 << 12:  # reads for a checksum are larger
+                self.left -= size
+                self.read_from = min(self.read_from, offset)
+            if self.left < 0:
+                self.hangar.vehicle.cut(True)
+            return read(offset, size)
+
+        file.read = counted
+        return file
+
+    def mend(self):
+        self.left, self.read_from = 1 << 40, 1 << 40
+        self.hangar.vehicle.cut(False)
+
+
+def test_what_was_kept_of_another_file_is_fetched_anew(mav, hangar, tmp_path):
+    hangar.put(LOG, noise(200_000, seed=2))
+    (tmp_path / ".00000001.BIN.part").write_bytes(noise(100_000, seed=3))
+    assert mav("ftp", "get", LOG).code == 0
+    assert (tmp_path / "00000001.BIN").read_bytes() == noise(200_000, seed=2)
+    (tmp_path / ".00000001.BIN.part").write_bytes(noise(300_000, seed=3))
+    assert mav("ftp", "get", LOG).code == 0
+    assert (tmp_path / "00000001.BIN").read_bytes() == noise(200_000, seed=2)
+
+
+def test_a_download_that_is_refused_leaves_nothing(mav, hangar, tmp_path):
+    assert mav("ftp", "get", "@PARAM/nope").code == 1
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+import json
+import random
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from mavstack.cli.ftp.paths import Found
+from mavstack.cli.log.command import EXAMPLES, _ranges
+from mavstack.cli.log.files import match, name_for, time_text
+from mavstack.services.ftp import Entry
+from mavstack.services.log import LogEntry
+from tests.cli.simulated import Hangar, examples_of
+
+TIME = 1_795_255_200  # 2026-11-21 10:00:00 UTC
+PATHS = {
+    "ardupilot": ["/APM/LOGS/00000001.BIN", "/APM/LOGS/00000002.BIN"],
+    "px4": ["/fs/microsd/log/2026-11-21/10_00_00.ulg", "/fs/microsd/log/2026-11-21/11_00_00.ulg"],
+}
+
+
+def noise(size, seed=1):
+    return random.Random(seed).randbytes(size)
+
+
+@pytest.fixture
+def hangar(monkeypatch, tmp_path):
+    return filled(monkeypatch, tmp_path)
+
+
+def filled(monkeypatch, tmp_path, firmware="ardupilot", sizes=(90_000, 2000)):
+    monkeypatch.chdir(tmp_path)
+    hangar = Hangar(monkeypatch, firmware)
+    for path, size in zip(PATHS[firmware], sizes, strict=True):
+        hangar.put(path, noise(size, size))
+    return hangar
+
+
+@pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
+def test_the_examples_of_the_help(mav, monkeypatch, tmp_path, firmware):
+    filled(monkeypatch, tmp_path, firmware)
+    for words in examples_of(EXAMPLES):
+        result = mav(*words)
+        assert (result.code, result.err) == (0, ""), words
+        assert result.out
+    names = {
+        "ardupilot": ["00000001.BIN", "00000002.BIN"],
+        "px4": ["log_0_2026-11-21_10-00-00.ulg", "log_1_2026-11-21_11-00-00.ulg"],
+    }[firmware]
+    assert sorted(path.name for path in (tmp_path / "logs").iterdir()) == names
+    assert [(tmp_path / "logs" / name).read_bytes() for name in names] == [
+        noise(90_000, 90_000),
+        noise(2000, 2000),
+    ]
+    assert (tmp_path / names[1]).read_bytes() == noise(2000, 2000)
+    assert mav("log", "list").err == "there are no logs\n"
+
+
+def test_help_shows_the_examples_of_each_action(mav):
+    for action in ("list", "get", "erase"):
+        assert f"  mav log {action}" in mav("log", action, "--help").out
+
+
+def test_list(mav, monkeypatch, tmp_path):
+    filled(monkeypatch, tmp_path, "px4")
+    assert mav("log", "list").out == "0  2026-11-21 10:00:00  90.0 kB\n1  2026-11-21 11:00:00   2.0 kB\n"
+    assert json.loads(mav("log", "list", "--json").out) == [
+        {"id": 0, "time_utc": TIME, "size": 90_000},
+        {"id": 1, "time_utc": TIME + 3600, "size": 2000},
+    ]
+
+
+@pytest.mark.parametrize(("via", "way"), [("auto", "ftp"), ("ftp", "ftp"), ("log", "log")])
+def test_the_way_it_comes(mav, hangar, tmp_path, via, way):
+    told = json.loads(mav("log", "get", "1", "-o", "x.BIN", "--via", via, "--json").out)
+    assert told == {"id": 1, "file": "x.BIN", "size": 90_000, "via": way}
+    assert (tmp_path / "x.BIN").read_bytes() == noise(90_000, 90_000)
+
+
+def test_logs_that_are_alike_come_by_their_numbers(mav, monkeypatch, tmp_path):
+    filled(monkeypatch, tmp_path, sizes=(3000, 3000))
+    assert json.loads(mav("log", "get", "2", "--json").out)["via"] == "log"
+    result = mav("log", "get", "1", "--via", "ftp")
+    assert result.code == 1
+    assert result.err == "mav log: which file log 1 is cannot be told; fetch it with --via log\n"
+
+
+def test_without_ftp_they_come_by_their_numbers(mav, hangar, monkeypatch, tmp_path):
+    def refused(path):
+        raise PermissionError
+
+    monkeypatch.setattr(hangar.vehicle.storage.files, "list_directory", refused)
+    assert json.loads(mav("log", "get", "last", "--json").out) == {
+        "id": 2,
+        "file": "00000002.BIN",
+        "size": 2000,
+        "via": "log",
+    }
+
+
+def test_what_is_here_already_stays(mav, hangar, tmp_path):
+    assert mav("log", "get", "2").code == 0
+    assert mav("log", "get", "2").out == "log 2 -> 00000002.BIN (is here already)\n"
+    (tmp_path / "00000001.BIN").write_bytes(b"mine")
+    result = mav("log", "get", "all")
+    assert result.code == 1
+    assert result.err == "mav log: 00000001.BIN is there and another file; move it away, or add --force\n"
+    assert "log 2" in result.out
+    assert (tmp_path / "00000001.BIN").read_bytes() == b"mine"
+    assert mav("log", "get", "1", "--force").code == 0
+    assert (tmp_path / "00000001.BIN").read_bytes() == noise(90_000, 90_000)
+
+
+@pytest.mark.parametrize(
+    "words", [["get"], ["get", "first"], ["get", "-1"], ["get", "70000"], ["erase"], ["dance"]]
+)
+def test_wrong_usage(mav, hangar, monkeypatch, words):
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: False))
+    result = mav("log", *words)
+    assert (result.code, result.out) == (2, "")
+    assert result.err
+
+
+def test_no_such_log(mav, hangar):
+    result = mav("log", "get", "7")
+    assert (result.code, result.err) == (1, "mav log: there is no log 7; there are 1-2\n")
+    assert _ranges([1, 2, 3, 7, 9, 10]) == "1-3, 7, 9-10"
+
+
+@pytest.mark.parametrize(("answer", "left", "code"), [("y\n", 0, 0), ("n\n", 2, 1), ("", 2, 1), ("\n", 2, 1)])
+def test_erase_asks_on_a_terminal(mav, hangar, monkeypatch, answer, left, code):
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: True, readline=lambda: answer))
+    result = mav("log", "erase")
+    assert result.code == code
+    assert result.out.startswith("erase all 2 logs (92.0 kB) of system 1? [y/N] ")
+    assert len(json.loads(mav("log", "list", "--json").out)) == left
+
+
+def test_a_vehicle_that_falls_silent(mav, hangar, tmp_path):
+    store = hangar.vehicle.storage.files
+    opened = store.open_file
+
+    def cut(path, **options):
+        hangar.vehicle.cut(True)
+        return opened(path, **options)
+
+    store.open_file = cut
+    result = mav("log", "get", "1")
+    assert (result.code, result.out) == (1, "")
+    assert result.err.startswith("mav log: reading /APM/LOGS/00000001.BIN asked of 1/1")
+    assert result.err.count("\n") == 1
+    assert not (tmp_path / "00000001.BIN").exists()
+
+
+def test_names_and_times():
+    dated, undated = LogEntry(12, TIME, 5), LogEntry(3, 0, 5)
+    assert name_for(dated, ".BIN") == "00000012.BIN"
+    assert name_for(dated, ".ulg") == "log_12_2026-11-21_10-00-00.ulg"
+    assert name_for(undated, ".ulg") == "log_3.ulg"
+    assert (time_text(dated), time_text(undated)) == ("2026-11-21 10:00:00", "")
+
+
+def test_files_of_one_size_are_not_guessed():
+    files = [
+        Found(f"/{name}", Entry(name, size=size)) for name, size in (("a", 1), ("b", 1), ("c", 2), ("d", 0))
+    ]
+    logs = [LogEntry(1, 0, 1), LogEntry(2, 0, 2), LogEntry(3, 0, 0), LogEntry(4, 0, 9)]
+    assert {number: found.path for number, found in match(logs, files).items()} == {2: "/c"}
+    assert match([LogEntry(1, 0, 2), LogEntry(2, 0, 2)], files) == {}

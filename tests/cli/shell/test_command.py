@@ -1,0 +1,154 @@
+"""`mav shell` as a command: scripts, lines, pipes, outputs, exit codes; and all that its help shows."""
+
+from __future__ import annotations
+
+import io
+import shlex
+
+import pytest
+
+from mavstack.cli.shell import command as shell
+from mavstack.cli.shell.command import EXAMPLES
+from mavstack.cli.shell.registry import COMMANDS
+from mavstack.links import MemoryNetwork
+from mavstack.node import forwarding
+from tests.cli.hangar import COPTER, PX4_COPTER, Hangar
+from tests.vehicle.world import named
+
+
+@pytest.fixture
+def hangar(monkeypatch, mav):
+    return lambda *kinds, **how: Hangar(monkeypatch, mav, kinds or [COPTER], **how)
+
+
+@pytest.fixture
+def pipe(monkeypatch):
+    """Give the shell lines by a pipe."""
+
+    def fill(text):
+        async def lines():
+            for line in text.splitlines():
+                yield line
+
+        monkeypatch.setattr(shell, "typed_lines", lines)
+        monkeypatch.setattr("sys.stdin", io.StringIO(text))
+
+    return fill
+
+
+@pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
+def test_a_line(hangar, mav, kind):
+    here = hangar(kind)
+    result = mav("shell", "--command", "arm throttle; takeoff 10")
+    assert result.code == 0
+    assert result.out == "armed\n"
+    assert "found: quadrotor" in result.err
+    assert -here.simulated.body.truth.down == pytest.approx(10, abs=1.5)
+
+
+def test_a_script(hangar, mav, tmp_path):
+    hangar()
+    (script := tmp_path / "flight.txt").write_text("mode guided\narm throttle # up\n\nbad\ndisarm\n")
+    result = mav("shell", "--script", script)
+    assert result.code == 1
+    assert result.out == "armed\n"
+    assert f"{script}:4: there is no command 'bad'" in result.err
+    result = mav("shell", "--script", script, "--keep-going")
+    assert result.code == 1
+    assert result.out == "armed\ndisarmed\n"
+
+
+def test_a_pipe(hangar, mav, pipe):
+    hangar()
+    pipe("arm throttle\ndisarm\n")
+    result = mav("shell")
+    assert (result.code, result.out) == (0, "armed\ndisarmed\n")
+
+
+def test_nobody_there_fails(hangar, mav):
+    hangar()
+    result = mav("shell", "--system", 9, "--timeout", 2, "--command", "info")
+    assert result.code == 1
+    assert result.err.splitlines()[-1].startswith("mav shell: the heartbeat of vehicle 9")
+
+
+def test_the_vehicle_that_is_meant(hangar, mav):
+    here = hangar(COPTER, PX4_COPTER)
+    assert mav("shell", "--system", 2, "--command", "arm").code == 0
+    assert [vehicle.autopilot.armed for vehicle in here.simulation.vehicles] == [False, True]
+
+
+def test_a_script_that_is_not_there(hangar, mav, tmp_path):
+    hangar()
+    result = mav("shell", "--script", tmp_path / "none.txt")
+    assert result.code == 1
+    assert "No such file or directory" in result.err
+
+
+def test_an_output_is_forwarded_to(hangar, mav, monkeypatch):
+    hangar()
+    behind = MemoryNetwork()
+    monkeypatch.setattr(forwarding, "open_link", lambda url: behind.link())
+    station = behind.link()
+
+    async def open_station(session, words):
+        await station.open()
+
+    monkeypatch.setattr(
+        shell, "COMMANDS", {**COMMANDS, "station": type("C", (), {"run": staticmethod(open_station)})}
+    )
+    result = mav("shell", "--out", "udpout://127.0.0.1:9", "--command", "station; sleep 2; output list")
+    assert result.code == 0
+    assert result.out.split()[:3] == ["0", "memory://pair", "1"]
+    assert int(result.out.split()[4]) > 5
+
+
+@pytest.mark.parametrize(
+    "words", [["--script", "a", "--command", "b"], ["--timeout", "never"], ["--nonsense"]]
+)
+def test_wrong_usage(mav, words):
+    assert mav("shell", *words).code == 2
+
+
+def test_the_examples_of_the_command(hangar, mav, pipe, tmp_path, monkeypatch):
+    """Each line but those that wait for somebody who types."""
+    (tmp_path / "flight.txt").write_text("info\n")
+    monkeypatch.chdir(tmp_path)
+    for line in EXAMPLES.splitlines()[1:7]:
+        hangar()
+        before, bar, after = line.rpartition("|")
+        if bar:
+            pipe(shlex.split(before)[1] + "\n")
+        elif "--" not in line or "--out" in line:
+            continue
+        words = shlex.split(after)[1:]
+        assert mav(*words).code == 0, line
+
+
+#: What needs a file, an output or a firmware of its own is tried elsewhere.
+ELSEWHERE = {"wp set 2", "nsh ver all", "script"}
+
+
+@pytest.mark.parametrize("command", list(dict.fromkeys(COMMANDS.values())), ids=lambda command: command.name)
+def test_the_examples_of_each_command(hangar, mav, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    before = {
+        "guided": "mode guided; arm throttle; takeoff 10; ",
+        "orbit": "mode guided; arm throttle; takeoff 10; ",
+        "setyaw": "mode guided; arm throttle; takeoff 10; ",
+        "setspeed": "mode guided; arm throttle; takeoff 10; ",
+        "land": "mode guided; arm throttle; takeoff 10; ",
+        "rtl": "mode guided; arm throttle; takeoff 10; ",
+        "hold": "mode guided; arm throttle; takeoff 10; ",
+        "takeoff": "mode guided; arm throttle; ",
+    }.get(command.name, "")
+    lines = [example for example in command.examples if example not in ELSEWHERE]
+    if not lines:
+        pytest.skip("tried elsewhere")
+    hangar()
+    result = mav(
+        "shell",
+        "--command",
+        before + "; ".join(line.replace(";", r"\;") if '"' not in line else line for line in lines),
+    )
+    assert result.code == 0, result.err

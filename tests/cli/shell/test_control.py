@@ -1,0 +1,160 @@
+"""Commands for the shell itself."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.shell.console_command import AlreadyTold
+from mavstack.cli.shell.registry import COMMANDS
+from mavstack.cli.shell.runner import run_line
+from mavstack.dialects import common
+from mavstack.errors import LinkError, MavstackError
+from mavstack.links import BytesReceived
+from tests.cli.shell.shelled import COPTER, alone, in_shell
+
+UNIQUE = list(dict.fromkeys(COMMANDS.values()))
+
+
+def test_help_lists_every_command(capsys):
+    alone(lambda session: run_line(session, "help"))
+    listed = {line.split()[0] for line in capsys.readouterr().out.splitlines() if line.startswith("  ")}
+    assert listed == {command.name for command in UNIQUE}
+
+
+@pytest.mark.parametrize("command", UNIQUE, ids=lambda command: command.name)
+def test_help_of_each_command(command, capsys):
+    alone(lambda session: run_line(session, f"help {command.name}"))
+    out = capsys.readouterr().out
+    assert out.startswith(command.synopsis + "\n")
+    for example in command.examples:
+        assert example in out
+        assert example.split()[0] in COMMANDS
+
+
+def test_settings(capsys):
+    async def scenario(session):
+        await run_line(session, "set wait off; set limit 12.5; set severity warning; set; set wait")
+        assert session.settings.wait is False
+        assert session.settings.limit == 12.5
+        assert session.settings.severity == common.MavSeverity.WARNING
+
+    alone(scenario)
+    lines = capsys.readouterr().out.split("\n")
+    assert lines[0].split() == ["wait", "off"]
+    assert lines[4].split() == ["wait", "off"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["set colour", "set wait perhaps", "set limit -1", "set limit nan", "set severity loud", "set a b c"],
+)
+def test_wrong_settings(line):
+    with pytest.raises(UsageError):
+        alone(lambda session: run_line(session, line))
+
+
+def test_aliases(capsys):
+    async def scenario(session):
+        await run_line(session, 'alias add calm "set wait off; set limit 5"; calm; alias; alias list')
+        assert session.settings.limit == 5
+        await run_line(session, "alias add limit set limit; limit 7")
+        assert session.settings.limit == 7
+        await run_line(session, "help calm; alias remove calm")
+        with pytest.raises(UsageError, match="there is no command 'calm'"):
+            await run_line(session, "calm")
+
+    alone(scenario)
+    assert "calm is an alias of: set wait off; set limit 5" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "alias add",
+        "alias add x",
+        "alias add 'a b' help",
+        "alias add alias help",
+        "alias remove x",
+        "alias what",
+    ],
+)
+def test_wrong_aliases(line):
+    with pytest.raises(UsageError):
+        alone(lambda session: run_line(session, line))
+
+
+def test_an_alias_of_itself_ends():
+    with pytest.raises(UsageError, match="calls itself"):
+        alone(lambda session: run_line(session, "alias add a b; alias add b a; a"))
+
+
+def test_a_script_runs_until_it_fails(tmp_path, capsys):
+    script = tmp_path / "a.txt"
+    script.write_text("# settings\nset limit 3\n\nset limit x; set limit 4\nset limit 5\n")
+
+    async def scenario(session):
+        with pytest.raises(AlreadyTold):
+            await run_line(session, f"script {script}")
+        assert session.settings.limit == 3
+
+    alone(scenario)
+    assert f"{script}:4: limit is a number from 0 on, not 'x'\n" in capsys.readouterr().err
+
+
+def test_a_script_that_runs_itself_ends(tmp_path, capsys):
+    (script := tmp_path / "a.txt").write_text(f"script {tmp_path / 'a.txt'}")
+    with pytest.raises(AlreadyTold):
+        alone(lambda session: run_line(session, f"script {script}"))
+    assert capsys.readouterr().err.count("runs itself") == 1
+
+
+def test_scripts_that_cannot_be_read(tmp_path):
+    (tmp_path / "noise").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(OSError, match="No such file"):
+        alone(lambda session: run_line(session, f"script {tmp_path / 'none'}"))
+    with pytest.raises(MavstackError, match="not a text file"):
+        alone(lambda session: run_line(session, f"script {tmp_path / 'noise'}"))
+
+
+def test_exit_ends_the_line():
+    async def scenario(session):
+        await run_line(session, "exit; set limit 5")
+        assert session.leaving
+        assert session.settings.limit == 0
+
+    alone(scenario)
+
+
+def test_outputs_are_added_listed_and_removed(capsys):
+    async def scenario(session, world):
+        network = world.network.__class__()
+        station = await network.link().open()
+        await session.forwarding.add(network.link())
+        await asyncio.sleep(3)
+        events = [await anext(station) for _ in range(20)]
+        heard = b"".join(bytes(event.data) for event in events if isinstance(event, BytesReceived))
+        assert heard.startswith(b"\xfd")
+        await run_line(session, "output; output remove 0; output list")
+        with pytest.raises(MavstackError, match="not an output; outputs: none"):
+            await run_line(session, "output remove 0")
+        with pytest.raises(LinkError):
+            await run_line(session, "output add nonsense://x")
+        with pytest.raises(UsageError, match="usage"):
+            await run_line(session, "output what")
+        await station.close()
+
+    in_shell(COPTER, scenario)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("0  memory://pair  1 there")
+    assert lines[1] == "nothing is forwarded"
+
+
+@pytest.mark.parametrize(
+    "line", ["sleep", "sleep -1", "sleep x", "exit now", "help a b", "help nothing", "script"]
+)
+def test_wrong_words(line):
+    with pytest.raises(UsageError):
+        alone(lambda session: run_line(session, line))

@@ -1,0 +1,96 @@
+"""Commands that look."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.shell.runner import run_line
+from mavstack.errors import HealthTimeout, MavstackError
+from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell, type_lines
+from tests.vehicle.world import named
+
+
+@pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
+def test_the_page(kind, capsys):
+    type_lines("info", kind=kind)
+    out = capsys.readouterr().out
+    assert out.startswith(f"vehicle 1: quadrotor, {'PX4' if kind == PX4_COPTER else 'ArduPilot'} ")
+    for word in ("disarmed, on the ground", "above sea", "battery", "3D fix", "ready to arm", "mavlink2"):
+        assert word in out
+
+
+def test_the_status_of_messages(capsys):
+    type_lines("status HEARTBEAT; sleep 2; status GPS_R* SYS_STATUS")
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("HEARTBEAT type=QUADROTOR")
+    assert {line.split()[0] for line in lines[1:]} == {"GPS_RAW_INT", "SYS_STATUS"}
+
+
+def test_a_message_that_does_not_exist():
+    with pytest.raises(UsageError, match="there is no message NO_SUCH"):
+        type_lines("status no_such")
+
+
+def test_watching_ends_by_itself(capsys):
+    type_lines("watch HEARTBEAT 3.5")
+    assert 3 <= len(capsys.readouterr().out.splitlines()) <= 4
+
+
+def test_watching_for_ever_needs_somebody():
+    with pytest.raises(UsageError, match="how many seconds"):
+        type_lines("watch HEARTBEAT")
+
+
+def test_the_rate_of_watching(capsys):
+    type_lines("set rate 10; watch ATTITUDE 3")
+    assert len(capsys.readouterr().out.splitlines()) > 20
+
+
+def test_version_link_and_ping(capsys):
+    type_lines("version; link; ping")
+    out = capsys.readouterr().out
+    for word in ("firmware", "memory://pair", " packets, 0 bytes", "4 of 4 came back"):
+        assert word in out
+
+
+def test_health(capsys):
+    async def scenario(session, world):
+        await run_line(session, "health; ready 90; health")
+
+    in_shell(COPTER, scenario, ready=False)
+    out = capsys.readouterr().out
+    assert out.startswith(("not ready to arm", "it does not say"))
+    assert "\nready to arm" in out
+
+
+def test_waiting_for_health_ends():
+    with pytest.raises(HealthTimeout):
+        type_lines("ready 1", ready=False)
+
+
+def test_vehicles_are_listed_and_chosen(capsys):
+    async def scenario(session, world):
+        await world.until(lambda: len(session.node.vehicles) == 2)
+        await run_line(session, "vehicle; vehicle 2; vehicle; disarm")
+        assert session.vehicle.system == 2
+        with pytest.raises(MavstackError, match="no vehicle has the system id 9; those heard: 1, 2"):
+            await run_line(session, "vehicle 9")
+
+    in_shell([COPTER, PX4_COPTER], scenario)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("*  1  quadrotor with ArduPilot")
+    assert lines[3].startswith("*  2  quadrotor with PX4")
+
+
+@pytest.mark.parametrize(
+    "line", ["info", "status", "health", "version", "ping", "arm", "param show", "rc", "nsh ls"]
+)
+def test_nobody_there_is_told(line):
+    with pytest.raises(MavstackError, match="no vehicle has been heard yet"):
+        alone(lambda session: run_line(session, line))
+
+
+def test_the_link_with_nobody_there(capsys):
+    alone(lambda session: run_line(session, "link; vehicle"))
+    assert "nobody is there\nno vehicle has been heard yet\n" in capsys.readouterr().out

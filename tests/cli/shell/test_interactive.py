@@ -1,0 +1,175 @@
+"""The loop that somebody types into, with a typist in place of a terminal."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+from contextlib import nullcontext
+
+from mavstack.cli.shell.interactive import interact, line_for
+from mavstack.cli.shell.plain_input import PlainLine
+from mavstack.cli.shell.state import history_file, state_directory
+from tests.cli.shell.shelled import COPTER, alone, in_shell
+
+
+class Typist:
+    """Gives lines, or raises what a key does."""
+
+    def __init__(self, *lines):
+        self.lines = list(lines)
+
+    async def read(self):
+        if not self.lines:
+            raise EOFError
+        line = self.lines.pop(0)
+        if isinstance(line, type):
+            raise line
+        return line
+
+    async def ask(self, question):
+        raise EOFError
+
+    def busy(self):
+        return nullcontext()
+
+
+def test_what_fails_is_told_and_the_shell_goes_on(capsys):
+    async def scenario(session):
+        await interact(session, Typist("bad", KeyboardInterrupt, "", "'", "set limit 4", "set limit"))
+
+    alone(scenario)
+    captured = capsys.readouterr()
+    assert "there is no command 'bad'" in captured.err
+    assert "no closing quotation" in captured.err
+    assert captured.out == "limit  4\n"
+
+
+def test_exit_leaves(capsys):
+    typist = Typist("exit", "set limit")
+    alone(lambda session: interact(session, typist))
+    assert typist.lines == ["set limit"]
+
+
+def test_a_defect_of_a_command_is_told_and_the_shell_goes_on(capsys):
+    async def scenario(session):
+        session.forwarding = None
+        await interact(session, Typist("output list", "set limit"))
+
+    alone(scenario)
+    captured = capsys.readouterr()
+    assert "a defect of this command: AttributeError" in captured.err
+    assert captured.out == "limit  0\n"
+
+
+def test_ctrl_c_cancels_the_command_and_not_the_shell(capsys):
+    async def scenario(session, world):
+        loop = asyncio.get_running_loop()
+        loop.call_later(5.0, signal.raise_signal, signal.SIGINT)
+        before = signal.getsignal(signal.SIGINT)
+        began = session.node.now()
+        await interact(session, Typist("mode guided; arm; takeoff 80", "set limit"))
+        assert session.node.now() < began + 7
+        assert signal.getsignal(signal.SIGINT) == before
+
+    in_shell(COPTER, scenario)
+    captured = capsys.readouterr()
+    assert "cancelled" in captured.err
+    assert captured.out == "armed\nlimit  0\n"
+
+
+def test_a_question_without_answer_is_no(capsys):
+    async def scenario(session, world):
+        typist = Typist("log erase", "set limit")
+        session.ask = typist.ask
+        await interact(session, typist)
+
+    in_shell(COPTER, scenario)
+    assert "no answer" in capsys.readouterr().err
+
+
+def test_history_is_kept_for_the_user_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    assert state_directory() == tmp_path / "mavstack"
+    path = history_file()
+    assert path == tmp_path / "mavstack" / "shell_history"
+    assert path.stat().st_mode & 0o077 == 0
+
+
+def test_without_a_place_for_history_it_goes_on(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.platform", "linux")
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
+    assert history_file() is None
+
+
+def test_the_prompt_completes_and_remembers(tmp_path, monkeypatch):
+    from prompt_toolkit.application import create_app_session
+    from prompt_toolkit.input import create_pipe_input
+    from prompt_toolkit.output import DummyOutput
+
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+
+    async def scenario(session):
+        with create_pipe_input() as keys, create_app_session(input=keys, output=DummyOutput()):
+            line = line_for(session)
+            reading = asyncio.create_task(line.read())
+            keys.send_text("arm thr\t")
+            async with asyncio.timeout(20):
+                while line._prompt.default_buffer.text != "arm throttle":  # noqa: ASYNC110
+                    await asyncio.sleep(0.01)
+            keys.send_text("\n")
+            assert await reading == "arm throttle"
+            keys.send_text("\x1b[A\n")
+            assert await line.read() == "arm throttle"
+            keys.send_text("yes\n")
+            assert await line.ask("sure? ") == "yes"
+            with line.busy():
+                pass
+
+    async def whole():
+        from mavstack.cli.shell.registry import COMMANDS
+        from mavstack.cli.shell.session import Session
+        from mavstack.links import MemoryNetwork
+        from mavstack.vehicle import connect
+
+        async with connect(MemoryNetwork().link()) as node, Session(node, COMMANDS) as session:
+            await scenario(session)
+
+    asyncio.run(whole())
+    assert "+arm throttle" in (tmp_path / "mavstack" / "shell_history").read_text()
+
+
+def test_without_the_library_lines_are_plain(monkeypatch, capsys):
+    import builtins
+    import sys
+
+    monkeypatch.setitem(sys.modules, "prompt_toolkit", None)
+    monkeypatch.delitem(sys.modules, "mavstack.cli.shell.prompt_input", raising=False)
+    asked = []
+
+    def typed(prompt):
+        asked.append(prompt)
+        if len(asked) > 1:
+            raise EOFError
+        return "set limit"
+
+    monkeypatch.setattr(builtins, "input", typed)
+
+    async def whole():
+        from mavstack.cli.shell.registry import COMMANDS
+        from mavstack.cli.shell.session import Session
+        from mavstack.links import MemoryNetwork
+        from mavstack.vehicle import connect
+
+        async with connect(MemoryNetwork().link()) as node, Session(node, COMMANDS) as session:
+            line = line_for(session)
+            assert isinstance(line, PlainLine)
+            await interact(session, line)
+
+    asyncio.run(whole())
+    captured = capsys.readouterr()
+    assert "pip install 'mavstack[cli]'" in captured.err
+    assert captured.out == "limit  0\n"
+    assert asked == ["no vehicle> "] * 2

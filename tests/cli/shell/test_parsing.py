@@ -1,0 +1,83 @@
+"""Lines become commands, or one told error, whatever is typed."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.shell.parsing import Unfinished, commands_of, unfinished_of
+
+#: What gives a parser trouble, more often than chance does.
+LINES = st.text(
+    st.one_of(st.sampled_from("\"'\\;# \t-ab"), st.characters(exclude_categories=["Cs"])), max_size=40
+)
+
+
+@pytest.mark.parametrize(
+    ("line", "commands"),
+    [
+        ("", []),
+        ("   # nothing", []),
+        ("arm throttle", [["arm", "throttle"]]),
+        (
+            "mode guided; arm throttle ;takeoff 10;",
+            [["mode", "guided"], ["arm", "throttle"], ["takeoff", "10"]],
+        ),
+        ("say 'a; b' # and; so on", [["say", "a; b"]]),
+        ('alias add up "mode guided; takeoff 10"', [["alias", "add", "up", "mode guided; takeoff 10"]]),
+        (r"wp load my\ way.txt", [["wp", "load", "my way.txt"]]),
+        ("output remove #1", [["output", "remove"]]),
+        ("a#b", [["a#b"]]),
+        ("say it\\'s", [["say", "it's"]]),
+    ],
+)
+def test_lines(line, commands):
+    assert commands_of(line) == commands
+
+
+@pytest.mark.parametrize("line", ["say 'a", 'say "a; b', "a; say 'b", "end\\"])
+def test_a_quotation_without_end_is_told(line):
+    with pytest.raises(UsageError, match="has no"):
+        commands_of(line)
+
+
+@pytest.mark.parametrize(
+    ("text", "unfinished"),
+    [
+        ("", ([], "")),
+        ("ar", ([], "ar")),
+        ("arm ", (["arm"], "")),
+        ("arm thr", (["arm"], "thr")),
+        ("mode guided; ar", ([], "ar")),
+        ("mode guided;", ([], "")),
+        ("mode guided; ", ([], "")),
+        ("wp load 'my way", (["wp", "load", "my"], "way")),
+    ],
+)
+def test_what_stands_before_the_cursor(text, unfinished):
+    assert unfinished_of(text) == Unfinished(*unfinished)
+
+
+@given(LINES)
+def test_any_line_is_commands_or_a_told_error(line):
+    try:
+        commands = commands_of(line)
+    except UsageError:
+        return
+    assert all(commands)
+
+
+@given(LINES)
+def test_any_text_can_be_completed(text):
+    words, word = unfinished_of(text)
+    assert isinstance(word, str)
+    assert all(isinstance(each, str) for each in words)
+
+
+@given(st.lists(st.text("abc ;#'\"\\", min_size=1), min_size=1))
+def test_quoted_words_come_back(words):
+    import shlex
+
+    assert commands_of(shlex.join(words)) == [words]

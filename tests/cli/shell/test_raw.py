@@ -1,0 +1,104 @@
+"""Commands close to the wire."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.shell import raw
+from mavstack.cli.shell.runner import run_line
+from mavstack.dialects import ardupilotmega, common
+from mavstack.errors import CommandDenied, FieldRangeError, MavstackError
+from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell, type_lines
+
+
+@pytest.mark.parametrize("name", ["COMPONENT_ARM_DISARM", "mav_cmd_component_arm_disarm", "400"])
+def test_a_command_by_name_and_number(name):
+    async def scenario(session, world):
+        await run_line(session, f"long {name} 1")
+        assert world.simulated.autopilot.armed
+
+    in_shell(COPTER, scenario)
+
+
+def test_a_refused_command_is_told():
+    with pytest.raises(CommandDenied, match="UNSUPPORTED"):
+        type_lines("long 4242")
+
+
+@pytest.mark.parametrize("place", ["473980000 85460000", "47.3980 8.5460"])
+def test_a_command_with_a_place(place):
+    async def scenario(session, world):
+        await run_line(session, f"command_int GLOBAL DO_SET_HOME 0 0 0 0 0 0 {place} 490")
+        await run_line(session, "sleep 1")
+        home = session.vehicle.home
+        assert (home.latitude, home.longitude, home.altitude) == pytest.approx((47.398, 8.546, 490), abs=1e-6)
+
+    in_shell(COPTER, scenario)
+
+
+def test_channels_are_overridden_and_given_back(capsys):
+    async def scenario(session, world):
+        async with session.node.packets() as _:
+            await run_line(session, "rc 3 1500; rc 5 1200; rc; sleep 1")
+            assert session.overrides.of(session.vehicle) == {3: 1500, 5: 1200}
+            rc = session.vehicle.latest(common.RcChannels) or await session.vehicle.wait_for_message(
+                common.RcChannels
+            )
+            assert rc.chan3_raw == 1500
+            await run_line(session, "rc 5 0; rc clear; rc status")
+            assert session.overrides.of(session.vehicle) == {}
+
+    in_shell(COPTER, scenario)
+    out = capsys.readouterr().out.splitlines()
+    assert out[2] == "overridden: 3: 1500 µs, 5: 1200 µs"
+    assert out[-1] == "overridden: nothing"
+
+
+def test_leaving_gives_channels_back():
+    async def scenario(session, world):
+        await run_line(session, "rc all 1400; sleep 1")
+        await session.overrides.close()
+        assert session.overrides.of(session.vehicle) == {}
+
+    in_shell(COPTER, scenario)
+
+
+def test_a_line_in_the_shell_of_px4(capsys):
+    type_lines("nsh ver all", "nsh param show SYS_AUTOSTART", kind=PX4_COPTER)
+    out = capsys.readouterr().out
+    assert "PX4" in out
+    assert "SYS_AUTOSTART" in out
+    assert "nsh>" not in out
+    assert "ver all" not in out
+
+
+def test_a_vehicle_without_a_shell_is_told():
+    with pytest.raises(MavstackError, match="no shell answered"):
+        type_lines("nsh ls")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "long", "long NO_SUCH_CMD", "long 70000", "long 400 x", "long 400 1 2 3 4 5 6 7 8", "command_int",
+        "command_int NOWHERE 400 0 0 0 0 0 0 0 0 0", "command_int 0 400 5 0 0 0 0 0 0 0 0", "nsh",
+        "command_int 0 400 0 0 0 0 0 0 x 0 0",
+    ],
+)  # fmt: skip
+def test_wrong_words_are_told(line):
+    with pytest.raises(UsageError):
+        alone(lambda session: run_line(session, line))
+
+
+@pytest.mark.parametrize(
+    "line", ["rc 3", "rc 0 1500", "rc 19 1500", "rc 3 70000", "rc three 1500", "rc 3 -1"]
+)
+def test_wrong_channels_are_told(line):
+    with pytest.raises((UsageError, FieldRangeError)):
+        type_lines(line)
+
+
+def test_every_command_of_the_dialect_has_a_name_that_is_understood():
+    for entry in ardupilotmega.MavCmd:
+        assert raw.entry_of(ardupilotmega.MavCmd, "MAV_CMD_", f"MAV_CMD_{entry.name}", 0xFFFF) == entry

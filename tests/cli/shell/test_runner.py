@@ -1,0 +1,122 @@
+"""Lines and scripts run, whatever is in them."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.shell.registry import COMMANDS
+from mavstack.cli.shell.runner import run_line, run_lines, tell_failure
+from mavstack.errors import MavstackError
+from tests.cli.shell.shelled import COPTER, alone, in_shell
+
+#: What reads files and opens links as it is told is left out: its errors are those of the machine.
+SAFE = sorted(set(COMMANDS) - {"output", "sleep", "delay"})
+VERBS = [
+    "list",
+    "set",
+    "show",
+    "load",
+    "save",
+    "get",
+    "put",
+    "clear",
+    "add",
+    "remove",
+    "all",
+    "download",
+    "erase",
+]
+WORDS = st.one_of(
+    st.sampled_from(
+        [*VERBS, "1", "-1", "0", "1e9", "nan", "inf", "HEARTBEAT", "*", "--help", "--json", "force"]
+    ),
+    st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=12),
+)
+LINES = st.builds(
+    lambda name, words: " ".join([name, *words]), st.sampled_from(SAFE), st.lists(WORDS, max_size=5)
+)
+
+
+async def each(*lines):
+    for line in lines:
+        yield line
+
+
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(lines=st.lists(st.one_of(LINES, st.text(max_size=30)), max_size=3))
+def test_any_line_runs_or_is_told(lines, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    async def scenario(session):
+        for line in lines:
+            with suppress(MavstackError, OSError):
+                await run_line(session, line)
+
+    alone(scenario)
+
+
+@settings(max_examples=3, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(lines=st.lists(LINES.filter(lambda line: "reboot" not in line), min_size=25, max_size=25))
+def test_any_line_runs_on_a_vehicle_or_is_told(lines, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    async def scenario(session, world):
+        session.settings.wait = False
+        for line in lines:
+            with suppress(MavstackError, OSError):
+                await run_line(session, line)
+            session.leaving = False
+
+    in_shell(COPTER, scenario)
+
+
+@pytest.mark.parametrize(
+    ("line", "hint"),
+    [("takeof 5", "did you mean takeoff?"), ("xyzzy", "try help"), ("guided2", "did you mean")],
+)
+def test_an_unknown_command_is_told_with_what_is_near(line, hint):
+    with pytest.raises(UsageError, match="there is no command") as told:
+        alone(lambda session: run_line(session, line))
+    assert hint in str(told.value)
+
+
+def test_names_of_commands_in_any_case():
+    alone(lambda session: run_line(session, "SET limit 5; Help"))
+
+
+@pytest.mark.parametrize(("keep_going", "limit"), [(False, 1), (True, 3)])
+def test_what_fails_ends_a_script_unless_it_keeps_going(keep_going, limit, capsys):
+    async def scenario(session):
+        lines = each("set limit 1; bad; set limit 2", "worse", "set limit 3")
+        assert not await run_lines(session, lines, "a.txt", keep_going=keep_going)
+        assert session.settings.limit == limit
+
+    alone(scenario)
+    told = capsys.readouterr().err.splitlines()
+    assert told[0].startswith("a.txt:1: there is no command 'bad'")
+    assert [line.split(":")[1] for line in told] == (["1", "2"] if keep_going else ["1"])
+
+
+def test_a_script_that_goes_well():
+    async def scenario(session):
+        assert await run_lines(session, each("", "# nothing", "set limit 1"))
+
+    alone(scenario)
+
+
+def test_exit_ends_a_script_well():
+    async def scenario(session):
+        assert await run_lines(session, each("exit", "bad"))
+
+    alone(scenario)
+
+
+def test_a_failure_is_one_line(capsys):
+    tell_failure(MavstackError("two\nlines"), "here: ")
+    tell_failure(OSError(2, "No such file", "way.txt"))
+    assert capsys.readouterr().err == "here: two lines\nway.txt: No such file\n"

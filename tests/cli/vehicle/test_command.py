@@ -1,0 +1,210 @@
+"""`mav vehicle`: each action on both firmwares, exit codes, one vehicle and several."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from argparse import ArgumentTypeError
+
+import pytest
+
+from mavstack.cli.vehicle.command import EXAMPLES
+from mavstack.cli.vehicle.selection import system_ids
+from tests.cli.hangar import COPTER, PX4_COPTER, Hangar
+from tests.vehicle.world import named
+
+BOTH = [COPTER, PX4_COPTER]
+
+
+@pytest.fixture
+def hangar(monkeypatch, mav):
+    return lambda *kinds, **how: Hangar(monkeypatch, mav, kinds or [COPTER], **how)
+
+
+@pytest.mark.parametrize("kind", BOTH, ids=named)
+def test_a_flight(hangar, mav, kind):
+    here = hangar(kind)
+    body = here.simulated.body
+    there = here.simulated.body.frame.to_global(30.0, 10.0, 0.0)[:2]
+
+    def done(*words):
+        result = mav("vehicle", *words)
+        assert (result.code, result.err) == (0, "")
+        return result.out
+
+    assert done("arm") == "vehicle 1: armed\n"
+    assert done("takeoff", 12) == "vehicle 1: is 12 m above home\n"
+    assert -body.truth.down == pytest.approx(12, abs=1.5)
+    assert done("speed", 6) == "vehicle 1: flies 6 m/s\n"
+    assert done("goto", *there, 15) == "vehicle 1: is there\n"
+    assert (body.truth.north, body.truth.east) == pytest.approx((30, 10), abs=3)
+    assert done("yaw", 90) == "vehicle 1: points to 90°\n"
+    assert done("hold") == "vehicle 1: holds\n"
+    assert done("orbit", *there, 15, "--radius", 15) == "vehicle 1: is on the circle\n"
+    assert done("rtl", "--no-wait") == "vehicle 1: returns home\n"
+    assert done("land") == "vehicle 1: has landed\n"
+    assert not here.simulated.autopilot.armed
+
+
+@pytest.mark.parametrize("kind", BOTH, ids=named)
+def test_modes(hangar, mav, kind):
+    here = hangar(kind)
+    name = "POSCTL" if kind == PX4_COPTER else "LOITER"
+    assert mav("vehicle", "mode", name.lower()).out == f"vehicle 1: is in {name}\n"
+    listed = json.loads(mav("vehicle", "modes", "--json").out)
+    assert listed["mode"] == name
+    assert name in [each["name"] for each in listed["modes"]]
+    assert f"* {name}" in mav("vehicle", "modes").out
+    assert here.simulated.autopilot.mode.name == name or kind == PX4_COPTER
+
+
+@pytest.mark.parametrize("kind", BOTH, ids=named)
+def test_info(hangar, mav, kind):
+    hangar(kind)
+    facts = json.loads(mav("vehicle", "info", "--json").out)
+    assert facts["system"] == 1
+    assert facts["firmware"] == ("PX4" if kind == PX4_COPTER else "ArduPilot")
+    assert facts["armed"] is False
+    assert facts["health"]["ready"] is True
+    assert "MAVLINK2" in facts["capabilities"]
+    assert facts["position"]["latitude"] == pytest.approx(47.3977, abs=0.001)
+    page = mav("vehicle", "info").out
+    assert page.startswith(f"vehicle 1: quadrotor, {facts['firmware']} {facts['version']}")
+
+
+def test_health_tells_by_its_exit_code(hangar, mav):
+    hangar(ready=False)
+    result = mav("vehicle", "health", "--json")
+    assert result.code == 1
+    assert json.loads(result.out)["ready"] is not True
+    assert mav("vehicle", "health", "--wait", 90).out == "vehicle 1: ready to arm\n"
+
+
+def test_waiting_for_health_ends(hangar, mav):
+    hangar(ready=False)
+    result = mav("vehicle", "health", "--wait", 1)
+    assert result.code == 1
+    assert result.err.startswith("mav vehicle: being ready to arm")
+
+
+def test_home(hangar, mav):
+    hangar()
+    assert mav("vehicle", "home", "here").code == 0
+    moved = mav("vehicle", "home", "47.3978", "8.5457", "490")
+    assert moved.out == "vehicle 1: home is 47.3978000 8.5457000, 490.0 m above sea\n"
+    assert mav("vehicle", "home").out == moved.out
+
+
+@pytest.mark.parametrize("kind", BOTH, ids=named)
+def test_a_reboot(hangar, mav, kind):
+    hangar(kind)
+    assert mav("vehicle", "reboot").out == "vehicle 1: is back after its reboot\n"
+
+
+def test_a_refusal_is_one_line_with_the_reason(hangar, mav):
+    hangar(ready=False)
+    result = mav("vehicle", "arm")
+    assert result.code == 1
+    assert result.out == ""
+    assert result.err.startswith("mav vehicle: COMPONENT_ARM_DISARM asked of 1/1: ")
+    assert "Arm" in result.err.split("(", 1)[1]
+    assert result.err.count("\n") == 1
+    told = mav("vehicle", "arm", "--json")
+    assert told.code == 1
+    outcome = json.loads(told.out)
+    assert (outcome["system"], outcome["action"], outcome["ok"]) == (1, "arm", False)
+    assert outcome["error"] == told.err.removeprefix("mav vehicle: ").rstrip()
+
+
+def test_force(hangar, mav):
+    here = hangar(ready=False)
+    assert mav("vehicle", "arm", "--force").code == 0
+    assert here.simulated.autopilot.armed
+    assert mav("vehicle", "disarm", "--force").code == 0
+    assert not here.simulated.autopilot.armed
+
+
+def test_a_limit(hangar, mav):
+    hangar()
+    mav("vehicle", "mode", "guided")
+    mav("vehicle", "arm")
+    result = mav("vehicle", "takeoff", 100, "--limit", 2)
+    assert result.code == 1
+    assert "not done in 2 s" in result.err
+
+
+def test_several_vehicles_have_a_line_each(hangar, mav):
+    here = hangar(COPTER, PX4_COPTER, COPTER)
+    result = mav("vehicle", "arm", "--all")
+    assert result.code == 0
+    assert sorted(result.out.splitlines()) == [f"vehicle {system}: armed" for system in (1, 2, 3)]
+    result = mav("vehicle", "disarm", "--systems", "1,3")
+    assert sorted(result.out.splitlines()) == [f"vehicle {system}: disarmed" for system in (1, 3)]
+    assert [vehicle.autopilot.armed for vehicle in here.simulation.vehicles] == [False, True, False]
+    assert mav("vehicle", "info", "--all").out.count("\n  state") == 3
+
+
+def test_one_of_several_that_fails_stops_no_other(hangar, mav):
+    hangar(COPTER, PX4_COPTER)
+    result = mav("vehicle", "mode", "offboard", "--all", "--json")
+    assert result.code == 1
+    outcomes = {each["system"]: each for each in map(json.loads, result.out.splitlines())}
+    assert outcomes[1]["ok"] is False
+    assert "there is no such mode" in outcomes[1]["error"]
+    plain = mav("vehicle", "mode", "guided", "--all")
+    assert plain.code == 1
+    assert plain.out == "vehicle 1: is in GUIDED\n"
+    assert plain.err.startswith("mav vehicle: vehicle 2: ")
+
+
+def test_a_vehicle_that_is_not_there(hangar, mav):
+    hangar()
+    for words in (["--system", "9"], ["--systems", "1,9"]):
+        result = mav("vehicle", "arm", "--timeout", 2, *words)
+        assert result.code == 1
+        assert "vehicle 9" in result.err
+        assert result.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["fly"], ["takeoff", "high"], ["takeoff", "nan"], ["goto", "1"], ["mode"], ["yaw"], ["say", " "],
+        ["home", "x"], ["home", "1"], ["arm", "--systems", "0"], ["arm", "--all", "--systems", "1"],
+    ],
+)  # fmt: skip
+def test_wrong_usage(mav, words):
+    result = mav("vehicle", *words)
+    assert result.code == 2
+    assert "Traceback" not in result.err
+
+
+@pytest.mark.parametrize(
+    "words", [["takeoff", "-5"], ["goto", "95", "8"], ["orbit", "47", "8", "--radius", "0"]]
+)
+def test_what_makes_no_sense(hangar, mav, words):
+    hangar()
+    result = mav("vehicle", *words)
+    assert result.code == 1
+    assert result.err.count("\n") == 1
+
+
+def test_examples_run(hangar, mav):
+    hangar(COPTER, COPTER, COPTER, COPTER, COPTER)
+    for line in EXAMPLES.splitlines()[1:]:
+        words = shlex.split(line)[1:]
+        result = mav(*words)
+        assert (result.code, result.err) == (0, ""), line
+
+
+@pytest.mark.parametrize(
+    ("text", "ids"), [("1", [1]), ("1,3", [1, 3]), ("5-7,1,6", [5, 6, 7, 1]), (" 2 ", [2]), ("255", [255])]
+)
+def test_system_ids(text, ids):
+    assert system_ids(text) == ids
+
+
+@pytest.mark.parametrize("text", ["", "0", "256", "a", "1-", "-3", "3-1", "1,,2", "1-300", "٣"])
+def test_wrong_system_ids(text):
+    with pytest.raises(ArgumentTypeError):
+        system_ids(text)
