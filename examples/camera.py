@@ -13,7 +13,7 @@ async def camera() -> None:
     """What makes a component: an address, what it tells, and what it does when it is asked."""
     type_ = common.MavType.CAMERA
     async with mavstack.Node("udpin://127.0.0.1:14590", system=1, component=CAMERA, type=type_) as node:
-        node.provide(common.CameraInformation, lambda _: common.CameraInformation(model_name=b"Pinhole"))
+        node.publish(common.CameraInformation, lambda _: common.CameraInformation(model_name=b"Pinhole"))
 
         @node.on_command(common.MavCmd.IMAGE_START_CAPTURE)
         async def capture(request: CommandRequest) -> common.MavResult:
@@ -26,13 +26,13 @@ async def camera() -> None:
                 await asyncio.sleep(interval)
             return common.MavResult.ACCEPTED
 
-        await node.wait()
+        await node.serve_forever()
 
 
 async def photographer() -> None:
     """The other side: find it, ask what it is, have it take three pictures."""
     async with mavstack.Node("udpout://127.0.0.1:14590") as node:
-        remote = await node.find(lambda info: info.type == common.MavType.CAMERA, "a camera's heartbeat")
+        remote = await node.wait_for_component(lambda info: info.type == common.MavType.CAMERA, "a camera's heartbeat")
         information = await remote.request(common.CameraInformation)
         print(information.model_name.rstrip(b"\0").decode(), "at", remote.address)
         async with remote.messages(common.CameraImageCaptured) as pictures:

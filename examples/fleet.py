@@ -3,14 +3,14 @@
 import asyncio
 
 import mavstack
-from mavstack.sim.background import Background
+from mavstack.sim.background import BackgroundSimulator
 
 
 async def main(url: str) -> None:
     """Fly all of them at once."""
     async with mavstack.connect(url) as node:
         fleet = await node.wait_for_vehicles(3)
-        (await fleet.each(lambda vehicle: vehicle.healthy())).check()
+        (await fleet.each(lambda vehicle: vehicle.wait_until_ready())).check()
         for step in (fleet.arm(), fleet.takeoff(10)):
             print(await step)
         await fleet.each(lambda vehicle: vehicle.move(north=15))
@@ -20,5 +20,5 @@ async def main(url: str) -> None:
         print("all are home")
 
 
-with Background("copter", "px4", count=3, speed=10) as simulated:
+with BackgroundSimulator("copter", "px4", count=3, speed=10) as simulated:
     asyncio.run(main(simulated.url))

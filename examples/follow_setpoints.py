@@ -4,7 +4,7 @@ import asyncio
 from math import cos, sin
 
 import mavstack
-from mavstack.sim.background import Background
+from mavstack.sim.background import BackgroundSimulator
 
 SPEED = 5  # simulated seconds in a real one
 
@@ -12,8 +12,8 @@ SPEED = 5  # simulated seconds in a real one
 async def main(url: str) -> None:
     """Take off, follow, land."""
     async with mavstack.connect(url) as node:
-        vehicle = await node.vehicle()
-        await vehicle.healthy()
+        vehicle = await node.wait_for_vehicle()
+        await vehicle.wait_until_ready()
         await vehicle.arm()
         await vehicle.takeoff(10)
         async with vehicle.guided() as guidance:
@@ -25,5 +25,5 @@ async def main(url: str) -> None:
         await vehicle.land()
 
 
-with Background("copter", "ardupilot", speed=SPEED) as simulated:
+with BackgroundSimulator("copter", "ardupilot", speed=SPEED) as simulated:
     asyncio.run(main(simulated.url))

@@ -12,7 +12,7 @@
 
         virtual_vehicle.run(flight)
 
-The marker takes what `mavstack.sim.Background` takes.
+The marker takes what `mavstack.sim.BackgroundSimulator` takes.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
     from mavstack.node import RemoteComponent
-    from mavstack.sim.background import Background
+    from mavstack.sim.background import BackgroundSimulator
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 Result = TypeVar("Result")
 
@@ -45,20 +45,20 @@ def _wishes(request: pytest.FixtureRequest) -> dict[str, Any]:
 
 
 @pytest.fixture
-def vehicle(request: pytest.FixtureRequest) -> Iterator[Background]:
+def vehicle(request: pytest.FixtureRequest) -> Iterator[BackgroundSimulator]:
     """A simulated vehicle on a UDP port of this machine, `vehicle.url`, in real time."""
-    from mavstack.sim.background import Background
+    from mavstack.sim.background import BackgroundSimulator
 
-    with Background(**_wishes(request)) as running:
+    with BackgroundSimulator(**_wishes(request)) as running:
         yield running
 
 
 @pytest.fixture
-def flying_vehicle(request: pytest.FixtureRequest) -> Iterator[Background]:
+def flying_vehicle(request: pytest.FixtureRequest) -> Iterator[BackgroundSimulator]:
     """The same, in the air."""
-    from mavstack.sim.background import Background
+    from mavstack.sim.background import BackgroundSimulator
 
-    with Background(**_wishes(request), airborne=True) as running:
+    with BackgroundSimulator(**_wishes(request), airborne=True) as running:
         yield running
 
 
@@ -75,7 +75,7 @@ class VirtualVehicle:
         from mavstack.sim.simulation import Simulation
 
         self.simulation: Simulation = Simulation(seed=seed)
-        self.vehicle: Vehicle = self.simulation.add(type, firmware)
+        self.vehicle: SimulatedVehicle = self.simulation.add(type, firmware)
 
     def run(self, flight: Callable[[RemoteComponent], Awaitable[Result]]) -> Result:
         """Run a coroutine function with the vehicle as a ground station sees it."""
@@ -93,7 +93,7 @@ class VirtualVehicle:
             await runner.connect(network.link(), [self.vehicle])
             running = runner.start()
             async with Node(network.link()) as ground:
-                result = await flight(await ground.autopilot())
+                result = await flight(await ground.wait_for_autopilot())
             if running.done():
                 running.result()  # what went wrong in the simulation is what the test should tell
         return result

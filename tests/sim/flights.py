@@ -17,9 +17,9 @@ from mavstack import Dialect, Parser, encode
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.command import Command
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
-from mavstack.sim.motion.fleet import Fleet
+from mavstack.sim.motion.state import StateArray
 from mavstack.sim.simulation import Simulation
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +34,7 @@ GROUND = Address(255, common.MavComponent.MISSIONPLANNER)
 HEIGHT, WING_HEIGHT, DEPTH = 20.0, 150.0, 10.0
 _WING_SPEED = 18.0
 _WINGS = (VehicleType.PLANE,)
-_VELOCITY = Fleet.ROWS["velocity"][0]
+_VELOCITY = StateArray.ROWS["velocity"][0]
 
 
 class Texts(list[str]):
@@ -159,19 +159,19 @@ class Flown:
             height = {VehicleType.PLANE: WING_HEIGHT, VehicleType.SUB: -DEPTH}.get(kind, HEIGHT)
             self.vehicle.body.place(0.0, 0.0, -height, 0.0)
         if kind in _WINGS:
-            fleet = self.airspace.simulation.world.fleet
-            fleet.data[_VELOCITY, self.vehicle.body.column] = _WING_SPEED
+            state = self.airspace.simulation.world.state
+            state.data[_VELOCITY, self.vehicle.body.column] = _WING_SPEED
         if mode is None:
-            flavour = self.vehicle.flavour
+            profile = self.vehicle.profile
             hovers = self.vehicle.firmware is Firmware.ARDUPILOT and kind is not VehicleType.SUB
-            autopilot.enter(flavour.guided if hovers else flavour.hold, "test", commanded=True)
+            autopilot.enter(profile.guided if hovers else profile.hold, "test", commanded=True)
         else:
             self.enter(mode)
         autopilot.landed = False
         return self
 
     def enter(self, mode: str) -> Flown:
-        number = next(known.number for known in self.vehicle.flavour.modes if known.name == mode)
+        number = next(known.number for known in self.vehicle.profile.modes if known.name == mode)
         assert self.autopilot.enter(number, "test", commanded=True), mode
         return self
 
@@ -226,7 +226,12 @@ class Airspace:
         self._steps = 0
 
     def add(
-        self, kind: str = "copter", firmware: str = "ardupilot", *, home: Home = FIELD, **parameters: float
+        self,
+        kind: str = "copter",
+        firmware: str = "ardupilot",
+        *,
+        home: Home = DEFAULT_HOME,
+        **parameters: float,
     ) -> Flown:
         one = Flown(self, self.simulation.add(VehicleType(kind), Firmware(firmware), home=home))
         self.flown.append(one)

@@ -4,19 +4,22 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import LinkError, MavstackError
-from mavstack.sim import Background
+from mavstack.sim import BackgroundSimulator
 from mavstack.sync import Node
 
 pymavlink = pytest.importorskip("pymavlink.mavutil")
 
 
 def test_a_script_meets_a_vehicle():
-    with Background("rover", "px4", speed=5) as target, Node(target.url.replace(":", "://", 1)) as ground:
+    with (
+        BackgroundSimulator("rover", "px4", speed=5) as target,
+        Node(target.url.replace(":", "://", 1)) as ground,
+    ):
         assert ground.autopilot().info.type == common.MavType.GROUND_ROVER
 
 
 def test_a_flying_one_flies():
-    with Background(airborne=True) as target:
+    with BackgroundSimulator(airborne=True) as target:
         assert target.vehicle.autopilot.altitude > 8
         connection = pymavlink.mavlink_connection(target.url)
         connection.mav.heartbeat_send(6, 8, 0, 0, 0)
@@ -25,7 +28,7 @@ def test_a_flying_one_flies():
 
 
 def test_faults_are_injected_from_outside():
-    with Background() as target:
+    with BackgroundSimulator() as target:
         target.call(lambda: target.vehicle.faults.inject("gps off"))
         assert target.call(lambda: dict(target.vehicle.faults.active)) == {"gps": "gps off"}
         with pytest.raises(MavstackError, match="no fault"):
@@ -33,7 +36,7 @@ def test_faults_are_injected_from_outside():
 
 
 def test_it_must_run_to_be_called():
-    target = Background()
+    target = BackgroundSimulator()
     with pytest.raises(MavstackError, match="does not run"):
         target.call(lambda: None)
     target.start().stop()
@@ -43,5 +46,5 @@ def test_it_must_run_to_be_called():
 
 
 def test_a_port_that_is_taken_is_told():
-    with Background(link="tcpin://127.0.0.1:0") as first, pytest.raises(LinkError):
-        Background(link=f"tcpin://127.0.0.1:{first.port}").start()
+    with BackgroundSimulator(link="tcpin://127.0.0.1:0") as first, pytest.raises(LinkError):
+        BackgroundSimulator(link=f"tcpin://127.0.0.1:{first.port}").start()

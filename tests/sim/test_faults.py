@@ -271,7 +271,7 @@ def test_a_reboot_in_the_air_stops_the_motors_and_the_vehicle_falls(firmware) ->
     one.run(4)
     assert one.vehicle.body.on_ground
     one.run(4)
-    assert not list(one.vehicle.flavour.arming_problems(one.autopilot))
+    assert not list(one.vehicle.profile.arming_problems(one.autopilot))
     assert not one.autopilot.arm()
 
 

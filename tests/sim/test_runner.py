@@ -13,7 +13,7 @@ from mavstack.node.pacing import BULK_AT_ONCE
 from mavstack.services.log.entry import CHUNK
 from mavstack.sim import Runner, Simulation, run_virtually
 from mavstack.sim.runner import BULK_RATE
-from mavstack.sim.skills import arm, run_until
+from mavstack.sim.scenarios import arm, run_until
 
 
 async def both(simulation: Simulation, work, *, speed: float = 1.0, **options):

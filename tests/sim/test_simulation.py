@@ -4,8 +4,8 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
-from mavstack.sim import FIELD, Firmware, Home, Simulation, VehicleType
-from mavstack.sim.skills import order, run_until, take_off
+from mavstack.sim import DEFAULT_HOME, Firmware, Home, Simulation, VehicleType
+from mavstack.sim.scenarios import order, run_until, take_off
 from mavstack.wire import Parser
 
 
@@ -126,7 +126,7 @@ def test_home_is_read_from_text():
     for wrong in ("", "47", "91,0", "0,181,0,0", "a,b", "1,2,3,4,5", "nan,0", "0,0,1e9,0", "0,0,0,361"):
         with pytest.raises(MavstackError):
             Home.parse(wrong)
-    assert FIELD.latitude
+    assert DEFAULT_HOME.latitude
 
 
 @pytest.mark.parametrize(("firmware", "suffix"), [("ardupilot", "BIN"), ("px4", "ulg")])

@@ -12,51 +12,51 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from mavstack.sim.background import Background
+    from mavstack.sim.background import BackgroundSimulator
     from mavstack.sim.faults import FaultScript
     from mavstack.sim.fleet import Fleet
-    from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Port, Vehicle
+    from mavstack.sim.vehicle import Port, SimulatedVehicle
+    from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
     from mavstack.sim.virtual import run_virtually
 
 __all__ = [
-    "FIELD",
-    "Background",
+    "DEFAULT_HOME",
+    "BackgroundSimulator",
     "FaultScript",
     "Firmware",
     "Fleet",
     "Home",
     "Port",
     "Runner",
+    "SimulatedVehicle",
     "Simulation",
-    "Vehicle",
     "VehicleType",
     "run_virtually",
 ]
 
-_HOMES = {
-    "FIELD": "kinds",
-    "Background": "background",
+_LAZY_IMPORTS = {
+    "DEFAULT_HOME": "vehicle_types",
+    "BackgroundSimulator": "background",
     "FaultScript": "faults",
-    "Firmware": "kinds",
+    "Firmware": "vehicle_types",
     "Fleet": "fleet",
-    "Home": "kinds",
+    "Home": "vehicle_types",
     "Port": "vehicle",
     "Runner": "runner",
     "Simulation": "simulation",
-    "Vehicle": "vehicle",
-    "VehicleType": "kinds",
+    "SimulatedVehicle": "vehicle",
+    "VehicleType": "vehicle_types",
     "run_virtually": "virtual",
 }
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 (any of the names above)
-    home = _HOMES.get(name)
-    if home is None:
+    module = _LAZY_IMPORTS.get(name)
+    if module is None:
         raise AttributeError(f"module 'mavstack.sim' has no attribute {name!r}")
-    value = getattr(import_module(f"mavstack.sim.{home}"), name)
+    value = getattr(import_module(f"mavstack.sim.{module}"), name)
     globals()[name] = value
     return value
 

@@ -1,6 +1,6 @@
 """A simulation that runs beside a program or a test that has no event loop: in a thread of its own.
 
-    with Background("copter", "px4") as target:
+    with BackgroundSimulator("copter", "px4") as target:
         connection = mavutil.mavlink_connection(target.url)
 
 The vehicles listen on a free port of this machine; `url` is what clients connect to. With `airborne=True` the
@@ -12,18 +12,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.errors import MavstackError
-from mavstack.node.portal import Portal
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
+from mavstack.node.blocking_portal import BlockingPortal
 from mavstack.sim.runner import Runner
+from mavstack.sim.scenarios import take_off
 from mavstack.sim.simulation import Simulation
-from mavstack.sim.skills import take_off
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
     from typing import Self
 
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 Result = TypeVar("Result")
 
@@ -31,7 +31,7 @@ Result = TypeVar("Result")
 LINK = "udpin://127.0.0.1:0?idle=600"
 
 
-class Background:
+class BackgroundSimulator:
     """One simulated vehicle, or several of a kind, in a thread."""
 
     def __init__(
@@ -40,7 +40,7 @@ class Background:
         firmware: Firmware | str = Firmware.ARDUPILOT,
         *,
         count: int = 1,
-        home: Home = FIELD,
+        home: Home = DEFAULT_HOME,
         seed: int = 1,
         speed: float = 1.0,
         link: str = LINK,
@@ -54,11 +54,11 @@ class Background:
         self.port = 0
         self._speed = speed
         self._link = link
-        self._portal: Portal | None = None
+        self._portal: BlockingPortal | None = None
         self._runner: Runner | None = None
 
     @property
-    def vehicle(self) -> Vehicle:
+    def vehicle(self) -> SimulatedVehicle:
         """The first vehicle; look at it freely, but change it only by `call`."""
         return self.simulation.vehicles[0]
 
@@ -69,7 +69,7 @@ class Background:
 
     def start(self) -> Self:
         """Begin; returns when the port is open."""
-        self._portal = Portal()
+        self._portal = BlockingPortal()
         try:
             self._portal.wait(self._open())
         except BaseException:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _MOTORS = 16
 _PERCENT = 100.0
@@ -46,7 +46,7 @@ class FaultError(MavstackError, ValueError):
 class Faults:
     """The faults of one vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         #: What is wrong now, as it was injected, by what it is wrong with: "gps", "gps spoof", "motor 1".
         self.active: dict[str, str] = {}
@@ -94,7 +94,7 @@ class Fault:
             return f"{self.kind} {self.words[0]}"
         return self.kind
 
-    def inject(self, vehicle: Vehicle) -> None:
+    def inject(self, vehicle: SimulatedVehicle) -> None:
         """Let it happen to a vehicle."""
         wrong = _KINDS[self.kind](self.words)(vehicle)
         vehicle.faults.note(self.what, self.text if wrong else None)
@@ -179,66 +179,66 @@ def _timed(number: int, line: str) -> TimedFault:
 # What each kind does: the words give a function of the vehicle, which gives whether something is wrong now.
 
 
-def _gps(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _gps(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     if words[:1] == ("spoof",):
         north, east = _numbers("gps spoof NORTH EAST", words[1:], 2)
 
-        def spoof(vehicle: Vehicle) -> bool:
+        def spoof(vehicle: SimulatedVehicle) -> bool:
             vehicle.body.spoof_gps(north, east)
             return (north, east) != (0.0, 0.0)
 
         return spoof
     off = _is_off("gps off|on|spoof NORTH EAST", words)
 
-    def lose(vehicle: Vehicle) -> bool:
+    def lose(vehicle: SimulatedVehicle) -> bool:
         vehicle.body.fail_gps(off)
         return off
 
     return lose
 
 
-def _compass(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _compass(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     (degrees,) = _numbers("compass DEGREES", words, 1)
 
-    def turn(vehicle: Vehicle) -> bool:
-        vehicle.body.turn_compass(radians(degrees))
+    def turn(vehicle: SimulatedVehicle) -> bool:
+        vehicle.body.offset_compass(radians(degrees))
         return degrees != 0
 
     return turn
 
 
-def _baro(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _baro(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     (metres,) = _numbers("baro METRES", words, 1)
 
-    def drift(vehicle: Vehicle) -> bool:
-        vehicle.body.drift_baro(metres)
+    def drift(vehicle: SimulatedVehicle) -> bool:
+        vehicle.body.drift_barometer(metres)
         return metres != 0
 
     return drift
 
 
-def _motor(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _motor(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     usage = "motor NUMBER off|on"
     (number,) = _numbers(usage, words[:1], 1)
     off = _is_off(usage, words[1:])
     if number != int(number) or not 1 <= number <= _MOTORS:
         raise FaultError(f"a motor's number is 1 to {_MOTORS}, not {words[0]}")
 
-    def stop(vehicle: Vehicle) -> bool:
+    def stop(vehicle: SimulatedVehicle) -> bool:
         vehicle.body.fail_motor(int(number), off)
         return off and number <= AIRFRAMES[vehicle.type].motors
 
     return stop
 
 
-def _battery(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _battery(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     usage = "battery sag VOLTS, or battery PERCENT"
     if words[:1] == ("sag",):
         (volts,) = _numbers(usage, words[1:], 1)
         if volts < 0:
             raise FaultError(f"it sags by 0 V or more, not by {words[1]}")
 
-        def sag(vehicle: Vehicle) -> bool:
+        def sag(vehicle: SimulatedVehicle) -> bool:
             vehicle.body.sag_battery(volts)
             return volts != 0
 
@@ -247,45 +247,45 @@ def _battery(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     if not 0 <= percent <= _PERCENT:
         raise FaultError(f"{words[0]} is no percentage")
 
-    def hold(vehicle: Vehicle) -> bool:
+    def hold(vehicle: SimulatedVehicle) -> bool:
         vehicle.body.recharge(percent / _PERCENT)
         return False
 
     return hold
 
 
-def _radio(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _radio(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     off = _is_off("radio off|on", words)
 
-    def switch(vehicle: Vehicle) -> bool:
+    def switch(vehicle: SimulatedVehicle) -> bool:
         vehicle.autopilot.radio.switch(not off)
         return off and vehicle.autopilot.radio.fitted
 
     return switch
 
 
-def _link(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _link(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     off = _is_off("link off|on", words)
 
-    def cut(vehicle: Vehicle) -> bool:
+    def cut(vehicle: SimulatedVehicle) -> bool:
         vehicle.cut(off)
         return off
 
     return cut
 
 
-def _reboot(words: Sequence[str]) -> Callable[[Vehicle], bool]:
+def _reboot(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     if words:
         raise FaultError("reboot stands alone")
 
-    def reboot(vehicle: Vehicle) -> bool:
+    def reboot(vehicle: SimulatedVehicle) -> bool:
         vehicle.reboot()
         return False
 
     return reboot
 
 
-_KINDS: Final[dict[str, Callable[[Sequence[str]], Callable[[Vehicle], bool]]]] = {
+_KINDS: Final[dict[str, Callable[[Sequence[str]], Callable[[SimulatedVehicle], bool]]]] = {
     "gps": _gps,
     "compass": _compass,
     "baro": _baro,

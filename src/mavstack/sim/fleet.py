@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkURLError, MavstackError
 from mavstack.links import parse_url
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
 from mavstack.sim.motion import LocalFrame
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 SPACING = 10.0
 LARGEST_PORT = 65535
@@ -34,10 +34,10 @@ class Fleet:
     types: Sequence[VehicleType] = (VehicleType.COPTER,)
     firmwares: Sequence[Firmware] = (Firmware.ARDUPILOT,)
     count: int = 1
-    home: Home = FIELD
+    home: Home = DEFAULT_HOME
     first_system: int = 1
 
-    def add_to(self, simulation: Simulation) -> list[Vehicle]:
+    def add_to(self, simulation: Simulation) -> list[SimulatedVehicle]:
         """Put the fleet into a simulation."""
         if not 1 <= self.first_system <= self.first_system + self.count - 1 <= 255:
             raise MavstackError(

@@ -10,14 +10,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.storage import FlightSample
 from mavstack.sim.storage.dataflash import EVENT_LANDED, EVENT_NOT_LANDED
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value
-    from mavstack.sim.kinds import Home
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.vehicle_types import Home
 
 #: How long a log goes on after disarming, in seconds.
 LAST_WORDS = 1.0
@@ -43,7 +43,7 @@ _WITH_AIRSPEED = (VehicleType.PLANE, VehicleType.VTOL)
 class Recorder:
     """Keeps the log of one vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._logs = vehicle.storage.logs
         self._boots = 0

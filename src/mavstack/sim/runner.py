@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from mavstack.links import LinkEvent
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Port, Vehicle
+    from mavstack.sim.vehicle import Port, SimulatedVehicle
 
 #: Simulated time is given up beyond so many seconds behind: the machine slept, or is too slow.
 MOST_LAG = 0.5
@@ -50,7 +50,7 @@ class _Mooring:
 
     channel: Channel
     pace: int  # of its link, in bytes a real second; 0 if it is not known
-    ports: dict[Vehicle, Port]
+    ports: dict[SimulatedVehicle, Port]
     parser: Parser | None  # for finding out to whom a packet is addressed; None for a single vehicle
 
 
@@ -95,7 +95,7 @@ class Runner:
             return pace or None, None
         return pace / self._speed or None, BULK_RATE / self._speed
 
-    async def connect(self, link: str | Link, vehicles: Iterable[Vehicle]) -> Link:
+    async def connect(self, link: str | Link, vehicles: Iterable[SimulatedVehicle]) -> Link:
         """Open a link for these vehicles; raises `LinkError` if it cannot be."""
         opened = open_link(link) if isinstance(link, str) else link
         await opened.open()
@@ -172,7 +172,7 @@ class Runner:
         for vehicle in self.simulation.vehicles:
             self._flush(vehicle)
 
-    def _flush(self, vehicle: Vehicle) -> None:
+    def _flush(self, vehicle: SimulatedVehicle) -> None:
         for port, data in vehicle.data_to_send():
             channel = self._channels.get(port)
             if channel is not None and not channel.closed:
@@ -181,7 +181,7 @@ class Runner:
                 except LinkClosedError:
                     continue  # its ChannelClosed is on the way
 
-    async def _read(self, link: Link, vehicles: Sequence[Vehicle]) -> None:
+    async def _read(self, link: Link, vehicles: Sequence[SimulatedVehicle]) -> None:
         try:
             async for batch in link.batches():
                 for event in batch:
@@ -192,7 +192,7 @@ class Runner:
             if self._on_link_down is not None:
                 self._on_link_down(link, str(error))
 
-    def _take(self, link: Link, vehicles: Sequence[Vehicle], event: LinkEvent) -> None:
+    def _take(self, link: Link, vehicles: Sequence[SimulatedVehicle], event: LinkEvent) -> None:
         match event:
             case BytesReceived(channel, data):
                 self._received(self._moorings[channel], data)

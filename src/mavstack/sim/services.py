@@ -19,7 +19,7 @@ from mavstack.services.serial_control import ShellServer
 from mavstack.services.setpoints import SetpointReceiver
 from mavstack.services.statustext import StatustextSender
 from mavstack.services.timesync import TimesyncServer
-from mavstack.sim.kinds import Firmware
+from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     from mavstack._core import HasCoreDialect
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem, Plan
     from mavstack.services.modes import AvailableMode
-    from mavstack.sim.vehicle import Port, Vehicle
+    from mavstack.sim.vehicle import Port, SimulatedVehicle
 
 
 #: How long the firmwares wait for an item of a plan, in seconds.
@@ -38,9 +38,9 @@ _ASK_AGAIN = {Firmware.ARDUPILOT: 1.0, Firmware.PX4: 0.25}
 class Services:
     """What lives on one vehicle's engine."""
 
-    def __init__(self, vehicle: Vehicle, dialect: HasCoreDialect) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, dialect: HasCoreDialect) -> None:
         self._vehicle = vehicle
-        local, flavour = vehicle.address, vehicle.flavour
+        local, profile = vehicle.address, vehicle.profile
         self.engine = engine = Engine(local, dialect)
         autopilot = vehicle.firmware.mav_autopilot
         self.beacon = engine.add(Beacon(local, vehicle.type.mav_type, autopilot))
@@ -51,11 +51,11 @@ class Services:
         self.modes = engine.add(
             ModeServer(
                 local,
-                [mode.available for mode in flavour.modes],
-                flavour.initial,
+                [mode.available for mode in profile.modes],
+                profile.initial,
                 autopilot=autopilot,
                 may_enter=self._may_enter,
-                refusal=flavour.refusal,
+                refusal=profile.refusal,
             )
         )
         self.modes.register(self.commands)
@@ -67,7 +67,7 @@ class Services:
                 validate=self._validate,
                 check=self._check,
                 home_first=vehicle.firmware is Firmware.ARDUPILOT,
-                guided=flavour.guided_items(vehicle),
+                guided=profile.guided_items(vehicle),
                 plain_requests=vehicle.firmware is Firmware.ARDUPILOT,
                 float_answers=True,
                 ask_again=_ASK_AGAIN[vehicle.firmware],

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
 from mavstack.services import Address
-from mavstack.sim.flavours import flavour_of
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
 from mavstack.sim.motion import World
 from mavstack.sim.parameters import Parameters
-from mavstack.sim.vehicle import Vehicle
+from mavstack.sim.profiles import profile_of
+from mavstack.sim.vehicle import SimulatedVehicle
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,7 +46,7 @@ class Simulation:
         self.seed = seed
         #: Where vehicles keep their files, each in a folder of its own; in memory if there is no such place.
         self.storage = storage
-        self.vehicles: list[Vehicle] = []
+        self.vehicles: list[SimulatedVehicle] = []
         #: Called before each step with the simulated seconds since the start.
         self.before_step: list[Callable[[float], None]] = []
         self._start = start
@@ -69,22 +69,22 @@ class Simulation:
         type: VehicleType | str = VehicleType.COPTER,  # noqa: A002 (HEARTBEAT's name for it)
         firmware: Firmware | str = Firmware.ARDUPILOT,
         *,
-        home: Home = FIELD,
+        home: Home = DEFAULT_HOME,
         system: int | None = None,
-    ) -> Vehicle:
+    ) -> SimulatedVehicle:
         """Put a vehicle into the world, with the next free system id unless it is given."""
         taken = {vehicle.address.system for vehicle in self.vehicles}
         system = system or next((free for free in range(1, MOST_SYSTEMS + 1) if free not in taken), 0)
         if not 1 <= system <= MOST_SYSTEMS or system in taken:
             raise MavstackError(f"there is no system id left for another vehicle: {system or 'all'} taken")
-        kind, flavour = VehicleType(type), Firmware(firmware)
-        vehicle = Vehicle(
+        kind, profile = VehicleType(type), Firmware(firmware)
+        vehicle = SimulatedVehicle(
             self.world.add(kind, home),
             kind,
-            flavour,
+            profile,
             Address(system, common.MavComponent.AUTOPILOT1),
-            flavour_of(flavour, kind),
-            Parameters(flavour, kind, system),
+            profile_of(profile, kind),
+            Parameters(profile, kind, system),
             self.now,
             folder=self.storage and self.storage / str(system),
         )
@@ -111,6 +111,6 @@ class Simulation:
         for vehicle in self.vehicles:
             vehicle.close()
 
-    def data_to_send(self) -> list[tuple[Vehicle, Port, bytes]]:
+    def data_to_send(self) -> list[tuple[SimulatedVehicle, Port, bytes]]:
         """What all vehicles sent since the last call."""
         return [(vehicle, port, data) for vehicle in self.vehicles for port, data in vehicle.data_to_send()]

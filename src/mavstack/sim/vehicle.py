@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 
     from mavstack.node.channel_state import ChannelState
     from mavstack.services import Address, Event, Service
-    from mavstack.sim.autopilot.flavour import Flavour
     from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.kinds import Firmware, VehicleType
+    from mavstack.sim.autopilot.profile import FirmwareProfile
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
+    from mavstack.sim.vehicle_types import Firmware, VehicleType
     from mavstack.wire import Packet, Signing
 
 AnyEvent = TypeVar("AnyEvent", bound="Event")
@@ -55,7 +55,7 @@ class Port:
     state: ChannelState | None = None
 
     def limit(self, bandwidth: float | None, bulk_rate: float | None) -> None:
-        """Say anew what the link carries, as in `Vehicle.open_port`; what was learned of a radio stays."""
+        """Say anew what the link carries, as in `SimulatedVehicle.open_port`; what was learned of a radio stays."""
         self.options |= {"bandwidth": bandwidth, "bulk_rate": bulk_rate}
         if self.state is not None:
             pacer = self.state.pacer
@@ -64,7 +64,7 @@ class Port:
                 pacer.bandwidth = bandwidth
 
 
-class Vehicle:
+class SimulatedVehicle:
     """A vehicle that other programs can talk to."""
 
     def __init__(
@@ -73,20 +73,20 @@ class Vehicle:
         type: VehicleType,  # noqa: A002 (HEARTBEAT's name for it)
         firmware: Firmware,
         address: Address,
-        flavour: Flavour,
+        profile: FirmwareProfile,
         parameters: Parameters,
         now: float,
         *,
         folder: Path | None = None,
     ) -> None:
         self.body, self.type, self.firmware, self.address = body, type, firmware, address
-        self.flavour = flavour
+        self.profile = profile
         self.parameters = parameters
         self.plans = PlanStore()
         self.now = self.booted_at = now
         self.boots = 0
         #: Told of what the vehicle says and does: itself, "text", "mode" or "armed", and words for people.
-        self.listeners: list[Callable[[Vehicle, str, str], None]] = []
+        self.listeners: list[Callable[[SimulatedVehicle, str, str], None]] = []
         self.ports: list[Port] = []
         self.storage = Storage(self, folder=folder)
         self.recorder = Recorder(self)
@@ -109,10 +109,10 @@ class Vehicle:
         self.engine = self.services.engine
         self.modes, self.commands = self.services.modes, self.services.commands
         self.messages, self.mission = self.services.messages, self.services.mission
-        self.autopilot = Autopilot(self, self.flavour)
-        self.flavour.register(self)
-        self.flavour.provide(self)
-        self.flavour.booted(self)
+        self.autopilot = Autopilot(self, self.profile)
+        self.profile.register(self)
+        self.profile.provide(self)
+        self.profile.booted(self)
         for port in self.ports:
             self._connect(port)
 
@@ -249,7 +249,7 @@ class Vehicle:
     def home_changed(self) -> None:
         """There is another home: tell it."""
         self.recorder.home(self.autopilot.home)
-        self.flavour.home_changed(self)
+        self.profile.home_changed(self)
 
     def refresh_heartbeat(self) -> None:
         """Say at once what HEARTBEAT tells."""

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from mavstack import Dialect, Parser
 from mavstack.dialects import common
 from mavstack.services import Address
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
 from mavstack.sim.simulation import Simulation
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from mavstack.wire import Encoder
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from random import Random
 
     from mavstack.dialects import Message
-    from mavstack.sim.vehicle import Port, Vehicle
+    from mavstack.sim.vehicle import Port, SimulatedVehicle
 
 ALL = Dialect.load("all")
 EVERY_KIND = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
@@ -64,7 +64,7 @@ def odd(random: Random) -> float:
     )
 
 
-def state_of(vehicle: Vehicle) -> Iterator[tuple[str, float]]:
+def state_of(vehicle: SimulatedVehicle) -> Iterator[tuple[str, float]]:
     """All numbers that a vehicle's body has, by name."""
     body = vehicle.body
     for name in ("truth", "estimate", "battery", "limits"):
@@ -78,7 +78,7 @@ def state_of(vehicle: Vehicle) -> Iterator[tuple[str, float]]:
 class Victim:
     """One vehicle, and a peer that says to it what it likes."""
 
-    def __init__(self, simulation: Simulation, vehicle: Vehicle, random: Random) -> None:
+    def __init__(self, simulation: Simulation, vehicle: SimulatedVehicle, random: Random) -> None:
         self.simulation, self.vehicle, self.random = simulation, vehicle, random
         self.port: Port = vehicle.open_port("hostile")
         self._encoders: dict[Address, Encoder] = {}
@@ -97,7 +97,7 @@ class Victim:
         autopilot.arm(force=True)
         if kind.flies:
             self.vehicle.body.place(0.0, 0.0, -60.0, 0.0)
-        autopilot.enter(self.vehicle.flavour.hold, "test", commanded=True)
+        autopilot.enter(self.vehicle.profile.hold, "test", commanded=True)
         autopilot.landed = False
 
     def anything(self) -> Message:
@@ -145,7 +145,7 @@ class Victim:
 
 
 def victims(
-    random: Random, *, seconds: float = 3.0, home: Home = FIELD, kinds: Any = None, **options: Any
+    random: Random, *, seconds: float = 3.0, home: Home = DEFAULT_HOME, kinds: Any = None, **options: Any
 ) -> list[Victim]:
     """One of each kind in one simulation, some of them in the air."""
     simulation = Simulation(seed=random.randrange(1 << 30), **options)

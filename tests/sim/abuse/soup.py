@@ -160,7 +160,7 @@ class Abuser(Victim):
         self.send(common.ParamSet(**known, param_id=name, param_type=kind, param_value=value))
 
     def change_mode(self) -> None:
-        mode = self.random.choice(self.vehicle.flavour.modes)
+        mode = self.random.choice(self.vehicle.profile.modes)
         self.vehicle.autopilot.enter(mode.number, "test", commanded=True)
 
     def go_wrong(self) -> None:
@@ -184,7 +184,7 @@ class Abuser(Victim):
     def guide(self) -> None:
         random = self.random
         if random.random() < 0.5:
-            self.vehicle.autopilot.enter(self.vehicle.flavour.guided, "test", commanded=True)
+            self.vehicle.autopilot.enter(self.vehicle.profile.guided, "test", commanded=True)
         known = {
             "target_system": self.system,
             "target_component": 1,
@@ -313,4 +313,4 @@ class Abuser(Victim):
         vehicle.engine.touch(vehicle.mission)
         if kind == PlanType.MISSION:
             self.put_into_the_air()
-            vehicle.autopilot.enter(vehicle.flavour.mission, "test", commanded=True)
+            vehicle.autopilot.enter(vehicle.profile.mission, "test", commanded=True)

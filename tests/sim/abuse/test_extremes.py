@@ -12,9 +12,9 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan
 from mavstack.sim.autopilot.mission.route import Route
-from mavstack.sim.kinds import Firmware, Home, VehicleType
+from mavstack.sim.scenarios import take_off
 from mavstack.sim.simulation import MOST_SYSTEMS, Simulation
-from mavstack.sim.skills import take_off
+from mavstack.sim.vehicle_types import Firmware, Home, VehicleType
 from tests.sim.abuse.hostile import EVERY_KIND, GROUND, Victim, state_of, victims
 from tests.sim.abuse.soup import Abuser
 
@@ -32,7 +32,7 @@ def test_flights_begin_anywhere_on_earth(home, firmware):
     vehicle = simulation.add(VehicleType.COPTER, firmware, home=home)
     take_off(simulation, vehicle)
     assert vehicle.autopilot.altitude == pytest.approx(10, abs=1.5)
-    vehicle.autopilot.enter(vehicle.flavour.return_to_launch, "test")
+    vehicle.autopilot.enter(vehicle.profile.return_to_launch, "test")
     simulation.advance(simulation.now + 70)
     truth = vehicle.body.truth
     assert not vehicle.autopilot.armed
@@ -136,7 +136,7 @@ def test_a_mission_that_goes_in_a_circle_hangs_no_tick(circle, kind, firmware, m
     ]
     victim.vehicle.mission.take(Plan.of([*home, *items]), GROUND)
     victim.vehicle.engine.touch(victim.vehicle.mission)
-    victim.vehicle.autopilot.enter(victim.vehicle.flavour.mission, "test", commanded=True)
+    victim.vehicle.autopilot.enter(victim.vehicle.profile.mission, "test", commanded=True)
     for _ in range(10):
         legs = 0
         simulation.step()
@@ -205,7 +205,7 @@ def bytes_of(seed: int, *, watched: bool) -> dict[str, bytes]:
                 print(
                     autopilot.mission.route,
                     vehicle.storage.logs.logs(),
-                    list(vehicle.flavour.arming_problems(autopilot)),
+                    list(vehicle.profile.arming_problems(autopilot)),
                 )
         abusers[0].simulation.step()
         for vehicle, port, data in abusers[0].simulation.data_to_send():

@@ -6,15 +6,22 @@ from random import Random
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.kinds import FIELD, Home
 from mavstack.sim.simulation import Simulation
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Home
 from tests.sim.abuse.hostile import EVERY_KIND
 from tests.sim.abuse.soup import Abuser
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
 
-HOMES = [FIELD, FIELD, FIELD, Home(90, 0, 0, 0), Home(-90, 9, 8800, 359), Home(0, 180, -400, 0)]
+HOMES = [
+    DEFAULT_HOME,
+    DEFAULT_HOME,
+    DEFAULT_HOME,
+    Home(90, 0, 0, 0),
+    Home(-90, 9, 8800, 359),
+    Home(0, 180, -400, 0),
+]
 
 
 def abused(seed: int) -> Abuser:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.kinds import VehicleType
+    from mavstack.sim.vehicle_types import VehicleType
 
 CMD = ardupilotmega.MavCmd
 RESULT = common.MavResult
@@ -58,7 +58,7 @@ class Bench:
         end = self.simulation.now + limit
         while not reached():
             assert self.simulation.now < end, (
-                f"not in {limit} s: {self.mode}, {self.autopilot.handling.place}"
+                f"not in {limit} s: {self.mode}, {self.autopilot.maneuvers.place}"
             )
             self.run(0.2)
 
@@ -87,7 +87,7 @@ class Bench:
         assert self.ask(command, *params, frame=frame, wait=wait) == RESULT.ACCEPTED, self.texts[-3:]
 
     def set_mode(self, name: str) -> int:
-        number = next(mode.number for mode in self.autopilot.flavour.modes if mode.name == name)
+        number = next(mode.number for mode in self.autopilot.profile.modes if mode.name == name)
         return self.ask(CMD.DO_SET_MODE, 1, number)
 
     def at(self, north: float, east: float) -> tuple[float, float]:
@@ -99,12 +99,12 @@ class Bench:
     def lift(self, height: float = 10.0) -> None:
         """In the air in GUIDED; what does not fly is armed in it."""
         if self.vehicle.type in ("copter", "vtol"):
-            self.autopilot.enter(self.autopilot.flavour.guided, "test")
+            self.autopilot.enter(self.autopilot.profile.guided, "test")
             self.autopilot.arm(force=True)
             self.vehicle.body.place(0.0, 0.0, -height, 0.0)
             self.autopilot.guided.go_to((0.0, 0.0, -height))
         else:
-            self.vehicle.flavour.take_off(self.autopilot, height)
+            self.vehicle.profile.take_off(self.autopilot, height)
         if self.vehicle.type.flies:
             self.run_until(lambda: self.autopilot.altitude > 0.9 * height and not self.autopilot.landed)
         self.run(0.5)

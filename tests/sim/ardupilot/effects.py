@@ -91,7 +91,7 @@ def missioned(bench: Bench) -> None:
 
 def calibrated(bench: Bench) -> None:
     bench.ask(CMD.DO_START_MAG_CAL)
-    bench.vehicle.body.turn_compass(0.5)
+    bench.vehicle.body.offset_compass(0.5)
     bench.run(10.7)
 
 
@@ -101,12 +101,12 @@ def parachute_out(bench: Bench) -> None:
 
 
 def forward_speed(bench: Bench) -> bool:
-    handling = bench.autopilot.handling
-    return handling.speed == (3.0 if not bench.autopilot.handling.circles else 20.0)
+    maneuvers = bench.autopilot.maneuvers
+    return maneuvers.speed == (3.0 if not bench.autopilot.maneuvers.circles else 20.0)
 
 
 def speed(bench: Bench) -> tuple[float, ...]:
-    return (1, 3.0) if not bench.autopilot.handling.circles else (0, 20.0)
+    return (1, 3.0) if not bench.autopilot.maneuvers.circles else (0, 20.0)
 
 
 CASES: dict[int, Case] = {
@@ -118,7 +118,7 @@ CASES: dict[int, Case] = {
     CMD.DO_FLIGHTTERMINATION: Case((1,), lambda bench: not bench.autopilot.armed, flying),
     # modes and movement
     CMD.DO_SET_MODE: Case(
-        lambda bench: (1, bench.autopilot.flavour.guided), lambda bench: bench.mode == "GUIDED"
+        lambda bench: (1, bench.autopilot.profile.guided), lambda bench: bench.mode == "GUIDED"
     ),
     CMD.NAV_RETURN_TO_LAUNCH: Case((), in_mode("RTL"), flying),
     CMD.NAV_LOITER_UNLIM: Case((), in_mode("LOITER", "POSHOLD"), flying),
@@ -136,7 +136,7 @@ CASES: dict[int, Case] = {
         (90, 0, 1, 0), lambda bench: abs(bench.vehicle.body.truth.yaw - 1.57) < 0.2, flying, wait=12
     ),
     CMD.GUIDED_CHANGE_SPEED: Case(
-        (0, 20), lambda bench: bench.autopilot.handling.speed == 20, flying, RELATIVE
+        (0, 20), lambda bench: bench.autopilot.maneuvers.speed == 20, flying, RELATIVE
     ),
     CMD.GUIDED_CHANGE_ALTITUDE: Case(
         (0, 0, 0, 0, 0, 0, 77),

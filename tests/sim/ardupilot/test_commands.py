@@ -7,7 +7,7 @@ from math import nan
 import pytest
 
 from mavstack.dialects import common
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 from .bench import CMD, RELATIVE, RESULT, Bench
 from .effects import CASES, armed, flying

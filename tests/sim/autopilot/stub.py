@@ -6,7 +6,7 @@
     flight.until(lambda: flight.height > 9, within=30)
 
 It stands without services, telemetry, parameters and logs, so that rooms of the autopilot are tested alone
-and in virtual time. Figures are attributes that a test sets: `flight.figures.return_altitude = 30`.
+and in virtual time. FlightParameters are attributes that a test sets: `flight.flight_parameters.return_altitude = 30`.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from mavstack.services import Address
 from mavstack.services.mission import PlanStore
 from mavstack.services.modes import AvailableMode
 from mavstack.sim.autopilot.autopilot import TICK, Autopilot
-from mavstack.sim.autopilot.figures import Figures
-from mavstack.sim.autopilot.flavour import Flavour
+from mavstack.sim.autopilot.flight_parameters import FlightParameters
 from mavstack.sim.autopilot.mode import Mode
+from mavstack.sim.autopilot.profile import FirmwareProfile
 from mavstack.sim.autopilot.radio import Sticks
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
 from mavstack.sim.motion import World
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -79,28 +79,30 @@ OF_TYPE: dict[VehicleType, dict[str, Any]] = {
 }
 
 
-def new_figures(kind: VehicleType = VehicleType.COPTER, **values: Any) -> Any:
-    """Figures of which every one can be set."""
+def new_flight_parameters(kind: VehicleType = VehicleType.COPTER, **values: Any) -> Any:
+    """FlightParameters of which every one can be set."""
     given = FIGURES | OF_TYPE.get(kind, {}) | values
-    names = {name: given.get(name, 1.0) for name in Figures.__abstractmethods__}
+    names = {name: given.get(name, 1.0) for name in FlightParameters.__abstractmethods__}
     if kind is VehicleType.VTOL:
         names["cruise_speed"] = property(lambda self: 20.0 if self.body.flies_forward else 8.0)
-    return type("StubFigures", (Figures,), names)()
+    return type("StubFlightParameters", (FlightParameters,), names)()
 
 
-class StubFlavour(Flavour):
+class StubProfile(FirmwareProfile):
     """Modes by what they mean; arms always, and says nothing."""
 
     initial = hold = HOLD
     guided, mission, return_to_launch, land = GUIDED, MISSION, RETURN, LAND
 
-    def __init__(self, figures: Any, behaviours: dict[int, Callable[[Autopilot], Behaviour]]) -> None:
-        self._figures = figures
+    def __init__(
+        self, flight_parameters: Any, behaviours: dict[int, Callable[[Autopilot], Behaviour]]
+    ) -> None:
+        self._flight_parameters = flight_parameters
         self.problems: list[str] = []
         self.modes = [Mode(AvailableMode(n, f"MODE{n}"), make) for n, make in sorted(behaviours.items())]
 
-    def figures(self, vehicle: Any) -> Any:
-        return self._figures
+    def flight_parameters(self, vehicle: Any) -> Any:
+        return self._flight_parameters
 
     def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
         yield from self.problems
@@ -124,7 +126,7 @@ class StubVehicle:
 
     body: Any
     type: VehicleType
-    flavour: StubFlavour
+    profile: StubProfile
     now: float = START
     firmware: Firmware = Firmware.ARDUPILOT
     address: Address = field(default_factory=lambda: Address(1, 1))
@@ -168,19 +170,19 @@ class Flight:
         kind: VehicleType = VehicleType.COPTER,
         *,
         seed: int = 1,
-        home: Home = FIELD,
+        home: Home = DEFAULT_HOME,
         modes: dict[int, Callable[[Autopilot], Behaviour]] | None = None,
-        **figures: Any,
+        **flight_parameters: Any,
     ) -> None:
         self.world = World(seed=seed, rate=RATE)
         self.body = self.world.add(kind, home)
-        self.figures = new_figures(kind, **figures)
-        self.figures.body = self.body
+        self.flight_parameters = new_flight_parameters(kind, **flight_parameters)
+        self.flight_parameters.body = self.body
         self._other: Callable[[Autopilot], Behaviour] | None = None
         behaviours = usual_behaviours() | {OTHER: self._make_other} | (modes or {})
-        self.flavour = StubFlavour(self.figures, behaviours)
-        self.vehicle: Any = StubVehicle(self.body, kind, self.flavour)
-        self.autopilot = Autopilot(self.vehicle, self.flavour)
+        self.profile = StubProfile(self.flight_parameters, behaviours)
+        self.vehicle: Any = StubVehicle(self.body, kind, self.profile)
+        self.autopilot = Autopilot(self.vehicle, self.profile)
         self.vehicle.autopilot = self.autopilot
         self.autopilot.radio = self.radio = StubRadio()
         self._steps = 0

@@ -10,16 +10,18 @@ from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint, SetpointReceived
 from mavstack.sim.autopilot.behaviours import Offboard
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.stub import GUIDED, HOLD, Flight, turned
 
 F = common.MavFrame
 GROUND = Address(255, 190)
 
 
-def guided(kind: VehicleType = VehicleType.COPTER, height: float = 15.0, **figures: object) -> Flight:
+def guided(
+    kind: VehicleType = VehicleType.COPTER, height: float = 15.0, **flight_parameters: object
+) -> Flight:
     """A vehicle in the air, or on its way, in the guided mode."""
-    flight = Flight(kind, **figures)
+    flight = Flight(kind, **flight_parameters)
     if kind.flies:
         flight.in_the_air(height)
     else:
@@ -42,7 +44,7 @@ def stream(flight: Flight, setpoint: object, seconds: float, rate: float = 10.0)
 
 def face(flight: Flight, yaw: float) -> None:
     """Turn to a heading."""
-    place = flight.autopilot.handling.place
+    place = flight.autopilot.maneuvers.place
     flight.autopilot.guided.go_to(place, yaw=yaw)
     flight.run(5)
     assert abs(turned(flight.body.truth.yaw - yaw)) < 0.1

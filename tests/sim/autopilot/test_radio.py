@@ -173,8 +173,8 @@ def test_when_the_hands_cease_the_radio_failsafe_acts() -> None:
 )
 def test_the_mode_switch_has_six_positions(kind, channel, name) -> None:
     one = grounded(kind)
-    modes = one.vehicle.flavour.modes
-    wanted = [mode for mode in modes if mode.number != one.vehicle.flavour.mission][:6]
+    modes = one.vehicle.profile.modes
+    wanted = [mode for mode in modes if mode.number != one.vehicle.profile.mission][:6]
     for position, mode in enumerate(wanted, 1):
         one.set(**{f"{name}{position}": mode.number})
     number = int(one.vehicle.parameters[channel])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.services.mission import MissionItem, PlanType
-from mavstack.sim.kinds import FIELD, Firmware, VehicleType
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from tests.sim.autopilot.mission.stand import CMD, FRAME, MissionFlight, item
 from tests.sim.autopilot.stub import RETURN
 
@@ -24,7 +24,7 @@ def at(
     assert flight.upload(*points, kind=PlanType.RALLY) == 0
     flight.body.place(north, 0.0, 0.0, 0.0)
     flight.run(2)
-    flight.autopilot.set_home(FIELD.latitude, FIELD.longitude, FIELD.altitude)
+    flight.autopilot.set_home(DEFAULT_HOME.latitude, DEFAULT_HOME.longitude, DEFAULT_HOME.altitude)
     return flight
 
 
@@ -60,7 +60,7 @@ def test_px4_takes_home_if_it_is_nearer() -> None:
 
 
 def test_absolute_altitudes() -> None:
-    flight = at(100, point(150, 0, FIELD.altitude + 25, FRAME.GLOBAL))
+    flight = at(100, point(150, 0, DEFAULT_HOME.altitude + 25, FRAME.GLOBAL))
     nearest = flight.autopilot.rally.nearest()
     assert nearest is not None
     assert nearest[2] == pytest.approx(-25, abs=0.2)

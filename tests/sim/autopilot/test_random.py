@@ -28,7 +28,7 @@ from mavstack.sim.autopilot.behaviours import (
     Takeoff,
 )
 from mavstack.sim.autopilot.radio import Sticks
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.stub import GUIDED, Flight
 
 F = common.MavFrame

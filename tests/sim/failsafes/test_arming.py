@@ -96,7 +96,7 @@ def spoil(refusals: list[Refusal], firmware: str) -> list[Flown]:
         one.talks = False
     airspace.run(3)
     for one in flown:
-        assert not list(one.vehicle.flavour.arming_problems(one.autopilot))
+        assert not list(one.vehicle.profile.arming_problems(one.autopilot))
     for one, refusal in zip(flown, refusals, strict=True):
         one.texts.forget()
         refusal.spoil(one)

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mavstack.sim.kinds import Home
 from mavstack.sim.motion import World
+from mavstack.sim.vehicle_types import Home
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.kinds import VehicleType
     from mavstack.sim.motion import Body, Motion
+    from mavstack.sim.vehicle_types import VehicleType
 
-FIELD = Home(47.4, 8.5, 488.0, 90.0)
+DEFAULT_HOME = Home(47.4, 8.5, 488.0, 90.0)
 Place = tuple[float, float, float]
 
 
@@ -22,14 +22,14 @@ def alone(kind: VehicleType, *, wind: float = 0.0, seed: int = 1) -> tuple[World
     """A world with one body, and wind from the west with gusts."""
     world = World(seed=seed)
     world.set_wind(wind, 270.0, 0.2)
-    return world, world.add(kind, FIELD)
+    return world, world.add(kind, DEFAULT_HOME)
 
 
 def together(kind: VehicleType, count: int, *, wind: float = 0.0) -> tuple[World, list[Body]]:
     """A world with several bodies of a type."""
     world = World(seed=1)
     world.set_wind(wind, 270.0, 0.2)
-    return world, [world.add(kind, FIELD) for _ in range(count)]
+    return world, [world.add(kind, DEFAULT_HOME) for _ in range(count)]
 
 
 def fly(world: World, seconds: float, until: Callable[[], bool] | None = None) -> float:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.motion.flights import alone, fly
 
 

@@ -4,8 +4,19 @@ import math
 
 import pytest
 
-from mavstack.sim.kinds import VehicleType
-from tests.sim.motion.flights import FIELD, alone, apart, away, fly, speed, together, turned, watch, watch_all
+from mavstack.sim.vehicle_types import VehicleType
+from tests.sim.motion.flights import (
+    DEFAULT_HOME,
+    alone,
+    apart,
+    away,
+    fly,
+    speed,
+    together,
+    turned,
+    watch,
+    watch_all,
+)
 
 
 def hovering(height: float = 20.0, *, wind: float = 0.0):
@@ -161,8 +172,8 @@ def test_limits_bound_what_is_flown():
 def test_starts_at_home():
     _, body = alone(VehicleType.COPTER)
     assert body.truth[:3] == (0, 0, 0)
-    assert turned(body.truth.yaw - math.radians(FIELD.heading)) < 1e-9
-    assert body.frame.to_global(0, 0, 0) == pytest.approx(FIELD[:3])
+    assert turned(body.truth.yaw - math.radians(DEFAULT_HOME.heading)) < 1e-9
+    assert body.frame.to_global(0, 0, 0) == pytest.approx(DEFAULT_HOME[:3])
 
 
 def test_joins_a_line_that_begins_ahead_no_faster_than_told():

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.motion.flights import alone, away, fly, turned, watch
 
 
@@ -57,7 +57,7 @@ def test_spoofed_gps_takes_the_vehicle_away():
 
 def test_turned_compass_turns_the_estimate():
     world, body = hovering()
-    body.turn_compass(0.4)
+    body.offset_compass(0.4)
     assert body.health.compass_variance > 0.5
     fly(world, 12)
     assert turned(body.estimate.yaw - body.truth.yaw - 0.4) < 0.06
@@ -69,7 +69,7 @@ def test_turned_compass_turns_the_estimate():
 def test_drifting_barometer_changes_the_altitude_flown():
     world, body = hovering(30)
     pressure = body.sensors.pressure
-    body.drift_baro(5)
+    body.drift_barometer(5)
     assert body.sensors.pressure - pressure > 0.3
     fly(world, 15)
     assert abs(body.estimate.down + 30) < 1

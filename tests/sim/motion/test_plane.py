@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.motion.flights import alone, away, fly, speed, together, turned, watch, watch_all
 
 

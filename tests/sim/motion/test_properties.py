@@ -7,10 +7,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mavstack.sim.kinds import Home, VehicleType
 from mavstack.sim.motion import Body, World
 from mavstack.sim.motion.airframes import AIRFRAMES, LIMIT_RANGES
-from tests.sim.motion.flights import FIELD, fly, speed
+from mavstack.sim.vehicle_types import Home, VehicleType
+from tests.sim.motion.flights import DEFAULT_HOME, fly, speed
 
 TYPES = list(VehicleType)
 #: Faster than this (m/s) nothing of the type gets in still air, dives and falls included.
@@ -37,7 +37,7 @@ DEMANDS = st.one_of(
     st.tuples(st.just("fail_motor"), st.tuples(st.integers(-1, 9), st.booleans()), st.just({})),
     st.tuples(st.just("fail_gps"), st.tuples(st.booleans()), st.just({})),
     st.tuples(st.just("spoof_gps"), st.tuples(METRES, METRES), st.just({})),
-    st.tuples(st.sampled_from(["turn_compass", "sag_battery", "drift_baro"]), st.tuples(SMALL), st.just({})),
+    st.tuples(st.sampled_from(["offset_compass", "sag_battery", "drift_barometer"]), st.tuples(SMALL), st.just({})),
 )  # fmt: skip
 PLANS = st.lists(st.tuples(st.integers(0, len(TYPES) - 1), DEMANDS), min_size=1, max_size=10)
 PLACES = st.lists(st.floats(0, 100), min_size=len(TYPES), max_size=len(TYPES))
@@ -46,7 +46,7 @@ WINDS = st.tuples(st.one_of(st.floats(0, 15), ANY), ANY, ANY)
 
 def all_types(seed: int = 1) -> tuple[World, list[Body]]:
     world = World(seed=seed)
-    return world, [world.add(kind, FIELD) for kind in TYPES]
+    return world, [world.add(kind, DEFAULT_HOME) for kind in TYPES]
 
 
 def energy(body: Body) -> float:
@@ -88,14 +88,14 @@ def test_any_demands_leave_everything_physical(plan, heights, wind):
         for each, charge in zip(bodies, charges, strict=True):
             check(each, strongest)
             assert each.battery.consumed >= charge
-    assert np.isfinite(world.fleet.data).all()
+    assert np.isfinite(world.state.data).all()
 
 
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(TYPES), st.lists(DEMANDS, min_size=1, max_size=5), st.floats(5, 100))
 def test_energy_comes_from_motors_only(kind, demands, height):
     world = World()
-    body = world.add(kind, FIELD)
+    body = world.add(kind, DEFAULT_HOME)
     body.place(0, 0, -height, 0)
     figure = AIRFRAMES[kind]
     strongest = 1.1 * (figure.lift * 1.8 + figure.drive) + 0.1
@@ -118,7 +118,7 @@ def test_same_seed_same_numbers(seed):
         for body in bodies:
             body.go_to(100, 50, -40)
         fly(world, 2)
-    assert np.array_equal(worlds[0][0].fleet.data, worlds[1][0].fleet.data)
+    assert np.array_equal(worlds[0][0].state.data, worlds[1][0].state.data)
     assert worlds[0][1][0].sensors == worlds[1][1][0].sensors
 
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from mavstack.sim.kinds import Home, VehicleType
 from mavstack.sim.motion import World
+from mavstack.sim.vehicle_types import Home, VehicleType
 from tests.sim.motion.flights import alone, fly, turned
 
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.motion.flights import alone, apart, away, fly, speed, turned, watch
 
 

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from mavstack.sim.kinds import VehicleType
 from mavstack.sim.motion import World
-from tests.sim.motion.flights import FIELD, alone, away, fly, speed, turned, watch_all
+from mavstack.sim.vehicle_types import VehicleType
+from tests.sim.motion.flights import DEFAULT_HOME, alone, away, fly, speed, turned, watch_all
 
 ROVER, BOAT = VehicleType.ROVER, VehicleType.BOAT
 
@@ -16,7 +16,7 @@ def pair(request):
     """A rover and a boat, and the wind."""
     world = World(seed=1)
     world.set_wind(request.param, 270.0, 0.2)
-    return world, [world.add(kind, FIELD) for kind in (ROVER, BOAT)]
+    return world, [world.add(kind, DEFAULT_HOME) for kind in (ROVER, BOAT)]
 
 
 def test_go_to_a_point_and_hold_there(pair):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 AP_COMMON = """
 REAL32: FENCE_RADIUS FENCE_MARGIN RALLY_LIMIT_KM RC_OVERRIDE_TIME BATT_LOW_VOLT BATT_LOW_MAH BATT_CRT_VOLT

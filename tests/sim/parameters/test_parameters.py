@@ -10,8 +10,8 @@ from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError, ParameterDenied
 from mavstack.services.parameters import Encoding, ParameterClient, ParameterServer, ParameterWritten
 from mavstack.services.parameters.value import same
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.parameters import Parameters
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.services.network import GROUND, VEHICLE, Network
 
 COPTER = (Firmware.ARDUPILOT, VehicleType.COPTER)

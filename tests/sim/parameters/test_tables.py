@@ -11,9 +11,9 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services.parameters import ParameterTable, unpack
 from mavstack.services.parameters.value import Encoding, fitted, same, survives
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.parameters import definitions
 from mavstack.sim.parameters.tables import _LAYERS, expand, read, rows
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.parameters.names import wanted
 
 KIND = common.MavParamType

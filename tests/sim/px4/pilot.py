@@ -17,9 +17,9 @@ from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.command import Command
 from mavstack.services.modes.names import px4_modes_of
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.telemetry import Link, use_link
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -114,10 +114,10 @@ def test_a_ground_station_is_needed_if_its_loss_would_count() -> None:
     for _ in range(200):
         pilot.simulation.step()
     assert "Preflight Fail: No connection to the GCS" in list(
-        pilot.vehicle.flavour.arming_problems(pilot.autopilot)
+        pilot.vehicle.profile.arming_problems(pilot.autopilot)
     )
     pilot.run(1.0)
-    assert not list(pilot.vehicle.flavour.arming_problems(pilot.autopilot))
+    assert not list(pilot.vehicle.profile.arming_problems(pilot.autopilot))
 
 
 def test_it_is_not_armed_while_it_is_calibrated() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.services.mission import MissionItem
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.px4.pilot import CMD, FIELD_ALTITUDE, RESULT, Pilot
 
 LATITUDE, LONGITUDE = 47.3977418, 8.5455939
@@ -56,7 +56,7 @@ ON_GROUND: dict[int, Case] = {
     CMD.NAV_TAKEOFF: ((0, 0, 0, nan, nan, nan, 500), lambda pilot: pilot.mode == "Takeoff"),
     CMD.DO_SET_MODE: ((1, 4, 4), lambda pilot: pilot.mode == "Mission"),
     CMD.DO_SET_STANDARD_MODE: ((common.MavStandardMode.LAND,), lambda pilot: pilot.mode == "Land"),
-    CMD.DO_CHANGE_SPEED: ((1, 3), lambda pilot: pilot.autopilot.handling.speed == 3),
+    CMD.DO_CHANGE_SPEED: ((1, 3), lambda pilot: pilot.autopilot.maneuvers.speed == 3),
     CMD.DO_SET_HOME: (
         (0, 0, 0, 0, 47.4, 8.6, 500),
         lambda pilot: pilot.autopilot.home[:3] == pytest.approx((47.4, 8.6, 500)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 from mavstack.dialects import common
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.test_mission_ends import there_and_back
 from tests.vehicle.world import PX4, fly
 
@@ -15,9 +15,11 @@ COPTER = (VehicleType.COPTER, PX4)
 def test_it_is_finished_when_it_begins_to_return():
     async def scenario(world, vehicle):
         states, reached, texts = [], [], []
-        vehicle.on(common.MissionCurrent, lambda message: states.append((message.seq, message.mission_state)))
-        vehicle.on(common.MissionItemReached, lambda message: reached.append(message.seq))
-        vehicle.on(common.Statustext, lambda message: texts.append(message.text))
+        vehicle.add_listener(
+            common.MissionCurrent, lambda message: states.append((message.seq, message.mission_state))
+        )
+        vehicle.add_listener(common.MissionItemReached, lambda message: reached.append(message.seq))
+        vehicle.add_listener(common.Statustext, lambda message: texts.append(message.text))
         await vehicle.mission.upload(there_and_back(world, PX4))
         await vehicle.mission.fly()
         await asyncio.sleep(2)
@@ -33,7 +35,7 @@ def test_it_is_finished_when_it_begins_to_return():
 def test_what_was_reached_is_said_again_ten_times_or_until_something_else_is():
     async def scenario(world, vehicle):
         reached = []
-        vehicle.on(common.MissionItemReached, lambda message: reached.append(message.seq))
+        vehicle.add_listener(common.MissionItemReached, lambda message: reached.append(message.seq))
         await vehicle.mission.upload(there_and_back(world, PX4))
         await vehicle.mission.fly()
         await asyncio.sleep(15)

@@ -7,7 +7,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.modes.names import px4_modes_of
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.px4.pilot import CMD, RESULT, Pilot
 
 STANDARD, PROPERTY = common.MavStandardMode, common.MavModeProperty
@@ -54,7 +54,7 @@ def test_available_modes_are_listed_as_px4_lists_them(copter: Pilot) -> None:
 @pytest.mark.parametrize("kind", list(VehicleType))
 def test_a_type_has_the_modes_that_it_can_fly(kind: VehicleType) -> None:
     pilot = Pilot(kind.value, ready=False)
-    names = {mode.name for mode in pilot.vehicle.flavour.modes}
+    names = {mode.name for mode in pilot.vehicle.profile.modes}
     assert {"Manual", "Position", "Hold", "Mission", "Return", "Offboard", "Acro", "Stabilized"} <= names
     assert ("Takeoff" in names) == ("Land" in names) == ("Orbit" in names) == kind.flies
     assert ("VTOL Takeoff" in names) == (kind is VehicleType.VTOL)
@@ -71,7 +71,7 @@ def test_a_type_has_the_modes_that_it_can_fly(kind: VehicleType) -> None:
     ],
 )
 def test_position_mode_is_another_standard_mode_for_each_type(kind: str, standard: int) -> None:
-    modes = Pilot(kind, ready=False).vehicle.flavour.modes
+    modes = Pilot(kind, ready=False).vehicle.profile.modes
     assert next(mode for mode in modes if mode.name == "Position").available.standard_mode == standard
 
 

@@ -10,9 +10,9 @@ from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.mission import MissionItem, MissionServer, Plan, PlanType, pack_plan, unpack_plan
 from mavstack.services.parameters import Parameter, unpack, write_upload
-from mavstack.sim.kinds import FIELD, Firmware, VehicleType
 from mavstack.sim.parameters import Parameters
 from mavstack.sim.storage import DataflashLogs, Storage, UlogLogs
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from tests.sim.storage.samples import BOOT, read_dataflash, read_ulog, sample
 from tests.sim.storage.test_roots import names, put, read
 
@@ -32,7 +32,7 @@ def make_vehicle(firmware: Firmware, kind: VehicleType = VehicleType.COPTER) -> 
         touch=lambda service: None,
         uptime=12.5,
         booted_at=BOOT,
-        autopilot=SimpleNamespace(home=FIELD, mode=SimpleNamespace(number=4)),
+        autopilot=SimpleNamespace(home=DEFAULT_HOME, mode=SimpleNamespace(number=4)),
         body=SimpleNamespace(frame=SimpleNamespace(to_global=lambda *place: (47.0, 8.0, 488.0))),
     )
 
@@ -58,7 +58,7 @@ def test_a_log_knows_the_vehicle(ardupilot, tmp_path) -> None:
     }
     assert len(found["CMD"]) == 2
     assert found["MODE"][0]["ModeNum"] == 4
-    assert found["ORGN"][-1]["Lat"] == pytest.approx(FIELD.latitude)
+    assert found["ORGN"][-1]["Lat"] == pytest.approx(DEFAULT_HOME.latitude)
 
 
 def test_a_log_of_px4(tmp_path) -> None:

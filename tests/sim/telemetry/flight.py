@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import Dialect, Message, common
 from mavstack.services import Address
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
 from mavstack.sim.motion import World
 from mavstack.sim.parameters import Parameters
 from mavstack.sim.telemetry import provide_ardupilot, provide_px4
-from mavstack.sim.vehicle import Vehicle
+from mavstack.sim.vehicle import SimulatedVehicle
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from mavstack.wire import Encoder, Packet, Parser
-from tests.sim.autopilot.stub import TAKEOFF, StubFlavour, new_figures, usual_behaviours
+from tests.sim.autopilot.stub import TAKEOFF, StubProfile, new_flight_parameters, usual_behaviours
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,16 +32,16 @@ KINDS = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
 NAMES = [f"{firmware}-{kind}" for kind, firmware in KINDS]
 
 
-class TelemetryFlavour(StubFlavour):
-    """A flavour that only has telemetry."""
+class TelemetryProfile(StubProfile):
+    """A profile that only has telemetry."""
 
     def __init__(self, kind: VehicleType, firmware: Firmware) -> None:
-        super().__init__(new_figures(kind), usual_behaviours())
+        super().__init__(new_flight_parameters(kind), usual_behaviours())
         self.transmitter = firmware is Firmware.ARDUPILOT
         self._firmware = firmware
 
     def provide(self, vehicle: Any) -> None:
-        self._figures.body = vehicle.body
+        self._flight_parameters.body = vehicle.body
         (provide_px4 if self._firmware is Firmware.PX4 else provide_ardupilot)(vehicle)
 
 
@@ -50,16 +50,16 @@ def new_vehicle(
     kind: VehicleType = VehicleType.COPTER,
     firmware: Firmware = Firmware.ARDUPILOT,
     *,
-    home: Home = FIELD,
+    home: Home = DEFAULT_HOME,
     system: int = 1,
     **parameters: float,
-) -> Vehicle:
+) -> SimulatedVehicle:
     """Put a vehicle into a world; some parameters may be other than usual."""
     table = Parameters(firmware, kind, system)
     for name, value in parameters.items():
         table.set(name, value)
-    flavour = TelemetryFlavour(kind, firmware)
-    return Vehicle(world.add(kind, home), kind, firmware, Address(system, 1), flavour, table, START)
+    profile = TelemetryProfile(kind, firmware)
+    return SimulatedVehicle(world.add(kind, home), kind, firmware, Address(system, 1), profile, table, START)
 
 
 class Flight:

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.motion.geodesy import LocalFrame
 from mavstack.sim.motion.readings import BatteryState, EstimateHealth, Motion, SensorReadings, Wind
 from mavstack.sim.telemetry.ardupilot import ONLY, ardupilot_producers
 from mavstack.sim.telemetry.producers import Producers
 from mavstack.sim.telemetry.px4 import px4_producers
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.wire import Encoder
 from tests.sim.autopilot.stub import GUIDED, LAND, RETURN
 from tests.sim.telemetry.flight import KINDS, NAMES, Flight

@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.dialects import ardupilotmega as dialect
 from mavstack.dialects import common
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.telemetry.flight import Flight
 
 PX4, ARDUPILOT = Firmware.PX4, Firmware.ARDUPILOT
@@ -208,7 +208,7 @@ def test_px4_tells_no_global_position_without_satellites():
 def test_compass_that_does_not_fit():
     flight = Flight(VehicleType.COPTER, ARDUPILOT)
     flight.run(3.0)
-    flight.body.turn_compass(pi / 2)
+    flight.body.offset_compass(pi / 2)
     flight.run(5.0)
     assert not _ask(flight, common.SysStatus).onboard_control_sensors_health & BIT.SENSOR_3D_MAG
 
@@ -217,7 +217,7 @@ def test_what_forbids_arming_is_told():
     flight = Flight(VehicleType.COPTER, ARDUPILOT)
     flight.run(3.0)
     assert _ask(flight, common.SysStatus).onboard_control_sensors_health & BIT.PREARM_CHECK
-    flight.vehicle.flavour.problems.append("PreArm: something")
+    flight.vehicle.profile.problems.append("PreArm: something")
     flight.run(1.5)
     assert not _ask(flight, common.SysStatus).onboard_control_sensors_health & BIT.PREARM_CHECK
 
@@ -346,7 +346,7 @@ def test_an_orbit_is_told_while_it_is_flown():
     flight = Flight(VehicleType.COPTER, PX4).fly(10.0)
     assert flight.rates(1.0)["OrbitExecutionStatus"] == 0
     autopilot = flight.vehicle.autopilot
-    autopilot.enter(autopilot.flavour.guided, "test")
+    autopilot.enter(autopilot.profile.guided, "test")
     autopilot.guided.orbit((50.0, 0.0, -20.0), -15.0)
     told = flight.newest(common.OrbitExecutionStatus)
     assert told.radius == pytest.approx(-15.0)

@@ -6,10 +6,10 @@ import pytest
 
 from mavstack.dialects import ardupilotmega as dialect
 from mavstack.dialects import common
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.telemetry import Link, use_link
 from mavstack.sim.telemetry.ardupilot import GROUPS, ONLY
 from mavstack.sim.telemetry.px4 import RATES
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.telemetry.flight import KINDS, NAMES, Flight
 
 PX4, ARDUPILOT = Firmware.PX4, Firmware.ARDUPILOT

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.links import Impairment, MemoryNetwork, impair
 from mavstack.node import Node
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.runner import Runner
 from mavstack.sim.simulation import RATE, Simulation
 from mavstack.sim.telemetry.px4 import Link, use_link
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from tests.sim.whole_flights.station import SAMPLES, Flight, Sample, Station
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Sequence
 
     from mavstack.node import RemoteComponent
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
     from tests.sim.whole_flights.plans import FlightPlan
 
 CMD = common.MavCmd
@@ -34,7 +34,7 @@ AT_REST = 0.2
 SETTING_OUT = 6.0
 
 
-def whisper(vehicle: Vehicle) -> None:
+def whisper(vehicle: SimulatedVehicle) -> None:
     """Let a vehicle send little: most of the time of a test would go into telemetry."""
     if vehicle.firmware is Firmware.PX4:
         use_link(vehicle, Link.MINIMAL)
@@ -77,7 +77,7 @@ def record(simulation: Simulation, flights: dict[int, Flight]) -> None:
     simulation.before_step.append(look)
 
 
-def sample(vehicle: Vehicle, elapsed: float) -> Sample:
+def sample(vehicle: SimulatedVehicle, elapsed: float) -> Sample:
     body = vehicle.body
     return Sample(
         elapsed,

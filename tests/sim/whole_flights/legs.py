@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import dist, hypot
 from typing import TYPE_CHECKING
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from tests.sim.whole_flights.plans import Place

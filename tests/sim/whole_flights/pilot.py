@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from mavstack.dialects import common
-from mavstack.sim.kinds import FIELD, Firmware, VehicleType
 from mavstack.sim.motion import LocalFrame
 from mavstack.sim.simulation import Simulation
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from tests.sim.whole_flights.fleet import station, whisper
 
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from mavstack.node import RemoteComponent
     from mavstack.services.setpoints import Setpoint
     from mavstack.sim.motion import Motion
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
     from tests.sim.whole_flights.station import Journal, Station
 
 CMD = common.MavCmd
-_FRAME = LocalFrame(*FIELD[:3])
+_FRAME = LocalFrame(*DEFAULT_HOME[:3])
 #: Steps a second: half the usual number, for there are many vehicles.
 RATE = 25.0
 PX4, ARDUPILOT = Firmware.PX4, Firmware.ARDUPILOT
@@ -44,7 +44,7 @@ PX4, ARDUPILOT = Firmware.PX4, Firmware.ARDUPILOT
 class Pilot:
     """Who flies one vehicle, by MAVLink."""
 
-    def __init__(self, here: Station, remote: RemoteComponent, vehicle: Vehicle) -> None:
+    def __init__(self, here: Station, remote: RemoteComponent, vehicle: SimulatedVehicle) -> None:
         self.here, self.remote, self.vehicle = here, remote, vehicle
         self.journal: Journal = here.journal(vehicle.address.system)
 
@@ -94,7 +94,7 @@ class Pilot:
     async def take_off(self, height: float) -> None:
         await self.until(lambda: self.journal.ready, "ready", 30)
         if self.px4:
-            await self.command(CMD.NAV_TAKEOFF, nan, 0, 0, nan, nan, nan, FIELD.altitude + height)
+            await self.command(CMD.NAV_TAKEOFF, nan, 0, 0, nan, nan, nan, DEFAULT_HOME.altitude + height)
             await self.command(CMD.COMPONENT_ARM_DISARM, 1)
         elif self.vehicle.type is VehicleType.PLANE:
             await self.remote.parameters.set("TKOFF_ALT", height)
@@ -155,7 +155,7 @@ def fly_scripts() -> dict[str, str]:
     for vehicle in vehicles:
         whisper(vehicle)
 
-    async def fly(here: Station, each: Script, vehicle: Vehicle) -> None:
+    async def fly(here: Station, each: Script, vehicle: SimulatedVehicle) -> None:
         try:
             remote = await here.node.autopilot(vehicle.address.system)
             await each.fly(Pilot(here, remote, vehicle))

@@ -14,8 +14,8 @@ from math import nan
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
 from mavstack.sim.motion import LocalFrame
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 CMD, FRAME = common.MavCmd, common.MavFrame
 Place = tuple[float, float, float]
@@ -50,7 +50,7 @@ class FlightPlan:
 
     kind: VehicleType
     firmware: Firmware
-    home: Home = FIELD
+    home: Home = DEFAULT_HOME
     items: list[MissionItem] = field(default_factory=list)
     #: Local places of items that go somewhere, by sequence number.
     places: dict[int, Place] = field(default_factory=dict)

@@ -14,14 +14,14 @@ from mavstack.services.manual_control import ManualInput
 from mavstack.services.message_request import DEFAULT, OFF, Interval
 from mavstack.services.mission import MissionItem
 from mavstack.services.setpoints import AttitudeSetpoint, LocalSetpoint
-from mavstack.sim.kinds import FIELD
 from mavstack.sim.motion import LocalFrame
+from mavstack.sim.vehicle_types import DEFAULT_HOME
 from tests.sim.whole_flights.pilot import ARDUPILOT, CMD, PX4, Pilot, script
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
 
-_FRAME = LocalFrame(*FIELD[:3])
+_FRAME = LocalFrame(*DEFAULT_HOME[:3])
 _ABOVE_HOME = common.MavFrame.GLOBAL_RELATIVE_ALT
 VTOL = common.MavVtolState
 

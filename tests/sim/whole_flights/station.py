@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.node import Node
     from mavstack.services.log import LogEntry
-    from mavstack.sim.kinds import VehicleType
     from mavstack.sim.motion.readings import BatteryState, Motion
     from mavstack.sim.simulation import Simulation
+    from mavstack.sim.vehicle_types import VehicleType
     from tests.sim.whole_flights.plans import FlightPlan
 
 CMD = common.MavCmd

@@ -6,7 +6,7 @@ from math import hypot
 
 import pytest
 
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.whole_flights.legs import legs_of, reached_in_order
 
 COPTER = VehicleType.COPTER

@@ -7,7 +7,7 @@ from math import atan2, degrees, hypot, remainder, tau
 import pytest
 
 from mavstack.dialects import common
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.whole_flights.fleet import ALL
 from tests.sim.whole_flights.legs import reached_in_order
 from tests.sim.whole_flights.plans import CMD, ROUNDS

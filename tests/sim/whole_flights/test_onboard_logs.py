@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from mavstack.sim.kinds import FIELD, Firmware, VehicleType
 from mavstack.sim.motion import LocalFrame
 from mavstack.sim.simulation import EPOCH
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from tests.sim.whole_flights.fleet import ALL
 from tests.sim.whole_flights.station import SAMPLES
 
@@ -100,7 +100,7 @@ def test_a_px4_log_holds_the_battery(calm, px4_log) -> None:
 
 
 def place(latitude: float, longitude: float, altitude: float) -> Place:
-    return LocalFrame(*FIELD[:3]).to_local(latitude, longitude, altitude)
+    return LocalFrame(*DEFAULT_HOME[:3]).to_local(latitude, longitude, altitude)
 
 
 def assert_flown(flight: Flight, logged: list[tuple[float, Place]]) -> None:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.motion.airframes import AIRFRAMES
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.whole_flights.conftest import WINDY
 from tests.sim.whole_flights.fleet import ALL
 from tests.sim.whole_flights.legs import WINGS

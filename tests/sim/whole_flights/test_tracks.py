@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.whole_flights.conftest import WINDY
 from tests.sim.whole_flights.fleet import ALL
 from tests.sim.whole_flights.legs import WINGS, legs_of

@@ -1,5 +1,5 @@
-"""ArduPilot's flavour: Copter, Plane with and without lifting motors, Rover on land and water, Sub."""
+"""ArduPilot's profile: Copter, Plane with and without lifting motors, Rover on land and water, Sub."""
 
-from mavstack.sim.ardupilot.flavour import ArdupilotFlavour
+from mavstack.sim.ardupilot.profile import ArdupilotProfile
 
-__all__ = ["ArdupilotFlavour"]
+__all__ = ["ArdupilotProfile"]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 #: RTL_AUTOLAND: by the mission's landing sequence when home is reached, or at once.
 _AT_HOME, _AT_ONCE = 1, 2
@@ -42,11 +42,11 @@ class Trail:
         autopilot = self._autopilot
         if autopilot.armed != self._armed:
             self._armed, self.lost = autopilot.armed, False
-            self.points = [autopilot.handling.place] if autopilot.armed else []
+            self.points = [autopilot.maneuvers.place] if autopilot.armed else []
         returning = isinstance(autopilot.behaviour, SmartReturn)
         if returning or self.lost or not (autopilot.armed and autopilot.has_position):
             return
-        here, spacing = autopilot.handling.place, self._spacing
+        here, spacing = autopilot.maneuvers.place, self._spacing
         if not self.points or dist(here, self.points[-1]) >= spacing:
             self._add(here, spacing)
 
@@ -75,15 +75,15 @@ class NoseWatch:
     def tick(self, now: float) -> None:
         """Look, and turn; the mission does that itself."""
         autopilot, region = self._autopilot, self._autopilot.payload.region_of_interest
-        guided = autopilot.armed and autopilot.mode.number == autopilot.flavour.guided
+        guided = autopilot.armed and autopilot.mode.number == autopilot.profile.guided
         if region is None or not guided:
             if self._turned:
-                self._turned, autopilot.handling.yaw = False, None
+                self._turned, autopilot.maneuvers.yaw = False, None
             return
-        wanted = autopilot.handling.bearing(region)
-        if not self._turned or abs(remainder(wanted - (autopilot.handling.yaw or 0.0), tau)) > _TURN:
-            self._turned, autopilot.handling.yaw = True, wanted
-            autopilot.handling.again()
+        wanted = autopilot.maneuvers.bearing(region)
+        if not self._turned or abs(remainder(wanted - (autopilot.maneuvers.yaw or 0.0), tau)) > _TURN:
+            self._turned, autopilot.maneuvers.yaw = True, wanted
+            autopilot.maneuvers.again()
 
 
 def trail_of(autopilot: Autopilot) -> Trail | None:
@@ -97,7 +97,7 @@ def land_by_mission(autopilot: Autopilot, reason: str) -> bool:
     if start is None or not autopilot.has_position:
         return False
     autopilot.mission.go_to_item(start)
-    return autopilot.enter(autopilot.flavour.mission, reason)
+    return autopilot.enter(autopilot.profile.mission, reason)
 
 
 class SmartReturn(Behaviour):
@@ -128,7 +128,7 @@ class LandingSequence(Behaviour):
         mission = self.autopilot.mission
         start = mission.landing_start()
         if start is None:
-            yield from mission.leave(self.autopilot.flavour.return_to_launch, reason="no landing sequence")
+            yield from mission.leave(self.autopilot.profile.return_to_launch, reason="no landing sequence")
             return
         mission.go_to_item(start)
         yield from mission.fly()
@@ -152,23 +152,23 @@ class PlaneReturn(Behaviour):
     def _land_by_mission(self, sequence: int) -> Iterator[None]:
         autopilot = self.autopilot
         autopilot.mission.go_to_item(sequence)
-        yield from autopilot.mission.leave(autopilot.flavour.mission, reason="landing sequence")
+        yield from autopilot.mission.leave(autopilot.profile.mission, reason="landing sequence")
 
     def _hovers_at_home(self) -> bool:
         return int(self.autopilot.vehicle.parameters.get("Q_RTL_MODE", 0)) == _HOVER_AT_HOME
 
     def _is_home(self) -> bool:
         autopilot = self.autopilot
-        near = abs(autopilot.figures.loiter_radius) * 1.5
-        return autopilot.handling.distance(autopilot.rally.destination()) <= near
+        near = abs(autopilot.flight_parameters.loiter_radius) * 1.5
+        return autopilot.maneuvers.distance(autopilot.rally.destination()) <= near
 
 
 class QuadplaneReturn(ReturnToLaunch):
     """QRTL: home, on the wing while it is far, and down on the lifting motors."""
 
     def __init__(self, autopilot: Autopilot) -> None:
-        near = abs(autopilot.figures.loiter_radius) * 1.5
-        far = autopilot.handling.distance(autopilot.home_position) > near
+        near = abs(autopilot.flight_parameters.loiter_radius) * 1.5
+        far = autopilot.maneuvers.distance(autopilot.home_position) > near
         super().__init__(autopilot, forward=far and autopilot.body.flies_forward)
 
 
@@ -179,7 +179,7 @@ class WingTakeoff(Behaviour):
         """For ever."""
         autopilot = self.autopilot
         if not autopilot.landed:
-            autopilot.handling.hold()
+            autopilot.maneuvers.hold()
         else:
             altitude = self._altitude()
             part = Takeoff(autopilot, altitude, forward=True)

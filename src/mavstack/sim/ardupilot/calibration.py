@@ -14,7 +14,7 @@ from mavstack.sim.autopilot.commands import (
     accept,
     whole,
 )
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest

@@ -39,13 +39,13 @@ from mavstack.sim.autopilot.commands import (
     take,
     whole,
 )
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _INFO = common.MavSeverity.INFO
@@ -142,7 +142,7 @@ class ArdupilotMission(MissionCommands):
             return _RESULT.FAILED
         if self.autopilot.mission.flying:
             return _RESULT.ACCEPTED
-        return self.enter(self.autopilot.flavour.mission)
+        return self.enter(self.autopilot.profile.mission)
 
     def jump_to_tag(self, request: CommandRequest) -> common.MavResult:
         """DO_JUMP_TAG: on with the mission at the item that bears a tag."""
@@ -163,8 +163,8 @@ class ArdupilotMission(MissionCommands):
         autopilot = self.autopilot
         if autopilot.mission.flying and autopilot.mission.pause():
             return _RESULT.ACCEPTED
-        if autopilot.mode.number == autopilot.flavour.guided and autopilot.armed and not autopilot.landed:
-            autopilot.guided.go_to(autopilot.handling.stopping_point)
+        if autopilot.mode.number == autopilot.profile.guided and autopilot.armed and not autopilot.landed:
+            autopilot.guided.go_to(autopilot.maneuvers.stopping_point)
             return _RESULT.ACCEPTED
         self.vehicle.say("Failed to pause", _INFO)
         return _RESULT.FAILED
@@ -264,7 +264,7 @@ class ArdupilotSystem(CommandGroup):
         return _RESULT.ACCEPTED
 
 
-def origin_of(vehicle: Vehicle) -> common.GpsGlobalOrigin:
+def origin_of(vehicle: SimulatedVehicle) -> common.GpsGlobalOrigin:
     """GPS_GLOBAL_ORIGIN: where the local frame begins."""
     latitude, longitude, altitude = vehicle.body.frame.to_global(0.0, 0.0, 0.0)
     return common.GpsGlobalOrigin(
@@ -285,7 +285,7 @@ _MOVEMENTS: dict[VehicleType, type[ArdupilotMovement]] = {
 }
 
 
-def groups_of(vehicle: Vehicle) -> Iterator[CommandGroup]:
+def groups_of(vehicle: SimulatedVehicle) -> Iterator[CommandGroup]:
     """All groups of commands of a vehicle's firmware."""
     yield ArdupilotArming(vehicle)
     yield ArdupilotHome(vehicle)
@@ -296,7 +296,7 @@ def groups_of(vehicle: Vehicle) -> Iterator[CommandGroup]:
     yield _MOVEMENTS[vehicle.type](vehicle)
 
 
-def register_commands(vehicle: Vehicle) -> None:
+def register_commands(vehicle: SimulatedVehicle) -> None:
     """Take the commands of a vehicle's firmware, and no others that the services would take."""
     for command in _NOT_HERE:
         vehicle.commands.support(command, lambda _: _RESULT.UNSUPPORTED)

@@ -13,11 +13,11 @@ from mavstack.sim.ardupilot.identity import banner_of
 from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
 from mavstack.sim.autopilot.commands import CommandRefusedError, place_of
 from mavstack.sim.autopilot.commands.guiding import guide_to
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.wire import Packet
 
 _RESULT = common.MavMissionResult
@@ -31,7 +31,7 @@ class ArdupilotMessages(Service):
 
     handles = message_ids(common.ParamRequestList, common.SetHomePosition, common.CommandAck)
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         super().__init__(vehicle.address)
         self._vehicle = vehicle
         self._banner_at = float("-inf")
@@ -61,10 +61,10 @@ class ArdupilotMessages(Service):
         autopilot.home_locked = True
 
 
-def guided_item(vehicle: Vehicle, item: MissionItem, *, altitude_only: bool) -> int:
+def guided_item(vehicle: SimulatedVehicle, item: MissionItem, *, altitude_only: bool) -> int:
     """Go where a mission item says, in GUIDED: MAV_MISSION_RESULT."""
     autopilot = vehicle.autopilot
-    if autopilot.mode.number != autopilot.flavour.guided or not isfinite(item.param7):
+    if autopilot.mode.number != autopilot.profile.guided or not isfinite(item.param7):
         return _RESULT.ERROR
     try:
         command = Command(
@@ -78,7 +78,7 @@ def guided_item(vehicle: Vehicle, item: MissionItem, *, altitude_only: bool) -> 
     except CommandRefusedError:
         return _RESULT.ERROR
     if altitude_only:
-        north, east, _ = autopilot.target or autopilot.handling.place
+        north, east, _ = autopilot.target or autopilot.maneuvers.place
     if vehicle.type is VehicleType.SUB:
         down = max(down, 0.0)
     guide_to(autopilot, (north, east, 0.0 if vehicle.type.on_surface else down))

@@ -35,7 +35,7 @@ from mavstack.sim.autopilot.behaviours import (
 )
 from mavstack.sim.autopilot.behaviours.mission import Mission
 from mavstack.sim.autopilot.mode import Mode
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -17,7 +17,7 @@ from mavstack.sim.autopilot.commands.places import ABOVE_HOME, GLOBAL, down_of, 
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command, CommandRequest
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _VTOL = common.MavVtolState
@@ -42,7 +42,7 @@ class ArdupilotMovement(MovementCommands):
     @property
     def in_guided(self) -> bool:
         """Whether it flies to what it is told."""
-        return self.autopilot.mode.number == self.autopilot.flavour.guided
+        return self.autopilot.mode.number == self.autopilot.profile.guided
 
     def reposition(self, request: CommandRequest) -> common.MavResult:
         """DO_REPOSITION, which must come as COMMAND_INT."""
@@ -117,8 +117,8 @@ class PlaneMovement(ArdupilotMovement):
 
     def change_speed(self, request: CommandRequest) -> common.MavResult:
         """DO_CHANGE_SPEED: only while the autopilot flies; the airspeed must be one that can be flown."""
-        flavour, number = self.autopilot.flavour, self.autopilot.mode.number
-        if number not in (flavour.guided, flavour.mission):
+        profile, number = self.autopilot.profile, self.autopilot.mode.number
+        if number not in (profile.guided, profile.mission):
             return _RESULT.FAILED
         if whole(request.command.param1) == common.SpeedType.AIRSPEED and not self._can_fly(
             request.command.param2
@@ -134,7 +134,7 @@ class PlaneMovement(ArdupilotMovement):
             return _RESULT.DENIED
         if not self._can_fly(command.param2):
             return _RESULT.FAILED
-        self.autopilot.handling.speed = command.param2
+        self.autopilot.maneuvers.speed = command.param2
         fly_as_chosen(self.autopilot)
         return _RESULT.ACCEPTED
 
@@ -146,8 +146,8 @@ class PlaneMovement(ArdupilotMovement):
         if command.frame not in GLOBAL:
             return _RESULT.DENIED
         rate = abs(command.param3) if isfinite(command.param3) else 0.0
-        self.autopilot.handling.climb = self.autopilot.handling.sink = rate or None
-        north, east, _ = self.autopilot.target or self.autopilot.handling.place
+        self.autopilot.maneuvers.climb = self.autopilot.maneuvers.sink = rate or None
+        north, east, _ = self.autopilot.target or self.autopilot.maneuvers.place
         guide_to(self.autopilot, (north, east, down_of(self.autopilot, command.param7, command.frame)))
         return _RESULT.ACCEPTED
 
@@ -161,7 +161,7 @@ class PlaneMovement(ArdupilotMovement):
             return _RESULT.DENIED
         if kind != _AS_IT_FLIES:
             course = radians(command.param2)
-            guide_to(self.autopilot, self.autopilot.handling.ahead(_AHEAD, course))
+            guide_to(self.autopilot, self.autopilot.maneuvers.ahead(_AHEAD, course))
         return _RESULT.ACCEPTED
 
     def _guided(self, request: CommandRequest) -> Command:
@@ -170,8 +170,10 @@ class PlaneMovement(ArdupilotMovement):
         return request.command
 
     def _can_fly(self, airspeed: float) -> bool:
-        figures = self.vehicle.parameters
-        return float(figures["AIRSPEED_MIN"]) <= airspeed <= float(figures["AIRSPEED_MAX"])
+        flight_parameters = self.vehicle.parameters
+        return (
+            float(flight_parameters["AIRSPEED_MIN"]) <= airspeed <= float(flight_parameters["AIRSPEED_MAX"])
+        )
 
 
 class QuadplaneMovement(PlaneMovement):
@@ -202,8 +204,8 @@ class QuadplaneMovement(PlaneMovement):
     def transition(self, request: CommandRequest) -> common.MavResult:
         """DO_VTOL_TRANSITION: to hover, or to forward flight, while it is in the air."""
         wanted = whole(request.command.param1)
-        flavour = self.autopilot.flavour
-        automatic = self.autopilot.mode.number in (flavour.guided, flavour.mission)
+        profile = self.autopilot.profile
+        automatic = self.autopilot.mode.number in (profile.guided, profile.mission)
         if wanted not in (_VTOL.MC, _VTOL.FW) or not automatic or self.autopilot.landed:
             return _RESULT.FAILED
         self._become(forward=wanted == _VTOL.FW)
@@ -222,7 +224,7 @@ class QuadplaneMovement(PlaneMovement):
             autopilot.mission.hovers = not forward
             autopilot.mission.course.keep(again=True)
         else:
-            place = autopilot.handling.place if forward else autopilot.handling.stopping_point
+            place = autopilot.maneuvers.place if forward else autopilot.maneuvers.stopping_point
             guide_to(autopilot, place)
 
 

@@ -86,7 +86,7 @@ class Calibrations:
         """Take what was found; False if nothing was."""
         done, self.compass_done = self.compass_done, False
         if done:
-            self._autopilot.body.turn_compass(0.0)
+            self._autopilot.body.offset_compass(0.0)
         return done
 
     def cancel_compass(self) -> None:

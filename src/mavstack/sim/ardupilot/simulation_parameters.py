@@ -22,7 +22,7 @@ from mavstack.sim.motion.battery import CELL_VOLTAGE
 
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _METRES_OF_DEGREE: Final = 111_195.0
 _NEWER, _OLDER = "SIM_GPS1_GLTCH_", "SIM_GPS_GLITCH_"
@@ -31,7 +31,7 @@ _NEWER, _OLDER = "SIM_GPS1_GLTCH_", "SIM_GPS_GLITCH_"
 class SimulationParameters:
     """Lets them act on one vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self._vehicle = vehicle
         self._parameters = vehicle.parameters
         watch, inject = self._parameters.on_change, vehicle.faults.inject
@@ -83,7 +83,7 @@ class SimulationParameters:
     def _blow(self, _: Value) -> None:
         speed, gusts = self._number("SIM_WIND_SPD"), self._number("SIM_WIND_TURB")
         share = gusts / speed if speed > 0 else 0.0
-        self._vehicle.body.blow(speed, self._number("SIM_WIND_DIR"), share)
+        self._vehicle.body.set_wind(speed, self._number("SIM_WIND_DIR"), share)
 
 
 def _off(off: bool) -> str:

@@ -79,9 +79,9 @@ def _arm(autopilot: Autopilot, *, on: bool) -> bool:
 
 
 def _enter(autopilot: Autopilot, names: tuple[str, ...]) -> bool:
-    for mode in autopilot.flavour.modes:
+    for mode in autopilot.profile.modes:
         if mode.name in names:
-            return autopilot.flavour.mode_refusal(autopilot, mode) is None and autopilot.enter(
+            return autopilot.profile.mode_refusal(autopilot, mode) is None and autopilot.enter(
                 mode.number, "switch"
             )
     return False

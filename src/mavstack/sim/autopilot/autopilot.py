@@ -1,7 +1,7 @@
 """The autopilot of one simulated vehicle: its mode, whether it is armed, where home is, and what it does.
 
 Ten times a second it looks at the vehicle (`tick`): watches first (radio, ground link, battery, fence), each
-of which may change the mode, then the behaviour of the mode. What differs between firmwares is the flavour's.
+of which may change the mode, then the behaviour of the mode. What differs between firmwares is the profile's.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from mavstack.services.mission import MissionItem
 from mavstack.sim.autopilot.commands.tasks import Tasks
 from mavstack.sim.autopilot.fence import FenceWatch
 from mavstack.sim.autopilot.guided import GuidedTarget
-from mavstack.sim.autopilot.handling import handling_of
+from mavstack.sim.autopilot.maneuvers import maneuvers_of
 from mavstack.sim.autopilot.mission import MissionRunner
 from mavstack.sim.autopilot.payload import Payload
 from mavstack.sim.autopilot.radio import RadioControl
 from mavstack.sim.autopilot.rally import RallyPoints
-from mavstack.sim.kinds import Home
+from mavstack.sim.vehicle_types import Home
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.modes import AvailableMode
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.flavour import Flavour
     from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.autopilot.profile import FirmwareProfile
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: Between two looks at the vehicle, in seconds.
 TICK = 0.1
@@ -56,14 +56,14 @@ class Watch(Protocol):
 class Autopilot:
     """Flies one vehicle."""
 
-    def __init__(self, vehicle: Vehicle, flavour: Flavour) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, profile: FirmwareProfile) -> None:
         self.vehicle = vehicle
         self.body = vehicle.body
-        self.flavour = flavour
-        self.figures = flavour.figures(vehicle)
-        self.handling = handling_of(self)
+        self.profile = profile
+        self.flight_parameters = profile.flight_parameters(vehicle)
+        self.maneuvers = maneuvers_of(self)
         self.guided = GuidedTarget(self)
-        self.radio = RadioControl(vehicle, transmitter=flavour.transmitter)
+        self.radio = RadioControl(vehicle, transmitter=profile.transmitter)
         self.now = self.booted_at = vehicle.now
         self.armed = False
         self.armed_at = self.disarmed_at = -inf
@@ -80,8 +80,8 @@ class Autopilot:
         self.failsafes: set[str] = set()
         self.terminated = False
         self.disarm_reason = ""
-        self._modes: dict[int, Mode] = {mode.number: mode for mode in flavour.modes}
-        self.mode: Mode = self._modes[flavour.initial]
+        self._modes: dict[int, Mode] = {mode.number: mode for mode in profile.modes}
+        self.mode: Mode = self._modes[profile.initial]
         self.mode_reason = "initialised"
         self._behaviour: Behaviour | None = None
         self._script: Iterator[None] | None = None
@@ -118,7 +118,7 @@ class Autopilot:
         if self.terminated:
             return common.MavState.FLIGHT_TERMINATION
         if not self.armed:
-            return self.flavour.resting_state(self)
+            return self.profile.resting_state(self)
         return common.MavState.CRITICAL if self.failsafes else common.MavState.ACTIVE
 
     @property
@@ -173,7 +173,9 @@ class Autopilot:
         if self.armed and flies and self.landed and self._at_rest_since is not None:
             since = max(self._at_rest_since, self.armed_at)
             landing = behaviour is not None and behaviour.landing
-            delay = self.figures.land_disarm_delay if landing else self.figures.disarm_delay
+            delay = (
+                self.flight_parameters.land_disarm_delay if landing else self.flight_parameters.disarm_delay
+            )
             if now - since >= delay:
                 self.disarm("landed")
 
@@ -185,7 +187,7 @@ class Autopilot:
 
     def may_enter(self, available: AvailableMode, source: Address) -> str | None:
         """Why a mode may not be entered now; for the service that is asked for it."""
-        return self.flavour.mode_refusal(self, self._modes[available.custom_mode])
+        return self.profile.mode_refusal(self, self._modes[available.custom_mode])
 
     def entered(self, number: int, source: Address | None) -> None:
         """Somebody changed the mode through the service."""
@@ -209,7 +211,7 @@ class Autopilot:
     def _begin(self, mode: Mode, reason: str) -> None:
         self.end_behaviour()
         before, self.mode, self.mode_reason = self.mode, mode, reason
-        self.handling.forget_choices()
+        self.maneuvers.forget_choices()
         if mode is not before:
             self.vehicle.mode_entered(mode, reason)
         if self.armed and not self.terminated:
@@ -229,14 +231,14 @@ class Autopilot:
         """Arm; gives the reasons why not, none if it is armed now."""
         if self.armed:
             return []
-        problems = [] if force else list(self.flavour.arming_problems(self))
+        problems = [] if force else list(self.profile.arming_problems(self))
         if not problems:
             self.armed, self.armed_at = True, self.now
             if self.has_position and not self.home_locked:
                 self.set_home_here()
             self.body.idle()
             self.vehicle.armed_changed()
-            self.flavour.armed(self)
+            self.profile.armed(self)
             self.restart_behaviour()
         return problems
 
@@ -248,7 +250,7 @@ class Autopilot:
         self.armed, self.disarmed_at, self.disarm_reason = False, self.now, reason
         self.body.stop()
         self.vehicle.armed_changed()
-        self.flavour.disarmed(self)
+        self.profile.disarmed(self)
 
     def terminate(self) -> None:
         """End the flight: motors off, for good."""

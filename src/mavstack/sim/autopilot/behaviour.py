@@ -4,12 +4,12 @@
 when it returns, the behaviour has reached its end and the mode says what follows. Leaving a mode closes the
 generator, so that a `finally` tidies up. Waiting is a loop with a `yield` in it:
 
-    autopilot.handling.climb_to(altitude)
-    while not autopilot.handling.is_at_altitude(altitude):
+    autopilot.maneuvers.climb_to(altitude)
+    while not autopilot.maneuvers.is_at_altitude(altitude):
         yield
 
-The same scripts serve both firmwares and all types: figures come from `autopilot.figures`, and how a type
-holds a place or follows a line is in `autopilot.handling`.
+The same scripts serve both firmwares and all types: flight parameters come from `autopilot.flight_parameters`, and how a type
+holds a place or follows a line is in `autopilot.maneuvers`.
 """
 
 from __future__ import annotations

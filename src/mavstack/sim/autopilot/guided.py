@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint, SetpointReceived
-from mavstack.sim.autopilot.behaviours.aims import Aim, Attitude, Axes, GoTo, Motion
+from mavstack.sim.autopilot.behaviours.guided_commands import Attitude, Axes, GoTo, GuidedCommand, Motion
 from mavstack.sim.autopilot.behaviours.orbit import Orbit
 from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.services.setpoints import Setpoint
     from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _F = common.MavFrame
 NOTHING: Axes = (None, None, None)
@@ -41,7 +41,7 @@ class GuidedTarget:
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
         self.aim: Behaviour | None = None
-        self._streamed: Aim | None = None
+        self._streamed: GuidedCommand | None = None
         self._heard_at: deque[float] = deque(maxlen=2)
         autopilot.vehicle.on(SetpointReceived, self._received)
 
@@ -71,7 +71,7 @@ class GuidedTarget:
         yaw: float | None = None,
         yaw_rate: float | None = None,
     ) -> None:
-        """Fly with a velocity until `figures.setpoint_timeout` has passed."""
+        """Fly with a velocity until `flight_parameters.setpoint_timeout` has passed."""
         aim = Motion(self._autopilot, NOTHING, (north, east, down), NOTHING, yaw=yaw, yaw_rate=yaw_rate)
         self._pursue(aim)
 
@@ -103,7 +103,7 @@ class GuidedTarget:
         if len(self._heard_at) < 2:
             return False
         before, last = self._heard_at
-        patience = max(self._autopilot.figures.setpoint_timeout, STREAM_INTERVAL)
+        patience = max(self._autopilot.flight_parameters.setpoint_timeout, STREAM_INTERVAL)
         return last - before <= STREAM_INTERVAL and self._autopilot.vehicle.now - last <= patience
 
     def follow_stream(self) -> None:
@@ -126,22 +126,24 @@ class GuidedTarget:
             self._pursue(self._streamed)
         return True
 
-    def _pursue(self, aim: Aim) -> None:
-        if not (isinstance(self.aim, Aim) and (self.aim is aim or self.aim.renew(aim))):
+    def _pursue(self, aim: GuidedCommand) -> None:
+        if not (isinstance(self.aim, GuidedCommand) and (self.aim is aim or self.aim.renew(aim))):
             self.aim = aim
 
-    def _read(self, setpoint: Setpoint) -> Aim | None:
+    def _read(self, setpoint: Setpoint) -> GuidedCommand | None:
         match setpoint:
             case AttitudeSetpoint():
                 return Attitude(self._autopilot, setpoint)
             case GlobalSetpoint():
                 return self._motion(setpoint, self._global_position(setpoint), setpoint.velocity)
-            case LocalSetpoint() if setpoint.frame in self._autopilot.figures.setpoint_frames:
+            case LocalSetpoint() if setpoint.frame in self._autopilot.flight_parameters.setpoint_frames:
                 position = self._local_position(setpoint)
                 return self._motion(setpoint, position, self._turned(setpoint, setpoint.velocity))
         return None
 
-    def _motion(self, setpoint: LocalSetpoint | GlobalSetpoint, position: Axes, velocity: Axes) -> Aim:
+    def _motion(
+        self, setpoint: LocalSetpoint | GlobalSetpoint, position: Axes, velocity: Axes
+    ) -> GuidedCommand:
         autopilot = self._autopilot
         position = _clamped(position, (_FAR, _FAR, _HIGH))
         velocity = _clamped(velocity, (_FAST, _FAST, _FAST))
@@ -177,7 +179,7 @@ class GuidedTarget:
         north, east, down = self._turned(setpoint, setpoint.position)
         if setpoint.frame not in _FROM_HERE:
             return north, east, down
-        here = self._autopilot.handling.place
+        here = self._autopilot.maneuvers.place
         return _sum(north, here[0]), _sum(east, here[1]), _sum(down, here[2])
 
     def _global_position(self, setpoint: GlobalSetpoint) -> Axes:

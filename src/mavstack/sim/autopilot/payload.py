@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 SERVOS = 16
 RELAYS = 6
@@ -217,7 +217,7 @@ class Payload:
             self._repetitions[name] = _Repetition(act, period, count, self._autopilot.now + period)
 
     def _look_at_trigger(self) -> None:
-        trigger, place = self._trigger, self._autopilot.handling.place
+        trigger, place = self._trigger, self._autopilot.maneuvers.place
         if trigger is not None and dist(trigger.last[:2], place[:2]) >= trigger.distance:
             trigger.last = place
             self.take_image()
@@ -225,7 +225,7 @@ class Payload:
     def _look_at_region(self) -> None:
         region = self.region_of_interest
         if region is not None:
-            north, east, down = self._autopilot.handling.place
+            north, east, down = self._autopilot.maneuvers.place
             away = hypot(region[0] - north, region[1] - east)
             self.gimbal = Gimbal(
                 pitch=atan2(down - region[2], away),

@@ -15,12 +15,12 @@ from mavstack.services.manual_control import (
     OverrideLost,
     OverrideReceived,
 )
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.manual_control import ManualInput
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 CHANNELS = 18
 #: Pulses in microseconds.
@@ -41,7 +41,7 @@ class Sticks(NamedTuple):
 class RadioControl:
     """What one vehicle hears of its pilot."""
 
-    def __init__(self, vehicle: Vehicle, *, transmitter: bool) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, *, transmitter: bool) -> None:
         self._vehicle = vehicle
         self._hovers_at_middle = vehicle.type is VehicleType.SUB or vehicle.type.on_surface
         # ArduPilot's channel 2 is low for a stick that is pushed, PX4's is high.
@@ -119,7 +119,7 @@ class RadioControl:
         return Sticks(roll, -pitch, throttle, yaw)
 
     def _override(self, event: OverrideReceived) -> None:
-        if not self._vehicle.flavour.may_steer(self._vehicle, event.source):
+        if not self._vehicle.profile.may_steer(self._vehicle, event.source):
             return
         if event.channels:
             self._overridden[event.source] = dict(event.channels)
@@ -128,7 +128,7 @@ class RadioControl:
             self._release(event.source)
 
     def _take(self, event: ManualInputReceived) -> None:
-        if self._vehicle.flavour.may_steer(self._vehicle, event.source):
+        if self._vehicle.profile.may_steer(self._vehicle, event.source):
             self._inputs[event.source] = event.input
             self._heard()
 

@@ -14,12 +14,12 @@ from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.services.mission import PlanReplaced, PlanType
 from mavstack.sim.autopilot.mission.places import place_of
 from mavstack.sim.autopilot.mission.rules import bad_place
-from mavstack.sim.kinds import Firmware
+from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _RESULT = common.MavMissionResult
 _KILOMETRE = 1000.0
@@ -42,12 +42,12 @@ class RallyPoints:
 
     def nearest(self) -> Point | None:
         """The one to return to, as high as it was given; None: home is to be taken."""
-        handling = self._autopilot.handling
-        nearest = min(self.points, key=handling.distance, default=None)
+        maneuvers = self._autopilot.maneuvers
+        nearest = min(self.points, key=maneuvers.distance, default=None)
         if nearest is None:
             return None
-        away = handling.distance(nearest)
-        if away > self._limit or (self._home_counts and handling.distance(self._home) <= away):
+        away = maneuvers.distance(nearest)
+        if away > self._limit or (self._home_counts and maneuvers.distance(self._home) <= away):
             return None
         return nearest
 

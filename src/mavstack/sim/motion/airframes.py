@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,13 +236,13 @@ LIMIT_RANGES: dict[str, tuple[float, float]] = {
 }
 
 
-def limit_range(kind: VehicleType, name: str) -> tuple[float, float]:
+def limit_range(vehicle_type: VehicleType, name: str) -> tuple[float, float]:
     """Give the least and the most of a limit: a wing's airspeeds stay above its stall and within its drag."""
     low, high = LIMIT_RANGES[name]
-    figure = AIRFRAMES[kind]
+    figure = AIRFRAMES[vehicle_type]
     slow, fast = figure.airspeed_min, figure.airspeed_max
     match name:
-        case "speed" if kind is VehicleType.PLANE:
+        case "speed" if vehicle_type is VehicleType.PLANE:
             return slow, fast
         case "speed":
             return low, figure.top_speed

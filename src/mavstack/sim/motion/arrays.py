@@ -28,12 +28,12 @@ class Rows:
     #: For each name its first row, and how many it has.
     ROWS: ClassVar[dict[str, tuple[int, int]]] = {}
     #: How many rows there are.
-    HEIGHT: ClassVar[int] = 0
+    ROW_COUNT: ClassVar[int] = 0
 
     def __init_subclass__(cls) -> None:
         hints = get_type_hints(cls, include_extras=True)
         counts = {name: hint.__metadata__[0] for name, hint in hints.items() if hasattr(hint, "__metadata__")}
-        *firsts, cls.HEIGHT = np.cumsum([0, *counts.values()]).tolist()
+        *firsts, cls.ROW_COUNT = np.cumsum([0, *counts.values()]).tolist()
         cls.ROWS = {name: (first, counts[name]) for name, first in zip(counts, firsts, strict=True)}
 
     def __init__(self, data: Array) -> None:
@@ -41,7 +41,7 @@ class Rows:
         for name, (first, count) in self.ROWS.items():
             setattr(self, name, data[first] if count == 1 else data[first : first + count])
 
-    def part(self, columns: slice) -> Self:
+    def select(self, columns: slice) -> Self:
         """Give the same rows of some bodies."""
         return type(self)(self.data[:, columns])
 
@@ -51,12 +51,12 @@ class Rows:
         return int(self.data.shape[1])
 
 
-def bounded(values: Array, low: Array | float, high: Array | float) -> Array:
+def clip(values: Array, low: Array | float, high: Array | float) -> Array:
     """Keep `values` within bounds (as numpy's clip, several times faster on short rows)."""
     return np.minimum(np.maximum(values, low), high)
 
 
-def wrapped(angle: Array) -> Array:
+def wrap_angle(angle: Array) -> Array:
     """Bring an angle into -pi..pi."""
     return angle - np.rint(angle * (0.5 / np.pi)) * (2 * np.pi)
 
@@ -67,7 +67,7 @@ def dot(a: Array, b: Array) -> Array:
     return product
 
 
-def root(values: Array) -> Array:
+def sqrt(values: Array) -> Array:
     """Take square roots."""
     roots: Array = np.sqrt(values)
     return roots
@@ -75,17 +75,17 @@ def root(values: Array) -> Array:
 
 def length(vector: Array) -> Array:
     """Measure vectors of three rows."""
-    return root(dot(vector, vector))
+    return sqrt(dot(vector, vector))
 
 
-def flat_length(vector: Array) -> Array:
+def horizontal_length(vector: Array) -> Array:
     """Measure the horizontal part of vectors."""
-    return root(vector[0] * vector[0] + vector[1] * vector[1])
+    return sqrt(vector[0] * vector[0] + vector[1] * vector[1])
 
 
-def shortened(vector: Array, limit: Array | float) -> Array:
+def limit_length(vector: Array, limit: Array | float) -> Array:
     """Shorten horizontal vectors of two rows to at most `limit`."""
-    size = flat_length(vector)
+    size = horizontal_length(vector)
     short: Array = vector * np.minimum(1.0, limit / np.maximum(size, 1e-9))
     return short
 
@@ -95,4 +95,4 @@ def approach_speed(distance: Array, gain: Array, deceleration: Array) -> Array:
 
     Near it is gain x distance; far off the square root of a constant deceleration; smooth in between.
     """
-    return deceleration / gain * (root(1.0 + 2.0 * gain * gain * distance / deceleration) - 1.0)
+    return deceleration / gain * (sqrt(1.0 + 2.0 * gain * gain * distance / deceleration) - 1.0)

@@ -1,4 +1,4 @@
-"""How bodies turn: from a wanted attitude to rates, and from rates to the attitude.
+"""How bodies integrate_rates: from a wanted attitude to rates, and from rates to the attitude.
 
 An error of an angle asks for a rate in proportion, within the airframe's limit. Rates of the Euler angles
 become body rates by the kinematics
@@ -19,60 +19,60 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mavstack.sim.motion.arrays import Array, bounded, wrapped
+from mavstack.sim.motion.arrays import Array, clip, wrap_angle
 from mavstack.sim.motion.demands import Mode, YawMode
 
 if TYPE_CHECKING:
-    from mavstack.sim.motion.fleet import Fleet
+    from mavstack.sim.motion.state import StateArray
 
-LEAST_COSINE = 0.05
+MIN_COSINE = 0.05
 #: Nothing turns faster than this, in rad/s, whatever is broken.
-FASTEST = 12.0
+MAX_RATE = 12.0
 
 
-def wanted_turn(fleet: Fleet) -> Array:
+def yaw_rate_command(state: StateArray) -> Array:
     """Give the yaw rate that a demand's heading or rate asks for."""
-    heading = fleet.yaw_demand
-    centre = fleet.yaw_mode == YawMode.CENTRE
+    heading = state.yaw_demand
+    centre = state.yaw_mode == YawMode.CENTRE
     if centre.any():
-        north, east = fleet.target[:2] - fleet.position_estimate[:2]
+        north, east = state.target[:2] - state.position_estimate[:2]
         heading = np.where(centre, np.arctan2(east, north), heading)
-    limit = fleet.turn_rate
-    turn = 0.4 * fleet.attitude_gain * wrapped(heading - fleet.attitude_estimate[2])
-    turn = np.where(fleet.yaw_mode == YawMode.RATE, fleet.yaw_demand, turn)
-    return bounded(np.where(fleet.mode == Mode.STICKS, fleet.stick[2] * limit, turn), -limit, limit)
+    limit = state.turn_rate
+    turn = 0.4 * state.attitude_gain * wrap_angle(heading - state.attitude_estimate[2])
+    turn = np.where(state.yaw_mode == YawMode.RATE, state.yaw_demand, turn)
+    return clip(np.where(state.mode == Mode.STICKS, state.stick[2] * limit, turn), -limit, limit)
 
 
-def pull(fleet: Fleet, step: float) -> None:
+def update_rates(state: StateArray, step: float) -> None:
     """Let loops and air change the body rates."""
-    gain, limit = fleet.attitude_gain, fleet.rate_limit
-    roll_rate = bounded(gain * (fleet.roll_wanted - fleet.attitude_estimate[0]), -limit[0], limit[0])
-    pitch_rate = bounded(gain * (fleet.pitch_wanted - fleet.attitude_estimate[1]), -limit[1], limit[1])
-    sin_roll, sin_pitch = fleet.sines[:2]
-    cos_roll, cos_pitch = fleet.cosines[:2]
-    turning = fleet.turn_wanted * cos_pitch
-    command = np.empty_like(fleet.rates)
-    command[0] = roll_rate - fleet.turn_wanted * sin_pitch
+    gain, limit = state.attitude_gain, state.rate_limit
+    roll_rate = clip(gain * (state.roll_setpoint - state.attitude_estimate[0]), -limit[0], limit[0])
+    pitch_rate = clip(gain * (state.pitch_setpoint - state.attitude_estimate[1]), -limit[1], limit[1])
+    sin_roll, sin_pitch = state.sines[:2]
+    cos_roll, cos_pitch = state.cosines[:2]
+    turning = state.yaw_rate_setpoint * cos_pitch
+    command = np.empty_like(state.rates)
+    command[0] = roll_rate - state.yaw_rate_setpoint * sin_pitch
     command[1] = pitch_rate * cos_roll + turning * sin_roll
     command[2] = turning * cos_roll - pitch_rate * sin_roll
-    direct = fleet.mode == Mode.RATES
+    direct = state.mode == Mode.RATES
     if direct.any():
-        np.copyto(command, bounded(fleet.stick[:3], -limit, limit), where=direct)
-    command *= fleet.authority
-    command += fleet.push
-    most = fleet.angular_acceleration * step
-    fleet.rates += bounded((command - fleet.rates) * fleet.rate_response, -most, most)
-    np.minimum(np.maximum(fleet.rates, -FASTEST, out=fleet.rates), FASTEST, out=fleet.rates)
+        np.copyto(command, clip(state.stick[:3], -limit, limit), where=direct)
+    command *= state.authority
+    command += state.rate_disturbance
+    most = state.angular_acceleration * step
+    state.rates += clip((command - state.rates) * state.rate_response, -most, most)
+    np.minimum(np.maximum(state.rates, -MAX_RATE, out=state.rates), MAX_RATE, out=state.rates)
 
 
-def turn(fleet: Fleet, step: float) -> None:
+def integrate_rates(state: StateArray, step: float) -> None:
     """Move the Euler angles by a step of the body rates."""
-    attitude = fleet.attitude
-    sin_roll, cos_roll = fleet.sines[0], fleet.cosines[0]
-    cos_pitch = np.maximum(fleet.cosines[1], LEAST_COSINE)
-    p, q, r = fleet.rates
+    attitude = state.attitude
+    sin_roll, cos_roll = state.sines[0], state.cosines[0]
+    cos_pitch = np.maximum(state.cosines[1], MIN_COSINE)
+    p, q, r = state.rates
     yaw_rate = (q * sin_roll + r * cos_roll) / cos_pitch
-    attitude[0] += (p + yaw_rate * fleet.sines[1]) * step
+    attitude[0] += (p + yaw_rate * state.sines[1]) * step
     attitude[1] += (q * cos_roll - r * sin_roll) * step
     attitude[2] += yaw_rate * step
     over = np.abs(attitude[1]) > 0.5 * np.pi
@@ -80,17 +80,17 @@ def turn(fleet: Fleet, step: float) -> None:
         attitude[0] += np.where(over, np.pi, 0.0)
         attitude[2] += np.where(over, np.pi, 0.0)
         attitude[1] = np.where(over, np.copysign(np.pi, attitude[1]) - attitude[1], attitude[1])
-    attitude[0] = wrapped(attitude[0])
-    attitude[2] = wrapped(attitude[2])
+    attitude[0] = wrap_angle(attitude[0])
+    attitude[2] = wrap_angle(attitude[2])
 
 
-def orient(fleet: Fleet) -> None:
+def update_axes(state: StateArray) -> None:
     """Work out sines, cosines and the body's axes (forward, right, below) from the attitude."""
-    np.sin(fleet.attitude, out=fleet.sines)
-    np.cos(fleet.attitude, out=fleet.cosines)
-    sin_roll, sin_pitch, sin_yaw = fleet.sines
-    cos_roll, cos_pitch, cos_yaw = fleet.cosines
-    forward, right, below = fleet.forward, fleet.right, fleet.below
+    np.sin(state.attitude, out=state.sines)
+    np.cos(state.attitude, out=state.cosines)
+    sin_roll, sin_pitch, sin_yaw = state.sines
+    cos_roll, cos_pitch, cos_yaw = state.cosines
+    forward, right, below = state.forward, state.right, state.below
     np.multiply(cos_pitch, cos_yaw, out=forward[0])
     np.multiply(cos_pitch, sin_yaw, out=forward[1])
     np.negative(sin_pitch, out=forward[2])

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mavstack.sim.motion.arrays import bounded
+from mavstack.sim.motion.arrays import clip
 
 if TYPE_CHECKING:
-    from mavstack.sim.motion.fleet import Fleet
+    from mavstack.sim.motion.state import StateArray
 
 #: Volts of one lithium-polymer cell by the share of its charge.
 CHARGE = np.array([0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0])
@@ -26,25 +26,25 @@ AMBIENT = 25.0
 LAST_CHARGE = 0.01
 
 
-def drain(fleet: Fleet, step: float) -> None:
+def discharge(state: StateArray, step: float) -> None:
     """Take a step's charge out of every battery."""
-    lift = np.maximum(fleet.lift_share, 0.0)
-    drive = np.abs(fleet.drive_thrust)
-    fleet.power[:] = (
-        fleet.power_idle * (1.0 + fleet.running)
-        + fleet.power_lift * lift * np.sqrt(lift)
-        + fleet.power_drive * drive * np.sqrt(drive)
+    lift = np.maximum(state.lift_share, 0.0)
+    drive = np.abs(state.drive_thrust)
+    state.power[:] = (
+        state.power_idle * (1.0 + state.running)
+        + state.power_lift * lift * np.sqrt(lift)
+        + state.power_drive * drive * np.sqrt(drive)
     )
-    resting = np.interp(fleet.remaining, CHARGE, CELL_VOLTAGE) * fleet.cells
-    current = fleet.power / np.maximum(fleet.voltage, 2.0 * fleet.cells)
-    fleet.current[:] = current
-    fleet.voltage[:] = np.maximum(resting - current * fleet.resistance - fleet.sag, 0.0)
-    fleet.consumed += np.where(fleet.remaining > 0.0, current * (step / 3.6), 0.0)
-    fleet.remaining[:] = bounded(1.0 - fleet.consumed / fleet.capacity, 0.0, 1.0)
-    fleet.temperature += (AMBIENT + 0.02 * current * current - fleet.temperature) * (step / 120.0)
+    resting = np.interp(state.remaining, CHARGE, CELL_VOLTAGE) * state.cells
+    current = state.power / np.maximum(state.voltage, 2.0 * state.cells)
+    state.current[:] = current
+    state.voltage[:] = np.maximum(resting - current * state.resistance - state.sag, 0.0)
+    state.consumed += np.where(state.remaining > 0.0, current * (step / 3.6), 0.0)
+    state.remaining[:] = clip(1.0 - state.consumed / state.capacity, 0.0, 1.0)
+    state.temperature += (AMBIENT + 0.02 * current * current - state.temperature) * (step / 120.0)
 
 
-def strength(fleet: Fleet) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def thrust_factor(state: StateArray) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     """Say which share of its thrust a motor has at the battery's present voltage."""
-    volts = fleet.voltage / (fleet.cells * NOMINAL_CELL_VOLTAGE)
-    return bounded(volts, 0.0, 1.1) * np.minimum(fleet.remaining * (1 / LAST_CHARGE), 1.0)
+    volts = state.voltage / (state.cells * NOMINAL_CELL_VOLTAGE)
+    return clip(volts, 0.0, 1.1) * np.minimum(state.remaining * (1 / LAST_CHARGE), 1.0)

@@ -1,4 +1,4 @@
-"""A handle of one body: what it reads as (`Reader`), demands, limits and faults.
+"""A handle of one body: what it reads as (`BodyReader`), demands, limits and faults.
 
 A demand is one assignment to the body's column and holds until the next; the world's step flies it. A yaw
 not given keeps the heading last held; a line long enough gives its own.
@@ -9,36 +9,36 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mavstack.sim.kinds import Home, VehicleType
 from mavstack.sim.motion import faults
 from mavstack.sim.motion.airframes import AIRFRAMES, limit_range
-from mavstack.sim.motion.demands import FARTHEST, HEADING_LINE, Mode, YawMode, angle, finite, line
-from mavstack.sim.motion.fleet import Fleet
-from mavstack.sim.motion.reader import Reader
+from mavstack.sim.motion.body_reader import BodyReader
+from mavstack.sim.motion.demands import MAX_DISTANCE, MIN_HEADING_LINE, Mode, YawMode, angle, finite, line
 from mavstack.sim.motion.readings import Limits
+from mavstack.sim.motion.state import StateArray
+from mavstack.sim.vehicle_types import Home, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mavstack.sim.motion.world import World
 
-_ROWS = {name: slice(first, first + count) for name, (first, count) in Fleet.ROWS.items()}
+_ROWS = {name: slice(first, first + count) for name, (first, count) in StateArray.ROWS.items()}
 _LIMITS = slice(_ROWS["speed"].start, _ROWS["speed"].start + len(Limits._fields))
-_DEMAND = slice(_ROWS["mode"].start, _ROWS["go_forward"].start)
+_DEMAND = slice(_ROWS["mode"].start, _ROWS["forward_requested"].start)
 _NOWHERE = (0.0, 0.0, 0.0)
 _STILL = (0.0, 0.0, 0.0, 0.0)
 _REVERSES = (VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB)
-_PACES = ("speed", "climb", "sink", "airspeed_cruise")
+_SPEED_LIMITS = ("speed", "climb", "sink", "airspeed_cruise")
 
 
-class Body(Reader):
+class Body(BodyReader):
     """One simulated body of a world."""
 
-    def __init__(self, world: World, kind: VehicleType, home: Home, number: int) -> None:
-        super().__init__(world, kind, home, number)
+    def __init__(self, world: World, vehicle_type: VehicleType, home: Home, number: int) -> None:
+        super().__init__(world, vehicle_type, home, number)
         self._heading: float | None = None
-        self._own_pace = (False, False, False, False)
-        self._dead: set[int] = set()
+        self._given_speeds = (False, False, False, False)
+        self._failed_motors: set[int] = set()
 
     # --- limits
 
@@ -49,20 +49,20 @@ class Body(Reader):
         values = before._replace(**{name: finite(value, getattr(before, name), low, high)})
         if name == "speed" and self.type is VehicleType.PLANE:
             values = values._replace(airspeed_cruise=values.speed)
-        fleet = self._world.fleet
-        fleet.data[_LIMITS, self.column] = values
-        for row, own in enumerate(self._own_pace):
+        state = self._world.state
+        state.data[_LIMITS, self.column] = values
+        for row, own in enumerate(self._given_speeds):
             if not own:
-                fleet.pace[row, self.column] = getattr(values, _PACES[row])
-        self._changed()
+                state.speeds[row, self.column] = getattr(values, _SPEED_LIMITS[row])
+        self._invalidate()
 
-    def _pace(
+    def _bounded_speeds(
         self, speed: float | None, climb: float | None = None, sink: float | None = None
     ) -> tuple[float, float, float, float]:
         """Bound what is asked by what the airframe can; the limits for what is not."""
         limits, figure = self.limits, AIRFRAMES[self.type]
         asked = (speed, climb, sink, speed)
-        self._own_pace = (speed is not None, climb is not None, sink is not None, speed is not None)
+        self._given_speeds = (speed is not None, climb is not None, sink is not None, speed is not None)
         tops = (figure.top_speed, figure.top_climb, figure.top_climb, limits.airspeed_max)
         defaults = (limits.speed, limits.climb, limits.sink, limits.airspeed_cruise)
         north, up, down, air = (
@@ -86,16 +86,16 @@ class Body(Reader):
         yaw: tuple[float, float] = (YawMode.RATE, 0.0),
         stick: Sequence[float] = _STILL,
     ) -> None:
-        paces = self._pace(None) if pace is None else pace
+        paces = self._bounded_speeds(None) if pace is None else pace
         values = (mode, *target, *start, *along, size, *paces, radius, *yaw, *stick)
         world = self._world
-        world.fleet.data[_DEMAND, self.column] = values
+        world.state.data[_DEMAND, self.column] = values
         if (mode == Mode.STOP) is self.running:
-            world.fleet.running[self.column] = float(mode != Mode.STOP)
+            world.state.running[self.column] = float(mode != Mode.STOP)
             self._tick = -1
         self._heading = yaw[1] if yaw[0] == YawMode.HOLD else None
 
-    def _held(self, yaw: float | None, yaw_rate: float | None = None) -> tuple[float, float]:
+    def _yaw_demand(self, yaw: float | None, yaw_rate: float | None = None) -> tuple[float, float]:
         """Say what yaw to fly: the one given, the rate given, or the heading held so far."""
         if yaw is None and yaw_rate is not None and math.isfinite(yaw_rate):
             return YawMode.RATE, finite(yaw_rate, 0.0, -6.0, 6.0)
@@ -120,9 +120,9 @@ class Body(Reader):
         if self.type.on_surface:
             down = here.down
         return (
-            finite(north, here.north, -FARTHEST, FARTHEST),
-            finite(east, here.east, -FARTHEST, FARTHEST),
-            finite(down, here.down, -FARTHEST, FARTHEST),
+            finite(north, here.north, -MAX_DISTANCE, MAX_DISTANCE),
+            finite(east, here.east, -MAX_DISTANCE, MAX_DISTANCE),
+            finite(down, here.down, -MAX_DISTANCE, MAX_DISTANCE),
         )
 
     def go_to(
@@ -141,10 +141,10 @@ class Body(Reader):
         target = self._place(north, east, down)
         begin = self.estimate[:3] if start is None else self._place(*start)
         along, size = line(begin, target)
-        yaws = self._held(yaw)
-        if yaw is None and math.hypot(along[0], along[1]) * size >= HEADING_LINE:
+        yaws = self._yaw_demand(yaw)
+        if yaw is None and math.hypot(along[0], along[1]) * size >= MIN_HEADING_LINE:
             yaws = YawMode.HOLD, math.atan2(along[1], along[0])
-        pace = self._pace(speed, climb, sink)
+        pace = self._bounded_speeds(speed, climb, sink)
         self._demand(Mode.LINE, target=target, start=begin, along=along, size=size, pace=pace, yaw=yaws)
 
     def fly_velocity(
@@ -167,10 +167,10 @@ class Body(Reader):
             Mode.VELOCITY,
             target=(north * shrink, east * shrink, vertical),
             pace=tops,
-            yaw=self._held(yaw, yaw_rate),
+            yaw=self._yaw_demand(yaw, yaw_rate),
         )
-        self._own_pace = (True, True, True, False)
-        self._world.fleet.pace[3, self.column] = self.limits.airspeed_cruise
+        self._given_speeds = (True, True, True, False)
+        self._world.state.speeds[3, self.column] = self.limits.airspeed_cruise
 
     def circle(
         self,
@@ -183,14 +183,14 @@ class Body(Reader):
         yaw: float | None = None,
     ) -> None:
         """Fly a circle around a point, clockwise seen from above if `radius` > 0; yaw None: to the centre."""
-        around = finite(radius, 0.0, -FARTHEST, FARTHEST)
+        around = finite(radius, 0.0, -MAX_DISTANCE, MAX_DISTANCE)
         if around == 0.0 and self.type is VehicleType.PLANE:
             around = self.limits.loiter_radius
         yaws = (YawMode.CENTRE, 0.0) if yaw is None else (YawMode.HOLD, angle(yaw, self.estimate.yaw))
         self._demand(
             Mode.CIRCLE,
             target=self._place(north, east, down),
-            pace=self._pace(speed),
+            pace=self._bounded_speeds(speed),
             radius=around,
             yaw=yaws,
         )
@@ -199,7 +199,7 @@ class Body(Reader):
         self, roll: float, pitch: float, yaw: float | None, thrust: float, *, yaw_rate: float | None = None
     ) -> None:
         """Hold an attitude with a thrust of 0 to 1 (copter: half hovers; sub: half is none)."""
-        yaws = self._held(yaw, yaw_rate)
+        yaws = self._yaw_demand(yaw, yaw_rate)
         lean = (angle(roll, 0.0), angle(pitch, 0.0), 0.0)
         self._demand(Mode.ATTITUDE, stick=(*lean, self._thrust(thrust, 0.0)), yaw=yaws)
 
@@ -222,17 +222,17 @@ class Body(Reader):
     def transition_to(self, forward: bool) -> None:
         """Go over to flight on the wing, or back to hover; nothing for what is no VTOL."""
         if self.type is VehicleType.VTOL:
-            fleet = self._world.fleet
-            fleet.go_forward[self.column] = float(forward)
+            state = self._world.state
+            state.forward_requested[self.column] = float(forward)
             if not forward:
                 self._heading = self.estimate.yaw
-                fleet.yaw_demand[self.column] = self._heading
+                state.yaw_demand[self.column] = self._heading
 
     # --- faults, and what only a simulation can do
 
     def _fault(self, name: str, *values: float) -> None:
-        self._world.fleet.data[_ROWS[name], self.column] = values
-        self._changed()
+        self._world.state.data[_ROWS[name], self.column] = values
+        self._invalidate()
 
     def fail_gps(self, failed: bool = True) -> None:
         """Lose the GPS, or find it again."""
@@ -243,15 +243,15 @@ class Body(Reader):
         places = finite(north, 0.0, -1e5, 1e5), finite(east, 0.0, -1e5, 1e5)
         self._fault("spoof", *places, 0.0)
 
-    def turn_compass(self, radians: float) -> None:
+    def offset_compass(self, radians: float) -> None:
         """Have the compass read a heading off by an angle."""
-        self._fault("compass_turn", angle(radians, 0.0))
+        self._fault("compass_offset", angle(radians, 0.0))
 
     def sag_battery(self, volts: float) -> None:
         """Have the battery's voltage fall by some volts."""
         self._fault("sag", finite(volts, 0.0, 0.0, 60.0))
 
-    def drift_baro(self, metres: float) -> None:
+    def drift_barometer(self, metres: float) -> None:
         """Have the barometer read a height that much too low (down too great)."""
         self._fault("baro_drift", finite(metres, 0.0, -1e4, 1e4))
 
@@ -259,23 +259,23 @@ class Body(Reader):
         """Stop a motor (from 1), or let it run again; a number no motor has changes nothing."""
         if not 1 <= number <= AIRFRAMES[self.type].motors:
             return
-        (self._dead.add if failed else self._dead.discard)(number)
-        damage = faults.damage(self.type, self._dead)
+        (self._failed_motors.add if failed else self._failed_motors.discard)(number)
+        damage = faults.motor_failure(self.type, self._failed_motors)
         self._fault("lift_left", damage.lift)
         self._fault("drive_left", damage.drive)
         self._fault("spin", damage.spin)
         self._fault("lean", damage.lean[0], damage.lean[1], 0.0)
 
-    def blow(self, speed: float, direction: float = 0.0, turbulence: float = 0.0) -> None:
-        """Let the wind of its world blow, which is that of all bodies."""
+    def set_wind(self, speed: float, direction: float = 0.0, turbulence: float = 0.0) -> None:
+        """Let the wind of its world set_wind, which is that of all bodies."""
         self._world.set_wind(speed, direction, turbulence)
 
     def place(self, north: float, east: float, down: float, yaw: float) -> None:
         """Put it somewhere, at rest and level."""
         where = self._place(north, east, down)
-        self._world.put(self.column, where, angle(yaw, 0.0))
+        self._world.place(self.column, where, angle(yaw, 0.0))
         self._heading = None
-        self._changed()
+        self._invalidate()
 
     def recharge(self, remaining: float = 1.0) -> None:
         """Fill its battery up to a share."""

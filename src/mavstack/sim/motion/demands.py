@@ -1,7 +1,7 @@
 """What an autopilot may demand of a body, made safe.
 
 `Mode` says which demand is flown; its numbers are in the rows `target`, `start`, `along`, `pace`, `radius`,
-`stick` and the `yaw_` rows of `Fleet`, written once when demanded. Whatever the numbers were, those written
+`stick` and the `yaw_` rows of `StateArray`, written once when demanded. Whatever the numbers were, those written
 are finite and within what an airframe could mean: a loop never meets a NaN.
 """
 
@@ -11,10 +11,10 @@ import math
 from typing import Final
 
 #: Beyond this many metres from the origin nothing is a place to go to.
-FARTHEST = 1e6
+MAX_DISTANCE = 1e6
 #: A line shorter than this has no direction; one horizontally shorter than this gives no heading.
-SHORT_LINE = 0.01
-HEADING_LINE = 3.0
+MIN_LINE = 0.01
+MIN_HEADING_LINE = 3.0
 
 
 class Mode:
@@ -59,6 +59,6 @@ def line(
     """Give the direction of the line from `start` to `target`, and its length."""
     north, east, down = (end - begin for begin, end in zip(start, target, strict=True))
     size = math.sqrt(north * north + east * east + down * down)
-    if size < SHORT_LINE:
+    if size < MIN_LINE:
         return (0.0, 0.0, 0.0), 0.0
     return (north / size, east / size, down / size), size

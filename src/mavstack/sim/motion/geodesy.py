@@ -14,17 +14,17 @@ import math
 SEMI_MAJOR_AXIS = 6378137.0
 ECCENTRICITY_SQUARED = 6.69437999014e-3
 #: East of a pole is nowhere; the cosine of the latitude is kept above this.
-LEAST_COSINE = 1e-6
+MIN_COSINE = 1e-6
 #: An iteration that moves the latitude by less, in degrees, is the last: a tenth of a millimetre.
-CLOSE_ENOUGH = 1e-9
+LATITUDE_TOLERANCE = 1e-9
 
 
-def radii(latitude: float) -> tuple[float, float]:
+def radii_of_curvature(latitude: float) -> tuple[float, float]:
     """Give metres per radian going north, and going east, at a latitude in radians."""
     sine = math.sin(latitude)
     shrink = 1.0 - ECCENTRICITY_SQUARED * sine * sine
     across = SEMI_MAJOR_AXIS / math.sqrt(shrink)
-    return across * (1.0 - ECCENTRICITY_SQUARED) / shrink, across * max(math.cos(latitude), LEAST_COSINE)
+    return across * (1.0 - ECCENTRICITY_SQUARED) / shrink, across * max(math.cos(latitude), MIN_COSINE)
 
 
 class LocalFrame:
@@ -36,11 +36,11 @@ class LocalFrame:
         self.latitude = latitude
         self.longitude = longitude
         self.altitude = altitude
-        self._along, _ = radii(math.radians(latitude))
+        self._along, _ = radii_of_curvature(math.radians(latitude))
 
     def to_local(self, latitude: float, longitude: float, altitude: float) -> tuple[float, float, float]:
         """Give (north, east, down) of a place."""
-        along, across = radii(math.radians(0.5 * (latitude + self.latitude)))
+        along, across = radii_of_curvature(math.radians(0.5 * (latitude + self.latitude)))
         east = math.remainder(longitude - self.longitude, 360.0)
         return (
             math.radians(latitude - self.latitude) * along,
@@ -53,9 +53,9 @@ class LocalFrame:
         latitude, across = self.latitude + math.degrees(north / self._along), 1.0
         for _ in range(3):
             before = latitude
-            along, across = radii(math.radians(0.5 * (latitude + self.latitude)))
+            along, across = radii_of_curvature(math.radians(0.5 * (latitude + self.latitude)))
             latitude = min(max(self.latitude + math.degrees(north / along), -90.0), 90.0)
-            if abs(latitude - before) < CLOSE_ENOUGH:
+            if abs(latitude - before) < LATITUDE_TOLERANCE:
                 break
         longitude = math.remainder(self.longitude + math.degrees(east / across), 360.0)
         return latitude, longitude, self.altitude - down

@@ -12,52 +12,52 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mavstack.sim.motion.arrays import Mask, bounded, dot
+from mavstack.sim.motion.arrays import Mask, clip, dot
 from mavstack.sim.motion.battery import GRAVITY
 from mavstack.sim.motion.demands import Mode
 
 if TYPE_CHECKING:
-    from mavstack.sim.motion.fleet import Fleet
+    from mavstack.sim.motion.state import StateArray
 
 #: How many times stronger the friction is with brakes, or with motors stopped.
-BRAKES = 8.0
+BRAKE_FACTOR = 8.0
 #: Share of a misfit of attitude that goes in a step on the ground.
-SETTLING = 0.2
+LEVELING_SHARE = 0.2
 
 
-def move(fleet: Fleet, step: float) -> None:
+def integrate(state: StateArray, step: float) -> None:
     """Integrate a step of the forces, and stop what touches."""
-    before = fleet.velocity.copy()
-    fleet.velocity += fleet.force * step
-    fleet.velocity[2] += GRAVITY * step
-    fleet.position += (before + fleet.velocity) * (0.5 * step)
-    down, sinking = fleet.position[2], fleet.velocity[2]
-    low, high = down >= fleet.floor, down <= fleet.ceiling
+    before = state.velocity.copy()
+    state.velocity += state.force * step
+    state.velocity[2] += GRAVITY * step
+    state.position += (before + state.velocity) * (0.5 * step)
+    down, sinking = state.position[2], state.velocity[2]
+    low, high = down >= state.floor, down <= state.ceiling
     sinking[:] = np.where(low, np.minimum(sinking, 0.0), np.where(high, np.maximum(sinking, 0.0), sinking))
-    fleet.position[2] = bounded(down, fleet.ceiling, fleet.floor)
-    fleet.on_ground[:] = low | high
-    resting = low & (fleet.friction > 0.0)
+    state.position[2] = clip(down, state.ceiling, state.floor)
+    state.on_ground[:] = low | high
+    resting = low & (state.friction > 0.0)
     if resting.any():
-        _rest(fleet, resting, step)
-    np.divide(fleet.velocity - before, step, out=fleet.acceleration)
+        _apply_friction(state, resting, step)
+    np.divide(state.velocity - before, step, out=state.acceleration)
 
 
-def _rest(fleet: Fleet, resting: Mask, step: float) -> None:
+def _apply_friction(state: StateArray, resting: Mask, step: float) -> None:
     """Let friction and the undercarriage hold what rests."""
-    braked = (fleet.mode == Mode.STOP) | (fleet.mode == Mode.ROLL_OUT)
-    friction = fleet.friction * np.where(braked, BRAKES, 1.0) * step
-    ahead, aside = dot(fleet.velocity, fleet.forward), dot(fleet.velocity, fleet.right)
+    braked = (state.mode == Mode.STOP) | (state.mode == Mode.ROLL_OUT)
+    friction = state.friction * np.where(braked, BRAKE_FACTOR, 1.0) * step
+    ahead, aside = dot(state.velocity, state.forward), dot(state.velocity, state.right)
     slowed = np.copysign(np.maximum(np.abs(ahead) - friction, 0.0), ahead)
     slipped = np.copysign(np.maximum(np.abs(aside) * 0.5 - friction, 0.0), aside)
-    flat = fleet.forward * slowed + fleet.right * slipped
-    np.copyto(fleet.velocity[:2], flat[:2], where=resting)
-    roll, pitch = fleet.attitude[:2]
-    misfit = np.zeros_like(fleet.attitude)
+    flat = state.forward * slowed + state.right * slipped
+    np.copyto(state.velocity[:2], flat[:2], where=resting)
+    roll, pitch = state.attitude[:2]
+    misfit = np.zeros_like(state.attitude)
     misfit[0] = roll
-    misfit[1] = pitch - bounded(pitch, 0.0, fleet.rest_pitch)
-    fleet.attitude -= misfit * (SETTLING * resting)
+    misfit[1] = pitch - clip(pitch, 0.0, state.rest_pitch)
+    state.attitude -= misfit * (LEVELING_SHARE * resting)
     held = np.where(resting, 0.5, 1.0)
-    fleet.rates[0] *= held
-    fleet.rates[1] *= np.where(misfit[1] != 0.0, held, 1.0)
+    state.rates[0] *= held
+    state.rates[1] *= np.where(misfit[1] != 0.0, held, 1.0)
     rolling = np.minimum(0.3 * np.abs(ahead), 1.0)
-    fleet.rates[2] *= np.where(resting, rolling, 1.0)
+    state.rates[2] *= np.where(resting, rolling, 1.0)

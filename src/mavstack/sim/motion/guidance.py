@@ -15,100 +15,106 @@ import numpy as np
 from mavstack.sim.motion.arrays import (
     Array,
     approach_speed,
-    bounded,
+    clip,
     dot,
-    flat_length,
-    shortened,
+    horizontal_length,
+    limit_length,
 )
 from mavstack.sim.motion.demands import Mode
 
 if TYPE_CHECKING:
-    from mavstack.sim.motion.fleet import Fleet
+    from mavstack.sim.motion.state import StateArray
 
 #: Share of the acceleration allowed that braking and circling are planned with; the rest is for errors.
-PLANNED = 0.6
+PLANNED_SHARE = 0.6
 #: Beyond this distance there is nothing faster to plan.
-FAR = 1e5
+MAX_DISTANCE = 1e5
 
 
-def guide(fleet: Fleet, step: float) -> None:
+def update_velocity_command(state: StateArray, step: float) -> None:
     """Find the velocity each body wants, and move its command towards it."""
-    free = (fleet.mode < Mode.LINE) | (fleet.mode > Mode.CIRCLE) | (fleet.transition >= 1.0)
-    wanted = fleet.velocity_wanted
-    for mode, find in ((Mode.LINE, _along_line), (Mode.VELOCITY, _as_told), (Mode.CIRCLE, _around)):
-        asked = fleet.mode == mode
+    free = (state.mode < Mode.LINE) | (state.mode > Mode.CIRCLE) | (state.transition >= 1.0)
+    wanted = state.velocity_setpoint
+    for mode, find in (
+        (Mode.LINE, _line_velocity),
+        (Mode.VELOCITY, _demanded_velocity),
+        (Mode.CIRCLE, _circle_velocity),
+    ):
+        asked = state.mode == mode
         if asked.any():
-            np.copyto(wanted, find(fleet), where=asked)
-    np.copyto(wanted, fleet.velocity_estimate, where=free)
-    change = wanted - fleet.velocity_command
-    most = fleet.acceleration_limit * step
-    change[:2] = shortened(change[:2], most)
-    change[2] = bounded(change[2], -most, most)
-    fleet.velocity_command += change
-    np.divide(change, step, out=fleet.acceleration_ahead)
-    np.copyto(fleet.velocity_command, fleet.velocity_estimate, where=free)
-    np.copyto(fleet.acceleration_ahead, 0.0, where=free)
-    np.copyto(fleet.integral, 0.0, where=free)
+            np.copyto(wanted, find(state), where=asked)
+    np.copyto(wanted, state.velocity_estimate, where=free)
+    change = wanted - state.velocity_command
+    most = state.acceleration_limit * step
+    change[:2] = limit_length(change[:2], most)
+    change[2] = clip(change[2], -most, most)
+    state.velocity_command += change
+    np.divide(change, step, out=state.acceleration_feedforward)
+    np.copyto(state.velocity_command, state.velocity_estimate, where=free)
+    np.copyto(state.acceleration_feedforward, 0.0, where=free)
+    np.copyto(state.integral, 0.0, where=free)
 
 
-def _along_line(fleet: Fleet) -> Array:
+def _line_velocity(state: StateArray) -> Array:
     """Follow the line to its end."""
-    position, along = fleet.position_estimate, fleet.along
-    done = bounded(dot(position - fleet.start, along), 0.0, fleet.line_length)
-    off = fleet.start + along * done - position
-    speed, climb, sink, _ = fleet.pace
-    deceleration = fleet.acceleration_limit * PLANNED
-    flat = flat_length(along)
+    position, along = state.position_estimate, state.line_direction
+    done = clip(dot(position - state.start, along), 0.0, state.line_length)
+    off = state.start + along * done - position
+    speed, climb, sink, _ = state.speeds
+    deceleration = state.acceleration_limit * PLANNED_SHARE
+    flat = horizontal_length(along)
     vertical_pace = np.where(along[2] < 0.0, climb, sink)
     pace = np.minimum(speed / np.maximum(flat, 1e-6), vertical_pace / np.maximum(np.abs(along[2]), 1e-6))
-    gain = fleet.position_gain
-    wanted: Array = along * np.minimum(approach_speed(fleet.line_length - done, gain, deceleration), pace)
-    wanted += _closing(off, fleet, deceleration)
-    return _within_pace(wanted, fleet)
+    gain = state.position_gain
+    wanted: Array = along * np.minimum(approach_speed(state.line_length - done, gain, deceleration), pace)
+    wanted += _correction(off, state, deceleration)
+    return _limit_speed(wanted, state)
 
 
-def _closing(off: Array, fleet: Fleet, deceleration: Array) -> Array:
+def _correction(off: Array, state: StateArray, deceleration: Array) -> Array:
     """Give the velocity that takes away the error `off`."""
-    gain = fleet.position_gain
-    speed, climb, sink, _ = fleet.pace
-    distance = np.minimum(flat_length(off), FAR)
+    gain = state.position_gain
+    speed, climb, sink, _ = state.speeds
+    distance = np.minimum(horizontal_length(off), MAX_DISTANCE)
     closing = np.empty_like(off)
     closing[:2] = off[:2] * (
-        np.minimum(approach_speed(distance, gain, deceleration), speed) / np.maximum(flat_length(off), 1e-9)
+        np.minimum(approach_speed(distance, gain, deceleration), speed)
+        / np.maximum(horizontal_length(off), 1e-9)
     )
-    vertical = np.minimum(np.abs(off[2]), FAR)
-    closing[2] = bounded(np.copysign(approach_speed(vertical, gain, deceleration), off[2]), -climb, sink)
+    vertical = np.minimum(np.abs(off[2]), MAX_DISTANCE)
+    closing[2] = clip(np.copysign(approach_speed(vertical, gain, deceleration), off[2]), -climb, sink)
     return closing
 
 
-def _as_told(fleet: Fleet) -> Array:
-    return fleet.target
+def _demanded_velocity(state: StateArray) -> Array:
+    return state.target
 
 
-def _around(fleet: Fleet) -> Array:
+def _circle_velocity(state: StateArray) -> Array:
     """Follow the circle around the target."""
-    spoke = fleet.position_estimate - fleet.target
-    distance = flat_length(spoke)
+    spoke = state.position_estimate - state.target
+    distance = horizontal_length(spoke)
     outward = spoke[:2] / np.maximum(distance, 1e-6)
-    deceleration = fleet.acceleration_limit * PLANNED
-    radius = np.abs(fleet.radius)
+    deceleration = state.acceleration_limit * PLANNED_SHARE
+    radius = np.abs(state.radius)
     error = radius - distance
     closing = np.minimum(
-        approach_speed(np.minimum(np.abs(error), FAR), fleet.position_gain, deceleration), fleet.pace[0]
+        approach_speed(np.minimum(np.abs(error), MAX_DISTANCE), state.position_gain, deceleration),
+        state.speeds[0],
     )
     inward = np.copysign(closing, error)
     # sideways only as fast as the circle can be held, and less while it is still far away
-    tangential = np.minimum(fleet.pace[0], np.sqrt(deceleration * radius)) / (1.0 + np.abs(error) * 0.2)
-    tangential = np.copysign(tangential, fleet.radius)
-    wanted = _closing(-spoke, fleet, deceleration)
+    tangential = np.minimum(state.speeds[0], np.sqrt(deceleration * radius)) / (1.0 + np.abs(error) * 0.2)
+    tangential = np.copysign(tangential, state.radius)
+    wanted = _correction(-spoke, state, deceleration)
     wanted[0] = outward[0] * inward - outward[1] * tangential
     wanted[1] = outward[1] * inward + outward[0] * tangential
-    return _within_pace(wanted, fleet)
+    return _limit_speed(wanted, state)
 
 
-def _within_pace(wanted: Array, fleet: Fleet) -> Array:
+def _limit_speed(wanted: Array, state: StateArray) -> Array:
     """Go no faster than told, whatever has to be done at once: along the way and towards it."""
-    speed, climb, sink, _ = fleet.pace
-    wanted[:2] = shortened(wanted[:2], speed)
-    wanted[2] = bounded(wanted[2], -climb, sink)
+    speed, climb, sink, _ = state.speeds
+    wanted[:2] = limit_length(wanted[:2], speed)
+    wanted[2] = clip(wanted[2], -climb, sink)
     return wanted

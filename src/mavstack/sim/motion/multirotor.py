@@ -11,23 +11,23 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mavstack.sim.motion.arrays import Array, bounded, shortened
-from mavstack.sim.motion.attitude import wanted_turn
-from mavstack.sim.motion.battery import GRAVITY, strength
+from mavstack.sim.motion.arrays import Array, clip, limit_length
+from mavstack.sim.motion.attitude import yaw_rate_command
+from mavstack.sim.motion.battery import GRAVITY, thrust_factor
 from mavstack.sim.motion.demands import Mode
 
 if TYPE_CHECKING:
-    from mavstack.sim.motion.fleet import Fleet
+    from mavstack.sim.motion.state import StateArray
 
 #: Share of the full thrust the velocity loop leaves unused, for the attitude.
-RESERVE = 0.95
+MAX_LIFT_SHARE = 0.95
 #: The velocity loop never falls faster than this leaves (m/s2 upwards wanted).
-LEAST_UPWARD = 2.0
+MIN_UPWARD = 2.0
 #: The most the integral part holds against, in m/s2.
-MOST_INTEGRAL = 4.0
+MAX_INTEGRAL = 4.0
 
 
-class Wish(NamedTuple):
+class AttitudeCommand(NamedTuple):
     """The attitude a loop wants, the rate it turns at, and its thrust (lift in m/s2, or a share of drive)."""
 
     roll: Array
@@ -36,67 +36,67 @@ class Wish(NamedTuple):
     thrust: Array
 
 
-def acceleration_wanted(fleet: Fleet, step: float) -> Array:
+def acceleration_setpoint(state: StateArray, step: float) -> Array:
     """Run the velocity loop."""
-    error = fleet.velocity_command - fleet.velocity_estimate
-    grounded = fleet.on_ground > 0.0
-    fleet.integral += error * (fleet.integral_gain * step)
+    error = state.velocity_command - state.velocity_estimate
+    grounded = state.on_ground > 0.0
+    state.integral += error * (state.integral_gain * step)
     np.minimum(
-        np.maximum(fleet.integral, -MOST_INTEGRAL, out=fleet.integral), MOST_INTEGRAL, out=fleet.integral
+        np.maximum(state.integral, -MAX_INTEGRAL, out=state.integral), MAX_INTEGRAL, out=state.integral
     )
-    np.copyto(fleet.integral, 0.0, where=grounded)
-    error[:2] *= fleet.velocity_gain
-    error[2] *= fleet.heave_gain
-    error += fleet.integral
-    error += fleet.acceleration_ahead
+    np.copyto(state.integral, 0.0, where=grounded)
+    error[:2] *= state.velocity_gain
+    error[2] *= state.heave_gain
+    error += state.integral
+    error += state.acceleration_feedforward
     return error
 
 
-def control(fleet: Fleet, step: float) -> Wish:
+def control(state: StateArray, step: float) -> AttitudeCommand:
     """Say which attitude and lift the demand needs."""
-    wanted = acceleration_wanted(fleet, step)
-    upward = np.maximum(GRAVITY - wanted[2], LEAST_UPWARD)
-    tilt = fleet.tilt * (1.0 - 0.8 * fleet.transition)
-    wanted[:2] = shortened(wanted[:2], np.minimum(upward, GRAVITY) * np.tan(tilt))
-    yaw = fleet.attitude_estimate[2]
+    wanted = acceleration_setpoint(state, step)
+    upward = np.maximum(GRAVITY - wanted[2], MIN_UPWARD)
+    tilt = state.tilt * (1.0 - 0.8 * state.transition)
+    wanted[:2] = limit_length(wanted[:2], np.minimum(upward, GRAVITY) * np.tan(tilt))
+    yaw = state.attitude_estimate[2]
     cosine, sine = np.cos(yaw), np.sin(yaw)
     ahead = wanted[0] * cosine + wanted[1] * sine
     aside = wanted[1] * cosine - wanted[0] * sine
     slant = np.sqrt(upward * upward + ahead * ahead)
     roll, pitch = np.arctan2(aside, slant), -np.arctan2(ahead, upward)
-    lift = np.minimum(np.sqrt(slant * slant + aside * aside), fleet.lift * RESERVE)
-    return _by_hand(fleet, Wish(roll, pitch, wanted_turn(fleet), lift))
+    lift = np.minimum(np.sqrt(slant * slant + aside * aside), state.lift * MAX_LIFT_SHARE)
+    return _apply_direct_demands(state, AttitudeCommand(roll, pitch, yaw_rate_command(state), lift))
 
 
-def _by_hand(fleet: Fleet, wish: Wish) -> Wish:
+def _apply_direct_demands(state: StateArray, command: AttitudeCommand) -> AttitudeCommand:
     """Replace what the loops want where the demand says it directly."""
-    direct = (fleet.mode < Mode.LINE) | (fleet.mode > Mode.CIRCLE)
+    direct = (state.mode < Mode.LINE) | (state.mode > Mode.CIRCLE)
     if not direct.any():
-        return wish
-    spun = fleet.mode > Mode.CIRCLE
-    share = np.where(fleet.mode == Mode.STICKS, fleet.tilt, 1.0) * spun
-    thrust = fleet.stick[3] * fleet.lift * (spun & (fleet.mode < Mode.ROLL_OUT))
-    return Wish(
-        np.where(direct, fleet.stick[0] * share, wish.roll),
-        np.where(direct, fleet.stick[1] * share, wish.pitch),
-        wish.turn,
-        np.where(direct, thrust, wish.thrust),
+        return command
+    spun = state.mode > Mode.CIRCLE
+    share = np.where(state.mode == Mode.STICKS, state.tilt, 1.0) * spun
+    thrust = state.stick[3] * state.lift * (spun & (state.mode < Mode.ROLL_OUT))
+    return AttitudeCommand(
+        np.where(direct, state.stick[0] * share, command.roll),
+        np.where(direct, state.stick[1] * share, command.pitch),
+        command.turn,
+        np.where(direct, thrust, command.thrust),
     )
 
 
-def wear(fleet: Fleet) -> None:
+def apply_motor_failures(state: StateArray) -> None:
     """Let dead motors take authority away, spin the body and lean it."""
-    whole = fleet.lift_left
-    fleet.authority[:] = 0.3 + 0.7 * whole
-    fleet.push[:] = fleet.lean
-    flying = (fleet.lift_thrust > 1.0) & (fleet.on_ground == 0.0)
-    fleet.push *= flying
-    fleet.push[2] += fleet.spin * flying
+    whole = state.lift_left
+    state.authority[:] = 0.3 + 0.7 * whole
+    state.rate_disturbance[:] = state.lean
+    flying = (state.lift_thrust > 1.0) & (state.on_ground == 0.0)
+    state.rate_disturbance *= flying
+    state.rate_disturbance[2] += state.spin * flying
 
 
-def lift(fleet: Fleet, wanted: Array) -> None:
+def apply_lift(state: StateArray, wanted: Array) -> None:
     """Spin the lifting motors towards the lift wanted, and let them pull."""
-    most = fleet.lift * fleet.lift_left * strength(fleet)
-    aim = np.minimum(bounded(wanted, 0.0, fleet.lift) * strength(fleet), most)
-    fleet.lift_thrust += (aim - fleet.lift_thrust) * fleet.lift_response
-    fleet.force -= fleet.below * fleet.lift_thrust
+    most = state.lift * state.lift_left * thrust_factor(state)
+    aim = np.minimum(clip(wanted, 0.0, state.lift) * thrust_factor(state), most)
+    state.lift_thrust += (aim - state.lift_thrust) * state.lift_response
+    state.force -= state.below * state.lift_thrust

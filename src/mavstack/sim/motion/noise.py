@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 #: Entries of the table: three quarters of an hour at 50 Hz; a power of two, so that a mask wraps an index.
 TABLE = 1 << 17
 
-#: Time constants in seconds of the slow noises, in the order of the rows of `Fleet.wander`:
+#: Time constants in seconds of the slow noises, in the order of the rows of `StateArray.wander`:
 #: gusts, GPS position, estimated velocity, estimated attitude, barometer.
 TIME_CONSTANTS = (3.0, 3.0, 2.0, 40.0, 40.0, 60.0, 3.0, 3.0, 3.0, 8.0, 8.0, 20.0, 60.0)
 WANDERS = len(TIME_CONSTANTS)

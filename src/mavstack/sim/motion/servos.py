@@ -6,21 +6,21 @@ uses is 0. Worked out when read, from thrust and turning of the moment.
 
 from __future__ import annotations
 
-from mavstack.sim.kinds import VehicleType
 from mavstack.sim.motion.airframes import AIRFRAMES
+from mavstack.sim.vehicle_types import VehicleType
 
 OUTPUTS = 16
-#: How each lifting motor of an X quad helps roll, pitch and yaw.
+#: How each lifting motor_pulse of an X quad helps roll, pitch and yaw.
 QUAD_MIX = ((-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0), (-1.0, -1.0, -1.0))
-MIXED = 0.08
+MIX_GAIN = 0.08
 
 
-def motor(share: float) -> float:
-    """Pulse of a motor that turns one way."""
+def motor_pulse(share: float) -> float:
+    """Pulse of a motor_pulse that turns one way."""
     return 1000.0 + 1000.0 * min(max(share, 0.0), 1.0)
 
 
-def surface(deflection: float) -> float:
+def surface_pulse(deflection: float) -> float:
     """Pulse of what goes both ways."""
     return 1500.0 + 400.0 * min(max(deflection, -1.0), 1.0)
 
@@ -29,18 +29,23 @@ def _quad(turning: tuple[float, float, float], lift: float, running: bool) -> li
     if not running:
         return [1000.0] * 4
     mixes = (sum(a * b for a, b in zip(mix, turning, strict=True)) for mix in QUAD_MIX)
-    return [motor(max(lift + MIXED * mix, 0.05)) for mix in mixes]
+    return [motor_pulse(max(lift + MIX_GAIN * mix, 0.05)) for mix in mixes]
 
 
 def _wing(turning: tuple[float, float, float], drive: float) -> list[float]:
-    return [surface(turning[0]), surface(turning[1]), motor(drive), surface(turning[2])]
+    return [
+        surface_pulse(turning[0]),
+        surface_pulse(turning[1]),
+        motor_pulse(drive),
+        surface_pulse(turning[2]),
+    ]
 
 
 def outputs(
-    kind: VehicleType, turning: tuple[float, float, float], lift: float, drive: float, running: bool
+    vehicle_type: VehicleType, turning: tuple[float, float, float], lift: float, drive: float, running: bool
 ) -> tuple[int, ...]:
     """Give all outputs; `turning` is -1..1 about roll, pitch and yaw."""
-    match kind:
+    match vehicle_type:
         case VehicleType.COPTER:
             pulses = _quad(turning, lift, running)
         case VehicleType.PLANE:
@@ -48,8 +53,8 @@ def outputs(
         case VehicleType.VTOL:
             pulses = _wing(turning, drive) + _quad(turning, lift, running)
         case VehicleType.SUB:
-            pulses = [surface(lift * 0.5 + 0.1 * sum(turning))] * AIRFRAMES[kind].motors
+            pulses = [surface_pulse(lift * 0.5 + 0.1 * sum(turning))] * AIRFRAMES[vehicle_type].motors
         case _:
-            pulses = [surface(drive + 0.3 * turning[2]), 0.0, surface(drive - 0.3 * turning[2])]
+            pulses = [surface_pulse(drive + 0.3 * turning[2]), 0.0, surface_pulse(drive - 0.3 * turning[2])]
     whole = [round(pulse) for pulse in pulses]
     return tuple(whole + [0] * (OUTPUTS - len(whole)))

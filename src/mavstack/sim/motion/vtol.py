@@ -12,58 +12,58 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mavstack.sim.motion.arrays import Array, bounded, wrapped
+from mavstack.sim.motion.arrays import Array, clip, wrap_angle
 from mavstack.sim.motion.battery import GRAVITY
 from mavstack.sim.motion.demands import Mode
-from mavstack.sim.motion.multirotor import Wish
+from mavstack.sim.motion.multirotor import AttitudeCommand
 
 if TYPE_CHECKING:
-    from mavstack.sim.motion.fleet import Fleet
+    from mavstack.sim.motion.state import StateArray
 
 #: Airspeed from which the wing begins to count, and the margin over the least airspeed at which it is all.
-FIRST_LIFT = 5.0
-MARGIN = 1.05
+MIN_LIFT_AIRSPEED = 5.0
+AIRSPEED_MARGIN = 1.05
 #: Below this share of the least airspeed a wing-borne body is helped by its lifting motors.
-TOO_SLOW = 0.85
-SECONDS = 1.5
-LEVEL = 0.05
+ASSIST_SHARE = 0.85
+TRANSITION_TIME = 1.5
+LEVEL_PITCH = 0.05
 #: Braking, the nose rises only this much (rad) for each m/s2 the wing lifts less than the weight.
-RAISED = 0.05
+PITCH_PER_LIFT = 0.05
 #: The pusher waits until the nose is this near its heading, unless already this far on the wing.
-ALIGNED, TURNED = 0.4, 0.3
+MAX_HEADING_ERROR, COMMITTED_SHARE = 0.4, 0.3
 
 
-def shift(fleet: Fleet, step: float) -> None:
+def update_transition(state: StateArray, step: float) -> None:
     """Move the transition on, as airspeed allows."""
-    full = fleet.airspeed_min * MARGIN
-    carried = bounded((fleet.airspeed - FIRST_LIFT) / (full - FIRST_LIFT), 0.0, 1.0)
-    forward = fleet.go_forward > 0.0
-    borne = forward & (fleet.transition >= 1.0) & (fleet.airspeed > TOO_SLOW * fleet.airspeed_min)
+    full = state.airspeed_min * AIRSPEED_MARGIN
+    carried = clip((state.airspeed - MIN_LIFT_AIRSPEED) / (full - MIN_LIFT_AIRSPEED), 0.0, 1.0)
+    forward = state.forward_requested > 0.0
+    borne = forward & (state.transition >= 1.0) & (state.airspeed > ASSIST_SHARE * state.airspeed_min)
     goal = np.where(borne, 1.0, carried)
-    goal = np.where(forward, goal, np.minimum(carried, fleet.transition) * 0.98)
-    most = step / SECONDS
-    moved = fleet.transition + bounded(goal - fleet.transition, -most, most)
-    fleet.transition[:] = np.where(~forward & (moved < 0.02), 0.0, moved)
+    goal = np.where(forward, goal, np.minimum(carried, state.transition) * 0.98)
+    most = step / TRANSITION_TIME
+    moved = state.transition + clip(goal - state.transition, -most, most)
+    state.transition[:] = np.where(~forward & (moved < 0.02), 0.0, moved)
 
 
-def blend(fleet: Fleet, hover: Wish, wing: Wish) -> tuple[Wish, Array]:
+def blend(state: StateArray, hover: AttitudeCommand, wing: AttitudeCommand) -> tuple[AttitudeCommand, Array]:
     """Mix what both loops want; give the attitude with the lift, and the pusher's share."""
-    share = fleet.transition
-    guided = (fleet.mode >= Mode.LINE) & (fleet.mode <= Mode.CIRCLE)
-    forward = (fleet.go_forward > 0.0) & guided
-    flown = (fleet.go_forward > 0.0) & (share >= 1.0)
+    share = state.transition
+    guided = (state.mode >= Mode.LINE) & (state.mode <= Mode.CIRCLE)
+    forward = (state.forward_requested > 0.0) & guided
+    flown = (state.forward_requested > 0.0) & (share >= 1.0)
     roll = np.where(forward, wing.roll * share, hover.roll)
-    spare = np.maximum(GRAVITY - fleet.wing_up, -0.3 * GRAVITY)
-    raised = np.minimum(hover.pitch, LEVEL + RAISED * spare)
-    pitch = np.where(forward, wing.pitch * share + LEVEL * (1.0 - share), raised)
+    spare = np.maximum(GRAVITY - state.wing_up, -0.3 * GRAVITY)
+    raised = np.minimum(hover.pitch, LEVEL_PITCH + PITCH_PER_LIFT * spare)
+    pitch = np.where(forward, wing.pitch * share + LEVEL_PITCH * (1.0 - share), raised)
     turn = np.where(forward, wing.turn * share + hover.turn * (1.0 - share), hover.turn)
-    carried = np.where(guided, np.maximum(hover.thrust - fleet.wing_up, 0.0), hover.thrust)
+    carried = np.where(guided, np.maximum(hover.thrust - state.wing_up, 0.0), hover.thrust)
     lift = np.where(flown, 0.0, carried)
-    aligned = np.abs(wrapped(fleet.yaw_demand - fleet.attitude_estimate[2])) < ALIGNED
-    ready = forward & (share < 1.0) & (fleet.on_ground == 0.0) & (aligned | (share > TURNED))
+    aligned = np.abs(wrap_angle(state.yaw_demand - state.attitude_estimate[2])) < MAX_HEADING_ERROR
+    ready = forward & (share < 1.0) & (state.on_ground == 0.0) & (aligned | (share > COMMITTED_SHARE))
     push = np.where(ready, 1.0, 0.0)
     push = np.where(flown, wing.thrust, push)
-    attitude = Wish(
+    attitude = AttitudeCommand(
         np.where(flown, wing.roll, roll),
         np.where(flown, wing.pitch, pitch),
         np.where(flown, wing.turn, turn),
@@ -72,8 +72,8 @@ def blend(fleet: Fleet, hover: Wish, wing: Wish) -> tuple[Wish, Array]:
     return attitude, push
 
 
-def share_authority(fleet: Fleet, authority: Array, push: Array) -> None:
+def share_authority(state: StateArray, authority: Array, push: Array) -> None:
     """Let surfaces, of which authority and push are given, and lifting motors turn the body together."""
-    motors = np.minimum(fleet.lift_thrust * 0.2, 1.0) * fleet.authority
-    fleet.authority[:] = np.maximum(authority, motors)
-    fleet.push += push * (1.0 - motors)
+    motors = np.minimum(state.lift_thrust * 0.2, 1.0) * state.authority
+    state.authority[:] = np.maximum(authority, motors)
+    state.rate_disturbance += push * (1.0 - motors)

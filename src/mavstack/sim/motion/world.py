@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mavstack.sim.kinds import Home, VehicleType
 from mavstack.sim.motion import (
     aerodynamics,
     attitude,
@@ -31,11 +30,12 @@ from mavstack.sim.motion import (
 from mavstack.sim.motion.airframes import AIRFRAMES
 from mavstack.sim.motion.arrays import Array, length
 from mavstack.sim.motion.body import Body
-from mavstack.sim.motion.fleet import Fleet
+from mavstack.sim.motion.initial_state import initial_column
 from mavstack.sim.motion.noise import Noise
-from mavstack.sim.motion.sensors import Sensors, field
-from mavstack.sim.motion.spawn import new_column
-from mavstack.sim.motion.wind import Weather
+from mavstack.sim.motion.sensors import Sensors, magnetic_field
+from mavstack.sim.motion.state import StateArray
+from mavstack.sim.motion.wind import WindModel
+from mavstack.sim.vehicle_types import Home, VehicleType
 
 ORDER = (
     VehicleType.PLANE,
@@ -61,10 +61,10 @@ class World:
         self.bodies: list[Body] = []
         self._noise = Noise(seed, self.step_length)
         self.sensors = Sensors(self._noise)
-        self.weather = Weather()
-        self._fields = np.zeros((3, 0))
+        self.wind = WindModel()
+        self._origins = np.zeros((3, 0))
         self._gps_period = max(round(rate / GPS_RATE), 1)
-        self._bind(np.zeros((Fleet.HEIGHT, 0)))
+        self._bind(np.zeros((StateArray.ROW_COUNT, 0)))
 
     @property
     def time(self) -> float:
@@ -73,63 +73,67 @@ class World:
 
     # --- bodies
 
-    def add(self, kind: VehicleType, home: Home) -> Body:
+    def add(self, vehicle_type: VehicleType, home: Home) -> Body:
         """Put a body of a type at its home, on the ground or afloat."""
-        kind = VehicleType(kind)
-        body = Body(self, kind, home, len(self.bodies))
-        place = ORDER.index(kind)
+        vehicle_type = VehicleType(vehicle_type)
+        body = Body(self, vehicle_type, home, len(self.bodies))
+        place = ORDER.index(vehicle_type)
         body.column = sum(1 for other in self.bodies if ORDER.index(other.type) <= place)
         for other in self.bodies:
             other.column += other.column >= body.column
         self.bodies.append(body)
         wander = self._noise.insert(body.column, body.number)
-        fresh = new_column(AIRFRAMES[kind], home, wander, self.step_length, body.number % self._gps_period)
-        self._fields = np.insert(self._fields, body.column, (*field(home.latitude), home.altitude), axis=1)
-        self._bind(np.insert(self.fleet.data, body.column, fresh, axis=1))
-        self.sensors.forget()
-        attitude.orient(self._column(body.column))
+        fresh = initial_column(
+            AIRFRAMES[vehicle_type], home, wander, self.step_length, body.number % self._gps_period
+        )
+        self._origins = np.insert(
+            self._origins, body.column, (*magnetic_field(home.latitude), home.altitude), axis=1
+        )
+        self._bind(np.insert(self.state.data, body.column, fresh, axis=1))
+        self.sensors.invalidate()
+        attitude.update_axes(self._column(body.column))
         return body
 
     def _bind(self, data: Array) -> None:
         """Make the views of the slices of all types and laws."""
-        self.fleet = Fleet(np.ascontiguousarray(data))
-        counts = [sum(1 for body in self.bodies if body.type is kind) for kind in ORDER]
+        self.state = StateArray(np.ascontiguousarray(data))
+        counts = [sum(1 for body in self.bodies if body.type is vehicle_type) for vehicle_type in ORDER]
         ends = np.cumsum([0, *counts]).tolist()
 
-        def part(first: int, last: int) -> Fleet:
-            return self.fleet.part(slice(ends[first], ends[last + 1]))
+        def part(first: int, last: int) -> StateArray:
+            return self.state.select(slice(ends[first], ends[last + 1]))
 
         self._planes, self._vtols, self._copters, self._subs, self._rovers, self._boats = (
             part(row, row) for row in range(len(ORDER))
         )
-        self._wings, self._lifters, self._movers = part(0, 1), part(1, 2), part(1, 5)
-        self._leaners, self._surface = part(0, 3), part(4, 5)
+        self._wings, self._lifters, self._hoverers = part(0, 1), part(1, 2), part(1, 5)
+        self._tilting, self._surface = part(0, 3), part(4, 5)
 
-    def _column(self, column: int) -> Fleet:
-        return self.fleet.part(slice(column, column + 1))
+    def _column(self, column: int) -> StateArray:
+        return self.state.select(slice(column, column + 1))
 
-    def put(self, column: int, place: tuple[float, float, float], yaw: float) -> None:
+    def place(self, column: int, place: tuple[float, float, float], yaw: float) -> None:
         """Put one body somewhere, at rest and level, its estimate with it."""
-        fleet = self.fleet
+        state = self.state
         for name in ("velocity", "acceleration", "rates", "velocity_command", "integral", "thrust"):
-            getattr(fleet, name)[:, column] = 0.0
-        fleet.position[:, column] = place
-        fleet.position[2, column] = np.clip(place[2], fleet.ceiling[column], fleet.floor[column])
-        fleet.attitude[:, column] = (0.0, 0.0, yaw)
-        fleet.position_estimate[:, column] = fleet.position[:, column] + fleet.position_error[:, column]
-        fleet.velocity_estimate[:, column] = 0.0
-        fleet.attitude_estimate[:, column] = (0.0, 0.0, yaw + fleet.yaw_error[column])
-        down = fleet.position[2, column]
-        fleet.on_ground[column] = down >= fleet.floor[column] or down <= fleet.ceiling[column]
-        attitude.orient(self._column(column))
+            getattr(state, name)[:, column] = 0.0
+        state.position[:, column] = place
+        state.position[2, column] = np.clip(place[2], state.ceiling[column], state.floor[column])
+        state.attitude[:, column] = (0.0, 0.0, yaw)
+        state.position_estimate[:, column] = state.position[:, column] + state.position_error[:, column]
+        state.velocity_estimate[:, column] = 0.0
+        state.attitude_estimate[:, column] = (0.0, 0.0, yaw + state.yaw_error[column])
+        down = state.position[2, column]
+        state.on_ground[column] = down >= state.floor[column] or down <= state.ceiling[column]
+        attitude.update_axes(self._column(column))
 
     def set_wind(self, speed: float, direction: float = 0.0, turbulence: float = 0.0) -> None:
         """Let the wind blow at `speed` m/s from `direction` in degrees, with gusts a share of it."""
-        self.weather.set(speed, direction, turbulence)
+        self.wind.set(speed, direction, turbulence)
 
-    def measured(self, column: int) -> list[float]:
+    def sensor_values(self, column: int) -> list[float]:
         """Give what the white-noise sensors of a column read."""
-        return self.sensors.column(self.fleet, self._fields, self.tick, column)
+        return self.sensors.column(self.state, self._origins, self.tick, column)
 
     # --- a step
 
@@ -138,84 +142,84 @@ class World:
         self.tick += 1
         if not self.bodies:
             return
-        fleet, step = self.fleet, self.step_length
-        self._noise.wander(fleet.wander, self.tick)
-        self.weather.blow(fleet)
-        relative = fleet.velocity - fleet.air
-        fleet.airspeed[:] = length(relative)
-        fleet.force[:] = relative * -(fleet.drag_linear + fleet.drag_quadratic * fleet.airspeed)
-        if self._movers.count:
-            guidance.guide(self._movers, step)
+        state, step = self.state, self.step_length
+        self._noise.wander(state.wander, self.tick)
+        self.wind.update(state)
+        relative = state.velocity - state.air
+        state.airspeed[:] = length(relative)
+        state.force[:] = relative * -(state.drag_linear + state.drag_quadratic * state.airspeed)
+        if self._hoverers.count:
+            guidance.update_velocity_command(self._hoverers, step)
         self._fly(step)
         if self._subs.count:
-            wish, wanted = submarine.control(self._subs, step)
-            _want(self._subs, wish)
-            submarine.move(self._subs, wanted)
+            command, wanted = submarine.control(self._subs, step)
+            _store_command(self._subs, command)
+            submarine.apply_forces(self._subs, wanted)
         if self._surface.count:
             self._drive(step)
-        if self._leaners.count:
-            attitude.pull(self._leaners, step)
-        attitude.turn(fleet, step)
-        attitude.orient(fleet)
-        ground.move(fleet, step)
-        self._note()
-        battery.drain(fleet, step)
-        estimate.receive(fleet, self.tick, self._gps_period)
-        estimate.update(fleet, step)
+        if self._tilting.count:
+            attitude.update_rates(self._tilting, step)
+        attitude.integrate_rates(state, step)
+        attitude.update_axes(state)
+        ground.integrate(state, step)
+        self._record_outputs()
+        battery.discharge(state, step)
+        estimate.update_gps(state, self.tick, self._gps_period)
+        estimate.update(state, step)
 
     def _fly(self, step: float) -> None:
         """Run what has wings or lifting motors."""
         planes, vtols, copters = self._planes.count, self._vtols.count, self._copters.count
         if vtols:
-            vtol.shift(self._vtols, step)
+            vtol.update_transition(self._vtols, step)
         if planes or vtols:
             flown = wing.control(self._wings, step)
-            aerodynamics.feel(self._wings)
+            aerodynamics.apply_wing(self._wings)
             push = flown.thrust
             if planes:
-                _want(self._planes, multirotor.Wish(*(row[:planes] for row in flown)))
+                _store_command(self._planes, multirotor.AttitudeCommand(*(row[:planes] for row in flown)))
         if vtols or copters:
             hover = multirotor.control(self._lifters, step)
             lift = hover.thrust
             if copters:
-                _want(self._copters, multirotor.Wish(*(row[vtols:] for row in hover)))
+                _store_command(self._copters, multirotor.AttitudeCommand(*(row[vtols:] for row in hover)))
             if vtols:
-                surfaces = self._vtols.authority.copy(), self._vtols.push.copy()
+                surfaces = self._vtols.authority.copy(), self._vtols.rate_disturbance.copy()
                 mixed, pusher = vtol.blend(
                     self._vtols,
-                    multirotor.Wish(*(row[:vtols] for row in hover)),
-                    multirotor.Wish(*(row[planes:] for row in flown)),
+                    multirotor.AttitudeCommand(*(row[:vtols] for row in hover)),
+                    multirotor.AttitudeCommand(*(row[planes:] for row in flown)),
                 )
-                _want(self._vtols, mixed)
+                _store_command(self._vtols, mixed)
                 push[planes:] = pusher
                 lift[:vtols] = mixed.thrust
-            multirotor.wear(self._lifters)
+            multirotor.apply_motor_failures(self._lifters)
             if vtols:
                 vtol.share_authority(self._vtols, *surfaces)
-            multirotor.lift(self._lifters, lift)
+            multirotor.apply_lift(self._lifters, lift)
         if planes or vtols:
-            aerodynamics.drive(self._wings, push)
+            aerodynamics.apply_drive(self._wings, push)
 
     def _drive(self, step: float) -> None:
         """Run what stays on the surface."""
         turn, throttle = surface.control(self._surface, step)
         rovers = self._rovers.count
         for part, grip, rows in (
-            (self._rovers, surface.GRIP, slice(0, rovers)),
-            (self._boats, surface.HULL, slice(rovers, None)),
+            (self._rovers, surface.WHEEL_DRAG, slice(0, rovers)),
+            (self._boats, surface.HULL_DRAG, slice(rovers, None)),
         ):
             if part.count:
-                surface.move(part, turn[rows], throttle[rows], grip, step)
+                surface.apply_forces(part, turn[rows], throttle[rows], grip, step)
 
-    def _note(self) -> None:
+    def _record_outputs(self) -> None:
         """Keep what the actuators did, for readers."""
-        fleet = self.fleet
-        np.divide(fleet.rates, fleet.rate_limit, out=fleet.controls)
-        np.divide(fleet.lift_thrust, np.maximum(fleet.lift, 1.0), out=fleet.lift_share)
-        np.minimum(np.maximum(fleet.lift_share, np.abs(fleet.drive_thrust)), 1.0, out=fleet.throttle)
+        state = self.state
+        np.divide(state.rates, state.rate_limit, out=state.controls)
+        np.divide(state.lift_thrust, np.maximum(state.lift, 1.0), out=state.lift_share)
+        np.minimum(np.maximum(state.lift_share, np.abs(state.drive_thrust)), 1.0, out=state.throttle)
 
 
-def _want(part: Fleet, wish: multirotor.Wish) -> None:
-    part.roll_wanted[:] = wish.roll
-    part.pitch_wanted[:] = wish.pitch
-    part.turn_wanted[:] = wish.turn
+def _store_command(part: StateArray, command: multirotor.AttitudeCommand) -> None:
+    part.roll_setpoint[:] = command.roll
+    part.pitch_setpoint[:] = command.pitch
+    part.yaw_rate_setpoint[:] = command.turn

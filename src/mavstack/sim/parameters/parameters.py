@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.services.parameters import Encoding, ParameterServer, ParameterTable
 from mavstack.services.parameters.value import as_type, same
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.parameters.tables import definitions
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from mavstack.dialects import common
 from mavstack.services.parameters import ParameterDefinition
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -1,5 +1,5 @@
-"""PX4's flavour: multicopter, fixed wing, standard VTOL, rover, boat, submarine."""
+"""PX4's profile: multicopter, fixed wing, standard VTOL, rover, boat, submarine."""
 
-from mavstack.sim.px4.flavour import Px4Flavour
+from mavstack.sim.px4.profile import Px4Profile
 
-__all__ = ["Px4Flavour"]
+__all__ = ["Px4Profile"]

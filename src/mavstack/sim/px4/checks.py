@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.sim.kinds import VehicleType
 from mavstack.sim.px4.modes import MISSION, OFFBOARD, RETURN
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

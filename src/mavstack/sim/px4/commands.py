@@ -1,6 +1,6 @@
 """The commands that PX4 takes, as it answers them: arming, modes, home, missions.
 
-Flying is in `movement.py`, what is done on the ground in `upkeep.py`, failures in `failures.py`. Everything
+Flying is in `movement.py`, what is done on the ground in `maintenance.py`, failures in `failures.py`. Everything
 that is not registered is answered UNSUPPORTED by the server. PX4 refuses most of what it cannot do now with
 TEMPORARILY_REJECTED, and tells why to ground stations that have the component id of mission planners.
 """
@@ -22,20 +22,20 @@ from mavstack.sim.autopilot.commands import (
     whole,
 )
 from mavstack.sim.px4.checks import problems_of
-from mavstack.sim.px4.choosing import AUTO, choose_mode, custom_mode_of, mode_of_flags, unavailable
 from mavstack.sim.px4.failures import FailureCommands
+from mavstack.sim.px4.maintenance import Px4MaintenanceCommands
+from mavstack.sim.px4.mode_selection import AUTO, choose_mode, custom_mode_of, mode_of_flags, unavailable
 from mavstack.sim.px4.modes import BY_THEMSELVES, MISSION, STANDARD_MODES, STANDARD_MODES_OF_WINGS
 from mavstack.sim.px4.movement import Px4Movement
 from mavstack.sim.px4.orders import arm, disarm
 from mavstack.sim.px4.state import BY_COMMAND, BY_MISSION
-from mavstack.sim.px4.upkeep import Px4Upkeep
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.command import CommandRequest
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
@@ -50,7 +50,7 @@ class Px4Arming(ArmingCommands):
 
     refusal = _RESULT.TEMPORARILY_REJECTED
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 
@@ -109,7 +109,7 @@ class ModeCommands(CommandGroup):
 
     def set_standard_mode(self, request: CommandRequest) -> common.MavResult:
         """DO_SET_STANDARD_MODE."""
-        names = STANDARD_MODES_OF_WINGS if self.autopilot.handling.circles else STANDARD_MODES
+        names = STANDARD_MODES_OF_WINGS if self.autopilot.maneuvers.circles else STANDARD_MODES
         wanted = names.get(whole(request.command.param1) or 0)
         if wanted is None or self.autopilot.find_mode(wanted) is None:
             return _RESULT.FAILED
@@ -158,7 +158,7 @@ class Px4Home(HomeCommands):
 class Px4Mission(MissionCommands):
     """MISSION_START, which arms, and DO_LAND_START."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 
@@ -195,18 +195,18 @@ class Px4Mission(MissionCommands):
         return _RESULT.ACCEPTED
 
 
-def groups_of(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
+def groups_of(vehicle: SimulatedVehicle, state: Px4State) -> Iterator[CommandGroup]:
     """All groups of commands of a vehicle."""
     yield Px4Arming(vehicle, state)
     yield ModeCommands(vehicle)
     yield Px4Home(vehicle)
     yield Px4Mission(vehicle, state)
     yield Px4Movement(vehicle, state)
-    yield Px4Upkeep(vehicle, state)
+    yield Px4MaintenanceCommands(vehicle, state)
     yield FailureCommands(vehicle)
 
 
-def register_commands(vehicle: Vehicle, state: Px4State) -> None:
+def register_commands(vehicle: SimulatedVehicle, state: Px4State) -> None:
     """Take all commands of a vehicle."""
     for group in groups_of(vehicle, state):
         take(vehicle, group.handlers())

@@ -24,11 +24,11 @@ class Descend(Behaviour):
         autopilot = self.autopilot
         if not autopilot.vehicle.type.flies:
             yield from self._drift()
-        if autopilot.handling.circles and autopilot.vehicle.type.flies:
+        if autopilot.maneuvers.circles and autopilot.vehicle.type.flies:
             yield from self._glide()
         climb = ClimbControl(autopilot)
         while not autopilot.landed:
-            thrust = climb.thrust(-autopilot.figures.land_speed)
+            thrust = climb.thrust(-autopilot.flight_parameters.land_speed)
             autopilot.body.hold_attitude(0.0, 0.0, None, thrust, yaw_rate=0.0)
             yield
         autopilot.body.idle()
@@ -44,7 +44,7 @@ class Descend(Behaviour):
     def _glide(self) -> Iterator[None]:
         """What has no motors to hover on comes down gliding; a VTOL hovers first."""
         yield from become(self.autopilot, forward=False)
-        while self.autopilot.handling.circles and not self.autopilot.landed:
+        while self.autopilot.maneuvers.circles and not self.autopilot.landed:
             self.autopilot.body.hold_attitude(_BANK, _NOSE_DOWN, None, 0.0, yaw_rate=0.0)
             yield
 

@@ -134,7 +134,7 @@ class Px4Checks:
 
     def mode_of(self, act: Act) -> int:
         """Its mode; what does not fly holds instead of landing."""
-        return self._autopilot.flavour.land if act is Act.LAND else MODES[act]
+        return self._autopilot.profile.land if act is Act.LAND else MODES[act]
 
     # Links
 

@@ -180,7 +180,7 @@ class Px4Failsafes:
         else:
             before += ": switching to " + WORDS[act]
         self._say(before)
-        if act is not Act.TERMINATE:  # which the flavour tells, whoever terminates
+        if act is not Act.TERMINATE:  # which the profile tells, whoever terminates
             self._say("Failsafe activated")
 
     def _say(self, text: str, severity: int = _CRITICAL) -> None:

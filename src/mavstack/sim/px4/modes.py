@@ -26,11 +26,11 @@ from mavstack.sim.autopilot.behaviours import (
 )
 from mavstack.sim.autopilot.behaviours.mission import Mission
 from mavstack.sim.autopilot.mode import Mode
-from mavstack.sim.kinds import VehicleType
 from mavstack.sim.px4.descend import Descend, Nothing
 from mavstack.sim.px4.orbit import orbit_behaviour
 from mavstack.sim.px4.returning import Px4Return
 from mavstack.sim.px4.takeoff import Px4Takeoff
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -22,19 +22,19 @@ from mavstack.sim.autopilot.commands import (
 )
 from mavstack.sim.autopilot.commands.guiding import fly_as_chosen
 from mavstack.sim.autopilot.commands.places import GLOBAL
-from mavstack.sim.kinds import VehicleType
-from mavstack.sim.px4.choosing import choose_mode
+from mavstack.sim.px4.mode_selection import choose_mode
 from mavstack.sim.px4.modes import HOLD, LAND, ORBIT, RETURN, TAKEOFF, VTOL_TAKEOFF
 from mavstack.sim.px4.orbit import WantedOrbit
 from mavstack.sim.px4.orders import change_over
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.services.command import Command, CommandRequest
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
@@ -47,7 +47,7 @@ _FASTEST: Final = 1000.0
 class Px4Movement(MovementCommands):
     """With PX4's answers and words."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 
@@ -116,7 +116,7 @@ class Px4Movement(MovementCommands):
         behaviour = self.autopilot.behaviour
         if behaviour is None or not behaviour.landing or self.autopilot.landed:
             return _RESULT.TEMPORARILY_REJECTED
-        here = self.autopilot.handling.stopping_point
+        here = self.autopilot.maneuvers.stopping_point
         climb = float(self.vehicle.parameters["MIS_LND_ABRT_ALT"])
         up = min(here[2], self.autopilot.home_position[2] - climb)
         result = self.enter(HOLD)
@@ -149,7 +149,7 @@ class Px4Movement(MovementCommands):
             return point
         autopilot = self.autopilot
         kept = autopilot.target if autopilot.mode.number == HOLD else None
-        north, east, down = kept or autopilot.handling.stopping_point
+        north, east, down = kept or autopilot.maneuvers.stopping_point
         return north, east, point[2] if isfinite(command.param7) else down
 
     def change_altitude(self, request: CommandRequest) -> common.MavResult:
@@ -159,7 +159,7 @@ class Px4Movement(MovementCommands):
             return _RESULT.TEMPORARILY_REJECTED
         if not abs(altitude) <= _HIGHEST:
             return _RESULT.DENIED
-        north, east, _ = autopilot.target or autopilot.handling.stopping_point
+        north, east, _ = autopilot.target or autopilot.maneuvers.stopping_point
         autopilot.guided.go_to((north, east, autopilot.body.frame.altitude - altitude))
         return _RESULT.ACCEPTED
 
@@ -167,7 +167,7 @@ class Px4Movement(MovementCommands):
         """DO_ORBIT: a wing circles in Hold, what hovers in a mode of its own."""
         command, autopilot = request.command, self.autopilot
         wanted = WantedOrbit.read(autopilot, command, self.wanted_place(command))
-        if autopilot.handling.circles:
+        if autopilot.maneuvers.circles:
             if choose_mode(self.vehicle, HOLD) is not None:
                 return self._refuse_orbit()
             autopilot.guided.orbit(wanted.centre, wanted.radius)
@@ -190,11 +190,11 @@ class Px4Movement(MovementCommands):
         kind, speed = whole(number(request.command.param1)), number(request.command.param2)
         if speed > 0:
             return super().change_speed(request) if speed <= _FASTEST else _RESULT.DENIED
-        handling = self.autopilot.handling
+        maneuvers = self.autopilot.maneuvers
         if kind in (common.SpeedType.CLIMB_SPEED, common.SpeedType.DESCENT_SPEED):
-            handling.climb = handling.sink = None
+            maneuvers.climb = maneuvers.sink = None
         else:
-            handling.speed = None
+            maneuvers.speed = None
         fly_as_chosen(self.autopilot)
         return _RESULT.ACCEPTED
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mavstack.services.command import Command
     from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _YAW = common.OrbitYawBehaviour
 _SMALLEST: Final = 1.0
@@ -35,7 +35,7 @@ class WantedOrbit:
         """What DO_ORBIT asks for; what is left out is as usual."""
         radius, speed = command.param1, abs(number(command.param2))
         if not isfinite(radius) or abs(radius) < _SMALLEST:
-            radius = autopilot.figures.circle_radius
+            radius = autopilot.flight_parameters.circle_radius
         yaw = whole(command.param3)
         if yaw not in set(_YAW):
             yaw = int(autopilot.vehicle.parameters.get("MC_ORBIT_YAW_MOD", 0))

@@ -10,7 +10,7 @@ from mavstack.sim.autopilot.behaviours import ReturnToLaunch
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 
 class Px4Return(ReturnToLaunch):

@@ -37,10 +37,10 @@ class Px4Takeoff(Takeoff):
     def _chosen(self) -> float:
         """As high as it was told, in local metres."""
         autopilot, say = self.autopilot, self.autopilot.vehicle.say
-        here = autopilot.handling.place[2]
+        here = autopilot.maneuvers.place[2]
         altitude, self._state.takeoff_altitude = self._state.takeoff_altitude, None
         if altitude is None or not isfinite(altitude):
-            height = autopilot.figures.takeoff_altitude
+            height = autopilot.flight_parameters.takeoff_altitude
             say(f"Using default takeoff altitude: {height:.1f} m")
             return here - height
         down = autopilot.body.frame.altitude - altitude

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import EVERYBODY
-from mavstack.sim.kinds import Firmware
 from mavstack.sim.storage.dataflash_logs import DataflashLogs
 from mavstack.sim.storage.flight_logs import KEPT_BYTES
 from mavstack.sim.storage.roots import ardupilot_root, file_store, px4_root
 from mavstack.sim.storage.sample import LoggedParameter, LogStart
 from mavstack.sim.storage.ulog_logs import UlogLogs
+from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     import os
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.services.mission import Plan
     from mavstack.services.parameters import Parameter
     from mavstack.sim.storage.flight_logs import FlightLogs
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: What the firmwares call themselves: text, version, hash of the source.
 ARDUPILOT_VERSION, PX4_VERSION = (4, 6, 0), (1, 16, 0)
@@ -45,7 +45,7 @@ class Storage:
 
     def __init__(
         self,
-        vehicle: Vehicle,
+        vehicle: SimulatedVehicle,
         *,
         folder: str | os.PathLike[str] | None = None,
         limit: int = KEPT_BYTES,

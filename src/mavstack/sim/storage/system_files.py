@@ -1,6 +1,6 @@
 """What an ArduPilot says of itself in files: serial ports, tasks, threads, memory, timers.
 
-A simulated vehicle has none of these, so the figures are made up: the same at the same time after boot.
+A simulated vehicle has none of these, so the flight parameters are made up: the same at the same time after boot.
 """
 
 from __future__ import annotations

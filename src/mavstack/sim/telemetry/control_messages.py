@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.sim.autopilot.behaviours.orbit import Orbit
-from mavstack.sim.kinds import VehicleType
 from mavstack.sim.telemetry.scaling import UINT16_MAX, degrees_e7, int16, uint8, uint16
 from mavstack.sim.telemetry.view import quaternion
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
@@ -164,7 +164,7 @@ class ControlMessages:
         """POSITION_TARGET_LOCAL_NED, only in guided mode and with a target."""
         autopilot = self._autopilot
         target = autopilot.target
-        if target is None or autopilot.mode.number != autopilot.flavour.guided:
+        if target is None or autopilot.mode.number != autopilot.profile.guided:
             return None
         return common.PositionTargetLocalNed(
             self._view.milliseconds(now), common.MavFrame.LOCAL_NED, _ONLY_POSITION, *target

@@ -51,7 +51,7 @@ class LinkMessages:
         own, home = self._body.estimate, self._view.home
         flying = self._view.autopilot.armed and not self._view.autopilot.landed
         distance = hypot(own.north - home[0], own.east - home[1])
-        speed = max(self._view.autopilot.figures.cruise_speed, 0.1)
+        speed = max(self._view.autopilot.flight_parameters.cruise_speed, 0.1)
         seconds = int32(distance / speed) if flying else 0
         return common.TimeEstimateToTarget(seconds, _NEVER, _NEVER, _NEVER, _NEVER)
 

@@ -6,7 +6,6 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.telemetry.health import Health
 from mavstack.sim.telemetry.scaling import (
     INT16_MAX,
@@ -18,6 +17,7 @@ from mavstack.sim.telemetry.scaling import (
     uint16,
 )
 from mavstack.sim.telemetry.view import quaternion
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable

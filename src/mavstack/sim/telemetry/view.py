@@ -9,12 +9,12 @@ from __future__ import annotations
 from math import cos, nan, sin
 from typing import TYPE_CHECKING, NamedTuple
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.kinds import Home
     from mavstack.sim.motion import Body, EstimateHealth, SensorReadings
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.vehicle_types import Home
 
 #: For so long the answer of the arming checks is believed.
 _CHECKED_FOR = 1.0
@@ -33,7 +33,7 @@ class Place(NamedTuple):
 class View:
     """One vehicle as telemetry sees it."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self.vehicle = vehicle
         self.autopilot = vehicle.autopilot
         self.body: Body = vehicle.body
@@ -126,7 +126,7 @@ class View:
         now = self.vehicle.now
         if not 0 <= now - self._ready_at < _CHECKED_FOR:
             self._ready_at = now
-            problems = self.autopilot.flavour.prearm_problems(self.autopilot)
+            problems = self.autopilot.profile.prearm_problems(self.autopilot)
             self._ready = next(iter(problems), None) is None
         return self._ready
 

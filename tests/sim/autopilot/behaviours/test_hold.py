@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.sim.autopilot.behaviours import Brake, Hold, Stop
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.stub import GUIDED, HOLD, LAND, Flight
 
 
@@ -81,10 +81,10 @@ def test_another_mode_forgets_where_it_was_to_go() -> None:
     flight = Flight().in_the_air(10.0)
     flight.enter(HOLD)
     flight.autopilot.guided.go_to((50.0, 0.0, -10.0))
-    flight.autopilot.handling.speed = 2.0
+    flight.autopilot.maneuvers.speed = 2.0
     flight.run(3)
     flight.enter(LAND)
-    assert flight.autopilot.handling.speed is None
+    assert flight.autopilot.maneuvers.speed is None
     flight.enter(HOLD)
     flight.run(20)
     assert flight.distance() < 20

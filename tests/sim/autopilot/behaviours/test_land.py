@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours import Hold, Land
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.stub import LAND, Flight
 
 LANDED = common.MavLandedState

@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.sim.autopilot.behaviours import Acro, AltitudeHold, Manual, PositionHold, Stabilize
 from mavstack.sim.autopilot.radio import Sticks
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.stub import Flight, turned
 
 CENTRED = Sticks(0.0, 0.0, 0.5, 0.0)

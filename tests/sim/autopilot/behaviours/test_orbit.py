@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours import Circle, Orbit
 from mavstack.sim.autopilot.radio import Sticks
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.stub import GUIDED, Flight, turned
 
 YAW = common.OrbitYawBehaviour

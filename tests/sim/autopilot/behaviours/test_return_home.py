@@ -8,13 +8,13 @@ from types import SimpleNamespace
 import pytest
 
 from mavstack.sim.autopilot.behaviours import Hold, ReturnToLaunch
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.stub import GUIDED, RETURN, Flight
 
 
-def away(kind: VehicleType, north: float, east: float, height: float, **figures: float) -> Flight:
+def away(kind: VehicleType, north: float, east: float, height: float, **flight_parameters: float) -> Flight:
     """A vehicle that hovers somewhere else."""
-    flight = Flight(kind, **figures).in_the_air(height)
+    flight = Flight(kind, **flight_parameters).in_the_air(height)
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((north, east, -height))
     flight.until(lambda: flight.distance((north, east)) < 1.5, within=60)

@@ -6,7 +6,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours import Takeoff
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.stub import TAKEOFF, Flight
 
 HOVERING = [VehicleType.COPTER, VehicleType.VTOL]
@@ -61,7 +61,7 @@ def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:
     assert abs(flight.body.truth.east) < 60.0, "it climbs ahead"
     flight.run(60)
     assert flight.height == pytest.approx(50.0, abs=5.0)
-    assert flight.distance() < 1.6 * flight.figures.loiter_radius
+    assert flight.distance() < 1.6 * flight.flight_parameters.loiter_radius
     assert flight.autopilot.landed_state == LANDED.IN_AIR
 
 

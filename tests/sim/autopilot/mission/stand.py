@@ -21,19 +21,19 @@ from mavstack.sim.autopilot.behaviours import Mission
 from mavstack.sim.autopilot.fence import FenceWatch
 from mavstack.sim.autopilot.mission import MissionRunner
 from mavstack.sim.autopilot.rally import RallyPoints
-from mavstack.sim.kinds import FIELD, Firmware, Home, VehicleType
 from mavstack.sim.motion import LocalFrame
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from tests.sim.autopilot.stub import MISSION, Flight
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 CMD = ardupilotmega.MavCmd
 RESULT = common.MavMissionResult
 STATE = common.MissionState
 FRAME = common.MavFrame
 GROUND = Address(255, 190)
-_LOCAL = LocalFrame(FIELD.latitude, FIELD.longitude, FIELD.altitude)
+_LOCAL = LocalFrame(DEFAULT_HOME.latitude, DEFAULT_HOME.longitude, DEFAULT_HOME.altitude)
 
 
 class MissionFlight(Flight):
@@ -44,11 +44,11 @@ class MissionFlight(Flight):
         kind: VehicleType = VehicleType.COPTER,
         firmware: Firmware = Firmware.ARDUPILOT,
         *,
-        home: Home = FIELD,
-        **figures: Any,
+        home: Home = DEFAULT_HOME,
+        **flight_parameters: Any,
     ) -> None:
         self.firmware = firmware
-        super().__init__(kind, home=home, modes={MISSION: Mission}, **figures)
+        super().__init__(kind, home=home, modes={MISSION: Mission}, **flight_parameters)
         vehicle = self.vehicle
         vehicle.firmware = firmware
         for event in (PlanReplaced, CurrentItemSet):

@@ -11,7 +11,7 @@ from hypothesis import strategies as some
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan, PlanType
 from mavstack.sim.autopilot.mission.scripts import SCRIPTS
-from mavstack.sim.kinds import FIELD, Firmware, VehicleType
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from tests.sim.autopilot.mission.stand import FRAME, GROUND, RESULT, MissionFlight, item
 from tests.sim.autopilot.stub import HOLD
 
@@ -19,8 +19,8 @@ NUMBERS = (
     some.sampled_from([0.0, 1.0, -1.0, 2.0, 3.0, 8.0, 60.0, 1900.0, nan, inf, -inf, 3.4e38, -3.4e38, 1e-30])
     | some.floats(-200, 200)
 )  # fmt: skip
-LATITUDES = some.floats(-0.001, 0.001).map(lambda offset: FIELD.latitude + offset) | NUMBERS
-LONGITUDES = some.floats(-0.001, 0.001).map(lambda offset: FIELD.longitude + offset) | NUMBERS
+LATITUDES = some.floats(-0.001, 0.001).map(lambda offset: DEFAULT_HOME.latitude + offset) | NUMBERS
+LONGITUDES = some.floats(-0.001, 0.001).map(lambda offset: DEFAULT_HOME.longitude + offset) | NUMBERS
 COMMANDS = some.sampled_from(sorted(int(command) for command in SCRIPTS)) | some.integers(0, 65535)
 FRAMES = some.sampled_from([FRAME.GLOBAL_RELATIVE_ALT, FRAME.MISSION, FRAME.GLOBAL]) | some.integers(0, 21)
 ITEMS = some.builds(

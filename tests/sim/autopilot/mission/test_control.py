@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.autopilot.mission.stand import CMD, RESULT, STATE, MissionFlight, item, takeoff, waypoint
 from tests.sim.autopilot.stub import HOLD
 

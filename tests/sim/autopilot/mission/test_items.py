@@ -12,7 +12,7 @@ from mavstack.services.setpoints import LocalSetpoint, SetpointReceived
 from mavstack.sim.autopilot.mission.ardupilot import NAMES
 from mavstack.sim.autopilot.mission.px4 import PLACED, PLACELESS
 from mavstack.sim.autopilot.mission.scripts import SCRIPTS
-from mavstack.sim.kinds import FIELD, Firmware, VehicleType
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from tests.sim.autopilot.mission.stand import CMD, FRAME, GROUND, MissionFlight, item, land, takeoff, waypoint
 from tests.sim.autopilot.stub import LAND, MISSION, RETURN
 
@@ -46,10 +46,13 @@ def test_what_an_upload_may_hold_has_a_script() -> None:
 
 
 def fly(
-    *items: MissionItem, firmware: Firmware = ARDUPILOT, kind: VehicleType = COPTER, **figures: float
+    *items: MissionItem,
+    firmware: Firmware = ARDUPILOT,
+    kind: VehicleType = COPTER,
+    **flight_parameters: float,
 ) -> MissionFlight:
     """In the air at 10 m, and then these items."""
-    flight = MissionFlight(kind, firmware, **figures)
+    flight = MissionFlight(kind, firmware, **flight_parameters)
     flight.load(takeoff(10), *items)
     flight.start()
     flight.until(lambda: flight.first in flight.reached, within=60)
@@ -104,13 +107,13 @@ def test_a_plane_passes_by_at_a_distance() -> None:
 @pytest.mark.parametrize(
     ("frame", "altitude"),
     [
-        (FRAME.GLOBAL, FIELD.altitude + 15),
-        (FRAME.GLOBAL_INT, FIELD.altitude + 15),
+        (FRAME.GLOBAL, DEFAULT_HOME.altitude + 15),
+        (FRAME.GLOBAL_INT, DEFAULT_HOME.altitude + 15),
         (FRAME.GLOBAL_RELATIVE_ALT, 15),
         (FRAME.GLOBAL_RELATIVE_ALT_INT, 15),
         (FRAME.GLOBAL_TERRAIN_ALT, 15),
         (FRAME.GLOBAL_TERRAIN_ALT_INT, 15),
-        (FRAME.MISSION, FIELD.altitude + 15),
+        (FRAME.MISSION, DEFAULT_HOME.altitude + 15),
     ],
 )
 def test_altitudes_count_from_where_the_frame_says(frame: int, altitude: float) -> None:
@@ -323,7 +326,7 @@ def test_turning_at_a_speed() -> None:
 
 def test_waiting_for_an_altitude() -> None:
     flight = MissionFlight(PLANE)
-    flight.load(item(CMD.NAV_ALTITUDE_WAIT, FIELD.altitude + 50), takeoff(60))
+    flight.load(item(CMD.NAV_ALTITUDE_WAIT, DEFAULT_HOME.altitude + 50), takeoff(60))
     flight.start()
     flight.run(5)
     assert flight.mission.sequence == 1
@@ -409,7 +412,7 @@ def test_another_speed(firmware: Firmware) -> None:
     flight.run(8)
     assert flight.speed == pytest.approx(3, abs=0.4)
     flight.ended()
-    assert flight.mission.flying or flight.autopilot.handling.speed is None
+    assert flight.mission.flying or flight.autopilot.maneuvers.speed is None
 
 
 def test_speeds_up_and_down_and_the_usual_ones_again() -> None:
@@ -433,7 +436,7 @@ def test_speeds_up_and_down_and_the_usual_ones_again() -> None:
 
 
 def test_home_elsewhere() -> None:
-    flight = do(item(CMD.DO_SET_HOME, 0, at=(100, 50, FIELD.altitude - 1), frame=FRAME.GLOBAL))
+    flight = do(item(CMD.DO_SET_HOME, 0, at=(100, 50, DEFAULT_HOME.altitude - 1), frame=FRAME.GLOBAL))
     north, east, down = flight.autopilot.home_position
     assert (north, east) == pytest.approx((100, 50), abs=0.5)
     assert down == pytest.approx(1, abs=0.1)

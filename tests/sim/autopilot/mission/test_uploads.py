@@ -9,7 +9,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, PlanType
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.autopilot.mission.stand import CMD, FRAME, RESULT, MissionFlight, item, land, takeoff, waypoint
 
 if TYPE_CHECKING:

@@ -1,5 +1,5 @@
 """ArduPilot's failsafes: of the radio, the ground station, the battery, the estimate, and what crashes."""
 
-from mavstack.sim.ardupilot.failsafes.gathering import ArdupilotFailsafes
+from mavstack.sim.ardupilot.failsafes.factory import ArdupilotFailsafes
 
 __all__ = ["ArdupilotFailsafes"]

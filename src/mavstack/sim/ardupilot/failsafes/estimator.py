@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import ardupilotmega
 from mavstack.sim.ardupilot.failsafes.firmware import CRITICAL
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import FirmwareFailsafes
@@ -74,7 +74,7 @@ class EstimatorCheck:
         """Copter always looks, Rover while it is armed, Plane while it hovers."""
         autopilot = self._autopilot
         if autopilot.vehicle.type is VehicleType.VTOL:
-            return autopilot.armed and not autopilot.handling.circles
+            return autopilot.armed and not autopilot.maneuvers.circles
         return autopilot.armed or autopilot.vehicle.type is VehicleType.COPTER
 
     def _is_bad(self) -> bool:

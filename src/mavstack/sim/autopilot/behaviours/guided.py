@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
-from mavstack.sim.autopilot.behaviours.aims import Aim
+from mavstack.sim.autopilot.behaviours.guided_commands import GuidedCommand
 from mavstack.sim.autopilot.behaviours.steps import become
 from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
 
@@ -63,7 +63,7 @@ class Guided(Behaviour):
                 yield
         elif autopilot.guided.aim is aim:
             yield from become(autopilot, None)
-            autopilot.handling.hold()
+            autopilot.maneuvers.hold()
             forward = autopilot.body.flies_forward
             while autopilot.guided.aim is aim and not self._touched_down():
                 if autopilot.body.flies_forward != forward:
@@ -111,11 +111,11 @@ class Offboard(Guided):
         while self.autopilot.guided.stream_alive:
             next(script)
             yield
-        self.autopilot.handling.hold()
+        self.autopilot.maneuvers.hold()
         yield  # it is over before another mode begins
-        self.autopilot.flavour.setpoints_lost(self.autopilot)
+        self.autopilot.profile.setpoints_lost(self.autopilot)
         while True:
             yield
 
     def _may_lift_off(self, aim: Behaviour) -> bool:
-        return isinstance(aim, Aim) and aim.lifts_off
+        return isinstance(aim, GuidedCommand) and aim.lifts_off

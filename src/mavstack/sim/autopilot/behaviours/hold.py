@@ -25,7 +25,7 @@ class Brake(Behaviour):
         while True:
             yield from stay_landed(self.autopilot)
             yield from become(self.autopilot, self._forward)
-            self.autopilot.handling.hold()
+            self.autopilot.maneuvers.hold()
             while not (self.autopilot.landed and self.autopilot.vehicle.type.flies):
                 yield
 

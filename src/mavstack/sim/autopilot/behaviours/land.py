@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 #: A descent aims so far below the ground that it never gets there before the ground does.
 _BELOW = 60.0
@@ -78,18 +78,18 @@ class Land(Behaviour):
             yield
 
     def _stop(self) -> Iterator[None]:
-        handling = self.autopilot.handling
-        point = handling.hold(self._point)
-        while not handling.has_reached(point):
+        maneuvers = self.autopilot.maneuvers
+        point = maneuvers.hold(self._point)
+        while not maneuvers.has_reached(point):
             yield
-        handling.hold(point)
+        maneuvers.hold(point)
 
     def _surface(self) -> Iterator[None]:
-        handling = self.autopilot.handling
-        north, east, _ = self._point or handling.stopping_point
+        maneuvers = self.autopilot.maneuvers
+        north, east, _ = self._point or maneuvers.stopping_point
         point = north, east, _WATER
-        handling.go_to(point, yaw=self._yaw)
-        while not handling.has_reached(point):
+        maneuvers.go_to(point, yaw=self._yaw)
+        while not maneuvers.has_reached(point):
             yield
 
     def _descend(self) -> Iterator[None]:
@@ -101,7 +101,7 @@ class Land(Behaviour):
             yield from become(autopilot, forward=False)
             if self._point is not None:
                 yield from self._go_over(self._point)
-        place = self._point or autopilot.handling.stopping_point
+        place = self._point or autopilot.maneuvers.stopping_point
         yaw = autopilot.body.estimate.yaw if self._yaw is None else self._yaw
         climb = ClimbControl(autopilot)
         while not autopilot.landed:
@@ -109,33 +109,33 @@ class Land(Behaviour):
                 self._sink_at(place, yaw)
             else:
                 autopilot.body.hold_attitude(0.0, 0.0, yaw, climb.thrust(-self._sink()))
-                place = autopilot.handling.place
+                place = autopilot.maneuvers.place
             yield
         autopilot.body.idle()
 
     def _sink_at(self, place: Point, yaw: float) -> None:
-        handling = self.autopilot.handling
+        maneuvers = self.autopilot.maneuvers
         north, east, _ = place
-        handling.go_to(
-            (north, east, handling.place[2] + _BELOW),
-            start=(north, east, handling.place[2]),
+        maneuvers.go_to(
+            (north, east, maneuvers.place[2] + _BELOW),
+            start=(north, east, maneuvers.place[2]),
             yaw=yaw,
             sink=self._sink(),
         )
         self.autopilot.target = north, east, _WATER
 
     def _go_over(self, point: Point) -> Iterator[None]:
-        handling = self.autopilot.handling
-        above = point[0], point[1], handling.place[2]
-        handling.go_to(above)
-        while not handling.has_reached(above) and self.autopilot.has_position:
+        maneuvers = self.autopilot.maneuvers
+        above = point[0], point[1], maneuvers.place[2]
+        maneuvers.go_to(above)
+        while not maneuvers.has_reached(above) and self.autopilot.has_position:
             yield
 
     def _sink(self) -> float:
-        figures, handling = self.autopilot.figures, self.autopilot.handling
-        if handling.height > figures.land_slow_altitude:
-            return handling.sink or figures.sink_speed
-        return figures.land_speed
+        flight_parameters, maneuvers = self.autopilot.flight_parameters, self.autopilot.maneuvers
+        if maneuvers.height > flight_parameters.land_slow_altitude:
+            return maneuvers.sink or flight_parameters.sink_speed
+        return flight_parameters.land_speed
 
 
 class WingLanding:
@@ -145,7 +145,7 @@ class WingLanding:
         self, autopilot: Autopilot, point: Point | None, course: float | None, *, direct: bool = False
     ) -> None:
         self._autopilot = autopilot
-        self._handling, self._body = autopilot.handling, autopilot.body
+        self._handling, self._body = autopilot.maneuvers, autopilot.body
         self._direct = direct and point is not None
         north, east, _ = point or self._handling.place
         self._touchdown = north, east, _WATER
@@ -179,13 +179,13 @@ class WingLanding:
     def _approach_start(self) -> Point:
         """Where the glide begins."""
         height = min(max(-self._handling.place[2], _LOWEST), _HIGHEST)
-        back = height / max(self._autopilot.figures.glide_slope, 0.02)
+        back = height / max(self._autopilot.flight_parameters.glide_slope, 0.02)
         north, east, _ = self._touchdown
         return north - cos(self._course) * back, east - sin(self._course) * back, -height
 
     def _come_down_to(self, start: Point) -> Iterator[None]:
         """To a circle beside the approach, round it down to its height, and off it along the approach."""
-        radius = self._autopilot.figures.loiter_radius
+        radius = self._autopilot.flight_parameters.loiter_radius
         side = self._course + (pi / 2 if radius > 0 else -pi / 2)
         centre = start[0] + cos(side) * abs(radius), start[1] + sin(side) * abs(radius), start[2]
         self._handling.circle(centre, radius)
@@ -201,12 +201,12 @@ class WingLanding:
         return atan2(here.velocity_east, here.velocity_north)
 
     def _glide(self, start: Point) -> Iterator[None]:
-        figures = self._autopilot.figures
-        self._handling.go_to(self._touchdown, start=start, sink=max(figures.sink_speed, 3.0))
-        while self._handling.height > figures.flare_altitude and not self._autopilot.landed:
+        flight_parameters = self._autopilot.flight_parameters
+        self._handling.go_to(self._touchdown, start=start, sink=max(flight_parameters.sink_speed, 3.0))
+        while self._handling.height > flight_parameters.flare_altitude and not self._autopilot.landed:
             if self._handling.has_reached(self._touchdown, 1.0):
                 # it came in too high: on along the same slope
-                far, down = 1000.0, 1000.0 * max(figures.glide_slope, 0.02)
+                far, down = 1000.0, 1000.0 * max(flight_parameters.glide_slope, 0.02)
                 start = self._handling.place
                 beyond = (
                     start[0] + cos(self._course) * far,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,7 +53,7 @@ class ByHand(Behaviour):
 
     def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot)
-        self.body, self.figures = autopilot.body, autopilot.figures
+        self.body, self.flight_parameters = autopilot.body, autopilot.flight_parameters
         self._forward = forward
         self.climb = ClimbControl(autopilot)
         #: As high as it is to stay while the throttle is centred, in local metres.
@@ -82,7 +82,7 @@ class ByHand(Behaviour):
             self.drive(sticks)
         elif kind is VehicleType.SUB:
             self.dive(sticks)
-        elif self.autopilot.handling.circles:
+        elif self.autopilot.maneuvers.circles:
             self.glide(sticks)
         else:
             self.hover(sticks)
@@ -120,8 +120,8 @@ class ByHand(Behaviour):
 
     def lean(self, sticks: Sticks, thrust: float) -> None:
         """Lean as far as the sticks say, and turn at a rate."""
-        most = self.figures.lean_angle
-        rate = dead(sticks.yaw) * self.figures.pilot_yaw_rate
+        most = self.flight_parameters.lean_angle
+        rate = dead(sticks.yaw) * self.flight_parameters.pilot_yaw_rate
         if rate:
             self.body.hold_attitude(sticks.roll * most, sticks.pitch * most, None, thrust, yaw_rate=rate)
         else:
@@ -129,14 +129,14 @@ class ByHand(Behaviour):
 
     def climb_wanted(self, stick: float) -> float:
         """Up for a stick that is pushed, -1 to 1; what it takes to stay as high for one that is centred."""
-        here = self.autopilot.handling.place[2]
+        here = self.autopilot.maneuvers.place[2]
         if stick:
             self._held_down = None
-            return stick * self.figures.pilot_climb_speed
+            return stick * self.flight_parameters.pilot_climb_speed
         if self._held_down is None:
             # it comes to rest a little later than the stick
             self._held_down = here + self.body.estimate.velocity_down * 0.5
-        most = self.figures.pilot_climb_speed
+        most = self.flight_parameters.pilot_climb_speed
         return min(max((here - self._held_down) * _ALTITUDE_GAIN, -most), most)
 
 
@@ -153,7 +153,7 @@ class Stabilize(ByHand):
 
     def glide(self, sticks: Sticks) -> None:
         """Bank and pitch."""
-        bank = sticks.roll * self.figures.lean_angle
+        bank = sticks.roll * self.flight_parameters.lean_angle
         self.body.hold_attitude(bank, sticks.pitch * _WING_PITCH, None, sticks.throttle)
 
 
@@ -162,8 +162,8 @@ class Acro(ByHand):
 
     def hover(self, sticks: Sticks) -> None:
         """Rates, and thrust by the throttle."""
-        rate = self.figures.acro_rate
-        turn = dead(sticks.yaw) * self.figures.pilot_yaw_rate
+        rate = self.flight_parameters.acro_rate
+        turn = dead(sticks.yaw) * self.flight_parameters.pilot_yaw_rate
         self.body.hold_rates(dead(sticks.roll) * rate, dead(sticks.pitch) * rate, turn, sticks.throttle)
 
     glide = hover
@@ -215,17 +215,17 @@ class PositionHold(AltitudeHold):
         turn, climb = dead(sticks.yaw), self.middle(sticks)
         if not (forward or right or turn or climb):
             if not self._holds:
-                self.autopilot.handling.hold()
+                self.autopilot.maneuvers.hold()
             self._holds = True
             return
         self._holds = False
         self.autopilot.target = None
-        speed, yaw = self.figures.cruise_speed, self.body.estimate.yaw
+        speed, yaw = self.flight_parameters.cruise_speed, self.body.estimate.yaw
         self.body.fly_velocity(
             (forward * cos(yaw) - right * sin(yaw)) * speed,
             (forward * sin(yaw) + right * cos(yaw)) * speed,
             -self.climb_wanted(climb),
-            yaw_rate=turn * self.figures.pilot_yaw_rate if turn else None,
+            yaw_rate=turn * self.flight_parameters.pilot_yaw_rate if turn else None,
         )
 
     def dive(self, sticks: Sticks) -> None:
@@ -240,7 +240,7 @@ class PositionHold(AltitudeHold):
 
 def course_and_climb(hand: ByHand, sticks: Sticks) -> None:
     """A wing keeps its course and altitude but for the sticks; its throttle chooses the airspeed."""
-    body, figures = hand.body, hand.figures
+    body, flight_parameters = hand.body, hand.flight_parameters
     here = body.estimate
     climb = hand.climb_wanted(dead(sticks.pitch))
     course = atan2(here.velocity_east, here.velocity_north)
@@ -250,7 +250,7 @@ def course_and_climb(hand: ByHand, sticks: Sticks) -> None:
         course += roll * _COURSE_LEAD
     else:
         hand.held_course = course = course if hand.held_course is None else hand.held_course
-    speed = figures.cruise_speed
+    speed = flight_parameters.cruise_speed
     body.fly_velocity(cos(course) * speed, sin(course) * speed, -climb)
 
 
@@ -260,6 +260,6 @@ def steered(hand: ByHand, sticks: Sticks) -> None:
     if throttle < 0:
         hand.body.sticks(sticks.roll, 0.0, throttle, sticks.yaw)
         return
-    yaw, speed = hand.body.estimate.yaw, throttle * hand.figures.cruise_speed
-    rate = turn * hand.figures.pilot_yaw_rate
+    yaw, speed = hand.body.estimate.yaw, throttle * hand.flight_parameters.cruise_speed
+    rate = turn * hand.flight_parameters.pilot_yaw_rate
     hand.body.fly_velocity(cos(yaw) * speed, sin(yaw) * speed, 0.0, yaw_rate=rate)

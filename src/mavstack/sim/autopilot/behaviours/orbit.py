@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _YAW = common.OrbitYawBehaviour
 #: How far ahead of it a climb is aimed, in seconds.
@@ -46,9 +46,9 @@ class Orbit(Behaviour):
     def fly(self) -> Iterator[None]:
         """Until the last turn is done."""
         yield from stay_landed(self.autopilot)
-        handling = self.autopilot.handling
+        maneuvers = self.autopilot.maneuvers
         initial = self.autopilot.body.estimate.yaw
-        while not handling.has_entered_circle(self.centre, self.radius):
+        while not maneuvers.has_entered_circle(self.centre, self.radius):
             self._circle(initial)
             yield
         bearing = self._bearing()
@@ -57,10 +57,10 @@ class Orbit(Behaviour):
             yield
             before, bearing = bearing, self._bearing()
             self.turned += remainder(bearing - before, tau) / tau
-        handling.hold(None if not handling.circles else self.centre, radius=self.radius)
+        maneuvers.hold(None if not maneuvers.circles else self.centre, radius=self.radius)
 
     def _circle(self, initial: float) -> None:
-        self.autopilot.handling.circle(
+        self.autopilot.maneuvers.circle(
             self.centre, self.radius, speed=self.speed, yaw=self._yaw_on_circle(initial)
         )
 
@@ -74,7 +74,7 @@ class Orbit(Behaviour):
 
     def _bearing(self) -> float:
         """Of the vehicle as seen from the centre."""
-        north, east, _ = self.autopilot.handling.place
+        north, east, _ = self.autopilot.maneuvers.place
         return atan2(east - self.centre[1], north - self.centre[0])
 
 
@@ -90,13 +90,15 @@ class Circle(Behaviour):
         autopilot = self.autopilot
         yield from stay_landed(autopilot)
         yield from become(autopilot, self._forward)
-        handling, figures = autopilot.handling, autopilot.figures
-        if handling.circles:
-            handling.hold()
+        maneuvers, flight_parameters = autopilot.maneuvers, autopilot.flight_parameters
+        if maneuvers.circles:
+            maneuvers.hold()
         else:
-            ahead = 0.0 if figures.circles_where_it_is else abs(figures.circle_radius)
-            centre = handling.ahead(ahead)
-            orbit = Orbit(autopilot, centre, figures.circle_radius, speed=figures.circle_speed)
+            ahead = 0.0 if flight_parameters.circles_where_it_is else abs(flight_parameters.circle_radius)
+            centre = maneuvers.ahead(ahead)
+            orbit = Orbit(
+                autopilot, centre, flight_parameters.circle_radius, speed=flight_parameters.circle_speed
+            )
             for _ in orbit.fly():
                 self._climb_by_throttle(orbit)
                 yield
@@ -109,7 +111,7 @@ class Circle(Behaviour):
         radio = autopilot.radio
         if not (autopilot.vehicle.type.flies and radio.present):
             return
-        climb = ByHand.middle(radio.sticks) * autopilot.figures.pilot_climb_speed
+        climb = ByHand.middle(radio.sticks) * autopilot.flight_parameters.pilot_climb_speed
         if climb:
             north, east, _ = orbit.centre
-            orbit.centre = north, east, autopilot.handling.place[2] - climb * _AHEAD
+            orbit.centre = north, east, autopilot.maneuvers.place[2] - climb * _AHEAD

@@ -1,4 +1,4 @@
-"""Coming home: up, back, and then down or round, as the firmware's figures say.
+"""Coming home: up, back, and then down or round, as the firmware's flight parameters say.
 
     climb to the return altitude ── go home ── wait over it ── land, or stay for ever
 
@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.land import Land
 from mavstack.sim.autopilot.behaviours.steps import become, change_altitude, go_there, wait
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 
 class ReturnToLaunch(Behaviour):
@@ -47,21 +47,21 @@ class ReturnToLaunch(Behaviour):
 
     def _drive_back(self, home: Point) -> Iterator[None]:
         autopilot = self.autopilot
-        here = autopilot.handling.place[2]
+        here = autopilot.maneuvers.place[2]
         yield from go_there(autopilot, (home[0], home[1], here))
         if autopilot.vehicle.type is VehicleType.SUB and self._lands:
             yield from self._land(home)
 
     def _fly_back(self, home: Point) -> Iterator[None]:
-        autopilot, handling = self.autopilot, self.autopilot.handling
+        autopilot, maneuvers = self.autopilot, self.autopilot.maneuvers
         down = self._way_down(home)
-        if not handling.circles and down < handling.place[2]:
-            yield from change_altitude(autopilot, (*handling.stopping_point[:2], down))
+        if not maneuvers.circles and down < maneuvers.place[2]:
+            yield from change_altitude(autopilot, (*maneuvers.stopping_point[:2], down))
         over = home[0], home[1], down
         yield from self._go_over(over)
-        waiting = home[0], home[1], max(down, home[2] - autopilot.figures.return_descend_altitude)
+        waiting = home[0], home[1], max(down, home[2] - autopilot.flight_parameters.return_descend_altitude)
         yield from change_altitude(autopilot, waiting)
-        stay = autopilot.figures.return_loiter_time
+        stay = autopilot.flight_parameters.return_loiter_time
         if stay == inf or not self._lands:
             return
         yield from wait(autopilot, stay)
@@ -69,24 +69,24 @@ class ReturnToLaunch(Behaviour):
 
     def _way_down(self, home: Point) -> float:
         """How high it comes back, in local metres; a wing that does not sink at home may sink at once."""
-        figures, handling = self.autopilot.figures, self.autopilot.handling
-        climb, here = figures.return_altitude, handling.place[2]
+        flight_parameters, maneuvers = self.autopilot.flight_parameters, self.autopilot.maneuvers
+        climb, here = flight_parameters.return_altitude, maneuvers.place[2]
         if not isfinite(climb):
             return here
-        if figures.return_cone_slope > 0 and not handling.circles:
-            climb = min(climb, handling.distance(home) * figures.return_cone_slope)
+        if flight_parameters.return_cone_slope > 0 and not maneuvers.circles:
+            climb = min(climb, maneuvers.distance(home) * flight_parameters.return_cone_slope)
         wanted = home[2] - climb
-        sinks = handling.circles and figures.return_descend_altitude == inf
+        sinks = maneuvers.circles and flight_parameters.return_descend_altitude == inf
         return wanted if sinks else min(wanted, here)
 
     def _go_over(self, over: Point) -> Iterator[None]:
-        handling = self.autopilot.handling
-        if not handling.circles:
+        maneuvers = self.autopilot.maneuvers
+        if not maneuvers.circles:
             yield from go_there(self.autopilot, over)
             return
-        radius = self.autopilot.figures.loiter_radius
-        handling.circle(over, radius)
-        while not handling.has_entered_circle(over, radius):
+        radius = self.autopilot.flight_parameters.loiter_radius
+        maneuvers.circle(over, radius)
+        while not maneuvers.has_entered_circle(over, radius):
             yield
 
     def _land(self, home: Point | None) -> Iterator[None]:

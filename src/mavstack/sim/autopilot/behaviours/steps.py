@@ -5,13 +5,13 @@ from __future__ import annotations
 from math import copysign
 from typing import TYPE_CHECKING
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 #: A transition that takes longer than this is given up waiting for.
 _TRANSITION_LIMIT = 40.0
@@ -46,9 +46,9 @@ def become(autopilot: Autopilot, forward: bool | None) -> Iterator[None]:
         return
     body.transition_to(forward)
     if forward:
-        autopilot.handling.fly_on()  # circles begin when the wing carries it
+        autopilot.maneuvers.fly_on()  # circles begin when the wing carries it
     else:
-        autopilot.handling.hold()
+        autopilot.maneuvers.hold()
     end = autopilot.now + _TRANSITION_LIMIT
     while autopilot.now < end and body.flies_forward == forward and not has_become(autopilot, forward):
         yield
@@ -62,15 +62,15 @@ def has_become(autopilot: Autopilot, forward: bool) -> bool:
 
 def go_there(autopilot: Autopilot, point: Point, *, radius: float | None = None) -> Iterator[None]:
     """Go to a point and wait until it is reached; a wing is then there, not at its altitude."""
-    autopilot.handling.go_to(point)
-    while not autopilot.handling.has_reached(point, radius):
+    autopilot.maneuvers.go_to(point)
+    while not autopilot.maneuvers.has_reached(point, radius):
         yield
 
 
 def change_altitude(autopilot: Autopilot, point: Point) -> Iterator[None]:
     """Go up or down at a point: straight, or round in circles."""
-    autopilot.handling.hold(point)
-    while not autopilot.handling.is_at_altitude(point[2]):
+    autopilot.maneuvers.hold(point)
+    while not autopilot.maneuvers.is_at_altitude(point[2]):
         yield
 
 

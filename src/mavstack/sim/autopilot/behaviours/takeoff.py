@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.steps import become
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,7 +47,7 @@ class Takeoff(Behaviour):
         """Until it is up."""
         kind = self.autopilot.vehicle.type
         if not kind.flies:
-            self.autopilot.handling.hold()
+            self.autopilot.maneuvers.hold()
             return
         self.taking_off = True
         if kind is VehicleType.PLANE:
@@ -59,22 +59,22 @@ class Takeoff(Behaviour):
     def _target(self) -> float:
         """How high, in local metres; never lower than it is."""
         autopilot = self.autopilot
-        here = autopilot.handling.place[2]
+        here = autopilot.maneuvers.place[2]
         ground = here if autopilot.landed else autopilot.home_position[2]
-        altitude = autopilot.figures.takeoff_altitude if self.altitude is None else self.altitude
+        altitude = autopilot.flight_parameters.takeoff_altitude if self.altitude is None else self.altitude
         return min(here, ground - altitude if self._down is None else self._down)
 
     def _rise(self, down: float) -> Iterator[None]:
         autopilot = self.autopilot
-        north, east, _ = autopilot.handling.place
+        north, east, _ = autopilot.maneuvers.place
         yield from become(autopilot, forward=False)
         yaw = autopilot.body.estimate.yaw if self._yaw is None else self._yaw
-        autopilot.handling.go_to((north, east, down), yaw=yaw)
+        autopilot.maneuvers.go_to((north, east, down), yaw=yaw)
         while autopilot.landed or not self._is_up(down):
             yield
         if self._forward:
             yield from become(autopilot, forward=True)
-            autopilot.handling.hold((north, east, down))
+            autopilot.maneuvers.hold((north, east, down))
 
     def _is_up(self, down: float) -> bool:
         """Whether it is there, and not still rising."""
@@ -84,7 +84,7 @@ class Takeoff(Behaviour):
     def _run_and_climb(self, down: float) -> Iterator[None]:
         """Roll, raise the nose, and climb wings level; the turns come when there is height for them."""
         autopilot, body = self.autopilot, self.autopilot.body
-        north, east, ground = autopilot.handling.place
+        north, east, ground = autopilot.maneuvers.place
         course = body.estimate.yaw
         if autopilot.landed:
             body.hold_attitude(0.0, 0.0, course, 1.0)
@@ -92,9 +92,9 @@ class Takeoff(Behaviour):
                 yield
             body.hold_attitude(0.0, _PITCH, course, 1.0)
             straight = max(down, ground - _STRAIGHT)
-            while autopilot.handling.place[2] > straight:
+            while autopilot.maneuvers.place[2] > straight:
                 yield
-        autopilot.handling.fly_on(course, down=down)
-        while autopilot.handling.place[2] > down + _WING_REACHED:
+        autopilot.maneuvers.fly_on(course, down=down)
+        while autopilot.maneuvers.place[2] > down + _WING_REACHED:
             yield
-        autopilot.handling.hold((north, east, down))
+        autopilot.maneuvers.hold((north, east, down))

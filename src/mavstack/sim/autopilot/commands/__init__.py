@@ -9,7 +9,7 @@ from mavstack.sim.autopilot.commands.missions import MissionCommands
 from mavstack.sim.autopilot.commands.movement import MovementCommands
 from mavstack.sim.autopilot.commands.places import has_place, place_of
 from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
-from mavstack.sim.autopilot.commands.taking import (
+from mavstack.sim.autopilot.commands.registration import (
     CommandGroup,
     Handlers,
     Outcome,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
-from mavstack.sim.autopilot.commands.taking import CommandGroup, Handlers, accept
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, accept
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
@@ -63,7 +63,7 @@ class ArmingCommands(CommandGroup):
         """RUN_PREARM_CHECKS: says everything that keeps the vehicle from arming."""
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED
-        for problem in self.autopilot.flavour.arming_problems(self.autopilot):
+        for problem in self.autopilot.profile.arming_problems(self.autopilot):
             self.vehicle.say(problem, common.MavSeverity.CRITICAL)
         return _RESULT.ACCEPTED
 

@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.sim.autopilot.commands.taking import CommandGroup, Handlers, accept, needed, whole
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, accept, needed, whole
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest

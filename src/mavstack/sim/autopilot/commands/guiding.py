@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 
 def guide_to(
@@ -26,4 +26,4 @@ def fly_as_chosen(autopilot: Autopilot) -> None:
     if autopilot.mission.flying:
         autopilot.mission.keep_course()
     elif autopilot.behaviour is not None:
-        autopilot.handling.again()
+        autopilot.maneuvers.again()

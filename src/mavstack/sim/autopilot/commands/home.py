@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.sim.autopilot.commands.places import GLOBAL, has_place, place_of
 from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
-from mavstack.sim.autopilot.commands.taking import CommandGroup, Handlers, number
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, number
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 
@@ -69,7 +69,7 @@ class HomeCommands(CommandGroup):
         return number(self.autopilot.body.estimate.yaw)
 
 
-def home_position(vehicle: Vehicle) -> common.HomePosition | None:
+def home_position(vehicle: SimulatedVehicle) -> common.HomePosition | None:
     """HOME_POSITION as it is now; None if there is no home yet."""
     autopilot = vehicle.autopilot
     if autopilot.home is None:

@@ -6,7 +6,7 @@ from math import inf, isfinite, radians
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.commands.taking import CommandGroup, Handlers, number, whole
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, number, whole
 from mavstack.sim.autopilot.payload import Gimbal
 
 if TYPE_CHECKING:

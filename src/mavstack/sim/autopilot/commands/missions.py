@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
-from mavstack.sim.autopilot.commands.taking import CommandGroup, Handlers, needed, number, whole
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, needed, number, whole
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
@@ -39,8 +39,8 @@ class MissionCommands(CommandGroup):
 
     def pause(self) -> common.MavResult:
         """Hold where it is."""
-        return self.enter(self.autopilot.flavour.hold)
+        return self.enter(self.autopilot.profile.hold)
 
     def go_on(self) -> common.MavResult:
         """Go on with the mission."""
-        return self.enter(self.autopilot.flavour.mission)
+        return self.enter(self.autopilot.profile.mission)

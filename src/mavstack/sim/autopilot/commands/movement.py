@@ -9,11 +9,11 @@ from mavstack.dialects import common
 from mavstack.sim.autopilot.commands.guiding import fly_as_chosen, guide_to
 from mavstack.sim.autopilot.commands.places import GLOBAL, place_of
 from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
-from mavstack.sim.autopilot.commands.taking import CommandGroup, Handlers, needed, whole
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, needed, whole
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command, CommandRequest
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _CHANGE_MODE = int(common.MavDoRepositionFlags.CHANGE_MODE)
@@ -39,15 +39,15 @@ class MovementCommands(CommandGroup):
 
     def return_to_launch(self, request: CommandRequest) -> common.MavResult:
         """NAV_RETURN_TO_LAUNCH."""
-        return self.enter(self.autopilot.flavour.return_to_launch)
+        return self.enter(self.autopilot.profile.return_to_launch)
 
     def loiter(self, request: CommandRequest) -> common.MavResult:
         """NAV_LOITER_UNLIM: stay here."""
-        return self.enter(self.autopilot.flavour.hold)
+        return self.enter(self.autopilot.profile.hold)
 
     def land(self, request: CommandRequest) -> common.MavResult:
         """NAV_LAND: land here."""
-        return self.enter(self.autopilot.flavour.land)
+        return self.enter(self.autopilot.profile.land)
 
     # Going somewhere
 
@@ -65,7 +65,7 @@ class MovementCommands(CommandGroup):
 
     def enter_guided(self, command: Command) -> None:
         """Be in the guided mode, which the flags of param 2 must allow; raises if it cannot be."""
-        guided = self.autopilot.flavour.guided
+        guided = self.autopilot.profile.guided
         if self.autopilot.mode.number == guided:
             return
         if not (whole(command.param2) or 0) & _CHANGE_MODE:
@@ -87,14 +87,14 @@ class MovementCommands(CommandGroup):
         kind, speed = whole(request.command.param1), request.command.param2
         if not 0 < speed <= _FASTEST:
             return _RESULT.DENIED
-        handling = self.autopilot.handling
+        maneuvers = self.autopilot.maneuvers
         match kind:
             case common.SpeedType.AIRSPEED | common.SpeedType.GROUNDSPEED:
-                handling.speed = speed
+                maneuvers.speed = speed
             case common.SpeedType.CLIMB_SPEED:
-                handling.climb = speed
+                maneuvers.climb = speed
             case common.SpeedType.DESCENT_SPEED:
-                handling.sink = speed
+                maneuvers.sink = speed
             case _:
                 return _RESULT.DENIED
         fly_as_chosen(self.autopilot)
@@ -109,6 +109,6 @@ class MovementCommands(CommandGroup):
         yaw = radians(angle)
         if relative:
             yaw = self.autopilot.body.estimate.yaw + (-yaw if command.param3 < 0 else yaw)
-        self.autopilot.handling.yaw = yaw
+        self.autopilot.maneuvers.yaw = yaw
         fly_as_chosen(self.autopilot)
         return _RESULT.ACCEPTED

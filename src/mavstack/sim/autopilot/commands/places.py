@@ -15,7 +15,7 @@ from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
 if TYPE_CHECKING:
     from mavstack.services.command import Command
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _F = common.MavFrame
 #: What the altitude counts from, by frame.
@@ -42,7 +42,7 @@ def place_of(
     frame = usual if command.frame is None else command.frame
     if frame not in frames:
         raise CommandRefusedError(bad_frame)
-    here = autopilot.handling.place
+    here = autopilot.maneuvers.place
     if frame in LOCAL:
         point = _local(here, command, offset=frame == _F.LOCAL_OFFSET_NED)
     else:
@@ -56,7 +56,7 @@ def place_of(
 def down_of(autopilot: Autopilot, altitude: float, frame: int) -> float:
     """An altitude of a frame as the third local coordinate; NaN: as high as now."""
     if not isfinite(altitude):
-        return autopilot.handling.place[2]
+        return autopilot.maneuvers.place[2]
     if frame in ABOVE_SEA:
         return autopilot.body.frame.to_local(*_origin(autopilot), altitude)[2]
     if frame in ABOVE_HOME:
@@ -77,7 +77,7 @@ def _origin(autopilot: Autopilot) -> tuple[float, float]:
 
 def _horizontal(autopilot: Autopilot, command: Command) -> tuple[float, float]:
     if not has_place(command):
-        return autopilot.handling.place[:2]
+        return autopilot.maneuvers.place[:2]
     if abs(command.param5) > _LATITUDE or abs(command.param6) > _LONGITUDE:
         raise CommandRefusedError(common.MavResult.DENIED)
     north, east, _ = autopilot.body.frame.to_local(command.param5, command.param6, 0.0)

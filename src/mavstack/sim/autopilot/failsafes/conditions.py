@@ -16,7 +16,7 @@ def ground_silence(autopilot: Autopilot) -> float | None:
     heard = [
         info.last_seen
         for info in vehicle.services.discovery.components.values()
-        if info.type == common.MavType.GCS and vehicle.flavour.is_ground(vehicle, info.address)
+        if info.type == common.MavType.GCS and vehicle.profile.is_ground(vehicle, info.address)
     ]
     return autopilot.now - max(heard) if heard else None
 

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import common
 from mavstack.sim.autopilot.fence.geometry import Polygon
 from mavstack.sim.autopilot.fence.rules import Breach, FenceLimits, FenceRules
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.fence.watch import FenceWatch
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _NAMES: Final[Mapping[Breach, str]] = {
     Breach.HIGH: "Max Alt",
@@ -128,10 +128,10 @@ class ArdupilotFenceRules(FenceRules):
             self.autopilot.guided.go_to(self.return_point(watch))
 
     def _enter(self, names: tuple[str, ...]) -> bool:
-        flavour = self.autopilot.flavour
-        modes = {mode.name.replace("_", "").upper(): mode.number for mode in flavour.modes}
-        modes |= {"RTL": flavour.return_to_launch, "GUIDED": flavour.guided, "HOLD": flavour.hold}
-        modes.setdefault("LAND", flavour.land)
+        profile = self.autopilot.profile
+        modes = {mode.name.replace("_", "").upper(): mode.number for mode in profile.modes}
+        modes |= {"RTL": profile.return_to_launch, "GUIDED": profile.guided, "HOLD": profile.hold}
+        modes.setdefault("LAND", profile.land)
         for name in names:
             number = modes.get(name.replace("_", ""))
             if number is not None and self.autopilot.enter(number, "fence breached"):
@@ -163,7 +163,7 @@ class ArdupilotFenceRules(FenceRules):
         limits = watch.limits
         if abs(limits.highest) < inf and abs(limits.lowest) < inf and limits.highest > limits.lowest:
             return (limits.highest + limits.lowest) / 2
-        return self.autopilot.figures.return_altitude
+        return self.autopilot.flight_parameters.return_altitude
 
 
 def names_of(breaches: Breach) -> str:

@@ -66,11 +66,11 @@ class Px4FenceRules(FenceRules):
             return
         match int(self.number("GF_ACTION", GeofenceAction.HOLD)):
             case GeofenceAction.HOLD:
-                autopilot.enter(autopilot.flavour.hold, "geofence")
+                autopilot.enter(autopilot.profile.hold, "geofence")
             case GeofenceAction.RETURN:
-                autopilot.enter(autopilot.flavour.return_to_launch, "geofence")
+                autopilot.enter(autopilot.profile.return_to_launch, "geofence")
             case GeofenceAction.LAND:
-                autopilot.enter(autopilot.flavour.land, "geofence")
+                autopilot.enter(autopilot.profile.land, "geofence")
             case GeofenceAction.TERMINATE:
                 autopilot.terminate()
 
@@ -83,7 +83,7 @@ class Px4FenceRules(FenceRules):
         autopilot = self.autopilot
         if not watch.fence.shapes or not autopilot.has_position:
             return
-        home, here = autopilot.home_position, autopilot.handling.place
+        home, here = autopilot.home_position, autopilot.maneuvers.place
         if autopilot.home is not None and not watch.fence.permits(home[:2], union=True):
             self.vehicle.say("Geofence invalid, doesn't contain Home position", _CRITICAL)
         elif not watch.fence.permits(here[:2], union=True):

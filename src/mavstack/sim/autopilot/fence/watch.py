@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import PlanReplaced, PlanType
-from mavstack.sim.autopilot.fence.flavours import fence_rules_of
+from mavstack.sim.autopilot.fence.factory import fence_rules_of
 from mavstack.sim.autopilot.fence.geometry import Fence
 from mavstack.sim.autopilot.fence.plan import read_fence
 from mavstack.sim.autopilot.fence.rules import Breach, FenceLimits
@@ -158,7 +158,7 @@ class FenceWatch:
         return self.fence.permits(place, union=limits.union)
 
     def _place(self) -> tuple[float, float]:
-        return self.autopilot.handling.place[:2]
+        return self.autopilot.maneuvers.place[:2]
 
     def _from_home(self) -> float:
         north, east, _ = self.autopilot.home_position

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours.steps import become
 from mavstack.sim.autopilot.mission.places import has_place, place_of
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -50,17 +50,17 @@ def nothing(step: Step) -> Iterator[None]:
 def change_speed(step: Step) -> Iterator[None]:
     """DO_CHANGE_SPEED: over ground or through the air (the same here), up, down."""
     yield from ()
-    speed, handling = step.number(2), step.handling
+    speed, maneuvers = step.number(2), step.maneuvers
     if not (speed > 0 or speed == _USUAL):
         return
     wanted = max(speed, _SLOWEST) if speed > 0 else None
     match step.whole(1):
         case _SPEED.CLIMB_SPEED:
-            handling.climb = wanted
+            maneuvers.climb = wanted
         case _SPEED.DESCENT_SPEED:
-            handling.sink = wanted
+            maneuvers.sink = wanted
         case _:
-            handling.speed = wanted
+            maneuvers.speed = wanted
 
 
 def set_home(step: Step) -> Iterator[None]:

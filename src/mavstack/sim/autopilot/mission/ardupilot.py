@@ -12,7 +12,7 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.sim.autopilot.mission.places import as_global
 from mavstack.sim.autopilot.mission.rules import MissionRules, bad_number, bad_place
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -210,7 +210,7 @@ class ArdupilotMissionRules(MissionRules):
     def arrived(self, step: Step, hold: float) -> None:
         kind = self.vehicle.type
         if kind in _WINGS:
-            away = step.handling.distance(step.place())
+            away = step.maneuvers.distance(step.place())
             step.mission.say(f"Reached waypoint #{step.seq} dist {away:.0f}m")
         elif kind.on_surface:
             ending = f". Loiter for {hold:.0f} seconds" if hold > 0 else ""
@@ -251,10 +251,10 @@ class ArdupilotMissionRules(MissionRules):
                 yield
         if kind in _WINGS:
             mission.say("Mission complete, changing mode to RTL")
-            yield from mission.leave(autopilot.flavour.return_to_launch, reason="mission end")
+            yield from mission.leave(autopilot.profile.return_to_launch, reason="mission end")
         if kind.on_surface:
             mission.say("Mission Complete", _SEVERITY.NOTICE)
-        mission.set_course(mission.course.point or autopilot.handling.place)
+        mission.set_course(mission.course.point or autopilot.maneuvers.place)
         while True:
             mission.keep_course()
             yield

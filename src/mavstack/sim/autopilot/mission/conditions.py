@@ -26,7 +26,7 @@ def condition_distance(step: Step) -> Iterator[None]:
     """The next waypoint is no farther than param 1 metres."""
     yield  # until the vehicle is on its way there
     target = step.mission.course.point or step.autopilot.target
-    while target is not None and step.handling.distance(target) > step.number(1):
+    while target is not None and step.maneuvers.distance(target) > step.number(1):
         yield
         target = step.mission.course.point or step.autopilot.target
 
@@ -36,9 +36,9 @@ def condition_yaw(step: Step) -> Iterator[None]:
     angle, here = radians(step.number(1)), step.autopilot.body.estimate.yaw
     if step.whole(4) == 1:
         angle = here + copysign(angle, step.number(3) or 1.0)
-    if step.handling.circles or step.autopilot.vehicle.type.on_surface:
+    if step.maneuvers.circles or step.autopilot.vehicle.type.on_surface:
         return
-    step.handling.yaw = angle
+    step.maneuvers.yaw = angle
     step.mission.keep_course()
     end = step.now + _PATIENCE
     while (

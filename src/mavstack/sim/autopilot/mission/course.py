@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from math import atan2, pi, remainder
 from typing import TYPE_CHECKING
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 #: A region of interest is followed in steps of so many radians.
 _TURN = pi / 90
@@ -46,7 +46,7 @@ class Course:
 
     def set(self, point: Point, *, start: Point | None = None, yaw: float | None = None) -> None:
         """Fly to a point, along the line from `start`, or from here."""
-        self._point, self._start, self._yaw = point, start or self._autopilot.handling.place, yaw
+        self._point, self._start, self._yaw = point, start or self._autopilot.maneuvers.place, yaw
         self._demand()
 
     def forget(self) -> None:
@@ -61,18 +61,18 @@ class Course:
     def _demand(self) -> None:
         if self._point is not None:
             self._demanded = self._choices()
-            self._autopilot.handling.go_to(self._point, start=self._start, yaw=self._demanded.yaw)
+            self._autopilot.maneuvers.go_to(self._point, start=self._start, yaw=self._demanded.yaw)
 
     def _choices(self) -> _Choices:
-        handling = self._autopilot.handling
-        yaw = handling.yaw if self._yaw is None else self._yaw
-        return _Choices(handling.speed, handling.climb, handling.sink, self._towards_region(yaw))
+        maneuvers = self._autopilot.maneuvers
+        yaw = maneuvers.yaw if self._yaw is None else self._yaw
+        return _Choices(maneuvers.speed, maneuvers.climb, maneuvers.sink, self._towards_region(yaw))
 
     def _towards_region(self, yaw: float | None) -> float | None:
         region = self._autopilot.payload.region_of_interest
         if region is None or self._autopilot.vehicle.type not in _TURNS_ON_THE_SPOT:
             return yaw
-        north, east, _ = self._autopilot.handling.place
+        north, east, _ = self._autopilot.maneuvers.place
         wanted = atan2(region[1] - east, region[0] - north)
         last = self._demanded.yaw if self._demanded is not None else None
         if last is not None and abs(remainder(wanted - last, 2 * pi)) < _TURN:

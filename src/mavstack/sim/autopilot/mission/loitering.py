@@ -11,7 +11,7 @@ from mavstack.sim.autopilot.mission.navigation import fly_as_usual, leave_ground
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.autopilot.mission.step import Step
 
 _MOST_TURNS = 255.0
@@ -46,38 +46,38 @@ def loiter_to_altitude(step: Step) -> Iterator[None]:
     yield from leave_ground(step)
     yield from fly_as_usual(step)
     north, east, down = step.place()
-    if not step.handling.circles:
-        yield from step.travel((north, east, step.handling.place[2]))
+    if not step.maneuvers.circles:
+        yield from step.travel((north, east, step.maneuvers.place[2]))
         yield from step.travel((north, east, down))
         return
     point, radius = (north, east, down), _radius(step, step.number(2))
     _circle(step, point, radius)
-    while not (step.handling.has_entered_circle(point, radius) and step.handling.is_at_altitude(down)):
+    while not (step.maneuvers.has_entered_circle(point, radius) and step.maneuvers.is_at_altitude(down)):
         yield
 
 
 def _go_and_stay(step: Step, point: Point, radius: float) -> Iterator[None]:
     yield from leave_ground(step)
     yield from fly_as_usual(step)
-    if not step.handling.circles:
+    if not step.maneuvers.circles:
         yield from step.travel(point, yaw=step.yaw() if step.mission.rules.yaw_counts else None)
         return
     radius = _radius(step, radius)
     _circle(step, point, radius)
-    while not step.handling.has_entered_circle(point, radius):
+    while not step.maneuvers.has_entered_circle(point, radius):
         yield
 
 
 def _circle(step: Step, point: Point, radius: float) -> None:
     step.mission.course.forget()
     step.mission.origin = point
-    step.handling.circle(point, radius)
+    step.maneuvers.circle(point, radius)
 
 
 def _radius(step: Step, wanted: float) -> float:
     """A radius that is 0 or 1 names no more than the direction."""
-    figures = step.autopilot.figures
-    usual = figures.loiter_radius if step.handling.circles else figures.circle_radius
+    flight_parameters = step.autopilot.flight_parameters
+    usual = flight_parameters.loiter_radius if step.maneuvers.circles else flight_parameters.circle_radius
     if abs(wanted) <= 1:
         return copysign(usual, wanted) if wanted else usual
     return wanted

@@ -10,13 +10,13 @@ from mavstack.sim.autopilot.behaviours.land import Land
 from mavstack.sim.autopilot.behaviours.return_home import ReturnToLaunch
 from mavstack.sim.autopilot.behaviours.steps import become
 from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.autopilot.mission.step import Step
 
 #: A take-off goes at least so high.
@@ -62,9 +62,9 @@ def fly_as_usual(step: Step) -> Iterator[None]:
 
 def stay(step: Step, point: Point, seconds: float) -> Iterator[None]:
     """Stay at a point: a wing circles it."""
-    if step.handling.circles:
+    if step.maneuvers.circles:
         step.mission.course.forget()
-        step.handling.hold(point)
+        step.maneuvers.hold(point)
     yield from step.wait(seconds)
 
 
@@ -73,7 +73,7 @@ def _passed(step: Step, point: Point) -> Point:
     beyond = step.number(3)
     if not step.mission.rules.passes_by or beyond <= 0:
         return point
-    course = step.handling.bearing(point)
+    course = step.maneuvers.bearing(point)
     return point[0] + cos(course) * beyond, point[1] + sin(course) * beyond, point[2]
 
 
@@ -92,7 +92,7 @@ def vtol_take_off(step: Step) -> Iterator[None]:
 
 def _climb(step: Step, *, forward: bool) -> Iterator[None]:
     autopilot = step.autopilot
-    kind, here = autopilot.vehicle.type, step.handling.place[2]
+    kind, here = autopilot.vehicle.type, step.maneuvers.place[2]
     least = _LEAST_CLIMB_OF_WING if kind is VehicleType.PLANE else _LEAST_CLIMB
     down = step.place()[2]
     if autopilot.landed:
@@ -103,7 +103,7 @@ def _climb(step: Step, *, forward: bool) -> Iterator[None]:
 
 def land(step: Step) -> Iterator[None]:
     """Go to the place, if there is one, and land there."""
-    autopilot, here = step.autopilot, step.handling.place[2]
+    autopilot, here = step.autopilot, step.maneuvers.place[2]
     kind, point = autopilot.vehicle.type, step.place()
     if kind is VehicleType.PLANE:
         landing = Land(autopilot, point, direct=_is_lined_up(step, point))
@@ -114,15 +114,15 @@ def land(step: Step) -> Iterator[None]:
     if step.has_place and not autopilot.landed:
         yield from step.travel((point[0], point[1], here))
     if kind is VehicleType.SUB:
-        yield from step.travel((*step.handling.place[:2], _SURFACE))
+        yield from step.travel((*step.maneuvers.place[:2], _SURFACE))
     elif kind.flies:
         yield from _until_down(step, Land(autopilot, point if step.has_place else None))
 
 
 def _is_lined_up(step: Step, point: Point) -> bool:
     """Whether a wing can come down to a point from where it is without a circle."""
-    away = step.handling.distance(point)
-    return away > 0 and -step.handling.place[2] / away < _STEEPEST
+    away = step.maneuvers.distance(point)
+    return away > 0 and -step.maneuvers.place[2] / away < _STEEPEST
 
 
 def _until_down(step: Step, behaviour: Behaviour) -> Iterator[None]:
@@ -152,7 +152,7 @@ def delay(step: Step) -> Iterator[None]:
         wanted = max(step.number(2), 0) * 3600 + max(step.number(3), 0) * 60 + max(step.number(4), 0)
         seconds = (wanted - step.autopilot.now) % _DAY
     if not step.mission.rules.grounded and step.mission.course.point is None:
-        step.handling.hold()
+        step.maneuvers.hold()
     yield from step.wait(seconds)
 
 
@@ -160,11 +160,11 @@ def change_altitude(step: Step) -> Iterator[None]:
     """Fly straight on, climbing or sinking to an altitude; param 1: 1 at least, 2 at most, else near it."""
     yield from leave_ground(step)
     down = step.place()[2]
-    if step.handling.circles:
+    if step.maneuvers.circles:
         step.mission.course.forget()
-        step.handling.fly_on(down=down)
+        step.maneuvers.fly_on(down=down)
     else:
-        north, east, _ = step.handling.place
+        north, east, _ = step.maneuvers.place
         step.mission.set_course((north, east, down))
     while not _is_through(step, down):
         step.mission.keep_course()
@@ -172,12 +172,12 @@ def change_altitude(step: Step) -> Iterator[None]:
 
 
 def _is_through(step: Step, down: float) -> bool:
-    above = down - step.handling.place[2]
+    above = down - step.maneuvers.place[2]
     match step.whole(1):
         case 1:
-            return above >= 0 or step.handling.is_at_altitude(down)
+            return above >= 0 or step.maneuvers.is_at_altitude(down)
         case 2:
-            return above <= 0 or step.handling.is_at_altitude(down)
+            return above <= 0 or step.maneuvers.is_at_altitude(down)
     return abs(above) <= _ALTITUDE_NEAR
 
 
@@ -185,9 +185,9 @@ def be_guided(step: Step) -> Iterator[None]:
     """Follow setpoints until a limit of DO_GUIDED_LIMITS is reached; param 1 = 0: go on at once."""
     if step.number(1) <= 0:
         return
-    limits, begun, start = step.mission.guided_limits, step.now, step.handling.place
+    limits, begun, start = step.mission.guided_limits, step.now, step.maneuvers.place
     script = step.behave(Guided(step.autopilot))
-    while not limits.reached(step.now - begun, step.autopilot.altitude, step.handling.distance(start)):
+    while not limits.reached(step.now - begun, step.autopilot.altitude, step.maneuvers.distance(start)):
         next(script, None)
         yield
     step.mission.part = None
@@ -219,11 +219,11 @@ def wait_for_altitude(step: Step) -> Iterator[None]:
 def place_payload(step: Step) -> Iterator[None]:
     """NAV_PAYLOAD_PLACE: go there, down, let go, up again."""
     yield from leave_ground(step)
-    here = step.handling.place[2]
+    here = step.maneuvers.place[2]
     north, east, _ = step.place()
     yield from step.travel((north, east, here))
-    if not step.handling.circles:
+    if not step.maneuvers.circles:
         yield from step.travel((north, east, -_PLACE_HEIGHT))
     step.autopilot.payload.grip(closed=False)
-    if not step.handling.circles:
+    if not step.maneuvers.circles:
         yield from step.travel((north, east, here))

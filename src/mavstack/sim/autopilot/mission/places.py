@@ -17,7 +17,7 @@ from mavstack.sim.autopilot.commands.places import down_of
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _F = common.MavFrame
 LATITUDE, LONGITUDE = 90.0, 180.0
@@ -34,7 +34,7 @@ def has_place(item: MissionItem) -> bool:
 def place_of(autopilot: Autopilot, item: MissionItem, *, zero_is_here: bool = False) -> Point:
     """The place of an item; `zero_is_here`: an altitude of 0 above home means as high as now."""
     item = as_global(item)
-    here = autopilot.handling.place
+    here = autopilot.maneuvers.place
     if item.frame not in GLOBAL_FRAMES:
         point = _local(item, here)
     else:

@@ -184,13 +184,13 @@ class Px4MissionRules(MissionRules):
             mission.later(say_again, after=seconds)
 
     def go_home(self, step: Step) -> Iterator[None]:
-        mission, flavour = step.mission, self.autopilot.flavour
+        mission, profile = step.mission, self.autopilot.profile
         was_last = mission.hand_over(step.seq)
         if was_last:
             mission.say("Mission finished, loitering")
         mission.say("Returning to launch")
         # Disarmed, it will be in the mode that it held in, and not begin the mission anew.
-        modes = (flavour.hold, flavour.return_to_launch) if was_last else (flavour.return_to_launch,)
+        modes = (profile.hold, profile.return_to_launch) if was_last else (profile.return_to_launch,)
         return mission.leave(*modes, reason="mission item")
 
     @property
@@ -210,14 +210,14 @@ class Px4MissionRules(MissionRules):
         else:
             mission.say(f"Mission finished, {where}")
             if self.grounded:
-                mission.later(self._disarm, after=autopilot.figures.land_disarm_delay)
+                mission.later(self._disarm, after=autopilot.flight_parameters.land_disarm_delay)
                 autopilot.body.idle()
                 while True:
                     yield
-        yield from mission.leave(autopilot.flavour.hold, reason="mission end")
+        yield from mission.leave(autopilot.profile.hold, reason="mission end")
 
     def _disarm(self) -> None:
         """It has landed by the mission, which is no mode's landing any more."""
         autopilot = self.autopilot
-        if autopilot.landed and autopilot.mode.number == autopilot.flavour.mission:
+        if autopilot.landed and autopilot.mode.number == autopilot.profile.mission:
             autopilot.disarm("landed")

@@ -101,7 +101,7 @@ class MissionRules(ABC):
 
     def go_home(self, step: Step) -> Iterator[None]:
         """Change over to the mode that returns."""
-        return step.mission.leave(self.autopilot.flavour.return_to_launch, reason="mission item")
+        return step.mission.leave(self.autopilot.profile.return_to_launch, reason="mission item")
 
     @property
     def returns_in_mode(self) -> bool:

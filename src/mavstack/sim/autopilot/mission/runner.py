@@ -15,11 +15,11 @@ from mavstack.dialects import common
 from mavstack.services.mission import CurrentItemSet, Plan, PlanReplaced, PlanType
 from mavstack.sim.autopilot.mission.actions import GuidedLimits
 from mavstack.sim.autopilot.mission.course import Course
-from mavstack.sim.autopilot.mission.flavours import rules_of
-from mavstack.sim.autopilot.mission.judging import judge_item, judge_plan
+from mavstack.sim.autopilot.mission.factory import rules_of
 from mavstack.sim.autopilot.mission.route import Leg, Route
 from mavstack.sim.autopilot.mission.scripts import script_of
 from mavstack.sim.autopilot.mission.step import Step, nearest
+from mavstack.sim.autopilot.mission.validation import judge_item, judge_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem, MissionServer
     from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 _STATE = common.MissionState
 _CMD = common.MavCmd
@@ -134,7 +134,7 @@ class MissionRunner:
             self._begins_where_told = True
         self._last = last or None
         autopilot = self.autopilot
-        if not autopilot.enter(autopilot.flavour.mission, "mission start"):
+        if not autopilot.enter(autopilot.profile.mission, "mission start"):
             return "The mission needs a position"
         return None
 
@@ -143,7 +143,7 @@ class MissionRunner:
         if self._flying and not self.paused:
             self.paused = True
             self._show(_STATE.PAUSED)
-            self.autopilot.handling.hold()
+            self.autopilot.maneuvers.hold()
         return self._flying
 
     def resume(self) -> bool:
@@ -231,11 +231,11 @@ class MissionRunner:
 
     def _line_begin(self, point: Point) -> Point:
         """The last point, unless the vehicle is far from the line that it would begin."""
-        here = self.autopilot.handling.place
+        here = self.autopilot.maneuvers.place
         if self.origin is None or self.origin[:2] == point[:2]:
             return here
-        reach = 2 * max(self.autopilot.figures.acceptance_radius, 5.0)
-        return self.origin if self.autopilot.handling.distance(self.origin) <= reach else here
+        reach = 2 * max(self.autopilot.flight_parameters.acceptance_radius, 5.0)
+        return self.origin if self.autopilot.maneuvers.distance(self.origin) <= reach else here
 
     # Flying
 
@@ -284,7 +284,7 @@ class MissionRunner:
     def _leave(self) -> None:
         self._flying = self.paused = False
         self.part = None
-        self.autopilot.handling.forget_choices()
+        self.autopilot.maneuvers.forget_choices()
         self._last = None
         if self._complete:
             self._next = None
@@ -315,7 +315,7 @@ class MissionRunner:
 
     def _fly_leg(self, leg: Leg) -> Iterator[None]:
         items = self.items
-        self.autopilot.handling.yaw = None
+        self.autopilot.maneuvers.yaw = None
         actions = self._act(leg, items)
         if not self.rules.actions_meanwhile:
             yield from self._while_undisturbed(actions)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
     from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.handling import Handling, Point
+    from mavstack.sim.autopilot.maneuvers import Maneuvers, Point
     from mavstack.sim.autopilot.mission.runner import MissionRunner
 
 #: Numbers of an item are kept within this.
@@ -41,9 +41,9 @@ class Step:
         return self.mission.autopilot
 
     @property
-    def handling(self) -> Handling:
+    def maneuvers(self) -> Maneuvers:
         """How the vehicle is moved."""
-        return self.mission.autopilot.handling
+        return self.mission.autopilot.maneuvers
 
     @property
     def now(self) -> float:
@@ -91,7 +91,7 @@ class Step:
     ) -> Iterator[None]:
         """Fly to a point until it is reached."""
         self.mission.set_course(point, start=start, yaw=yaw)
-        while not self.handling.has_reached(point, radius):
+        while not self.maneuvers.has_reached(point, radius):
             self.mission.keep_course()
             yield
 
@@ -113,7 +113,7 @@ def nearest(mission: MissionRunner, command: int) -> int | None:
 
     def away(seq: int) -> float:
         step = Step(mission, seq, mission.items[seq])
-        return step.handling.distance(step.place()) if step.has_place else float(seq)
+        return step.maneuvers.distance(step.place()) if step.has_place else float(seq)
 
     found = (seq for seq, item in enumerate(mission.items) if item.command == command)
     return min(found, key=away, default=None)

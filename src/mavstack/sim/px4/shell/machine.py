@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mavstack.sim.px4.shell.journal import Journal
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 
 @dataclass(frozen=True, slots=True)
 class Machine:
     """One vehicle, as its shell reaches it."""
 
-    vehicle: Vehicle
+    vehicle: SimulatedVehicle
     state: Px4State
     journal: Journal

@@ -1,16 +1,14 @@
 """What can be read of a body.
 
 Reading copies the published part of the body's column once a step; everything read in that step comes from
-this copy, and each kind of value is put together at most once a step.
+this copy, and each vehicle_type of value is put together at most once a step.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.sim.kinds import Home, VehicleType
 from mavstack.sim.motion import estimate, servos
-from mavstack.sim.motion.fleet import PUBLISHED, Fleet
 from mavstack.sim.motion.geodesy import LocalFrame
 from mavstack.sim.motion.readings import (
     BatteryState,
@@ -21,11 +19,13 @@ from mavstack.sim.motion.readings import (
     Wind,
 )
 from mavstack.sim.motion.sensors import readings
+from mavstack.sim.motion.state import PUBLISHED, StateArray
+from mavstack.sim.vehicle_types import Home, VehicleType
 
 if TYPE_CHECKING:
     from mavstack.sim.motion.world import World
 
-_FIRST = {name: first for name, (first, _) in Fleet.ROWS.items()}
+_FIRST = {name: first for name, (first, _) in StateArray.ROWS.items()}
 _ESTIMATE = _FIRST["position_estimate"]
 _AIR, _AIRSPEED, _THROTTLE = _FIRST["air"], _FIRST["airspeed"], _FIRST["throttle"]
 _GROUND, _TRANSITION, _RUNNING = _FIRST["on_ground"], _FIRST["transition"], _FIRST["running"]
@@ -35,11 +35,11 @@ _CELLS, _CAPACITY = _FIRST["cells"], _FIRST["capacity"]
 _LIMITS = slice(_FIRST["speed"], _FIRST["speed"] + len(Limits._fields))
 
 
-class Reader:
+class BodyReader:
     """One body of a world, as it can be read."""
 
-    def __init__(self, world: World, kind: VehicleType, home: Home, number: int) -> None:
-        self.type = kind
+    def __init__(self, world: World, vehicle_type: VehicleType, home: Home, number: int) -> None:
+        self.type = vehicle_type
         self.home = home
         self.number = number
         self.frame = LocalFrame(home.latitude, home.longitude, home.altitude)
@@ -53,15 +53,15 @@ class Reader:
 
     def _read(self) -> list[float]:
         if self._tick != self._world.tick:
-            self._values = self._world.fleet.data[:PUBLISHED, self.column].tolist()
+            self._values = self._world.state.data[:PUBLISHED, self.column].tolist()
             self._truth = self._estimate = None
             self._tick = self._world.tick
         return self._values
 
-    def _changed(self) -> None:
+    def _invalidate(self) -> None:
         """Read anew: something was set between steps."""
         self._tick = -1
-        self._world.sensors.forget()
+        self._world.sensors.invalidate()
 
     @property
     def truth(self) -> Motion:
@@ -83,7 +83,7 @@ class Reader:
     @property
     def health(self) -> EstimateHealth:
         """How good the estimate is."""
-        return estimate.health(self._read())
+        return estimate.assess(self._read())
 
     @property
     def airspeed(self) -> float:
@@ -114,7 +114,7 @@ class Reader:
     def flies_forward(self) -> bool:
         """Whether it flies on a wing, or is told to."""
         if self.type is VehicleType.VTOL:
-            return bool(self._world.fleet.go_forward[self.column] > 0.0)
+            return bool(self._world.state.forward_requested[self.column] > 0.0)
         return self.type is VehicleType.PLANE
 
     @property
@@ -140,7 +140,7 @@ class Reader:
     def sensors(self) -> SensorReadings:
         """What the sensors read in this step."""
         world = self._world
-        return readings(world.measured(self.column), self._read(), self.frame)
+        return readings(world.sensor_values(self.column), self._read(), self.frame)
 
     @property
     def limits(self) -> Limits:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Hashable, Iterator
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from mavstack.services.setpoints import AttitudeSetpoint
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.handling import Point
+    from mavstack.sim.autopilot.maneuvers import Point
 
 Axes: TypeAlias = "tuple[float | None, float | None, float | None]"
 
@@ -36,7 +36,7 @@ _HOVER_WITHIN = 120.0
 _NO_CLIMB = 0.5
 
 
-class Aim(Behaviour):
+class GuidedCommand(Behaviour):
     """One thing a guided vehicle is after."""
 
     def __init__(self, autopilot: Autopilot) -> None:
@@ -62,10 +62,10 @@ class Aim(Behaviour):
     @property
     def in_time(self) -> bool:
         """Whether it was said recently enough to be followed still."""
-        return self.autopilot.now - self._renewed_at < self.autopilot.figures.setpoint_timeout
+        return self.autopilot.now - self._renewed_at < self.autopilot.flight_parameters.setpoint_timeout
 
 
-class GoTo(Aim):
+class GoTo(GuidedCommand):
     """Go to a point and stay there; `radius` is that of a wing's circle."""
 
     def __init__(
@@ -95,7 +95,7 @@ class GoTo(Aim):
     @property
     def lifts_off(self) -> bool:
         """If the point is in the air."""
-        return self.point[2] < self.autopilot.handling.place[2] - 0.3
+        return self.point[2] < self.autopilot.maneuvers.place[2] - 0.3
 
     def fly(self) -> Iterator[None]:
         """Until it is there."""
@@ -103,51 +103,53 @@ class GoTo(Aim):
             yield from self._fly_forward()
         there = False
         while not there:
-            there = yield from (self._loiter() if self.autopilot.handling.circles else self._hover())
+            there = yield from (self._loiter() if self.autopilot.maneuvers.circles else self._hover())
 
     def _hover(self) -> Generator[None, None, bool]:
         """Whether it got there before it flew on its wing."""
-        handling = self.autopilot.handling
-        handling.go_to(self.point, yaw=self._yaw, speed=self._speed)
-        while not handling.has_reached(self.point):
-            if handling.circles:
+        maneuvers = self.autopilot.maneuvers
+        maneuvers.go_to(self.point, yaw=self._yaw, speed=self._speed)
+        while not maneuvers.has_reached(self.point):
+            if maneuvers.circles:
                 return False
             yield
         return True
 
     def _loiter(self) -> Generator[None, None, bool]:
         """Whether it got onto its circle before it hovered."""
-        handling = self.autopilot.handling
-        radius = self._radius or self.autopilot.figures.loiter_radius
-        handling.go_to(self.point, speed=self._speed)
-        while handling.distance(self.point) > 2 * abs(radius) and not handling.has_reached(self.point):
-            if not handling.circles:
+        maneuvers = self.autopilot.maneuvers
+        radius = self._radius or self.autopilot.flight_parameters.loiter_radius
+        maneuvers.go_to(self.point, speed=self._speed)
+        while maneuvers.distance(self.point) > 2 * abs(radius) and not maneuvers.has_reached(self.point):
+            if not maneuvers.circles:
                 return False
             yield
-        handling.circle(self.point, radius, speed=self._speed)
-        while not handling.has_entered_circle(self.point, radius):
-            if not handling.circles:
+        maneuvers.circle(self.point, radius, speed=self._speed)
+        while not maneuvers.has_entered_circle(self.point, radius):
+            if not maneuvers.circles:
                 return False
             yield
         return True
 
     def _is_far(self) -> bool:
         autopilot = self.autopilot
-        if autopilot.vehicle.type is not VehicleType.VTOL or autopilot.handling.circles:
+        if autopilot.vehicle.type is not VehicleType.VTOL or autopilot.maneuvers.circles:
             return False
-        return autopilot.handling.distance(self.point) > max(autopilot.figures.forward_beyond, _HOVER_WITHIN)
+        return autopilot.maneuvers.distance(self.point) > max(
+            autopilot.flight_parameters.forward_beyond, _HOVER_WITHIN
+        )
 
     def _fly_forward(self) -> Iterator[None]:
         """There on the wing, and hovering again."""
         autopilot = self.autopilot
         autopilot.body.transition_to(True)
-        autopilot.handling.go_to(self.point, speed=self._speed)
-        while autopilot.handling.distance(self.point) > _HOVER_WITHIN:
+        autopilot.maneuvers.go_to(self.point, speed=self._speed)
+        while autopilot.maneuvers.distance(self.point) > _HOVER_WITHIN:
             yield
         yield from become(autopilot, forward=False)
 
 
-class Motion(Aim):
+class Motion(GuidedCommand):
     """Positions, velocities and accelerations of the axes in local metres; None leaves one alone.
 
     Where a position has a velocity beside it, it moves with it. `turns_along` has the velocity turn with
@@ -189,7 +191,7 @@ class Motion(Aim):
         while self.in_time:
             self._steer()
             yield
-        self.autopilot.handling.hold()
+        self.autopilot.maneuvers.hold()
 
     def _steer(self) -> None:
         north, east, down = self._wanted()
@@ -200,7 +202,7 @@ class Motion(Aim):
                 north * sin(turned) + east * cos(turned),
             )
         self.autopilot.target = self._target()
-        yaw = self.autopilot.handling.yaw if self._yaw is None and self._yaw_rate is None else self._yaw
+        yaw = self.autopilot.maneuvers.yaw if self._yaw is None and self._yaw_rate is None else self._yaw
         self.autopilot.body.fly_velocity(north, east, down, yaw=yaw, yaw_rate=self._yaw_rate)
 
     def _target(self) -> Point | None:
@@ -211,10 +213,10 @@ class Motion(Aim):
         """The velocity that follows from all of it."""
         from mavstack.sim.autopilot.autopilot import TICK
 
-        figures, handling = self.autopilot.figures, self.autopilot.handling
+        flight_parameters, maneuvers = self.autopilot.flight_parameters, self.autopilot.maneuvers
         passed = self.autopilot.now - self._begun
         closing, given = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
-        for axis, here in enumerate(handling.place):
+        for axis, here in enumerate(maneuvers.place):
             position, velocity = self._position[axis], self._velocity[axis]
             acceleration = self._acceleration[axis]
             if acceleration is not None and position is None:
@@ -224,14 +226,14 @@ class Motion(Aim):
                 given[axis] = velocity
             if position is not None:
                 closing[axis] = (position + (velocity or 0.0) * passed - here) * _POSITION_GAIN
-        speed = handling.speed or figures.cruise_speed
+        speed = maneuvers.speed or flight_parameters.cruise_speed
         size = hypot(closing[0], closing[1])
         share = min(1.0, speed / size) if size > 0 else 1.0
-        climb = min(max(closing[2], -figures.climb_speed), figures.sink_speed)
+        climb = min(max(closing[2], -flight_parameters.climb_speed), flight_parameters.sink_speed)
         return given[0] + closing[0] * share, given[1] + closing[1] * share, given[2] + climb
 
 
-class Attitude(Aim):
+class Attitude(GuidedCommand):
     """What SET_ATTITUDE_TARGET says."""
 
     def __init__(self, autopilot: Autopilot, setpoint: AttitudeSetpoint) -> None:
@@ -258,7 +260,7 @@ class Attitude(Aim):
             else:
                 self._lean()
             yield
-        self.autopilot.handling.hold()
+        self.autopilot.maneuvers.hold()
 
     def _lean(self) -> None:
         body, rates = self.autopilot.body, self._setpoint.rates
@@ -272,9 +274,11 @@ class Attitude(Aim):
     def _thrust(self) -> float:
         autopilot = self.autopilot
         thrust = self._setpoint.thrust
-        if autopilot.figures.thrust_is_climb and not autopilot.handling.circles:
+        if autopilot.flight_parameters.thrust_is_climb and not autopilot.maneuvers.circles:
             share = 0.0 if thrust is None else (thrust - _NO_CLIMB) / _NO_CLIMB
-            return self._climb.thrust(copysign(min(abs(share), 1.0), share) * autopilot.figures.climb_speed)
+            return self._climb.thrust(
+                copysign(min(abs(share), 1.0), share) * autopilot.flight_parameters.climb_speed
+            )
         return max(_NO_CLIMB if thrust is None else thrust, 0.0)
 
     def _drive(self) -> None:
@@ -283,7 +287,7 @@ class Attitude(Aim):
         heading = autopilot.body.estimate.yaw
         if self._angles is not None and not rate:
             heading = self._angles[2]
-        speed = (self._setpoint.thrust or 0.0) * autopilot.figures.cruise_speed
+        speed = (self._setpoint.thrust or 0.0) * autopilot.flight_parameters.cruise_speed
         autopilot.body.fly_velocity(
             cos(heading) * speed,
             sin(heading) * speed,

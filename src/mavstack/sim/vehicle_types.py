@@ -85,4 +85,4 @@ class Home(NamedTuple):
 
 
 #: Where vehicles begin if nobody says where: a field near Zurich.
-FIELD = Home(47.3977418, 8.5455939, 488.0, 0.0)
+DEFAULT_HOME = Home(47.3977418, 8.5455939, 488.0, 0.0)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.fence.ardupilot import ArdupilotFenceRules
 from mavstack.sim.autopilot.fence.px4 import Px4FenceRules
-from mavstack.sim.kinds import Firmware
+from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import Autopilot

@@ -1,4 +1,4 @@
-"""PX4's flavour, gathered: its modes, figures, checks, commands, shell, texts."""
+"""PX4's profile, gathered: its modes, flight parameters, checks, commands, shell, texts."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.modes import ModeChanged
 from mavstack.services.version import provide_versions
-from mavstack.sim.autopilot.flavour import Flavour
+from mavstack.sim.autopilot.profile import FirmwareProfile
 from mavstack.sim.px4 import modes
 from mavstack.sim.px4.checks import PreflightWatch, problems_of
-from mavstack.sim.px4.choosing import refusal_of
 from mavstack.sim.px4.commands import register_commands
 from mavstack.sim.px4.failsafes import Px4Failsafes
-from mavstack.sim.px4.figures import Px4Figures, figures_of
+from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
 from mavstack.sim.px4.identity import version_of
 from mavstack.sim.px4.landing import LandingWatch
+from mavstack.sim.px4.mode_selection import refusal_of
 from mavstack.sim.px4.offboard import setpoints_lost
 from mavstack.sim.px4.shell import Console, Journal
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
     from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.kinds import VehicleType
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.vehicle_types import VehicleType
 
 #: How PX4 calls the reasons for disarming that rooms shared by both firmwares give.
 _REASONS = {"commanded": BY_COMMAND, "landed": BY_LANDING, "mission end": BY_LANDING}
 
 
-class Px4Flavour(Flavour):
+class Px4Profile(FirmwareProfile):
     """PX4 on one vehicle."""
 
     initial = hold = guided = modes.HOLD
@@ -50,11 +50,11 @@ class Px4Flavour(Flavour):
         self.journal = Journal()
         self.land = modes.LAND if type.flies else modes.HOLD
 
-    def figures(self, vehicle: Vehicle) -> Px4Figures:
+    def flight_parameters(self, vehicle: SimulatedVehicle) -> Px4FlightParameters:
         """From the parameters; the limits of the body follow them until the next boot."""
-        figures = figures_of(vehicle)
-        figures.follow(vehicle.body)
-        return figures
+        flight_parameters = flight_parameters_of(vehicle)
+        flight_parameters.follow(vehicle.body)
+        return flight_parameters
 
     def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
         """With "Preflight Fail:", as PX4 says them."""
@@ -70,7 +70,7 @@ class Px4Flavour(Flavour):
             return common.MavState.CALIBRATING
         return common.MavState.STANDBY if self.state.healthy else common.MavState.UNINIT
 
-    def register(self, vehicle: Vehicle) -> None:
+    def register(self, vehicle: SimulatedVehicle) -> None:
         """Commands and watches of a new boot."""
         self.state.forget(self.hold)
         autopilot = vehicle.autopilot
@@ -83,7 +83,7 @@ class Px4Flavour(Flavour):
         self.journal.begin(vehicle)
         Console(vehicle, self.state, self.journal)
 
-    def provide(self, vehicle: Vehicle) -> None:
+    def provide(self, vehicle: SimulatedVehicle) -> None:
         """Streams at PX4's rates, and the versions."""
         provide_px4(vehicle)
         provide_versions(vehicle.messages, version_of(vehicle))
@@ -116,11 +116,13 @@ class Px4Flavour(Flavour):
     def take_off(self, autopilot: Autopilot, height: float) -> None:
         """Take off to a height above the ground, armed or not."""
         if self.type.flies:
-            self.state.takeoff_altitude = autopilot.body.frame.altitude - autopilot.handling.place[2] + height
+            self.state.takeoff_altitude = (
+                autopilot.body.frame.altitude - autopilot.maneuvers.place[2] + height
+            )
             autopilot.enter(modes.TAKEOFF, "commanded", commanded=True)
         autopilot.arm()
 
-    def _mode_changed(self, vehicle: Vehicle, event: ModeChanged) -> None:
+    def _mode_changed(self, vehicle: SimulatedVehicle, event: ModeChanged) -> None:
         """Remember where to be after disarming: where one may arm, and does not take off."""
         number = event.mode.custom_mode
         if number == vehicle.modes.intended.custom_mode:

@@ -1,7 +1,7 @@
 """How commands reach the autopilot: groups of handlers, of which a firmware takes those that it has.
 
 A group is a class with a method for each command, shared by both firmwares; where one behaves in its own way,
-it overrides the method. `handlers` names the methods by MAV_CMD, and a flavour registers them:
+it overrides the method. `handlers` names the methods by MAV_CMD, and a profile registers them:
 
     take(vehicle, MovementCommands(vehicle).handlers())
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.services.command.server import Handler
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: What a group's method gives; None: it is a long command that has begun.
 Outcome: TypeAlias = "common.MavResult | None"
@@ -35,7 +35,7 @@ _LARGEST = 1 << 32
 class CommandGroup(ABC):
     """Some commands of one vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         self.vehicle = vehicle
 
     @property
@@ -59,7 +59,7 @@ class CommandGroup(ABC):
         return common.MavResult.ACCEPTED if entered else common.MavResult.FAILED
 
 
-def take(vehicle: Vehicle, handlers: Handlers) -> None:
+def take(vehicle: SimulatedVehicle, handlers: Handlers) -> None:
     """Carry out commands by these handlers from now on."""
     for command, handler in handlers.items():
         vehicle.commands.support(command, _guarded(vehicle, handler))
@@ -88,7 +88,7 @@ def number(value: float, default: float = 0.0) -> float:
     return value if isfinite(value) else default
 
 
-def _guarded(vehicle: Vehicle, handler: Callable[[CommandRequest], Outcome]) -> Handler:
+def _guarded(vehicle: SimulatedVehicle, handler: Callable[[CommandRequest], Outcome]) -> Handler:
     def carry_out(request: CommandRequest) -> Outcome:
         try:
             return handler(request)

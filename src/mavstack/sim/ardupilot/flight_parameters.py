@@ -1,4 +1,4 @@
-"""ArduPilot's figures: each from the parameters that its firmware for the type of vehicle has.
+"""ArduPilot's flight parameters: each from the parameters that its firmware for the type of vehicle has.
 
 Copter and Sub count in centimetres, Plane and Rover in metres.
 """
@@ -9,26 +9,26 @@ from math import inf, radians
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
-from mavstack.sim.ardupilot.base_figures import (
+from mavstack.sim.ardupilot.base_flight_parameters import (
     CENTIDEGREE,
     CM,
     SLOWEST,
     SMALLEST_RADIUS,
-    ArdupilotFigures,
+    ArdupilotFlightParameters,
     Limits,
 )
-from mavstack.sim.ardupilot.wing_figures import PlaneFigures, QuadplaneFigures
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.ardupilot.wing_flight_parameters import PlaneFlightParameters, QuadplaneFlightParameters
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _MILLISECOND = 0.001
 #: Bit of GUID_OPTIONS.
 _THRUST_AS_THRUST = 1 << 3
 
 
-class CopterFigures(ArdupilotFigures):
+class CopterFlightParameters(ArdupilotFlightParameters):
     """ArduCopter."""
 
     limits: ClassVar[Limits] = MappingProxyType(
@@ -109,7 +109,7 @@ class CopterFigures(ArdupilotFigures):
         return not int(self.number("GUID_OPTIONS")) & _THRUST_AS_THRUST
 
 
-class RoverFigures(ArdupilotFigures):
+class RoverFlightParameters(ArdupilotFlightParameters):
     """Rover on wheels or afloat."""
 
     limits: ClassVar[Limits] = MappingProxyType(
@@ -162,7 +162,7 @@ class RoverFigures(ArdupilotFigures):
         return self.number("ACRO_TURN_RATE", radians(1.0), least=0.1, default=radians(180.0))
 
 
-class SubFigures(ArdupilotFigures):
+class SubFlightParameters(ArdupilotFlightParameters):
     """ArduSub: depths are altitudes below 0."""
 
     limits: ClassVar[Limits] = MappingProxyType(
@@ -199,16 +199,16 @@ class SubFigures(ArdupilotFigures):
         return min(self.number("SURFACE_DEPTH", CM, default=-0.1), 0.0)
 
 
-def figures_of(vehicle: Vehicle) -> ArdupilotFigures:
-    """The figures of a vehicle."""
+def flight_parameters_of(vehicle: SimulatedVehicle) -> ArdupilotFlightParameters:
+    """The flight parameters of a vehicle."""
     parameters = vehicle.parameters
     match vehicle.type:
         case VehicleType.COPTER:
-            return CopterFigures(parameters)
+            return CopterFlightParameters(parameters)
         case VehicleType.PLANE:
-            return PlaneFigures(parameters)
+            return PlaneFlightParameters(parameters)
         case VehicleType.VTOL:
-            return QuadplaneFigures(vehicle)
+            return QuadplaneFlightParameters(vehicle)
         case VehicleType.SUB:
-            return SubFigures(parameters)
-    return RoverFigures(parameters)
+            return SubFlightParameters(parameters)
+    return RoverFlightParameters(parameters)

@@ -11,13 +11,13 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import MavstackError
 from mavstack.services import Address
 from mavstack.services.command import Command, CommandRequest
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _LONGEST = 180.0
 HEIGHT = 10.0
@@ -35,7 +35,7 @@ def run_until(simulation: Simulation, reached: Callable[[], bool], *, limit: flo
         simulation.step()
 
 
-def order(vehicle: Vehicle, command: int, *params: float, frame: int | None = None) -> int:
+def order(vehicle: SimulatedVehicle, command: int, *params: float, frame: int | None = None) -> int:
     """Have a command carried out as if a ground station had sent it; gives its MAV_RESULT."""
     handler = vehicle.commands.handler_of(command)
     if handler is None:
@@ -45,16 +45,16 @@ def order(vehicle: Vehicle, command: int, *params: float, frame: int | None = No
     return int(outcome[0] if isinstance(outcome, tuple) else outcome or common.MavResult.ACCEPTED)
 
 
-def arm(simulation: Simulation, vehicle: Vehicle) -> None:
+def arm(simulation: Simulation, vehicle: SimulatedVehicle) -> None:
     """Wait until the vehicle may be armed, and arm it."""
     autopilot = vehicle.autopilot
     run_until(simulation, lambda: autopilot.booted and not autopilot.arm())
 
 
-def take_off(simulation: Simulation, vehicle: Vehicle, height: float | None = None) -> None:
+def take_off(simulation: Simulation, vehicle: SimulatedVehicle, height: float | None = None) -> None:
     """Let a vehicle arm, take off and hold there; what does not fly is armed in a mode of its own."""
     autopilot = vehicle.autopilot
-    height = height or (WING_HEIGHT if autopilot.handling.circles else HEIGHT)
+    height = height or (WING_HEIGHT if autopilot.maneuvers.circles else HEIGHT)
     run_until(simulation, lambda: autopilot.has_position)
     if vehicle.firmware is Firmware.ARDUPILOT:
         _take_off_ardupilot(simulation, vehicle, height)
@@ -63,11 +63,11 @@ def take_off(simulation: Simulation, vehicle: Vehicle, height: float | None = No
     if vehicle.type.flies:
         run_until(simulation, lambda: autopilot.altitude >= _NEARLY * height)
     if vehicle.type is VehicleType.PLANE:
-        autopilot.enter(autopilot.flavour.hold, "in the air")
+        autopilot.enter(autopilot.profile.hold, "in the air")
     vehicle.data_to_send()
 
 
-def _take_off_ardupilot(simulation: Simulation, vehicle: Vehicle, height: float) -> None:
+def _take_off_ardupilot(simulation: Simulation, vehicle: SimulatedVehicle, height: float) -> None:
     autopilot = vehicle.autopilot
     if vehicle.type is VehicleType.PLANE:
         vehicle.parameters.set("TKOFF_ALT", height)
@@ -75,12 +75,12 @@ def _take_off_ardupilot(simulation: Simulation, vehicle: Vehicle, height: float)
         arm(simulation, vehicle)
         return
     arm(simulation, vehicle)
-    autopilot.enter(autopilot.flavour.guided, "wanted in the air")
+    autopilot.enter(autopilot.profile.guided, "wanted in the air")
     if vehicle.type.flies:
         order(vehicle, common.MavCmd.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, height)
 
 
-def _take_off_px4(simulation: Simulation, vehicle: Vehicle, height: float) -> None:
+def _take_off_px4(simulation: Simulation, vehicle: SimulatedVehicle, height: float) -> None:
     autopilot = vehicle.autopilot
     nothing = float("nan")
     arm(simulation, vehicle)

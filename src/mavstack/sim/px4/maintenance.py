@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.sim.autopilot.commands.tasks import Script
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _FUNCTION = common.ActuatorOutputFunction
@@ -31,10 +31,10 @@ _GRIPPER_TIME: Final = 1.0
 _STEP = 0.2
 
 
-class Px4Upkeep(MaintenanceCommands):
+class Px4MaintenanceCommands(MaintenanceCommands):
     """With PX4's answers and words."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 

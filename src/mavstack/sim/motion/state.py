@@ -1,6 +1,6 @@
 """All numbers of all bodies, by name (see `arrays`).
 
-`Fleet` is cut into what a reader of a body may ask (first, so that one short copy of a column holds it),
+`StateArray` is cut into what a reader of a body may ask (first, so that one short copy of a column holds it),
 what only the step knows, what is demanded, faults, and the figures of the airframe and its limits.
 Vectors are north, east, down in metres, or roll, pitch, yaw in radians; thrusts are in m/s2 or, where named
 so, shares of the full one.
@@ -17,7 +17,7 @@ Gps = Annotated[Array, 6]
 Wanders = Annotated[Array, WANDERS]
 
 
-class Fleet(Rows):
+class StateArray(Rows):
     """Every row."""
 
     # --- read by `Body`: the truth, in the order of `Motion`
@@ -33,7 +33,7 @@ class Fleet(Rows):
     position_error: Vector
     drift_velocity: Vector
     yaw_error: Scalar
-    lost_time: Scalar
+    gps_lost_time: Scalar
     # surroundings and actuators
     airspeed: Scalar
     air: Vector
@@ -55,7 +55,7 @@ class Fleet(Rows):
     # faults
     gps_lost: Scalar
     spoof: Vector
-    compass_turn: Scalar
+    compass_offset: Scalar
     sag: Scalar
     baro_drift: Scalar
     lift_left: Scalar
@@ -90,31 +90,31 @@ class Fleet(Rows):
     wing_up: Scalar
     authority: Scalar
     power: Scalar
-    velocity_wanted: Vector
+    velocity_setpoint: Vector
     velocity_command: Vector
-    acceleration_ahead: Vector
+    acceleration_feedforward: Vector
     integral: Vector
     speed_command: Scalar
     speed_integral: Scalar
     climb_integral: Scalar
-    roll_wanted: Scalar
-    pitch_wanted: Scalar
-    turn_wanted: Scalar
-    push: Vector
+    roll_setpoint: Scalar
+    pitch_setpoint: Scalar
+    yaw_rate_setpoint: Scalar
+    rate_disturbance: Vector
     thrust: Vector
 
     # --- demanded
     mode: Scalar
     target: Vector
     start: Vector
-    along: Vector
+    line_direction: Vector
     line_length: Scalar
-    pace: Quad
+    speeds: Quad
     radius: Scalar
     yaw_mode: Scalar
     yaw_demand: Scalar
     stick: Quad
-    go_forward: Scalar
+    forward_requested: Scalar
 
     # --- figures of the airframe
     drag_linear: Scalar
@@ -144,4 +144,4 @@ class Fleet(Rows):
 
 
 #: How many rows from the first on a reader may ask.
-PUBLISHED = Fleet.ROWS["gps_pending"][0]
+PUBLISHED = StateArray.ROWS["gps_pending"][0]

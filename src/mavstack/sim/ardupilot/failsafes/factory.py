@@ -11,7 +11,7 @@ from mavstack.sim.ardupilot.failsafes.estimator import EstimatorCheck
 from mavstack.sim.ardupilot.failsafes.plane import PlaneFailsafes
 from mavstack.sim.ardupilot.failsafes.rover import RoverFailsafes
 from mavstack.sim.ardupilot.failsafes.sub import SubFailsafes
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import FirmwareFailsafes, ModeFailure

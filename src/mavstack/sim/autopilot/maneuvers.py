@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import atan2, copysign, cos, hypot, isfinite, sin
 from typing import TYPE_CHECKING, TypeAlias
 
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +28,7 @@ _AHEAD = 2000.0
 _BRAKING = 0.6
 
 
-class Handling:
+class Maneuvers:
     """What stops at its target: copter, sub, VTOL in hover."""
 
     #: Whether it needs a circle to stay somewhere.
@@ -86,7 +86,7 @@ class Handling:
     # Going
 
     def forget_choices(self) -> None:
-        """Fly by the usual figures again."""
+        """Fly by the usual flight parameters again."""
         self.speed = self.climb = self.sink = self.yaw = None
 
     def hold(self, point: Point | None = None, *, radius: float | None = None) -> Point:
@@ -105,18 +105,18 @@ class Handling:
         sink: float | None = None,
     ) -> None:
         """Go to a point, along the line from `start` if there is one, and stay there."""
-        figures = self.autopilot.figures
+        flight_parameters = self.autopilot.flight_parameters
         self.autopilot.target = point
         chosen = self.yaw
-        self._repeat = lambda: Handling.go_to(
+        self._repeat = lambda: Maneuvers.go_to(
             self, point, start=start, yaw=yaw if self.yaw == chosen else self.yaw, sink=sink
         )
         self.body.go_to(
             *point,
             start=start,
-            speed=speed or self.speed or figures.cruise_speed,
-            climb=self.climb or figures.climb_speed,
-            sink=sink or self.sink or figures.sink_speed,
+            speed=speed or self.speed or flight_parameters.cruise_speed,
+            climb=self.climb or flight_parameters.climb_speed,
+            sink=sink or self.sink or flight_parameters.sink_speed,
             yaw=self.yaw if yaw is None else yaw,
         )
 
@@ -125,8 +125,8 @@ class Handling:
     ) -> None:
         """Circle a point; radius > 0: clockwise seen from above."""
         self.autopilot.target = centre
-        self._repeat = lambda: Handling.circle(self, centre, radius, yaw=yaw)
-        speed = speed or self.speed or self.autopilot.figures.cruise_speed
+        self._repeat = lambda: Maneuvers.circle(self, centre, radius, yaw=yaw)
+        speed = speed or self.speed or self.autopilot.flight_parameters.cruise_speed
         self.body.circle(*centre, copysign(max(abs(radius), 1.0), radius), speed=speed, yaw=yaw)
 
     def again(self) -> None:
@@ -145,7 +145,7 @@ class Handling:
 
     def has_reached(self, point: Point, radius: float | None = None) -> bool:
         """Whether it is at a point that it was sent to."""
-        near = self.distance(point) <= (radius or self.autopilot.figures.acceptance_radius)
+        near = self.distance(point) <= (radius or self.autopilot.flight_parameters.acceptance_radius)
         return near and self.is_at_altitude(point[2])
 
     def is_at_altitude(self, down: float) -> bool:
@@ -157,7 +157,7 @@ class Handling:
         return abs(self.distance(centre) - abs(radius)) <= max(0.3 * abs(radius), 1.0)
 
 
-class SurfaceHandling(Handling):
+class SurfaceManeuvers(Maneuvers):
     """What only moves in the plane: rover and boat."""
 
     def is_at_altitude(self, down: float) -> bool:
@@ -165,7 +165,7 @@ class SurfaceHandling(Handling):
         return True
 
 
-class WingHandling(Handling):
+class WingManeuvers(Maneuvers):
     """What flies on: a plane, a VTOL in forward flight."""
 
     circles = True
@@ -177,7 +177,7 @@ class WingHandling(Handling):
     def hold(self, point: Point | None = None, *, radius: float | None = None) -> Point:
         """Circle a point, or where it is."""
         point = point or self.place
-        self.circle(point, radius or self.autopilot.figures.loiter_radius)
+        self.circle(point, radius or self.autopilot.flight_parameters.loiter_radius)
         return point
 
     def go_to(
@@ -195,7 +195,7 @@ class WingHandling(Handling):
 
     def has_reached(self, point: Point, radius: float | None = None) -> bool:
         """Near enough, or past the line through the point across the way to it."""
-        if self.distance(point) <= (radius or self.autopilot.figures.acceptance_radius):
+        if self.distance(point) <= (radius or self.autopilot.flight_parameters.acceptance_radius):
             return True
         if self._start is None:
             return False
@@ -209,10 +209,10 @@ class WingHandling(Handling):
 
     def spiral(self, centre: Point, down: float) -> None:
         """Circle up or down to an altitude."""
-        self.circle((centre[0], centre[1], down), self.autopilot.figures.loiter_radius)
+        self.circle((centre[0], centre[1], down), self.autopilot.flight_parameters.loiter_radius)
 
 
-class VtolHandling(WingHandling):
+class VtolManeuvers(WingManeuvers):
     """Both, by how it flies now."""
 
     @property
@@ -228,7 +228,7 @@ class VtolHandling(WingHandling):
     def hold(self, point: Point | None = None, *, radius: float | None = None) -> Point:
         """Stay at a point or circle it."""
         if self.hovers:
-            return Handling.hold(self, point, radius=radius)
+            return Maneuvers.hold(self, point, radius=radius)
         return super().hold(point, radius=radius)
 
     def go_to(
@@ -242,29 +242,29 @@ class VtolHandling(WingHandling):
     ) -> None:
         """Go to a point, and stay there or fly on."""
         if self.hovers:
-            Handling.go_to(self, point, start=start, yaw=yaw, speed=speed, sink=sink)
+            Maneuvers.go_to(self, point, start=start, yaw=yaw, speed=speed, sink=sink)
         else:
             super().go_to(point, start=start, yaw=yaw, speed=speed, sink=sink)
 
     def has_reached(self, point: Point, radius: float | None = None) -> bool:
         """By how it flies."""
         if self.hovers:
-            return Handling.has_reached(self, point, radius)
+            return Maneuvers.has_reached(self, point, radius)
         return super().has_reached(point, radius)
 
     def is_at_altitude(self, down: float) -> bool:
         """By how it flies."""
-        return Handling.is_at_altitude(self, down) if self.hovers else super().is_at_altitude(down)
+        return Maneuvers.is_at_altitude(self, down) if self.hovers else super().is_at_altitude(down)
 
 
-_HANDLINGS: dict[VehicleType, type[Handling]] = {
-    VehicleType.PLANE: WingHandling,
-    VehicleType.VTOL: VtolHandling,
-    VehicleType.ROVER: SurfaceHandling,
-    VehicleType.BOAT: SurfaceHandling,
+_MANEUVERS: dict[VehicleType, type[Maneuvers]] = {
+    VehicleType.PLANE: WingManeuvers,
+    VehicleType.VTOL: VtolManeuvers,
+    VehicleType.ROVER: SurfaceManeuvers,
+    VehicleType.BOAT: SurfaceManeuvers,
 }
 
 
-def handling_of(autopilot: Autopilot) -> Handling:
+def maneuvers_of(autopilot: Autopilot) -> Maneuvers:
     """How the autopilot's type of vehicle is handled."""
-    return _HANDLINGS.get(autopilot.vehicle.type, Handling)(autopilot)
+    return _MANEUVERS.get(autopilot.vehicle.type, Maneuvers)(autopilot)

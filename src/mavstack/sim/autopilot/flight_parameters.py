@@ -1,4 +1,4 @@
-"""How fast, how high, how near: the figures that behaviours fly by, each from a parameter of the firmware.
+"""How fast, how high, how near: the flight parameters that behaviours fly by, each from a parameter of the firmware.
 
 All are in metres, seconds and radians; they are read when they are needed, so that a parameter that is set
 in flight counts at once.
@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 
-class Figures(ABC):
+class FlightParameters(ABC):
     """What behaviours ask for; a firmware answers from its parameters."""
 
     @property

@@ -1,4 +1,4 @@
-"""PX4's figures: every one is finite and flyable on every type, and follows its parameter."""
+"""PX4's flight parameters: every one is finite and flyable on every type, and follows its parameter."""
 
 from __future__ import annotations
 
@@ -6,24 +6,29 @@ from math import inf, isnan, radians
 
 import pytest
 
-from mavstack.sim.autopilot.figures import Figures
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.autopilot.flight_parameters import FlightParameters
 from mavstack.sim.parameters import Parameters
-from mavstack.sim.px4.figures import FixedWingFigures, MulticopterFigures, Px4Figures, figures_of
+from mavstack.sim.px4.flight_parameters import (
+    FixedWingFlightParameters,
+    MulticopterFlightParameters,
+    Px4FlightParameters,
+    flight_parameters_of,
+)
 from mavstack.sim.px4.identity import CAPABILITIES
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.px4.pilot import FIELD_ALTITUDE, Pilot
 
-NAMES = sorted(Figures.__abstractmethods__)
+NAMES = sorted(FlightParameters.__abstractmethods__)
 
 
-def figures(kind: VehicleType) -> Px4Figures:
+def flight_parameters(kind: VehicleType) -> Px4FlightParameters:
     vehicle = Pilot(kind.value, ready=False).vehicle
-    return figures_of(vehicle)
+    return flight_parameters_of(vehicle)
 
 
 @pytest.mark.parametrize("kind", list(VehicleType))
 def test_every_figure_is_a_number_that_can_be_flown(kind: VehicleType) -> None:
-    found = figures(kind)
+    found = flight_parameters(kind)
     for name in NAMES:
         value = getattr(found, name)
         if name == "setpoint_frames":
@@ -61,7 +66,7 @@ def test_a_multicopters_figure_follows_its_parameter(
     parameter: str, value: float, name: str, figure: float
 ) -> None:
     parameters = Parameters(Firmware.PX4, VehicleType.COPTER)
-    found = MulticopterFigures(parameters)
+    found = MulticopterFlightParameters(parameters)
     parameters.set(parameter, value)
     assert getattr(found, name) == pytest.approx(figure)
 
@@ -78,17 +83,17 @@ def test_a_multicopters_figure_follows_its_parameter(
 )
 def test_a_wings_figure_follows_its_parameter(parameter: str, value: float, name: str, figure: float) -> None:
     parameters = Parameters(Firmware.PX4, VehicleType.PLANE)
-    found = FixedWingFigures(parameters)
+    found = FixedWingFlightParameters(parameters)
     parameters.set(parameter, value)
     assert getattr(found, name) == pytest.approx(figure, rel=1e-3)
 
 
 def test_a_vtol_is_a_multicopter_until_it_flies_on_its_wing() -> None:
     pilot = Pilot("vtol").in_the_air(40)
-    assert pilot.autopilot.figures.cruise_speed == 5.0
+    assert pilot.autopilot.flight_parameters.cruise_speed == 5.0
     pilot.vehicle.body.transition_to(True)
     pilot.run(15.0)
-    assert pilot.autopilot.figures.cruise_speed == 20.0
+    assert pilot.autopilot.flight_parameters.cruise_speed == 20.0
 
 
 def test_the_bodys_limits_follow_their_parameters() -> None:

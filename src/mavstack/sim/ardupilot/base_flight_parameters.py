@@ -1,4 +1,4 @@
-"""What ArduPilot's figures have in common: how parameters become figures, and limits of the body.
+"""What ArduPilot's flight parameters have in common: how parameters become flight parameters, and limits of the body.
 
 Copter and Sub count in centimetres, Plane and Rover in metres. What a parameter cannot mean (nothing, or no
 number) is replaced by the least that can be flown. The limits of the body follow the parameters: `follow`
@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.figures import Figures
+from mavstack.sim.autopilot.flight_parameters import FlightParameters
 
 if TYPE_CHECKING:
     from mavstack.sim.motion import Body
@@ -32,7 +32,7 @@ _FRAMES = frozenset({int(_F.LOCAL_NED), int(_F.LOCAL_OFFSET_NED), int(_F.BODY_NE
 Limits: TypeAlias = Mapping[str, tuple[str, float]]
 
 
-class ArdupilotFigures(Figures):
+class ArdupilotFlightParameters(FlightParameters):
     """What all types have in common."""
 
     #: Parameter to limit of the body.
@@ -152,10 +152,10 @@ class ArdupilotFigures(Figures):
 
 
 def _pusher(
-    figures: ArdupilotFigures, body: Body, name: str, limit: str, unit: float
+    flight_parameters: ArdupilotFlightParameters, body: Body, name: str, limit: str, unit: float
 ) -> Callable[[object], None]:
     def push(value: object) -> None:
-        number = figures.number(name, unit)
+        number = flight_parameters.number(name, unit)
         if number:
             body.set_limit(limit, abs(number))
 

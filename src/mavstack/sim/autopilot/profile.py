@@ -1,7 +1,7 @@
 """What distinguishes one firmware's autopilot from the other's, gathered in one place for each.
 
-The behaviours, the mission and the watches are the same for all; a flavour says which modes there are and
-what each does, which figures and rules the parameters give, which commands it takes, and what it says.
+The behaviours, the mission and the watches are the same for all; a profile says which modes there are and
+what each does, which flight parameters and rules the parameters give, which commands it takes, and what it says.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
     from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.figures import Figures
+    from mavstack.sim.autopilot.flight_parameters import FlightParameters
     from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 
-class Flavour(ABC):
+class FirmwareProfile(ABC):
     """One firmware on one type of vehicle."""
 
     #: All modes, in the order in which they are listed.
@@ -40,8 +40,8 @@ class Flavour(ABC):
     refusal = "Mode refused: "
 
     @abstractmethod
-    def figures(self, vehicle: Vehicle) -> Figures:
-        """The figures that this vehicle's parameters give."""
+    def flight_parameters(self, vehicle: SimulatedVehicle) -> FlightParameters:
+        """The flight parameters that this vehicle's parameters give."""
 
     @abstractmethod
     def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
@@ -52,11 +52,11 @@ class Flavour(ABC):
         return self.arming_problems(autopilot)
 
     @abstractmethod
-    def register(self, vehicle: Vehicle) -> None:
+    def register(self, vehicle: SimulatedVehicle) -> None:
         """Take the commands that the firmware takes, and begin its watches."""
 
     @abstractmethod
-    def provide(self, vehicle: Vehicle) -> None:
+    def provide(self, vehicle: SimulatedVehicle) -> None:
         """Send the messages that the firmware sends, at its default rates."""
 
     def resting_state(self, autopilot: Autopilot) -> int:
@@ -79,21 +79,21 @@ class Flavour(ABC):
     def disarmed(self, autopilot: Autopilot) -> None:  # noqa: B027 (not every firmware says something)
         """The motors were disarmed: say what the firmware says."""
 
-    def booted(self, vehicle: Vehicle) -> None:  # noqa: B027 (as above)
+    def booted(self, vehicle: SimulatedVehicle) -> None:  # noqa: B027 (as above)
         """The autopilot has just started: say what the firmware says."""
 
-    def home_changed(self, vehicle: Vehicle) -> None:  # noqa: B027 (as above)
+    def home_changed(self, vehicle: SimulatedVehicle) -> None:  # noqa: B027 (as above)
         """There is another home: say what the firmware says."""
 
-    def guided_items(self, vehicle: Vehicle) -> Callable[[MissionItem, int], int] | None:
+    def guided_items(self, vehicle: SimulatedVehicle) -> Callable[[MissionItem, int], int] | None:
         """What goes where single mission items say; None if the firmware does not know that."""
         return None
 
-    def is_ground(self, vehicle: Vehicle, source: Address) -> bool:
+    def is_ground(self, vehicle: SimulatedVehicle, source: Address) -> bool:
         """Whether a ground station's silence is one that counts."""
         return True
 
-    def may_steer(self, vehicle: Vehicle, source: Address) -> bool:
+    def may_steer(self, vehicle: SimulatedVehicle, source: Address) -> bool:
         """Whether the sticks and channels of a source count."""
         return True
 

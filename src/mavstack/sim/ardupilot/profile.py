@@ -1,4 +1,4 @@
-"""ArduPilot as a flavour: what makes a simulated vehicle behave as its firmware for the type does."""
+"""ArduPilot as a profile: what makes a simulated vehicle behave as its firmware for the type does."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mavstack.sim.ardupilot.arming import PreArmWatch, arming_problems, prearm_p
 from mavstack.sim.ardupilot.behaviours import NoseWatch, Trail, trail_of
 from mavstack.sim.ardupilot.commands import origin_of, register_commands
 from mavstack.sim.ardupilot.failsafes import ArdupilotFailsafes
-from mavstack.sim.ardupilot.figures import figures_of
+from mavstack.sim.ardupilot.flight_parameters import flight_parameters_of
 from mavstack.sim.ardupilot.identity import version_of
 from mavstack.sim.ardupilot.messages import ArdupilotMessages, guided_item
 from mavstack.sim.ardupilot.mode_switch import ModeSwitch
@@ -18,26 +18,26 @@ from mavstack.sim.ardupilot.modes import BLOCKABLE, MODES, ROLES
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
-from mavstack.sim.autopilot.flavour import Flavour
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.autopilot.profile import FirmwareProfile
 from mavstack.sim.telemetry import provide_ardupilot
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.ardupilot.base_figures import ArdupilotFigures
+    from mavstack.sim.ardupilot.base_flight_parameters import ArdupilotFlightParameters
     from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _ALTITUDE_ONLY = 3
 _WITH_NOSE = frozenset({VehicleType.COPTER, VehicleType.SUB})
 _WITH_TRAIL = frozenset({VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT})
 
 
-class ArdupilotFlavour(Flavour):
+class ArdupilotProfile(FirmwareProfile):
     """Copter, Plane, Rover or Sub."""
 
     refusal = ""
@@ -50,18 +50,18 @@ class ArdupilotFlavour(Flavour):
         self.mission, self.return_to_launch = roles.mission, roles.return_to_launch
         self.land, self.takeoff_mode = roles.land, roles.take_off
 
-    def figures(self, vehicle: Vehicle) -> ArdupilotFigures:
+    def flight_parameters(self, vehicle: SimulatedVehicle) -> ArdupilotFlightParameters:
         """From its parameters."""
-        return figures_of(vehicle)
+        return flight_parameters_of(vehicle)
 
     # At boot
 
-    def register(self, vehicle: Vehicle) -> None:
+    def register(self, vehicle: SimulatedVehicle) -> None:
         """Commands, watches, and what the parameters say about the body."""
         autopilot = vehicle.autopilot
         register_commands(vehicle)
         vehicle.engine.add(ArdupilotMessages(vehicle))
-        figures_of(vehicle).follow(vehicle.body)
+        flight_parameters_of(vehicle).follow(vehicle.body)
         if self.type in _WITH_TRAIL:
             autopilot.watches.append(Trail(autopilot))
         if self.type in _WITH_NOSE:
@@ -72,12 +72,12 @@ class ArdupilotFlavour(Flavour):
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
 
-    def provide(self, vehicle: Vehicle) -> None:
+    def provide(self, vehicle: SimulatedVehicle) -> None:
         """Telemetry and versions."""
         provide_ardupilot(vehicle)
         provide_versions(vehicle.messages, version_of(vehicle))
 
-    def booted(self, vehicle: Vehicle) -> None:
+    def booted(self, vehicle: SimulatedVehicle) -> None:
         """The rest is said as things settle (`BootTexts`)."""
         vehicle.say("Initialising ArduPilot", common.MavSeverity.INFO)
 
@@ -143,23 +143,23 @@ class ArdupilotFlavour(Flavour):
 
     # Who counts
 
-    def may_steer(self, vehicle: Vehicle, source: Address) -> bool:
+    def may_steer(self, vehicle: SimulatedVehicle, source: Address) -> bool:
         """Only the ground station of SYSID_MYGCS."""
         return source.system == int(vehicle.parameters.get("SYSID_MYGCS", 255))
 
-    def is_ground(self, vehicle: Vehicle, source: Address) -> bool:
+    def is_ground(self, vehicle: SimulatedVehicle, source: Address) -> bool:
         """The same."""
         return self.may_steer(vehicle, source)
 
     # What is told at once
 
-    def home_changed(self, vehicle: Vehicle) -> None:
+    def home_changed(self, vehicle: SimulatedVehicle) -> None:
         """HOME_POSITION and GPS_GLOBAL_ORIGIN, to everybody."""
         message = home_position(vehicle)
         if message is not None:
             vehicle.services.send(message)
             vehicle.services.send(origin_of(vehicle))
 
-    def guided_items(self, vehicle: Vehicle) -> Callable[[MissionItem, int], int]:
+    def guided_items(self, vehicle: SimulatedVehicle) -> Callable[[MissionItem, int], int]:
         """The older way of saying where to go: `current` = 2, or 3 for the altitude alone."""
         return lambda item, current: guided_item(vehicle, item, altitude_only=current == _ALTITUDE_ONLY)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.mission.ardupilot import ArdupilotMissionRules
 from mavstack.sim.autopilot.mission.px4 import Px4MissionRules
-from mavstack.sim.kinds import Firmware
+from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.autopilot import Autopilot

@@ -1,4 +1,4 @@
-"""Modes, identity, texts and figures of ArduPilot's firmwares."""
+"""Modes, identity, texts and flight parameters of ArduPilot's firmwares."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mavstack.services.modes import mode_names
 from mavstack.services.modes.names import mode_number
 from mavstack.services.version import AutopilotVersion
 from mavstack.sim.ardupilot.modes import MODES
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 from .bench import CMD, RESULT, Bench
 
@@ -107,18 +107,20 @@ def test_what_is_said_at_the_start_and_when_gps_comes_and_goes() -> None:
 
 def test_figures_follow_their_parameters() -> None:
     bench = Bench("copter")
-    parameters, figures = bench.vehicle.parameters, bench.autopilot.figures
+    parameters, flight_parameters = bench.vehicle.parameters, bench.autopilot.flight_parameters
     for name, value in (("WPNAV_SPEED", 750), ("RTL_ALT", 3000), ("LAND_SPEED", 70), ("RTL_ALT_FINAL", 500)):
         parameters.set(name, value)
-    assert (figures.cruise_speed, figures.return_altitude, figures.land_speed) == pytest.approx(
-        (7.5, 30.0, 0.7)
-    )
-    assert figures.return_loiter_time == inf
+    assert (
+        flight_parameters.cruise_speed,
+        flight_parameters.return_altitude,
+        flight_parameters.land_speed,
+    ) == pytest.approx((7.5, 30.0, 0.7))
+    assert flight_parameters.return_loiter_time == inf
     for name in ("WPNAV_SPEED", "RTL_ALT", "WPNAV_RADIUS", "CIRCLE_RADIUS", "GUID_TIMEOUT"):
         parameters.set(name, -5)
-        assert figures.cruise_speed > 0
-        assert figures.acceptance_radius > 0
-        assert figures.return_altitude >= 0
+        assert flight_parameters.cruise_speed > 0
+        assert flight_parameters.acceptance_radius > 0
+        assert flight_parameters.return_altitude >= 0
     parameters.set("ANGLE_MAX", 1500)
     assert bench.vehicle.body.limits.tilt == pytest.approx(0.2618, abs=1e-3)
 

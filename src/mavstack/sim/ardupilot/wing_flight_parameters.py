@@ -1,4 +1,4 @@
-"""ArduPlane's figures, and a quadplane's, which are a copter's while its lifting motors carry it."""
+"""ArduPlane's flight parameters, and a quadplane's, which are a copter's while its lifting motors carry it."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from math import inf, radians
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
-from mavstack.sim.ardupilot.base_figures import (
+from mavstack.sim.ardupilot.base_flight_parameters import (
     CENTIDEGREE,
     CM,
     SLOWEST,
     SMALLEST_RADIUS,
-    ArdupilotFigures,
+    ArdupilotFlightParameters,
     Limits,
 )
 
 if TYPE_CHECKING:
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 
-class PlaneFigures(ArdupilotFigures):
+class PlaneFlightParameters(ArdupilotFlightParameters):
     """ArduPlane, and a quadplane in forward flight."""
 
     limits: ClassVar[Limits] = MappingProxyType(
@@ -101,12 +101,12 @@ class PlaneFigures(ArdupilotFigures):
         return False
 
 
-class QuadplaneFigures(PlaneFigures):
+class QuadplaneFlightParameters(PlaneFlightParameters):
     """A quadplane: as a plane, but as a copter while its lifting motors carry it."""
 
-    limits: ClassVar[Limits] = PlaneFigures.limits
+    limits: ClassVar[Limits] = PlaneFlightParameters.limits
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: SimulatedVehicle) -> None:
         super().__init__(vehicle.parameters)
         self._vehicle = vehicle
 

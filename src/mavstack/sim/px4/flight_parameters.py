@@ -1,4 +1,4 @@
-"""PX4's figures: metres, seconds and degrees in the parameters, radians here.
+"""PX4's flight parameters: metres, seconds and degrees in the parameters, radians here.
 
 What a parameter cannot mean (nothing, or no number) is replaced by the least that can be flown. The limits of
 the body follow the parameters: `follow` sets them at boot and whenever one of them changes.
@@ -12,13 +12,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.figures import Figures
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.autopilot.flight_parameters import FlightParameters
+from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _F = common.MavFrame
 _DEGREE: Final = radians(1.0)
@@ -30,7 +30,7 @@ _SHORTEST_PATIENCE = 0.1
 Limits: TypeAlias = Mapping[str, tuple[str, float]]
 
 
-class Px4Figures(Figures):
+class Px4FlightParameters(FlightParameters):
     """What all types have in common."""
 
     #: Parameter to limit of the body.
@@ -96,7 +96,7 @@ class Px4Figures(Figures):
         return radians(60.0)
 
 
-class _ReturningFigures(Px4Figures):
+class _ReturningFlightParameters(Px4FlightParameters):
     """What all flying types have in common: taking off, and coming home."""
 
     @property
@@ -123,7 +123,7 @@ class _ReturningFigures(Px4Figures):
         return 1 / tan(radians(min(max(angle, _FLAT), _STEEP))) if angle > 0 else 0.0
 
 
-class MulticopterFigures(_ReturningFigures):
+class MulticopterFlightParameters(_ReturningFlightParameters):
     """A multicopter, and a VTOL that hovers."""
 
     limits: Limits = MappingProxyType(
@@ -179,7 +179,7 @@ class MulticopterFigures(_ReturningFigures):
         return min(self.cruise_speed, 3.0)
 
 
-class FixedWingFigures(_ReturningFigures):
+class FixedWingFlightParameters(_ReturningFlightParameters):
     """A fixed wing, and a VTOL that flies on its wing."""
 
     limits: Limits = MappingProxyType(
@@ -239,21 +239,24 @@ class FixedWingFigures(_ReturningFigures):
         return self.number("FW_ACRO_X_MAX", _DEGREE, least=0.05)
 
 
-class VtolFigures(MulticopterFigures):
+class VtolFlightParameters(MulticopterFlightParameters):
     """A multicopter that is a wing from its transition on."""
 
     limits: Limits = MappingProxyType(
-        {name: limit for name, limit in FixedWingFigures.limits.items() if name != "FW_R_LIM"}
-        | dict(MulticopterFigures.limits)
+        {name: limit for name, limit in FixedWingFlightParameters.limits.items() if name != "FW_R_LIM"}
+        | dict(MulticopterFlightParameters.limits)
     )
 
     def __init__(self, parameters: Parameters, body: Body) -> None:
         super().__init__(parameters)
         self._body = body
-        self._hovering, self._winged = MulticopterFigures(parameters), FixedWingFigures(parameters)
+        self._hovering, self._winged = (
+            MulticopterFlightParameters(parameters),
+            FixedWingFlightParameters(parameters),
+        )
 
     @property
-    def _now(self) -> MulticopterFigures | FixedWingFigures:
+    def _now(self) -> MulticopterFlightParameters | FixedWingFlightParameters:
         return self._winged if self._body.flies_forward else self._hovering
 
     @property
@@ -297,7 +300,7 @@ class VtolFigures(MulticopterFigures):
         return self._now.circle_speed
 
 
-class RoverFigures(Px4Figures):
+class RoverFlightParameters(Px4FlightParameters):
     """What drives or floats."""
 
     limits: Limits = MappingProxyType(
@@ -323,7 +326,7 @@ class RoverFigures(Px4Figures):
         return self.pilot_yaw_rate
 
 
-class SubmarineFigures(Px4Figures):
+class SubmarineFlightParameters(Px4FlightParameters):
     """A submarine: depths are altitudes below 0."""
 
     limits: Limits = MappingProxyType({"UUV_PGM_VEL": ("speed", 2.0)})
@@ -339,24 +342,26 @@ class SubmarineFigures(Px4Figures):
         return max(super().acceptance_radius / 10, _SMALLEST_RADIUS)
 
 
-def figures_of(vehicle: Vehicle) -> Px4Figures:
-    """The figures of a vehicle."""
+def flight_parameters_of(vehicle: SimulatedVehicle) -> Px4FlightParameters:
+    """The flight parameters of a vehicle."""
     parameters = vehicle.parameters
     match vehicle.type:
         case VehicleType.COPTER:
-            return MulticopterFigures(parameters)
+            return MulticopterFlightParameters(parameters)
         case VehicleType.PLANE:
-            return FixedWingFigures(parameters)
+            return FixedWingFlightParameters(parameters)
         case VehicleType.VTOL:
-            return VtolFigures(parameters, vehicle.body)
+            return VtolFlightParameters(parameters, vehicle.body)
         case VehicleType.SUB:
-            return SubmarineFigures(parameters)
-    return RoverFigures(parameters)
+            return SubmarineFlightParameters(parameters)
+    return RoverFlightParameters(parameters)
 
 
-def _pusher(figures: Px4Figures, body: Body, name: str, limit: str, unit: float) -> Callable[[object], None]:
+def _pusher(
+    flight_parameters: Px4FlightParameters, body: Body, name: str, limit: str, unit: float
+) -> Callable[[object], None]:
     def push(value: object) -> None:
-        number = figures.number(name, unit)
+        number = flight_parameters.number(name, unit)
         if number > 0:
             body.set_limit(limit, number)
 

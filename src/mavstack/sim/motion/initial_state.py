@@ -9,14 +9,14 @@ import numpy as np
 
 from mavstack.sim.motion.battery import AMBIENT, CELL_VOLTAGE
 from mavstack.sim.motion.estimate import BARO_DEVIATION, DRIFT_BIAS, GPS_DEVIATION
-from mavstack.sim.motion.fleet import Fleet
+from mavstack.sim.motion.state import StateArray
 
 if TYPE_CHECKING:
-    from mavstack.sim.kinds import Home
     from mavstack.sim.motion.airframes import Airframe
     from mavstack.sim.motion.arrays import Array
+    from mavstack.sim.vehicle_types import Home
 
-#: Figures of an airframe that are rows of the same name.
+#: FlightParameters of an airframe that are rows of the same name.
 COPIED = (
     "speed",
     "climb",
@@ -52,11 +52,11 @@ COPIED = (
 )
 
 
-def new_column(airframe: Airframe, home: Home, wander: Array, step: float, phase: int) -> Array:
+def initial_column(airframe: Airframe, home: Home, wander: Array, step: float, phase: int) -> Array:
     """Give all numbers of a new body."""
-    one = Fleet(np.zeros((Fleet.HEIGHT, 1)))
+    one = StateArray(np.zeros((StateArray.ROW_COUNT, 1)))
     for name in COPIED:
-        one.data[Fleet.ROWS[name][0]] = getattr(airframe, name)
+        one.data[StateArray.ROWS[name][0]] = getattr(airframe, name)
     one.acceleration_limit[:] = airframe.acceleration
     one.rate_limit[:, 0] = airframe.roll_rate, airframe.pitch_rate, airframe.yaw_rate
     for response, lag in (
@@ -70,11 +70,11 @@ def new_column(airframe: Airframe, home: Home, wander: Array, step: float, phase
     one.voltage[:] = CELL_VOLTAGE[-1] * airframe.cells
     one.temperature[:] = AMBIENT
     one.gps_phase[:] = phase
-    _believe(one, home, wander)
+    _initialize_estimate(one, home, wander)
     return one.data[:, 0]
 
 
-def _believe(one: Fleet, home: Home, wander: Array) -> None:
+def _initialize_estimate(one: StateArray, home: Home, wander: Array) -> None:
     """Set attitude and estimate, and which way dead reckoning will drift."""
     one.wander[:, 0] = wander
     yaw = math.remainder(math.radians(home.heading), math.tau)
