@@ -33,11 +33,11 @@ async def photographer() -> None:
     """The other side: find it, ask what it is, have it take three pictures."""
     async with mavstack.Node("udpout://127.0.0.1:14590") as node:
         remote = await node.wait_for_component(lambda info: info.type == common.MavType.CAMERA, "a camera's heartbeat")
-        information = await remote.request(common.CameraInformation)
+        information = await remote.request_message(common.CameraInformation)
         print(information.model_name.rstrip(b"\0").decode(), "at", remote.address)
-        async with remote.messages(common.CameraImageCaptured) as pictures:
+        async with remote.stream(common.CameraImageCaptured) as pictures:
             await remote.command(common.MavCmd.IMAGE_START_CAPTURE, 0, 0.05, 3)
-            print("pictures:", [picture.image_index for picture in pictures.take()])
+            print("pictures:", [picture.image_index for picture in pictures.drain()])
 
 
 async def main() -> None:

@@ -44,7 +44,7 @@ class Pair:
         await self.vehicle.open()
         await asyncio.sleep(0.01)
         self.trust()
-        self.remote = self.ground.remote(1)
+        self.remote = self.ground.component(1)
         return self
 
     async def __aexit__(self, *_: object) -> None:
@@ -74,7 +74,7 @@ class Pair:
 async def heard(node: Node, seconds: float = 3.0):
     async with node.packets(keep_all=True) as packets:
         await asyncio.sleep(seconds)
-        return packets.take()
+        return packets.drain()
 
 
 async def assert_both_use(pair: Pair, key, seconds: float = 3.0) -> None:

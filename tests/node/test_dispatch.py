@@ -59,7 +59,7 @@ def test_what_is_found_for_forged_addresses_is_bounded() -> None:
 def test_services_are_found_by_what_they_listen_to_now() -> None:
     listeners = Listeners()
     server, client = Service(Address(255, 190)), Service(Address(255, 190))
-    client.hears = Address(1, 1)
+    client.source_filter = Address(1, 1)
     server.handles, client.handles = frozenset({0}), frozenset({0, 30})
     for service in (server, client):
         listeners.update(service)

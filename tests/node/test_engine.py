@@ -33,7 +33,7 @@ class Recorder(Service):
 
     def receive(self, packet: Packet, now: float) -> None:
         self.heard.append(packet)
-        self.tell(Event())
+        self.emit(Event())
 
     def next_timeout(self) -> float | None:
         return self.due
@@ -117,7 +117,7 @@ def test_a_client_hears_its_own_system_only_and_what_its_operations_ask_for() ->
     class Curious(Client):
         handles = message_ids(common.ParamValue)
 
-        def notice(self, packet: Packet, now: float) -> None:
+        def observe(self, packet: Packet, now: float) -> None:
             heard.append((packet.system, packet.message_id))
 
     client = engine.add(Curious(GROUND, VEHICLE))
@@ -183,7 +183,7 @@ def test_bulk_waits_for_room_and_goes_on_by_itself() -> None:
     recorder = ground.engine.add(Recorder(GROUND))
     vehicle.engine.add(Firehose(VEHICLE, GROUND, total=1000))
     begin = network.now
-    assert network.run(lambda: len(recorder.heard) == 1000, limit=60)
+    assert network.run(lambda: len(recorder.heard) == 1000, timeout=60)
     assert air.overflowed == 0
     least = air.carried / 5760
     assert least <= network.now - begin <= least * 1.1

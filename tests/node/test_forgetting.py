@@ -19,24 +19,24 @@ def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
             assert remote.mission.progress is None
             remote.modes.monitor.custom_mode = 7
             remote.modes.monitor.intended = 7
-            parameters = await remote.parameters.fetch()
-            cameras = await remote.extended_parameters.fetch()
+            parameters = await remote.params.download()
+            cameras = await remote.extended_params.download()
             pair.vehicle.send(common.MissionCurrent(seq=3, total=9))
             await asyncio.sleep(1)
             assert remote.mission.progress.seq == 3
             asked = []
-            pair.vehicle.listen(
+            pair.vehicle.add_packet_listener(
                 lambda packet: asked.append(packet.message.command), common.CommandLong, common.CommandInt
             )
-            remote.forget()
-            assert not remote.parameters.known
-            assert not remote.extended_parameters.known
-            assert not remote.parameters.client.complete
+            remote.clear_cache()
+            assert not remote.params.cached
+            assert not remote.extended_params.cached
+            assert not remote.params.client.complete
             assert remote.modes.current is remote.modes.monitor.intended is None
             assert remote.mission.progress is None
             assert parameters
             assert cameras  # who was given them keeps them
-            assert (await remote.parameters.get("P_07")).value == 7
+            assert (await remote.params.get("P_07")).value == 7
             assert asked == [common.MavCmd.REQUEST_MESSAGE]  # its capabilities
 
     run_virtually(scenario())
@@ -45,7 +45,7 @@ def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
 def test_there_may_be_nothing_to_forget():
     async def scenario():
         async with Pair() as pair:
-            pair.remote.forget()
+            pair.remote.clear_cache()
             assert not {"parameters", "modes", "mission_client"} & set(vars(pair.remote))
 
     run_virtually(scenario())
@@ -56,12 +56,12 @@ def test_a_listing_under_way_begins_anew(face):
     async def scenario():
         async with Pair() as pair:
             asked_of = getattr(pair.remote, face)
-            lists = pair.vehicle.messages(common.ParamRequestList, common.ParamExtRequestList)
-            fetching = asyncio.create_task(asked_of.fetch())
+            lists = pair.vehicle.stream(common.ParamRequestList, common.ParamExtRequestList)
+            fetching = asyncio.create_task(asked_of.download())
             await anext(lists)
-            pair.remote.forget()
+            pair.remote.clear_cache()
             fetched = await fetching
-            assert len(lists.take()) == 1
+            assert len(lists.drain()) == 1
             assert len(fetched) == (40 if face == "parameters" else 1)
 
     run_virtually(scenario())

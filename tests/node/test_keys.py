@@ -35,8 +35,8 @@ def test_a_key_is_set_up_and_both_sign_and_a_reconnect_keeps_it(old, new) -> Non
         async with Pair(old) as pair:
             await assert_both_use(pair, old)
             async with pair.vehicle.events(KeySettled) as settled:
-                await pair.remote.set_up_signing(new)
-                (event,) = settled.take()
+                await pair.remote.setup_signing(new)
+                (event,) = settled.drain()
                 assert (event.key, event.changed) == (new, True)
             await assert_both_use(pair, new)
             for _ in range(2):
@@ -52,7 +52,7 @@ def test_a_refused_set_up_changes_nothing(old) -> None:
     async def work() -> None:
         async with Pair(old, trusted=False) as pair:
             with pytest.raises(RemoteDenied, match="signing with a new key asked of 1/1"):
-                await pair.remote.set_up_signing(NEW)
+                await pair.remote.setup_signing(NEW)
             await assert_both_use(pair, old)
             await pair.reconnect()
             await assert_both_use(pair, old, seconds=0.1)
@@ -68,7 +68,7 @@ def test_a_key_of_one_channel_is_not_used_on_others() -> None:
         async with Pair() as pair, Node(pair.network.link(), system=2, component=1, autopilot=PX4) as other:
             await asyncio.sleep(1)
             pair.trust()
-            await pair.remote.set_up_signing(NEW)
+            await pair.remote.setup_signing(NEW)
             from_ground = [packet for packet in await heard(other) if packet.system == 255]
             assert from_ground
             assert not any(packet.signed for packet in from_ground)
@@ -85,7 +85,7 @@ def test_a_key_given_to_a_node_counts_on_all_its_channels() -> None:
         async with Pair() as pair, Node(pair.network.link(), system=9) as other:
             await asyncio.sleep(1)
             pair.trust()
-            await pair.remote.set_up_signing(NEW)
+            await pair.remote.setup_signing(NEW)
             async with Node(pair.network.link(), system=10) as late:
                 for node in (other, late):
                     packets = [packet for packet in await heard(node) if packet.system == 1]
@@ -94,7 +94,7 @@ def test_a_key_given_to_a_node_counts_on_all_its_channels() -> None:
                 assert {packet.system for packet in await heard(pair.vehicle)} == {255}
             channels = pair.vehicle.engine.channels
             assert len({channel.signing.link_id for channel in channels}) == len(channels)
-            await pair.remote.set_up_signing(None)
+            await pair.remote.setup_signing(None)
             assert {packet.system for packet in await heard(pair.vehicle)} == {9, 255}
 
     run_virtually(work())
@@ -107,8 +107,8 @@ def test_of_two_keys_the_later_one_counts() -> None:
         async with Pair() as pair:
             server = SigningSetupServer(pair.ground.address, may_set=lambda _: None)
             pair.ground.serve(server)
-            await pair.remote.set_up_signing(NEW)
-            await pair.vehicle.remote(*pair.ground.address).set_up_signing(THIRD)
+            await pair.remote.setup_signing(NEW)
+            await pair.vehicle.component(*pair.ground.address).setup_signing(THIRD)
             for _ in range(2):
                 await assert_both_use(pair, THIRD)
                 await pair.reconnect()
@@ -125,7 +125,7 @@ def test_radios_need_no_key_but_all_others_do() -> None:
                 for message in (common.RadioStatus(txbuf=50), common.Heartbeat(), common.SystemTime()):
                     channel.receive(radio.encode(message, START))
                 await asyncio.sleep(0.1)
-                assert [packet.name for packet in packets.take()] == ["RADIO_STATUS"]
+                assert [packet.name for packet in packets.drain()] == ["RADIO_STATUS"]
             assert pair.vehicle.engine.channels[0].signing.refusals.unsigned == 2
 
     run_virtually(work())
@@ -136,7 +136,7 @@ def test_without_the_right_key_nobody_is_heard(ground, vehicle) -> None:
     async def work() -> None:
         async with Pair(ground, vehicle_key=vehicle) as pair:
             with pytest.raises(RemoteTimeout):
-                await pair.remote.set_up_signing(None, timeout=5)
+                await pair.remote.setup_signing(None, timeout=5)
             assert await heard(pair.vehicle) == []
             assert pair.server.key == OLD
 

@@ -70,7 +70,7 @@ def test_a_reconnect_in_the_middle_of_a_change_leaves_nobody_deaf(old, new, stag
     async def work() -> None:
         async with Broken(old, stage) as pair:
             await asyncio.sleep(1.2)
-            task = asyncio.ensure_future(pair.remote.set_up_signing(new))
+            task = asyncio.ensure_future(pair.remote.setup_signing(new))
             await asyncio.sleep(1.0)
             assert pair.is_broken
             assert pair.server.key == (new if stage is UseNewKey else old)
@@ -153,7 +153,7 @@ def test_a_channel_that_is_away_while_its_peer_takes_a_key_signs_with_it_too(sta
                 for address in pair.ground.engine.routes._routes:
                     assert len(pair.ground.engine.routes.heard_on(address)) == 1
             pair.break_off = lambda: None
-            task = asyncio.ensure_future(pair.remote.set_up_signing(NEW))
+            task = asyncio.ensure_future(pair.remote.setup_signing(NEW))
             await asyncio.sleep(0.02)
             if stays_closed:
                 links[0].channels[0].close("a test")

@@ -40,7 +40,7 @@ class Pair:
 def test_the_first_autopilot_is_found() -> None:
     async def work() -> None:
         async with Pair() as pair:
-            vehicle = await pair.ground.autopilot()
+            vehicle = await pair.ground.wait_for_autopilot()
             assert vehicle.address == (1, 1)
             assert vehicle.info is not None
             assert vehicle.info.type == QUADROTOR
@@ -54,7 +54,7 @@ def test_no_autopilot_says_who_was_heard() -> None:
         network = MemoryNetwork()
         async with Node(network.link()) as ground, Node(network.link(), system=9, component=100):
             with pytest.raises(RemoteTimeout, match=r"heard: 9/100") as caught:
-                await ground.autopilot(timeout=3)
+                await ground.wait_for_autopilot(timeout=3)
             assert "memory://pair" in str(caught.value)
 
     run_virtually(work())
@@ -78,7 +78,7 @@ def test_a_command_is_carried_out_by_a_plain_and_by_an_async_handler() -> None:
                 await asyncio.sleep(1)
                 return common.MavResult.ACCEPTED
 
-            vehicle = await pair.ground.autopilot()
+            vehicle = await pair.ground.wait_for_autopilot()
             await vehicle.command(common.MavCmd.DO_SET_SERVO, 5, 1500)
             with pytest.raises(CommandDenied, match="DO_SET_SERVO asked of 1/1: DENIED"):
                 await vehicle.command(common.MavCmd.DO_SET_SERVO, 5, 1)
@@ -104,7 +104,7 @@ def test_a_cancelled_task_cancels_the_command_on_the_vehicle() -> None:
                     raise
                 return common.MavResult.ACCEPTED
 
-            vehicle = await pair.ground.autopilot()
+            vehicle = await pair.ground.wait_for_autopilot()
             with pytest.raises(TimeoutError):
                 async with asyncio.timeout(5):
                     await vehicle.command(common.MavCmd.DO_WINCH)
@@ -119,10 +119,10 @@ def test_a_cancelled_task_cancels_the_command_on_the_vehicle() -> None:
 def test_closing_the_node_ends_what_is_under_way() -> None:
     async def work() -> None:
         async with Pair() as pair:
-            await pair.ground.autopilot()
-            silent = pair.ground.remote(7)
+            await pair.ground.wait_for_autopilot()
+            silent = pair.ground.component(7)
             task = asyncio.ensure_future(silent.command(common.MavCmd.NAV_LAND))
-            heard = pair.ground.messages(common.Heartbeat)
+            heard = pair.ground.stream(common.Heartbeat)
             await asyncio.sleep(0.5)
             await pair.ground.close()
             with pytest.raises(RemoteCancelled):
@@ -138,9 +138,9 @@ def test_silence_is_a_timeout_that_says_how_often_it_was_asked() -> None:
     async def work() -> None:
         async with Pair() as pair:
             with pytest.raises(CommandTimeout, match=r"NAV_LAND asked of 7/1 6 times: no answer"):
-                await pair.ground.remote(7).command(common.MavCmd.NAV_LAND)
+                await pair.ground.component(7).command(common.MavCmd.NAV_LAND)
             with pytest.raises(TimeoutError):
-                await pair.ground.remote(7).command(common.MavCmd.NAV_LAND, timeout=0.5)
+                await pair.ground.component(7).command(common.MavCmd.NAV_LAND, timeout=0.5)
 
     run_virtually(work())
 
@@ -148,15 +148,15 @@ def test_silence_is_a_timeout_that_says_how_often_it_was_asked() -> None:
 def test_a_slow_subscriber_loses_the_oldest_and_delays_nobody() -> None:
     async def work() -> None:
         async with Pair() as pair:
-            await pair.ground.autopilot()
-            slow = pair.ground.messages(common.Attitude, queue=10)
-            quick = pair.ground.messages(common.Attitude, queue=1000)
+            await pair.ground.wait_for_autopilot()
+            slow = pair.ground.stream(common.Attitude, queue=10)
+            quick = pair.ground.stream(common.Attitude, queue=1000)
             for number in range(100):
                 pair.vehicle.send(common.Attitude(time_boot_ms=number))
             await asyncio.sleep(0.1)
-            assert [message.time_boot_ms for message in slow.take()] == list(range(90, 100))
+            assert [message.time_boot_ms for message in slow.drain()] == list(range(90, 100))
             assert slow.dropped == 90
-            assert len(quick.take()) == 100
+            assert len(quick.drain()) == 100
 
     run_virtually(work())
 
@@ -169,7 +169,7 @@ def test_messages_of_unknown_ids_are_handed_on_raw() -> None:
             await asyncio.sleep(0.01)
             other.send(ardupilotmega.Wind(speed=3))
             await asyncio.sleep(0.01)
-            unknown = [packet for packet in packets.take() if packet.message is None]
+            unknown = [packet for packet in packets.drain() if packet.message is None]
             assert [packet.message_id for packet in unknown] == [168]
             assert unknown[0].payload
 
@@ -198,21 +198,21 @@ def test_messages_are_requested_and_streamed_at_rates() -> None:
     async def work() -> None:
         async with Pair() as pair:
             started = pair.vehicle.now()
-            pair.vehicle.provide(
+            pair.vehicle.publish(
                 common.Attitude,
                 lambda now: common.Attitude(time_boot_ms=int(1000 * (now - started))),
                 interval=1,
             )
-            pair.vehicle.provide(common.HomePosition, lambda _: common.HomePosition(latitude=7))
-            vehicle = await pair.ground.autopilot()
-            assert (await vehicle.request(common.HomePosition)).latitude == 7
+            pair.vehicle.publish(common.HomePosition, lambda _: common.HomePosition(latitude=7))
+            vehicle = await pair.ground.wait_for_autopilot()
+            assert (await vehicle.request_message(common.HomePosition)).latitude == 7
             with pytest.raises(CommandDenied):
-                await vehicle.request(common.GimbalDeviceInformation)
-            assert (await vehicle.message_interval(common.Attitude)).seconds == 1
-            await vehicle.set_message_interval(common.Attitude, 50)
-            async with vehicle.messages(common.Attitude) as attitudes:
+                await vehicle.request_message(common.GimbalDeviceInformation)
+            assert (await vehicle.get_message_interval(common.Attitude)).seconds == 1
+            await vehicle.set_message_rate(common.Attitude, 50)
+            async with vehicle.stream(common.Attitude) as attitudes:
                 await asyncio.sleep(1.001)
-                assert 49 <= len(attitudes.take()) <= 52
+                assert 49 <= len(attitudes.drain()) <= 52
 
     run_virtually(work())
 
@@ -220,9 +220,9 @@ def test_messages_are_requested_and_streamed_at_rates() -> None:
 def test_texts_pings_and_clocks() -> None:
     async def work() -> None:
         async with Pair() as pair:
-            vehicle = await pair.ground.autopilot()
+            vehicle = await pair.ground.wait_for_autopilot()
             async with pair.ground.events(StatusText) as texts:
-                pair.vehicle.say("propellers are on, " * 10, common.MavSeverity.WARNING)
+                pair.vehicle.send_statustext("propellers are on, " * 10, common.MavSeverity.WARNING)
                 heard = await anext(texts)
             assert heard.text == "propellers are on, " * 10
             assert (await vehicle.ping()).received == 4
@@ -237,7 +237,7 @@ def test_plans_go_up_and_down() -> None:
     async def work() -> None:
         async with Pair() as pair:
             pair.vehicle.serve(MissionServer(pair.vehicle.address))
-            vehicle = await pair.ground.autopilot()
+            vehicle = await pair.ground.wait_for_autopilot()
             items = [
                 MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47 + number / 1000, param6=8.5, param7=30)
                 for number in range(20)
@@ -262,12 +262,12 @@ def test_a_command_that_is_cancelled_before_its_handler_began_is_over() -> None:
                 await asyncio.sleep(1000)
                 return common.MavResult.ACCEPTED
 
-            vehicle = await pair.ground.autopilot()
-            async with vehicle.messages(common.CommandAck) as answers:
+            vehicle = await pair.ground.wait_for_autopilot()
+            async with vehicle.stream(common.CommandAck) as answers:
                 vehicle.send(common.CommandLong(command=common.MavCmd.DO_WINCH))
                 vehicle.send(common.CommandCancel(command=common.MavCmd.DO_WINCH))
                 await asyncio.sleep(1)
-                results = [answer.result for answer in answers.take()]
+                results = [answer.result for answer in answers.drain()]
             assert results == [common.MavResult.IN_PROGRESS, common.MavResult.CANCELLED]
             assert not pair.vehicle.commands.server.running
 

@@ -20,7 +20,7 @@ def test_the_current_item_is_set_the_older_way_where_the_newer_is_not_known() ->
             await pair.remote.mission.set_current(2)
             assert pair.vehicle.mission.current == 2
             with pytest.raises(CommandDenied, match="UNSUPPORTED"):
-                await pair.remote.mission.set_current(1, reset=True)  # only the newer can
+                await pair.remote.mission.set_current(1, restart=True)  # only the newer can
 
     run_virtually(work())
 

@@ -29,8 +29,8 @@ def fly(address: Address, engine: Engine) -> None:
     commands = engine.add(CommandServer(address))
     commands.support(SERVO, lambda _: common.MavResult.ACCEPTED)
     telemetry = engine.add(MessageServer(address, commands))
-    telemetry.provide(common.Attitude, lambda _: common.Attitude(roll=1), interval=0.5)
-    telemetry.provide(common.GlobalPositionInt, lambda _: common.GlobalPositionInt(lat=1), interval=1)
+    telemetry.publish(common.Attitude, lambda _: common.Attitude(roll=1), interval=0.5)
+    telemetry.publish(common.GlobalPositionInt, lambda _: common.GlobalPositionInt(lat=1), interval=1)
     parameters = engine.add(ParameterServer(address))
     for number in range(PARAMETERS):
         parameters.add(f"P_{number}", number * 100 + address.system)
@@ -69,15 +69,15 @@ class Fleet:
 def test_ten_vehicles_share_a_slow_radio(share: float | None, status: bool) -> None:
     fleet = Fleet(Ether(tells_status=status), share)
     network, ground = fleet.network, fleet.ground
-    network.run(limit=10)
+    network.run(timeout=10)
     every(network, 1.0, fleet.command_somebody)
-    listing = [client.fetch_all(network.now, patience=60.0) for client in fleet.parameter_clients]
+    listing = [client.fetch_all(network.now, idle_timeout=60.0) for client in fleet.parameter_clients]
     items = [MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47.0, param6=8.0 + step) for step in range(20)]
     plans = [client.upload(Plan.of(items), network.now) for client in fleet.mission_clients]
     for client in (*fleet.parameter_clients, *fleet.mission_clients):
         ground.engine.touch(client)
     begun = network.now
-    assert network.run(lambda: all(operation.done for operation in (*listing, *plans)), limit=120)
+    assert network.run(lambda: all(operation.done for operation in (*listing, *plans)), timeout=120)
     took = network.now - begun
     for address, operation in zip(VEHICLES, listing, strict=True):
         values = {name: parameter.value for name, parameter in operation.result().items()}

@@ -143,7 +143,7 @@ def test_one_without_a_clock_can_be_given_a_key(clock) -> None:
         await pair.ground.open()
         clock(1000.0)
         async with pair:
-            await pair.remote.set_up_signing(NEW)
+            await pair.remote.setup_signing(NEW)
             await assert_both_use(pair, NEW)
 
     run_virtually(work())

@@ -39,5 +39,5 @@ async def test_everything_is_kept_on_demand() -> None:
     subscription: Subscription[int] = Subscription(lambda _: None, queue=2, keep_all=True)
     for number in range(10):
         subscription.put(number)
-    assert subscription.take() == list(range(10))
+    assert subscription.drain() == list(range(10))
     assert subscription.dropped == 0

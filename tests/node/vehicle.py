@@ -74,10 +74,10 @@ class Vehicle(Node):
             case ModeChanged():
                 self.beacon.custom_mode = self.modes.current.custom_mode
                 self.beacon.soon(self.now())
-                self.changed(self.beacon)
+                self.wake(self.beacon)
             case ShellInput(data=data):
                 self.shell.feed(b"you said " + data)
-                self.changed(self.shell)
+                self.wake(self.shell)
 
 
 MODES = {
@@ -97,7 +97,7 @@ class Pair:
     async def __aenter__(self):
         await self.ground.open()
         await self.vehicle.open()
-        self.remote = await self.ground.autopilot()
+        self.remote = await self.ground.wait_for_autopilot()
         return self
 
     async def __aexit__(self, *_: object) -> None:

@@ -16,11 +16,11 @@ from mavstack.dialects import common
 from mavstack.sync import Node
 
 with Node("udpin://0.0.0.0:14550") as node:
-    vehicle = node.autopilot(timeout=3)
+    vehicle = node.wait_for_autopilot(timeout=3)
     reveal_type(vehicle.command(common.MavCmd.NAV_LAND).attempts)
-    for message in node.messages(common.Attitude):
+    for message in node.stream(common.Attitude):
         reveal_type(message.roll)
-    node.autopilot(5, patience=3)
+    node.wait_for_autopilot(5, patience=3)
 """
 
 

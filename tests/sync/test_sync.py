@@ -32,13 +32,13 @@ def test_a_script_finds_commands_and_listens(vehicle: Node) -> None:
         return common.MavResult.ACCEPTED if request.command.param1 == 5 else common.MavResult.DENIED
 
     with Node(url_of(vehicle)) as ground:
-        found = ground.autopilot(timeout=10)
+        found = ground.wait_for_autopilot(timeout=10)
         assert found.address == (1, 1)
         assert found.info.type == QUADROTOR
         assert found.command(common.MavCmd.DO_SET_SERVO, 5).result == common.MavResult.ACCEPTED
         with pytest.raises(CommandDenied, match="DENIED"):
             found.command(common.MavCmd.DO_SET_SERVO, 6)
-        with ground.messages(common.Attitude) as attitudes:
+        with ground.stream(common.Attitude) as attitudes:
             for number in range(3):
                 vehicle.send(common.Attitude(time_boot_ms=number))
             heard = [next(attitudes).time_boot_ms for _ in range(3)]
@@ -52,7 +52,7 @@ def test_errors_are_the_same() -> None:
         Node("nonsense")
     with Node("udpin://127.0.0.1:0") as lonely:
         with pytest.raises(RemoteTimeout, match="an autopilot's heartbeat"):
-            lonely.autopilot(timeout=0.01)
+            lonely.wait_for_autopilot(timeout=0.01)
         with pytest.raises(AttributeError):
             lonely.no_such_thing  # noqa: B018
     lonely.close()
@@ -66,13 +66,13 @@ def test_a_handler_that_would_wait_for_itself_is_told(vehicle: Node) -> None:
     @vehicle.on_command(common.MavCmd.DO_SET_SERVO)
     def servo(_request) -> common.MavResult:
         try:
-            vehicle.autopilot(timeout=0.01)
+            vehicle.wait_for_autopilot(timeout=0.01)
         except MavstackError as error:
             caught.append(str(error))
         return common.MavResult.ACCEPTED
 
     with Node(url_of(vehicle)) as ground:
-        ground.autopilot(timeout=10).command(common.MavCmd.DO_SET_SERVO)
+        ground.wait_for_autopilot(timeout=10).command(common.MavCmd.DO_SET_SERVO)
     assert "wait for itself" in caught[0]
 
 
@@ -89,7 +89,7 @@ def test_ctrl_c_leaves_both_ends_clean(vehicle: Node) -> None:
         return common.MavResult.ACCEPTED
 
     with Node(url_of(vehicle)) as ground:
-        found = ground.autopilot(timeout=10)
+        found = ground.wait_for_autopilot(timeout=10)
         with pytest.raises(KeyboardInterrupt):
             found.command(common.MavCmd.DO_WINCH)
         assert stopped.wait(10)

@@ -7,13 +7,13 @@ import pytest
 import mavstack.sync
 from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported, CommandDenied, GroupError
-from mavstack.sim.background import Background
+from mavstack.sim.background import BackgroundSimulator
 from mavstack.vehicle import VehicleFound
 
 
 @pytest.fixture(scope="module")
 def simulated():
-    background = Background("copter", "ardupilot", count=2, speed=20.0)
+    background = BackgroundSimulator("copter", "ardupilot", count=2, speed=20.0)
     for vehicle in background.simulation.vehicles:
         vehicle.parameters.set("FS_GCS_ENABLE", 0)  # our heartbeats come by the real clock
     with background:
@@ -28,8 +28,8 @@ def node(simulated):
 
 
 def test_a_script_flies_a_vehicle(node):
-    vehicle = node.vehicle(1)
-    vehicle.healthy()
+    vehicle = node.wait_for_vehicle(1)
+    vehicle.wait_until_ready()
     vehicle.arm()
     vehicle.takeoff(10)
     assert vehicle.armed
@@ -37,7 +37,7 @@ def test_a_script_flies_a_vehicle(node):
     vehicle.move(north=10)
     with vehicle.guided() as guidance:
         guidance.velocity(north=1)
-        vehicle.next(common.GlobalPositionInt)
+        vehicle.wait_for_message(common.GlobalPositionInt)
     assert vehicle.params.get("WPNAV_SPEED").value == 1000
     assert vehicle.mission.download().items is not None
     with vehicle.stream(common.Attitude, rate=10) as attitudes:
@@ -48,19 +48,19 @@ def test_a_script_flies_a_vehicle(node):
 
 def test_vehicles_groups_and_events(node):
     assert list(node.vehicles) == [1, 2]
-    assert node.vehicles[2] == node.vehicle(2)
-    assert node.vehicles[2] != node.vehicle(1)
+    assert node.vehicles[2] == node.wait_for_vehicle(2)
+    assert node.vehicles[2] != node.wait_for_vehicle(1)
     group = node.group()
     assert len(group) == 2
     assert group
     assert [vehicle.system for vehicle in group] == [1, 2]
     for vehicle in group:
-        vehicle.healthy()
+        vehicle.wait_until_ready()
     group.set_mode("GUIDED").check()
     results = group.arm()
     assert results.ok
     assert set(results) == set(group)
-    assert results[node.vehicle(1)] is None
+    assert results[node.wait_for_vehicle(1)] is None
     group.disarm().check()
     with pytest.raises(GroupError):
         group.takeoff(10).check()  # disarmed
@@ -69,14 +69,14 @@ def test_vehicles_groups_and_events(node):
 def test_events_lead_to_blocking_vehicles(simulated):
     with mavstack.sync.connect(simulated.url) as node, node.events(VehicleFound) as events:
         found = next(events)
-        assert found.vehicle == node.vehicle(found.vehicle.system)
+        assert found.vehicle == node.wait_for_vehicle(found.vehicle.system)
 
 
 def test_errors_are_the_same(node):
-    vehicle = node.vehicle(1)
+    vehicle = node.wait_for_vehicle(1)
     with pytest.raises(CommandDenied):
         vehicle.component.command(common.MavCmd.DO_ORBIT)
-    with Background("rover") as rover, mavstack.sync.connect(rover.url) as other:
-        driven = other.vehicle()
+    with BackgroundSimulator("rover") as rover, mavstack.sync.connect(rover.url) as other:
+        driven = other.wait_for_vehicle()
         with pytest.raises(ActionUnsupported, match="a rover cannot take off"):
             driven.takeoff(10)

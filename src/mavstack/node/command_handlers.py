@@ -41,8 +41,8 @@ class _Commands(CommandServer):
         super().__init__(handlers.node.address)
         self._handlers_of_node = handlers
 
-    def tell(self, event: Any) -> None:  # noqa: ANN401 (any event)
-        super().tell(event)
+    def emit(self, event: Any) -> None:  # noqa: ANN401 (any event)
+        super().emit(event)
         if isinstance(event, CommandCancelRequested):
             self._handlers_of_node.cancel(event.request)
 
@@ -70,7 +70,7 @@ class CommandHandlers:
     def progress(self, request: CommandRequest, percent: int) -> None:
         """Tell the sender how far a long command is, 0 to 100."""
         self.server.progress(request, percent, self.node.now())
-        self.node.changed(self.server)
+        self.node.wake(self.server)
 
     def cancel(self, request: CommandRequest) -> None:
         """Stop the task of a long command."""
@@ -108,7 +108,7 @@ class CommandHandlers:
         except Exception as error:  # noqa: BLE001 (as above)
             self._report(request, error)
         self.server.complete(request, result, detail)
-        self.node.changed(self.server)
+        self.node.wake(self.server)
 
     def _report(self, request: CommandRequest, error: Exception) -> None:
         message = f"the handler of {request.command.name} failed"

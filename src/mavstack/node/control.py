@@ -49,12 +49,12 @@ class ControlStream(Generic[Sent]):
     def set(self, value: Sent) -> None:
         """Send this value, again and again, until the next one."""
         self._sender.set(value, self._node.now())
-        self._node.changed(self._service)
+        self._node.wake(self._service)
 
     def stop(self) -> None:
         """Let go."""
         self._sender.stop(self._node.now())
-        self._node.changed(self._service)
+        self._node.wake(self._service)
 
     async def _let_go(self) -> None:
         self.stop()

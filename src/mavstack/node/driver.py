@@ -146,7 +146,7 @@ class Driver:
             case Progress(operation, done, total):
                 report = self._progress.get(operation)
                 if report is not None:
-                    self._guarded(f"the progress callback of {operation.request}", report, done, total)
+                    self._guarded(f"the progress callback of {operation}", report, done, total)
         self._on_event(event, service)
 
     def _guarded(self, what: str, function: Callable[..., None], *arguments: object) -> None:

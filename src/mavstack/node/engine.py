@@ -244,7 +244,7 @@ class Engine:
         target = target_of(packet.message)
         source = packet.system, packet.component
         for service in services:
-            if target.covers(service.local) and (source != service.local or service.hears_itself):
+            if target.covers(service.local) and (source != service.local or service.accepts_own_packets):
                 try:
                     if service.receive(packet, now) is not False:
                         self._touched[service] = None

@@ -56,7 +56,7 @@ class Forwarding:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._outputs: list[Output] = []
-        self._listening = node.listen(self._hear)
+        self._listening = node.add_packet_listener(None, self._hear)
 
     @property
     def outputs(self) -> Sequence[Output]:

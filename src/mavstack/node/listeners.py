@@ -31,7 +31,7 @@ class Listeners:
         if service.handles is before:
             return
         self._found.clear()
-        system = service.hears.system
+        system = service.source_filter.system
         for message_id in before - service.handles:
             self._by_key[message_id, system].remove(service)
         for message_id in service.handles - before:
@@ -42,7 +42,7 @@ class Listeners:
         """The service is gone."""
         self._found.clear()
         for message_id in self._known.pop(service, frozenset()):
-            self._by_key[message_id, service.hears.system].remove(service)
+            self._by_key[message_id, service.source_filter.system].remove(service)
 
     def of(self, message_id: int, system: int) -> tuple[Service, ...]:
         """Who wants to see packets of that id from that system."""

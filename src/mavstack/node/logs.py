@@ -10,7 +10,7 @@ from mavstack.services.log import LogClient
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.node.remote import RemoteComponent
+    from mavstack.node.component import RemoteComponent
     from mavstack.services.log import LogEntry
 
 
@@ -28,7 +28,7 @@ class Logs:
     async def list(self, *, timeout: float | None = None) -> tuple[LogEntry, ...]:
         """Which logs there are."""
         node = self._remote.node
-        return await node.driver.finish(self.client, self.client.list_logs(node.now(), limit=timeout))
+        return await node.driver.finish(self.client, self.client.list_logs(node.now(), timeout=timeout))
 
     async def download(
         self,
@@ -39,10 +39,10 @@ class Logs:
     ) -> bytes:
         """Fetch a log, by its entry in the list or by its id."""
         node = self._remote.node
-        operation = self.client.download(log, node.now(), limit=timeout)
+        operation = self.client.download(log, node.now(), timeout=timeout)
         return await node.driver.finish(self.client, operation, progress)
 
     async def erase(self, *, timeout: float | None = None) -> None:
         """Erase all logs."""
         node = self._remote.node
-        await node.driver.finish(self.client, self.client.erase(node.now(), limit=timeout))
+        await node.driver.finish(self.client, self.client.erase(node.now(), timeout=timeout))

@@ -18,7 +18,7 @@ from mavstack.services.modes import (
 )
 
 if TYPE_CHECKING:
-    from mavstack.node.remote import RemoteComponent
+    from mavstack.node.component import RemoteComponent
     from mavstack.node.subscription import Subscription
     from mavstack.services.modes import AvailableMode
 
@@ -41,18 +41,18 @@ class Modes:
 
     async def set(self, mode: str | int, *, timeout: float = 60.0) -> int:
         """Enter a mode, by its name or custom mode number, and see that it is entered."""
-        return await self._remote.node.perform(self._remote.command_client, SetMode(mode, limit=timeout))
+        return await self._remote.node.run_operation(self._remote.command_client, SetMode(mode, timeout=timeout))
 
     async def set_standard(self, standard_mode: int, *, timeout: float = 60.0) -> int:
         """Enter a MAV_STANDARD_MODE, which means the same on every vehicle that has it."""
-        operation = SetStandardMode(standard_mode, limit=timeout)
-        return await self._remote.node.perform(self._remote.command_client, operation)
+        operation = SetStandardMode(standard_mode, timeout=timeout)
+        return await self._remote.node.run_operation(self._remote.command_client, operation)
 
     async def list(self, *, timeout: float = 60.0) -> tuple[AvailableMode, ...]:
         """The modes that it says it has; of a firmware that does not tell, those that are known of it."""
         known = self._known_modes()
         try:
-            told = await self._remote.node.perform(self._remote.command_client, ListModes(limit=timeout))
+            told = await self._remote.node.run_operation(self._remote.command_client, ListModes(timeout=timeout))
         except CommandDenied:
             if not known:
                 raise
@@ -63,7 +63,7 @@ class Modes:
             mode if mode.name else replace(mode, name=names.get(mode.custom_mode, "")) for mode in told
         )
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """The vehicle started anew: it may be in another mode, and have others."""
         if "monitor" in self.__dict__:
             self.monitor.forget()

@@ -1,9 +1,9 @@
 """A node is a program as a MAVLink component: an address, links, and the services that live on them.
 
     async with Node("udpin://0.0.0.0:14550") as node:
-        vehicle = await node.autopilot()
+        vehicle = await node.wait_for_autopilot()
         await vehicle.command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
-        async for message in node.messages(common.Attitude): ...
+        async for message in node.stream(common.Attitude): ...
 
 The same class is a ground station, a companion computer or a payload: what it is, its `system`,
 `component` and `type` say, and what it offers, the services given to `serve`. Nothing is global: dialect,
@@ -25,11 +25,11 @@ from mavstack.node.command_handlers import CommandHandlers
 from mavstack.node.dispatch import EventDispatch, PacketDispatch
 from mavstack.node.driver import Driver
 from mavstack.node.engine import Engine
-from mavstack.node.hearing import what_was_heard
+from mavstack.node.diagnostics import what_was_heard
 from mavstack.node.keys import Keys
-from mavstack.node.remote import RemoteComponent
+from mavstack.node.component import RemoteComponent
 from mavstack.node.subscription import QUEUE
-from mavstack.services import Address
+from mavstack.services import DEFAULT_WAIT_TIMEOUT, Address
 from mavstack.services.heartbeat import (
     Beacon,
     ComponentChanged,
@@ -62,9 +62,6 @@ AnyEvent = TypeVar("AnyEvent")
 AnyService = TypeVar("AnyService", bound="Service")
 AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
 Result = TypeVar("Result")
-
-#: How long to wait for a first heartbeat.
-FIRST_HEARTBEAT = 30.0
 
 
 class Node:
@@ -165,7 +162,7 @@ class Node:
 
     # Who is there
 
-    def remote(self, system: int, component: int = common.MavComponent.AUTOPILOT1) -> RemoteComponent:
+    def component(self, system: int, component: int = common.MavComponent.AUTOPILOT1) -> RemoteComponent:
         """Another component, by its address, whether it was heard yet or not."""
         address = Address(system, int(component))
         known = self._remotes.get(address)
@@ -173,37 +170,41 @@ class Node:
             known = self._remotes[address] = RemoteComponent(self, address)
         return known
 
-    async def autopilot(
-        self, system: int | None = None, *, timeout: float = FIRST_HEARTBEAT
+    async def wait_for_autopilot(
+        self, system: int | None = None, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT
     ) -> RemoteComponent:
         """The first autopilot heard, or that of a system; raises `RemoteTimeout` if there is none in time."""
         what = (
             "an autopilot's heartbeat" if system is None else f"the heartbeat of system {system}'s autopilot"
         )
-        return await self.find(
+        return await self.wait_for_component(
             lambda info: info.is_autopilot and system in (None, info.address.system), what, timeout=timeout
         )
 
-    async def find(
-        self, wanted: Callable[[ComponentInfo], bool], what: str, *, timeout: float = FIRST_HEARTBEAT
+    async def wait_for_component(
+        self,
+        predicate: Callable[[ComponentInfo], bool],
+        description: str,
+        *,
+        timeout: float | None = DEFAULT_WAIT_TIMEOUT,
     ) -> RemoteComponent:
-        """The first component alive that `wanted` says yes to; `what` names it in the error."""
+        """The first component alive that `predicate` accepts; `description` names it in the error."""
         async with self.events(ComponentFound, ComponentReturned, ComponentChanged) as events:
             try:
                 async with asyncio.timeout(timeout):
                     while not (
-                        found := [info for info in self.components.values() if info.alive and wanted(info)]
+                        found := [info for info in self.components.values() if info.alive and predicate(info)]
                     ):
                         await anext(events)
             except (TimeoutError, StopAsyncIteration):
                 links = ", ".join(str(link.url) for link in self.links) or "no link"
                 answer = f"none in {timeout:g} s; {what_was_heard(self)}"
-                raise RemoteTimeout(what, links, answer=answer) from None
-        return self.remote(*found[0].address)
+                raise RemoteTimeout(description, links, answer=answer) from None
+        return self.component(*found[0].address)
 
     # What is heard and said
 
-    def messages(
+    def stream(
         self,
         *kinds: type[AnyMessage],
         system: int = 0,
@@ -229,15 +230,41 @@ class Node:
             kinds, Address(system, component), _as_it_is, queue=queue, keep_all=keep_all
         )
 
-    def listen(
-        self, hear: Callable[[Packet], None], *kinds: type[Message], system: int = 0, component: int = 0
+    def add_listener(
+        self,
+        kind: type[AnyMessage] | tuple[type[AnyMessage], ...],
+        callback: Callable[[AnyMessage], None],
+        *,
+        system: int = 0,
+        component: int = 0,
     ) -> Listening:
-        """Have a function called with each packet of these classes (none: all) at once, as it comes.
+        """Call a function with each message of a class, or of several, as soon as it is received.
+
+        The callback must return quickly: everything else waits for it. It is called until the result is
+        closed, and not for messages that were received while the node was not open.
+        """
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+
+        def deliver(packet: Packet) -> None:
+            callback(packet.message)
+
+        return self._packets.listen(kinds, Address(system, component), deliver)
+
+    def add_packet_listener(
+        self,
+        kind: type[Message] | tuple[type[Message], ...] | None,
+        callback: Callable[[Packet], None],
+        *,
+        system: int = 0,
+        component: int = 0,
+    ) -> Listening:
+        """Call a function with each packet of a message class, or of several (None: all), as soon as it is received.
 
         It must be quick: all else waits for it. It is called until the result is closed, and not called for
         what came while the node was not open.
         """
-        return self._packets.listen(kinds, Address(system, component), hear)
+        kinds = () if kind is None else kind if isinstance(kind, tuple) else (kind,)
+        return self._packets.listen(kinds, Address(system, component), callback)
 
     def events(
         self, *kinds: type[AnyEvent], of: Service | None = None, queue: int = QUEUE
@@ -260,10 +287,10 @@ class Node:
     def serve(self, service: AnyService) -> AnyService:
         """Let a service live on this node, from now on or as soon as it opens."""
         self.engine.add(service)
-        self.changed(service)
+        self.wake(service)
         return service
 
-    def changed(self, service: Service) -> None:
+    def wake(self, service: Service) -> None:
         """Say that a service's method was called, so that what it wants to send goes out."""
         self.engine.touch(service)
         if self._driver is not None:
@@ -273,7 +300,7 @@ class Node:
         """The time as services count it: Unix seconds that never go back."""
         return (self._driver or self.driver).now()
 
-    def provide(
+    def publish(
         self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float = 0.0
     ) -> None:
         """Send a message every `interval` seconds, at the rate that others ask for, and when it is requested.
@@ -281,16 +308,16 @@ class Node:
         `producer` is called with the time and makes it, or returns None if there is nothing to tell.
         """
         self.message_server.provide(message, producer, interval=interval)
-        self.changed(self.message_server)
+        self.wake(self.message_server)
 
-    def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
         """Say something to the people who watch, by STATUSTEXT; a long text goes in chunks."""
         self._texts.say(text, severity)
-        self.changed(self._texts)
+        self.wake(self._texts)
 
     @cached_property
     def message_server(self) -> MessageServer:
-        """Sends what `provide` was given."""
+        """Sends what `publish` was given."""
         return self.serve(MessageServer(self.address, self.commands.server))
 
     @cached_property
@@ -308,7 +335,7 @@ class Node:
         """Decorate a function, plain or async, that carries out a command; see `CommandHandlers`."""
         return self.commands.register(command)
 
-    async def perform(
+    async def run_operation(
         self,
         client: Client,
         operation: Operation[Result],
@@ -317,7 +344,7 @@ class Node:
         """Run an operation of a client that lives here, to its result or its typed error."""
         return await self.driver.perform(client, operation, progress)
 
-    async def wait(self) -> None:
+    async def serve_forever(self) -> None:
         """Go on until the task is cancelled: what a program that only serves does last."""
         await asyncio.get_running_loop().create_future()
 
@@ -332,7 +359,7 @@ class Node:
                 self.discovery.unreachable(lost, f"its link {channel.name} is closed: {reason}")
                 self.engine.touch(self.discovery)
             case ComponentRebooted(component) if component.address in self._remotes:
-                self._remotes[component.address].forget()
+                self._remotes[component.address].clear_cache()
             case KeyEvent():
                 self._keys.told(event, service)
         self._events.deliver(event, service)

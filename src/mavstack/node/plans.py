@@ -11,11 +11,11 @@ from mavstack.services.mission import Plan, PlanType, set_current_item
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from mavstack.node.remote import RemoteComponent
+    from mavstack.node.component import RemoteComponent
     from mavstack.services.mission import MissionItem, MissionProgress
 
 #: How long to wait for an answer to the newer way of setting the current item, before trying the older one.
-SET_CURRENT_PATIENCE = 6.0
+SET_CURRENT_TIMEOUT = 6.0
 
 
 class Plans:
@@ -38,33 +38,33 @@ class Plans:
         """
         plan = items if isinstance(items, Plan) else Plan.of(items, self.type)
         client, node = self._remote.mission_client, self._remote.node
-        return await node.driver.finish(client, client.upload(plan, node.now(), limit=timeout), progress)
+        return await node.driver.finish(client, client.upload(plan, node.now(), timeout=timeout), progress)
 
     async def download(
         self, *, timeout: float | None = None, progress: Callable[[int, int], None] | None = None
     ) -> Plan:
         """Get the plan that the vehicle holds."""
         client, node = self._remote.mission_client, self._remote.node
-        operation = client.download(node.now(), self.type, limit=timeout)
+        operation = client.download(node.now(), self.type, timeout=timeout)
         return await node.driver.finish(client, operation, progress)
 
     async def clear(self, *, timeout: float | None = None) -> None:
         """Let the vehicle forget the plan."""
         client, node = self._remote.mission_client, self._remote.node
-        await node.driver.finish(client, client.clear(node.now(), self.type, limit=timeout))
+        await node.driver.finish(client, client.clear(node.now(), self.type, timeout=timeout))
 
-    async def set_current(self, seq: int, *, reset: bool = False) -> None:
-        """Let the mission go on at an item; `reset` lets it begin anew, its jump counters too.
+    async def set_current(self, seq: int, *, restart: bool = False) -> None:
+        """Let the mission go on at an item; `restart` lets it begin anew, its jump counters too.
 
         A vehicle that does not know the command, or leaves it unanswered, is told by MISSION_SET_CURRENT.
         """
         client, node = self._remote.mission_client, self._remote.node
         try:
-            asked = set_current_item(seq, reset=reset, limit=SET_CURRENT_PATIENCE)
-            await node.perform(self._remote.command_client, asked)
+            asked = set_current_item(seq, reset=restart, timeout=SET_CURRENT_TIMEOUT)
+            await node.run_operation(self._remote.command_client, asked)
         except (CommandDenied, CommandTimeout) as error:
             unknown = isinstance(error, CommandTimeout) or error.code == common.MavResult.UNSUPPORTED
-            if reset or not unknown:
+            if restart or not unknown:
                 raise
             await node.driver.finish(client, client.set_current(seq, node.now()))
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from mavstack.node.remote import RemoteComponent
+    from mavstack.node.component import RemoteComponent
 
 
 class Shell:
@@ -33,17 +33,17 @@ class Shell:
     def write(self, data: bytes) -> None:
         """Send bytes."""
         self._client.write(data, self._node.now())
-        self._node.changed(self._client)
+        self._node.wake(self._client)
 
     def write_line(self, text: str) -> None:
         """Send a text and the end of its line."""
         self._client.write_line(text, self._node.now())
-        self._node.changed(self._client)
+        self._node.wake(self._client)
 
     async def __aenter__(self) -> Self:
         self._node.serve(self._client)
         self._client.open(self._node.now())
-        self._node.changed(self._client)
+        self._node.wake(self._client)
         return self
 
     async def __aexit__(
@@ -59,7 +59,7 @@ class Shell:
     async def _give_back(self) -> None:
         async with self._node.events(ShellReleased, of=self._client) as released:
             self._client.close(self._node.now())
-            self._node.changed(self._client)
+            self._node.wake(self._client)
             await anext(released, None)
 
     def __aiter__(self) -> Self:

@@ -53,7 +53,7 @@ class Subscription(Generic[Item]):
             self._close(self)
             self.end()
 
-    def take(self) -> list[Item]:
+    def drain(self) -> list[Item]:
         """All that has come and was not read, without waiting."""
         items = list(self._items)
         self._items.clear()

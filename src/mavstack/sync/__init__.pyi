@@ -68,11 +68,12 @@ from mavstack.services.version import ProtocolVersion
 from mavstack.vehicle.actions import home
 from mavstack.vehicle.firmware import Firmware
 from mavstack.vehicle.health import Health
-from mavstack.vehicle.kinds import VehicleClass
+from mavstack.vehicle.health import wait_until_ready
 from mavstack.vehicle.telemetry import Telemetry
 from mavstack.vehicle.telemetry import values
-from mavstack.vehicle.telemetry.rates import Hold
+from mavstack.vehicle.telemetry.rates import RateRequest
 from mavstack.vehicle.telemetry.telemetry import Telemetry
+from mavstack.vehicle.vehicle_type import VehicleType
 from mavstack.wire import Packet
 from types import TracebackType
 from typing import Any
@@ -107,7 +108,7 @@ class Subscription(Generic[Item]):
     def close(self) -> None:
         """Listen no more."""
 
-    def take(self) -> list[Item]:
+    def drain(self) -> list[Item]:
         """All that has come and was not read, without waiting."""
 
     def wait(self) -> bool:
@@ -174,7 +175,7 @@ class ControlStream(Generic[Sent]):
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
 
-class ExtendedParameters:
+class ExtendedParams:
     """The extended parameters of one component; raises `ParameterDenied` or `ParameterTimeout`."""
 
     def __init__(self, remote: RemoteComponent) -> None:
@@ -185,7 +186,7 @@ class ExtendedParameters:
         """The state machine behind it."""
 
     @property
-    def known(self) -> Mapping[str, ExtendedParameter]:
+    def cached(self) -> Mapping[str, ExtendedParameter]:
         """Every extended parameter that was heard of, by name."""
 
     def get(self, name: str, *, timeout: float | None=...) -> ExtendedParameter:
@@ -194,16 +195,16 @@ class ExtendedParameters:
     def set(self, name: str, value: ExtendedValue, *, timeout: float | None=...) -> ExtendedParameter:
         """Set one; the result is what the component holds now."""
 
-    def fetch(self, *, timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> Mapping[str, ExtendedParameter]:
+    def download(self, *, timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> Mapping[str, ExtendedParameter]:
         """Fetch them all."""
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """The component started anew: its parameters are to be asked for again."""
 
     def changes(self) -> Subscription[ExtendedParameterChanged]:
         """Each one that changes from now on, whoever changes it."""
 
-class Files:
+class Ftp:
     """The files of one component; raises `FileDenied` or `FileTimeout`."""
 
     def __init__(self, remote: RemoteComponent) -> None:
@@ -216,10 +217,10 @@ class Files:
     def list(self, path: str=..., *, timeout: float | None=...) -> tuple[Entry, ...]:
         """What is in a directory, without itself and its parent, which some servers list too."""
 
-    def read(self, path: str, *, offset: int=..., size: int | None=..., timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> bytes:
+    def download(self, path: str, *, offset: int=..., size: int | None=..., timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> bytes:
         """Read a file, or `size` bytes from `offset`; a whole one is compared by checksum."""
 
-    def write(self, path: str, data: bytes, *, timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> None:
+    def upload(self, path: str, data: bytes, *, timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> None:
         """Create a file, or replace what it holds; compared by checksum."""
 
     def checksum(self, path: str, *, timeout: float | None=...) -> int:
@@ -282,13 +283,13 @@ class Modes:
     def list(self, *, timeout: float=...) -> tuple[AvailableMode, ...]:
         """The modes that it says it has; of a firmware that does not tell, those that are known of it."""
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """The vehicle started anew: it may be in another mode, and have others."""
 
     def changes(self) -> Subscription[ModeSeen]:
         """Each mode that is entered from now on."""
 
-class Parameters:
+class Params:
     """The parameters of one component; raises `ParameterDenied` or `ParameterTimeout`."""
 
     def __init__(self, remote: RemoteComponent) -> None:
@@ -299,7 +300,7 @@ class Parameters:
         """The state machine behind it."""
 
     @property
-    def known(self) -> Mapping[str, Parameter]:
+    def cached(self) -> Mapping[str, Parameter]:
         """Every parameter that was heard of, by name; it follows what others set."""
 
     def get(self, name: str, *, timeout: float | None=...) -> Parameter:
@@ -308,13 +309,13 @@ class Parameters:
     def set(self, name: str, value: Value, *, timeout: float | None=...) -> Parameter:
         """Set a parameter and see it read back; the result is what the component holds now."""
 
-    def fetch(self, *, known: Snapshot | None=..., packed: bool=..., timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> Mapping[str, Parameter]:
+    def download(self, *, known: Snapshot | None=..., packed: bool=..., timeout: float | None=..., progress: Callable[[int, int], None] | None=...) -> Mapping[str, Parameter]:
         """Fetch them all: by the packed file, or the list, or not at all if `known` still holds."""
 
     def changes(self) -> Subscription[ParameterChanged]:
         """Each parameter that changes from now on, whoever changes it."""
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """The component started anew: its parameters, and how it tells them, are to be asked for again."""
 
     @property
@@ -339,8 +340,8 @@ class Plans:
     def clear(self, *, timeout: float | None=...) -> None:
         """Let the vehicle forget the plan."""
 
-    def set_current(self, seq: int, *, reset: bool=...) -> None:
-        """Let the mission go on at an item; `reset` lets it begin anew, its jump counters too.
+    def set_current(self, seq: int, *, restart: bool=...) -> None:
+        """Let the mission go on at an item; `restart` lets it begin anew, its jump counters too.
 
         A vehicle that does not know the command, or leaves it unanswered, is told by MISSION_SET_CURRENT.
         """
@@ -374,7 +375,7 @@ class Shell:
         ...
 
 class RemoteComponent:
-    """A component of another system; made by `Node.remote`, `Node.autopilot` or `Node.find`."""
+    """A component of another system; made by `Node.component`, `Node.wait_for_autopilot` or `Node.wait_for_component`."""
 
     def __init__(self, node: Node, address: Address) -> None:
         ...
@@ -383,7 +384,7 @@ class RemoteComponent:
     def info(self) -> ComponentInfo | None:
         """What its heartbeat said; None if it was never heard."""
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """It started anew: forget what it told before, which may be so no longer.
 
         What is under way goes on, and ends in its result or its error. Node calls this by itself.
@@ -396,43 +397,43 @@ class RemoteComponent:
         `CommandTimeout`. `progress` is called with percent and 100 while a long command runs.
         """
 
-    def request(self, message: type[AnyMessage], *params: float, timeout: float | None=...) -> AnyMessage:
+    def request_message(self, message: type[AnyMessage], *params: float, timeout: float | None=...) -> AnyMessage:
         """Ask for one message; `params` are params 2 to 6 of MAV_CMD_REQUEST_MESSAGE.
 
         Raises `CommandDenied` or `MessageTimeout`.
         """
 
-    def set_message_interval(self, message: type[Message] | int, interval: Interval | float, *, timeout: float | None=...) -> RateSet:
+    def set_message_rate(self, message: type[Message] | int, rate: Interval | float, *, timeout: float | None=...) -> RateSet:
         """Have it send a message so many times a second, or by an `Interval` (`DEFAULT`, `OFF`)."""
 
-    def message_interval(self, message: type[Message] | int, *, timeout: float | None=...) -> Interval:
+    def get_message_interval(self, message: type[Message] | int, *, timeout: float | None=...) -> Interval:
         """At which interval it sends a message."""
 
-    def version(self, *, timeout: float | None=...) -> AutopilotVersion:
+    def get_version(self, *, timeout: float | None=...) -> AutopilotVersion:
         """Its software, hardware and capabilities."""
 
-    def protocol_version(self, *, timeout: float | None=...) -> ProtocolVersion:
+    def get_protocol_version(self, *, timeout: float | None=...) -> ProtocolVersion:
         """Which versions of MAVLink it speaks."""
 
     def ping(self, count: int=...) -> PingStatistics:
         """How long messages take to it and back, in seconds."""
 
-    def messages(self, *kinds: type[AnyMessage], queue: int=...) -> Subscription[AnyMessage]:
+    def stream(self, *kinds: type[AnyMessage], queue: int=...) -> Subscription[AnyMessage]:
         """Its messages of these classes, as they come."""
 
     def send(self, message: Message) -> None:
         """Send it a message whose target fields, if it has any, are filled in."""
 
     @cached_property
-    def parameters(self) -> Parameters:
+    def params(self) -> Params:
         """Its parameters."""
 
     @cached_property
-    def extended_parameters(self) -> ExtendedParameters:
+    def extended_params(self) -> ExtendedParams:
         """Its extended parameters, which cameras have."""
 
     @cached_property
-    def files(self) -> Files:
+    def ftp(self) -> Ftp:
         """The files on it."""
 
     @cached_property
@@ -443,7 +444,7 @@ class RemoteComponent:
     def modes(self) -> Modes:
         """Its flight modes."""
 
-    def set_up_signing(self, key: SigningKey | None, *, timeout: float=...) -> None:
+    def setup_signing(self, key: SigningKey | None, *, timeout: float=...) -> None:
         """Give it a signing key, or none, and use the key with it once it is proven that it does too.
 
         Raises `RemoteDenied` or `RemoteTimeout`; then both sides go on as before.
@@ -524,23 +525,30 @@ class Node:
     def close(self) -> None:
         """Cancel what has not ended on both sides, and close the links. Closing twice does nothing."""
 
-    def remote(self, system: int, component: int=...) -> RemoteComponent:
+    def component(self, system: int, component: int=...) -> RemoteComponent:
         """Another component, by its address, whether it was heard yet or not."""
 
-    def autopilot(self, system: int | None=..., *, timeout: float=...) -> RemoteComponent:
+    def wait_for_autopilot(self, system: int | None=..., *, timeout: float | None=...) -> RemoteComponent:
         """The first autopilot heard, or that of a system; raises `RemoteTimeout` if there is none in time."""
 
-    def find(self, wanted: Callable[[ComponentInfo], bool], what: str, *, timeout: float=...) -> RemoteComponent:
-        """The first component alive that `wanted` says yes to; `what` names it in the error."""
+    def wait_for_component(self, predicate: Callable[[ComponentInfo], bool], description: str, *, timeout: float | None=...) -> RemoteComponent:
+        """The first component alive that `predicate` accepts; `description` names it in the error."""
 
-    def messages(self, *kinds: type[AnyMessage], system: int=..., component: int=..., queue: int=..., keep_all: bool=...) -> Subscription[AnyMessage]:
+    def stream(self, *kinds: type[AnyMessage], system: int=..., component: int=..., queue: int=..., keep_all: bool=...) -> Subscription[AnyMessage]:
         """Messages of these classes, as they come; `system` and `component` choose the sender (0: any)."""
 
     def packets(self, *kinds: type[Message], system: int=..., component: int=..., queue: int=..., keep_all: bool=...) -> Subscription[Packet]:
         """The same with their headers; without `kinds` every packet, unknown ids too, raw as they are."""
 
-    def listen(self, hear: Callable[[Packet], None], *kinds: type[Message], system: int=..., component: int=...) -> Listening:
-        """Have a function called with each packet of these classes (none: all) at once, as it comes.
+    def add_listener(self, kind: type[AnyMessage] | tuple[type[AnyMessage], ...], callback: Callable[[AnyMessage], None], *, system: int=..., component: int=...) -> Listening:
+        """Call a function with each message of a class, or of several, as soon as it is received.
+
+        The callback must return quickly: everything else waits for it. It is called until the result is
+        closed, and not for messages that were received while the node was not open.
+        """
+
+    def add_packet_listener(self, kind: type[Message] | tuple[type[Message], ...] | None, callback: Callable[[Packet], None], *, system: int=..., component: int=...) -> Listening:
+        """Call a function with each packet of a message class, or of several (None: all), as soon as it is received.
 
         It must be quick: all else waits for it. It is called until the result is closed, and not called for
         what came while the node was not open.
@@ -558,24 +566,24 @@ class Node:
     def serve(self, service: AnyService) -> AnyService:
         """Let a service live on this node, from now on or as soon as it opens."""
 
-    def changed(self, service: Service) -> None:
+    def wake(self, service: Service) -> None:
         """Say that a service's method was called, so that what it wants to send goes out."""
 
     def now(self) -> float:
         """The time as services count it: Unix seconds that never go back."""
 
-    def provide(self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float=...) -> None:
+    def publish(self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float=...) -> None:
         """Send a message every `interval` seconds, at the rate that others ask for, and when it is requested.
 
         `producer` is called with the time and makes it, or returns None if there is nothing to tell.
         """
 
-    def say(self, text: str, severity: int=...) -> None:
+    def send_statustext(self, text: str, severity: int=...) -> None:
         """Say something to the people who watch, by STATUSTEXT; a long text goes in chunks."""
 
     @cached_property
     def message_server(self) -> MessageServer:
-        """Sends what `provide` was given."""
+        """Sends what `publish` was given."""
 
     @property
     def commands(self) -> CommandHandlers:
@@ -584,10 +592,10 @@ class Node:
     def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
         """Decorate a function, plain or async, that carries out a command; see `CommandHandlers`."""
 
-    def perform(self, client: Client, operation: Operation[Result], progress: Callable[[int, int], None] | None=...) -> Result:
+    def run_operation(self, client: Client, operation: Operation[Result], progress: Callable[[int, int], None] | None=...) -> Result:
         """Run an operation of a client that lives here, to its result or its typed error."""
 
-    def wait(self) -> None:
+    def serve_forever(self) -> None:
         """Go on until the task is cancelled: what a program that only serves does last."""
 
     def __enter__(self) -> Self:
@@ -631,7 +639,7 @@ class Stream(Generic[AnyMessage]):
     def __del__(self) -> None:
         ...
 
-class Values:
+class TelemetryProperties:
     """What a vehicle tells; `telemetry` is what was heard of it."""
     telemetry: Telemetry
 
@@ -648,13 +656,13 @@ class Values:
         Raises `CommandDenied` if it refuses, and nothing comes. A slow reader loses the oldest.
         """
 
-    def next(self, kind: type[AnyMessage], *, timeout: float=...) -> AnyMessage:
+    def wait_for_message(self, kind: type[AnyMessage], *, timeout: float=...) -> AnyMessage:
         """The next message of a kind; raises `MessageTimeout`, or `CommandDenied` if the vehicle has none."""
 
-    def on(self, kind: type[AnyMessage], callback: Callable[[AnyMessage], object], component: int | None=...) -> Listening:
+    def add_listener(self, kind: type[AnyMessage], callback: Callable[[AnyMessage], object], component: int | None=...) -> Listening:
         """Call a plain function with each message of a kind, at once, until the result is closed."""
 
-    def set_rate(self, kind: type[Message], rate: float | None) -> None:
+    def set_message_rate(self, kind: type[Message], rate: float | None) -> None:
         """Have the autopilot send a message so many times a second for good, or as by itself (None).
 
         It is asked again when it rebooted. Raises `CommandDenied` or `CommandTimeout`.
@@ -677,7 +685,7 @@ class Values:
         """How it is turned."""
 
     @property
-    def speeds(self) -> values.Speeds | None:
+    def vfr_hud(self) -> values.VfrHud | None:
         """Air speed, ground speed, climb and throttle."""
 
     @property
@@ -737,14 +745,14 @@ class Values:
         """The state of its autopilot."""
 
     @property
-    def type(self) -> common.MavType | int | None:
+    def mav_type(self) -> common.MavType | int | None:
         """What it is, as its heartbeat says."""
 
     @property
-    def texts(self) -> list[values.Text]:
+    def status_texts(self) -> list[values.StatusText]:
         """What it told people lately, the oldest first."""
 
-class Guidance:
+class GuidedSession:
     """A vehicle that follows setpoints while a block lasts; made by `Vehicle.guided`."""
 
     def __init__(self, vehicle: Vehicle, rate: float, first: Setpoint) -> None:
@@ -773,7 +781,7 @@ class Guidance:
         """Go to a place in degrees and metres above home."""
 
     def attitude(self, roll: float, pitch: float, yaw: float, thrust: float) -> None:
-        """Hold an attitude in degrees, with a thrust from 0 to 1."""
+        """RateRequest an attitude in degrees, with a thrust from 0 to 1."""
 
     def __enter__(self) -> Self:
         ...
@@ -781,7 +789,7 @@ class Guidance:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         ...
 
-class PlanOf:
+class VehiclePlan:
     """A plan of a vehicle, with its reasons when it refuses."""
 
     def __init__(self, vehicle: Vehicle, plan_type: int) -> None:
@@ -796,7 +804,7 @@ class PlanOf:
     def clear(self, *, timeout: float | None=...) -> None:
         """Let the vehicle forget the plan."""
 
-class Mission(PlanOf):
+class Mission(VehiclePlan):
     """What a vehicle is to fly."""
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -809,8 +817,8 @@ class Mission(PlanOf):
     def items(self) -> Subscription[ItemReached]:
         """Each item that is reached from now on."""
 
-    def set_current(self, seq: int, *, reset: bool=...) -> None:
-        """Let it go on at an item; `reset` lets it begin anew, its jump counters too."""
+    def set_current(self, seq: int, *, restart: bool=...) -> None:
+        """Let it go on at an item; `restart` lets it begin anew, its jump counters too."""
 
     def start(self) -> None:
         """Fly it, from the start or from where it was paused; the vehicle has to be armed, or to arm next."""
@@ -821,7 +829,7 @@ class Mission(PlanOf):
     def fly(self, *, timeout: float | None=...) -> None:
         """Arm if need be, start, and wait for the end; a mission that lands ends with the motors."""
 
-class Ending:
+class MissionCompletion:
     """Whether a mission is over, and what it ended with has been done.
 
     A mode is in it if the mission goes on in it: the one in which a vehicle waits when all is done only at
@@ -840,10 +848,10 @@ class Ending:
     def come(self, reached: list[int]) -> bool:
         """Whether it has ended, now that these items were reached, too."""
 
-class Vehicle(Values):
+class Vehicle(TelemetryProperties):
     """One vehicle; made by `Connection.vehicle` and `Connection.vehicles`."""
 
-    def __init__(self, node: Connection, component: RemoteComponent) -> None:
+    def __init__(self, connection: Connection, component: RemoteComponent) -> None:
         ...
 
     @property
@@ -863,25 +871,26 @@ class Vehicle(Values):
         """The other components of its system that were heard, by their component ids: cameras, gimbals …"""
 
     @property
-    def has_clash(self) -> bool:
-        """Whether another vehicle uses its system id as well; see `SystemIdClash`."""
+    def has_id_conflict(self) -> bool:
+        """Whether another vehicle uses its system id as well; see `SystemIdConflict`."""
 
     @property
     def autopilot(self) -> int:
         """Its MAV_AUTOPILOT."""
 
     @property
-    def kind(self) -> VehicleClass:
+    def vehicle_type(self) -> VehicleType:
         """How it moves."""
 
     @property
     def firmware(self) -> Firmware:
         """How its firmware wants to be asked."""
 
+    @property
     def health(self) -> Health:
         """Whether it says that it is ready to arm, and what is wrong with it, as far as it was heard."""
 
-    def healthy(self, *, timeout: float=...) -> Health:
+    def wait_until_ready(self, *, timeout: float=...) -> Health:
         """Wait until it is ready to arm; raises `HealthTimeout`, whose text holds the reasons."""
 
     def arm(self, *, force: bool=...) -> None:
@@ -924,7 +933,7 @@ class Vehicle(Values):
     def set_yaw(self, heading: float, *, wait: bool=..., timeout: float | None=...) -> None:
         """Turn to a heading."""
 
-    def guided(self, rate: float=..., first: Setpoint=...) -> Guidance:
+    def guided(self, rate: float=..., first: Setpoint=...) -> GuidedSession:
         """Let it follow setpoints while a block lasts; `first` is the one that it begins with."""
 
     def set_home(self, latitude: float | None=..., longitude: float | None=..., altitude: float | None=...) -> None:
@@ -934,7 +943,7 @@ class Vehicle(Values):
         """Reboot the autopilot, and wait until it is back."""
 
     @property
-    def params(self) -> Parameters:
+    def params(self) -> Params:
         """Its parameters."""
 
     @cached_property
@@ -942,15 +951,15 @@ class Vehicle(Values):
         """What it is to fly."""
 
     @cached_property
-    def fence(self) -> PlanOf:
+    def fence(self) -> VehiclePlan:
         """Where it must stay."""
 
     @cached_property
-    def rally(self) -> PlanOf:
+    def rally(self) -> VehiclePlan:
         """Where it may land when it returns."""
 
     @property
-    def ftp(self) -> Files:
+    def ftp(self) -> Ftp:
         """The files on it."""
 
     @property
@@ -1006,8 +1015,8 @@ class Group(Collection['Vehicle']):
     def __init__(self, vehicles: Iterable[Vehicle]) -> None:
         ...
 
-    def each(self, work: Callable[[Vehicle], Awaitable[Result]], *, at_once: int | None=..., what: str=...) -> Results[Result]:
-        """Do something with every vehicle, at the same time or so many `at_once`; `what` names it."""
+    def each(self, work: Callable[[Vehicle], Awaitable[Result]], *, max_concurrency: int | None=..., what: str=...) -> Results[Result]:
+        """Do something with every vehicle, at the same time or so many `max_concurrency`; `what` names it."""
 
     def arm(self, *, force: bool=...) -> Results[None]:
         """Let the motors of all run; see `Vehicle.arm`."""
@@ -1070,7 +1079,7 @@ class Connection(Node):
     def __init__(self, *links: str | Link, **options: Unpack[NodeOptions]) -> None:
         ...
 
-    def vehicle(self, system: int | None=..., *, timeout: float=...) -> Vehicle:
+    def wait_for_vehicle(self, system: int | None=..., *, timeout: float | None=...) -> Vehicle:
         """The first vehicle that is there, or that of a system.
 
         Raises `RemoteTimeout` if there is none in time; its text tells what was heard instead.
@@ -1087,7 +1096,7 @@ class Connection(Node):
     def group(self, *systems: int) -> Group:
         """The vehicles of these systems (none: all that were heard), to be asked as one."""
 
-    def wait_for_vehicles(self, count: int, *, timeout: float=...) -> Group:
+    def wait_for_vehicles(self, count: int, *, timeout: float | None=...) -> Group:
         """All vehicles that are there, as soon as there are so many; raises `RemoteTimeout`."""
 
     def __await__(self) -> Generator[Any, None, Self]:

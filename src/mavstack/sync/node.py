@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from mavstack.node import Node as AsyncNode
-from mavstack.node.portal import Portal
+from mavstack.node.blocking_portal import BlockingPortal
 from mavstack.sync.proxy import Blocking
 from mavstack.vehicle import Connection as AsyncConnection
 
@@ -20,7 +20,7 @@ class Node(Blocking):
     _made_by: ClassVar[type[AsyncNode]] = AsyncNode
 
     def __init__(self, *links: Any, **options: Any) -> None:  # noqa: ANN401 (the stub has them all)
-        portal = Portal()
+        portal = BlockingPortal()
         try:
             super().__init__(portal.call(lambda: self._made_by(*links, **options)), portal)
         except BaseException:

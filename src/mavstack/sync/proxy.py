@@ -20,14 +20,14 @@ from functools import wraps
 from inspect import isawaitable
 from typing import TYPE_CHECKING, Any
 
-from mavstack.vehicle.life import VehicleEvent
+from mavstack.vehicle.vehicle_tracker import VehicleEvent
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
     from typing import Self
 
-    from mavstack.node.portal import Portal
+    from mavstack.node.blocking_portal import BlockingPortal
 
 #: Whose objects live in the loop's thread.
 PACKAGES = ("mavstack.node.", "mavstack.vehicle.")
@@ -36,7 +36,7 @@ PACKAGES = ("mavstack.node.", "mavstack.vehicle.")
 class Blocking:
     """The blocking face of one object."""
 
-    def __init__(self, inner: Any, portal: Portal) -> None:  # noqa: ANN401 (any object of the node)
+    def __init__(self, inner: Any, portal: BlockingPortal) -> None:  # noqa: ANN401 (any object of the node)
         self._inner = inner
         self._portal = portal
 

@@ -25,7 +25,7 @@ Result = TypeVar("Result")
 CLEANING_UP = 2.0
 
 
-class Portal:
+class BlockingPortal:
     """A thread that runs an event loop until `close`."""
 
     def __init__(self) -> None:

@@ -10,12 +10,12 @@ from mavstack.services.extended_parameters import ExtendedParameterChanged, Exte
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.node.remote import RemoteComponent
+    from mavstack.node.component import RemoteComponent
     from mavstack.node.subscription import Subscription
     from mavstack.services.extended_parameters import ExtendedParameter, ExtendedValue
 
 
-class ExtendedParameters:
+class ExtendedParams:
     """The extended parameters of one component; raises `ParameterDenied` or `ParameterTimeout`."""
 
     def __init__(self, remote: RemoteComponent) -> None:
@@ -28,36 +28,36 @@ class ExtendedParameters:
         return node.serve(ExtendedParameterClient(node.address, self._remote.address))
 
     @property
-    def known(self) -> Mapping[str, ExtendedParameter]:
+    def cached(self) -> Mapping[str, ExtendedParameter]:
         """Every extended parameter that was heard of, by name."""
         return self.client.parameters
 
     async def get(self, name: str, *, timeout: float | None = None) -> ExtendedParameter:
         """Ask for one."""
         node = self._remote.node
-        return await node.driver.finish(self.client, self.client.read(name, node.now(), limit=timeout))
+        return await node.driver.finish(self.client, self.client.read(name, node.now(), timeout=timeout))
 
     async def set(
         self, name: str, value: ExtendedValue, *, timeout: float | None = None
     ) -> ExtendedParameter:
         """Set one; the result is what the component holds now."""
         node = self._remote.node
-        return await node.driver.finish(self.client, self.client.set(name, value, node.now(), limit=timeout))
+        return await node.driver.finish(self.client, self.client.set(name, value, node.now(), timeout=timeout))
 
-    async def fetch(
+    async def download(
         self, *, timeout: float | None = None, progress: Callable[[int, int], None] | None = None
     ) -> Mapping[str, ExtendedParameter]:
         """Fetch them all."""
         node = self._remote.node
-        operation = self.client.fetch_all(node.now(), limit=timeout)
+        operation = self.client.fetch_all(node.now(), timeout=timeout)
         await node.driver.finish(self.client, operation, progress)
-        return self.known
+        return self.cached
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """The component started anew: its parameters are to be asked for again."""
         if "client" in self.__dict__:
             self.client.forget(self._remote.node.now())
-            self._remote.node.changed(self.client)
+            self._remote.node.wake(self.client)
 
     def changes(self) -> Subscription[ExtendedParameterChanged]:
         """Each one that changes from now on, whoever changes it."""

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import common
 from mavstack.node.control import ControlStream
-from mavstack.node.extended_parameters import ExtendedParameters
-from mavstack.node.files import Files
+from mavstack.node.extended_params import ExtendedParams
+from mavstack.node.ftp import Ftp
 from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
-from mavstack.node.parameters import Parameters
+from mavstack.node.params import Params
 from mavstack.node.plans import Plans
 from mavstack.node.shell import Shell
 from mavstack.services.command import Command, CommandClient, CommandOperation
@@ -59,7 +59,7 @@ SIGNING_LIMIT = 40.0
 
 
 class RemoteComponent:
-    """A component of another system; made by `Node.remote`, `Node.autopilot` or `Node.find`."""
+    """A component of another system; made by `Node.component`, `Node.wait_for_autopilot` or `Node.wait_for_component`."""
 
     def __init__(self, node: Node, address: Address) -> None:
         self.node = node
@@ -70,14 +70,14 @@ class RemoteComponent:
         """What its heartbeat said; None if it was never heard."""
         return self.node.components.get(self.address)
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """It started anew: forget what it told before, which may be so no longer.
 
         What is under way goes on, and ends in its result or its error. Node calls this by itself.
         """
-        for face in ("parameters", "extended_parameters", "modes"):
+        for face in ("params", "extended_params", "modes"):
             if face in self.__dict__:
-                self.__dict__[face].forget()
+                self.__dict__[face].clear_cache()
         if "mission_client" in self.__dict__:
             self.mission_client.forget_progress()
 
@@ -96,50 +96,50 @@ class RemoteComponent:
         With a `frame` it goes as COMMAND_INT, params 5 and 6 in degrees or metres. Raises `CommandDenied` or
         `CommandTimeout`. `progress` is called with percent and 100 while a long command runs.
         """
-        asked = CommandOperation(Command.of(command, params, frame), limit=timeout)
-        return await self.node.perform(self.command_client, asked, progress)
+        asked = CommandOperation(Command.of(command, params, frame), timeout=timeout)
+        return await self.node.run_operation(self.command_client, asked, progress)
 
-    async def request(
+    async def request_message(
         self, message: type[AnyMessage], *params: float, timeout: float | None = None
     ) -> AnyMessage:
         """Ask for one message; `params` are params 2 to 6 of MAV_CMD_REQUEST_MESSAGE.
 
         Raises `CommandDenied` or `MessageTimeout`.
         """
-        asked = RequestMessage(message, params, limit=timeout)
-        answer: AnyMessage = await self.node.perform(self.command_client, asked)
+        asked = RequestMessage(message, params, timeout=timeout)
+        answer: AnyMessage = await self.node.run_operation(self.command_client, asked)
         return answer
 
-    async def set_message_interval(
-        self, message: type[Message] | int, interval: Interval | float, *, timeout: float | None = None
+    async def set_message_rate(
+        self, message: type[Message] | int, rate: Interval | float, *, timeout: float | None = None
     ) -> RateSet:
         """Have it send a message so many times a second, or by an `Interval` (`DEFAULT`, `OFF`)."""
-        wanted = interval if isinstance(interval, Interval) else Interval.hertz(interval)
-        operation = SetMessageInterval(message, wanted, limit=timeout)
-        return await self.node.perform(self.command_client, operation)
+        wanted = rate if isinstance(rate, Interval) else Interval.hertz(rate)
+        operation = SetMessageInterval(message, wanted, timeout=timeout)
+        return await self.node.run_operation(self.command_client, operation)
 
-    async def message_interval(
+    async def get_message_interval(
         self, message: type[Message] | int, *, timeout: float | None = None
     ) -> Interval:
         """At which interval it sends a message."""
-        return await self.node.perform(self.command_client, GetMessageInterval(message, limit=timeout))
+        return await self.node.run_operation(self.command_client, GetMessageInterval(message, timeout=timeout))
 
-    async def version(self, *, timeout: float | None = None) -> AutopilotVersion:
+    async def get_version(self, *, timeout: float | None = None) -> AutopilotVersion:
         """Its software, hardware and capabilities."""
-        return await self.node.perform(self.command_client, RequestAutopilotVersion(limit=timeout))
+        return await self.node.run_operation(self.command_client, RequestAutopilotVersion(timeout=timeout))
 
-    async def protocol_version(self, *, timeout: float | None = None) -> ProtocolVersion:
+    async def get_protocol_version(self, *, timeout: float | None = None) -> ProtocolVersion:
         """Which versions of MAVLink it speaks."""
-        return await self.node.perform(self.command_client, RequestProtocolVersion(limit=timeout))
+        return await self.node.run_operation(self.command_client, RequestProtocolVersion(timeout=timeout))
 
     async def ping(self, count: int = 4) -> PingStatistics:
         """How long messages take to it and back, in seconds."""
         client = self.ping_client
         return await self.node.driver.finish(client, client.ping(self.node.now(), count=count))
 
-    def messages(self, *kinds: type[AnyMessage], queue: int = 1000) -> Subscription[AnyMessage]:
+    def stream(self, *kinds: type[AnyMessage], queue: int = 1000) -> Subscription[AnyMessage]:
         """Its messages of these classes, as they come."""
-        return self.node.messages(
+        return self.node.stream(
             *kinds, system=self.address.system, component=self.address.component, queue=queue
         )
 
@@ -152,19 +152,19 @@ class RemoteComponent:
     # Parameters, files, logs, modes, keys
 
     @cached_property
-    def parameters(self) -> Parameters:
+    def params(self) -> Params:
         """Its parameters."""
-        return Parameters(self)
+        return Params(self)
 
     @cached_property
-    def extended_parameters(self) -> ExtendedParameters:
+    def extended_params(self) -> ExtendedParams:
         """Its extended parameters, which cameras have."""
-        return ExtendedParameters(self)
+        return ExtendedParams(self)
 
     @cached_property
-    def files(self) -> Files:
+    def ftp(self) -> Ftp:
         """The files on it."""
-        return Files(self)
+        return Ftp(self)
 
     @cached_property
     def logs(self) -> Logs:
@@ -176,13 +176,13 @@ class RemoteComponent:
         """Its flight modes."""
         return Modes(self)
 
-    async def set_up_signing(self, key: SigningKey | None, *, timeout: float = SIGNING_LIMIT) -> None:
+    async def setup_signing(self, key: SigningKey | None, *, timeout: float = SIGNING_LIMIT) -> None:
         """Give it a signing key, or none, and use the key with it once it is proven that it does too.
 
         Raises `RemoteDenied` or `RemoteTimeout`; then both sides go on as before.
         """
         client = self.signing_client
-        operation = client.install(key, self.node.now(), limit=timeout)
+        operation = client.install(key, self.node.now(), timeout=timeout)
         await self.node.driver.finish(client, operation)
 
     # Steering

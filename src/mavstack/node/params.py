@@ -18,7 +18,7 @@ from mavstack.services.parameters import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.node.remote import RemoteComponent
+    from mavstack.node.component import RemoteComponent
     from mavstack.node.subscription import Subscription
     from mavstack.services.parameters import Parameter, Snapshot, Value
 
@@ -27,7 +27,7 @@ _Capability = common.MavProtocolCapability
 CAPABILITIES_PATIENCE = 3.0
 
 
-class Parameters:
+class Params:
     """The parameters of one component; raises `ParameterDenied` or `ParameterTimeout`."""
 
     def __init__(self, remote: RemoteComponent) -> None:
@@ -40,7 +40,7 @@ class Parameters:
         return self._remote.node.serve(ParameterClient(self._remote.node.address, self._remote.address))
 
     @property
-    def known(self) -> Mapping[str, Parameter]:
+    def cached(self) -> Mapping[str, Parameter]:
         """Every parameter that was heard of, by name; it follows what others set."""
         return self.client.parameters
 
@@ -48,15 +48,15 @@ class Parameters:
         """Ask for one parameter."""
         await self._know_encoding()
         node = self._remote.node
-        return await node.driver.finish(self.client, self.client.read(name, node.now(), limit=timeout))
+        return await node.driver.finish(self.client, self.client.read(name, node.now(), timeout=timeout))
 
     async def set(self, name: str, value: Value, *, timeout: float | None = None) -> Parameter:
         """Set a parameter and see it read back; the result is what the component holds now."""
         await self._know_encoding()
         node = self._remote.node
-        return await node.driver.finish(self.client, self.client.set(name, value, node.now(), limit=timeout))
+        return await node.driver.finish(self.client, self.client.set(name, value, node.now(), timeout=timeout))
 
-    async def fetch(
+    async def download(
         self,
         *,
         known: Snapshot | None = None,
@@ -68,20 +68,20 @@ class Parameters:
         await self._know_encoding()
         if not (packed and await self._fetched_packed(timeout, progress)):
             node = self._remote.node
-            operation = self.client.fetch_all(node.now(), known=known, limit=timeout)
+            operation = self.client.fetch_all(node.now(), known=known, timeout=timeout)
             await node.driver.finish(self.client, operation, progress)
-        return self.known
+        return self.cached
 
     def changes(self) -> Subscription[ParameterChanged]:
         """Each parameter that changes from now on, whoever changes it."""
         return self._remote.node.events(ParameterChanged, of=self.client)
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """The component started anew: its parameters, and how it tells them, are to be asked for again."""
         self._capabilities = None
         if "client" in self.__dict__:
             self.client.forget(self._remote.node.now())
-            self._remote.node.changed(self.client)
+            self._remote.node.wake(self.client)
 
     async def _fetched_packed(
         self, timeout: float | None, progress: Callable[[int, int], None] | None
@@ -91,7 +91,7 @@ class Parameters:
             return False
         begun = self._remote.node.now()
         try:
-            data = await self._remote.files.read(PACKED_NAME, timeout=timeout, progress=progress)
+            data = await self._remote.ftp.download(PACKED_NAME, timeout=timeout, progress=progress)
         except (RemoteTimeout, RemoteDenied):
             return False
         return self.client.take_packed(data, self._remote.node.now(), begun=begun)
@@ -105,7 +105,7 @@ class Parameters:
 
     async def _ask_capabilities(self) -> int:
         try:
-            return (await self._remote.version(timeout=CAPABILITIES_PATIENCE)).capabilities
+            return (await self._remote.get_version(timeout=CAPABILITIES_PATIENCE)).capabilities
         except RemoteCancelled:
             raise  # the node was closed
         except RemoteError:

@@ -32,13 +32,13 @@ def with_pair(work, **options) -> None:
 
 def test_parameters() -> None:
     async def work(pair: Pair) -> None:
-        parameters = pair.remote.parameters
+        parameters = pair.remote.params
         assert (await parameters.get("P_07")).value == 7
         async with parameters.changes() as changes:
             assert (await parameters.set("P_07", 70)).value == 70
             assert (await anext(changes)).parameter.name == "P_07"
         steps: list = []
-        fetched = await parameters.fetch(progress=lambda *step: steps.append(step))
+        fetched = await parameters.download(progress=lambda *step: steps.append(step))
         assert {name: parameter.value for name, parameter in fetched.items()} == {
             f"P_{number:02}": 70 if number == 7 else number for number in range(40)
         }
@@ -75,7 +75,7 @@ def test_modes(autopilot: int, mode: str, name: str) -> None:
         async with modes.changes() as changes:
             await modes.set(mode)
             assert modes.current.upper() == name
-            assert changes.take()[-1].name.upper() == name
+            assert changes.drain()[-1].name.upper() == name
         assert len(await modes.list()) == 3
 
     with_pair(work, autopilot=autopilot)
@@ -140,7 +140,7 @@ def test_setpoints_and_sticks_last_as_long_as_their_block() -> None:
             assert held.x == 500
         async with pair.vehicle.packets(system=ground.system) as heard:
             await asyncio.sleep(3)
-            assert {packet.name for packet in heard.take()} == {"HEARTBEAT"}
+            assert {packet.name for packet in heard.drain()} == {"HEARTBEAT"}
         assert len(pair.ground.engine._services) < 12
 
     with_pair(work)
@@ -164,23 +164,23 @@ def test_channels_are_overridden_while_a_block_lasts_and_then_given_back(raises:
             held = pair.vehicle.sticks.overridden(pair.ground.address, pair.vehicle.now())
             return held and dict(held[0])
 
-        async with pair.vehicle.messages(common.RcChannelsOverride) as heard:
+        async with pair.vehicle.stream(common.RcChannelsOverride) as heard:
             with pytest.raises(ZeroDivisionError) if raises else nullcontext():
                 await steer()
             assert overridden() is None
-            pulses = [(message.chan3_raw, message.chan9_raw) for message in heard.take()]
+            pulses = [(message.chan3_raw, message.chan9_raw) for message in heard.drain()]
             assert pulses.count((1600, 1200)) == 10
             assert pulses.count((1500, RELEASE_LATE)) == 10
             assert pulses[20:] == [(0, RELEASE_LATE)] * 5
             await asyncio.sleep(3)
-            assert heard.take() == []
+            assert heard.drain() == []
 
     with_pair(work)
 
 
 def test_a_message_is_addressed_by_the_way() -> None:
     async def work(pair: Pair) -> None:
-        async with pair.vehicle.messages(common.PlayTuneV2) as heard:
+        async with pair.vehicle.stream(common.PlayTuneV2) as heard:
             pair.remote.send(common.PlayTuneV2(tune="MFT200"))
             message = await anext(heard)
         assert Address(message.target_system, message.target_component) == (1, 1)
@@ -190,15 +190,15 @@ def test_a_message_is_addressed_by_the_way() -> None:
 
 def test_files() -> None:
     async def work(pair: Pair) -> None:
-        files = pair.remote.files
+        files = pair.remote.ftp
         assert {entry.name for entry in await files.list("/")} >= {"logs", "hello.txt"}
         steps: list = []
-        data = await files.read("/logs/flight.bin", progress=lambda *step: steps.append(step))
+        data = await files.download("/logs/flight.bin", progress=lambda *step: steps.append(step))
         assert data == bytes(range(256)) * 200
         assert steps[-1] == (len(data), len(data))
-        assert await files.read("/logs/flight.bin", offset=100, size=3) == bytes([100, 101, 102])
+        assert await files.download("/logs/flight.bin", offset=100, size=3) == bytes([100, 101, 102])
         await files.make_directory("/plans")
-        await files.write("/plans/a.txt", b"a" * 1000)
+        await files.upload("/plans/a.txt", b"a" * 1000)
         assert await files.checksum("/plans/a.txt") == file_crc32(b"a" * 1000)
         await files.rename("/plans/a.txt", "/plans/b.txt")
         await files.truncate("/plans/b.txt", 10)
@@ -206,7 +206,7 @@ def test_files() -> None:
         await files.remove("/plans/b.txt")
         await files.remove_directory("/plans")
         with pytest.raises(FileDenied, match=r"plans/b.txt"):
-            await files.read("/plans/b.txt")
+            await files.download("/plans/b.txt")
 
     with_pair(work)
 
@@ -216,7 +216,7 @@ def test_a_cancelled_read_leaves_no_session() -> None:
         def stop(_done: int, _total: int) -> None:
             task.cancel()
 
-        task = asyncio.ensure_future(pair.remote.files.read("/logs/flight.bin", progress=stop))
+        task = asyncio.ensure_future(pair.remote.ftp.download("/logs/flight.bin", progress=stop))
         with pytest.raises(asyncio.CancelledError):
             await task
         await asyncio.sleep(2)
@@ -228,8 +228,8 @@ def test_a_cancelled_read_leaves_no_session() -> None:
 def test_ardupilots_parameters_come_as_one_file() -> None:
     async def work(pair: Pair) -> None:
         async with pair.ground.packets(common.ParamValue) as values:
-            fetched = await pair.remote.parameters.fetch()
-            assert len(values.take()) == 0
+            fetched = await pair.remote.params.download()
+            assert len(values.drain()) == 0
         assert {name: parameter.value for name, parameter in fetched.items()} == {
             f"P_{number:02}": number for number in range(40)
         }
@@ -239,10 +239,10 @@ def test_ardupilots_parameters_come_as_one_file() -> None:
 
 def test_extended_parameters() -> None:
     async def work(pair: Pair) -> None:
-        extended = pair.remote.extended_parameters
+        extended = pair.remote.extended_params
         assert (await extended.get("CAM_MODE")).value == "photo"
         assert (await extended.set("CAM_MODE", "video")).value == "video"
-        assert list(await extended.fetch()) == ["CAM_MODE"]
+        assert list(await extended.download()) == ["CAM_MODE"]
 
     with_pair(work)
 
@@ -261,7 +261,7 @@ def test_a_listing_leaves_out_the_directory_itself_and_its_parent() -> None:
         listed = pair.vehicle.files.list_directory
         extra = [Entry(name, is_directory=True) for name in (".", "..")]
         pair.vehicle.files.list_directory = lambda path: [*extra, *listed(path)]
-        names = [entry.name for entry in await pair.remote.files.list()]
+        names = [entry.name for entry in await pair.remote.ftp.list()]
         assert "hello.txt" in names
         assert "." not in names
         assert ".." not in names

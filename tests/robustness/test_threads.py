@@ -1,0 +1,168 @@
+"""Blocking programs: threads that call at once or wait while another closes, and Ctrl-C in any call."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event, Thread, Timer, main_thread
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import MavstackError, RemoteCancelled
+from mavstack.node.blocking_portal import BlockingPortal
+from mavstack.sync import Node
+
+QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
+
+
+@pytest.fixture
+def vehicle():
+    with Node("udpin://127.0.0.1:0", system=1, component=1, type=QUADROTOR, autopilot=PX4) as node:
+        yield node
+
+
+@pytest.fixture
+def ground(vehicle: Node):
+    host, port = vehicle.links[0].address
+    with Node(f"udpout://{host}:{port}") as node:
+        yield node
+
+
+def test_threads_call_at_once(vehicle: Node, ground: Node) -> None:
+    vehicle.on_command(common.MavCmd.DO_SET_SERVO)(lambda request: common.MavResult.ACCEPTED)
+    vehicle.on_command(common.MavCmd.DO_SET_RELAY)(lambda request: common.MavResult.ACCEPTED)
+    found = ground.wait_for_autopilot(timeout=10)
+
+    def work(number: int) -> int:
+        command = common.MavCmd.DO_SET_SERVO if number % 2 else common.MavCmd.DO_SET_RELAY
+        assert ground.components
+        return found.command(command, number).result
+
+    with ThreadPoolExecutor(8) as pool:
+        assert set(pool.map(work, range(100))) == {common.MavResult.ACCEPTED}
+
+
+@pytest.mark.parametrize("what", ["wait", "next", "command", "find"])
+def test_what_waits_in_a_thread_ends_when_another_closes_the_node(what: str) -> None:
+    node = Node("udpin://127.0.0.1:0").open()
+    began, outcome = Event(), []
+    heard = node.stream(common.Attitude)
+    calls = {
+        "wait": node.wait,
+        "next": lambda: next(heard, None),
+        "command": lambda: node.component(1).command(common.MavCmd.NAV_LAND),
+        "find": node.autopilot,
+    }
+
+    def work() -> None:
+        began.set()
+        try:
+            outcome.append(calls[what]())
+        except MavstackError as error:
+            outcome.append(error)
+
+    thread = Thread(target=work, daemon=True)
+    thread.start()
+    began.wait(10)
+    Timer(0.05, node.close).start()
+    thread.join(20)
+    assert not thread.is_alive()
+    assert len(outcome) == 1
+
+
+def call_for_ever(node: Node, errors: list[str]) -> None:
+    try:
+        while True:
+            len(node.components)
+    except MavstackError as error:
+        errors.append(str(error))
+
+
+def test_a_call_that_comes_while_another_thread_closes_never_hangs() -> None:
+    for _ in range(20):
+        node = Node("udpin://127.0.0.1:0").open()
+        errors: list[str] = []
+        threads = [Thread(target=call_for_ever, args=(node, errors), daemon=True) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        node.close()
+        for thread in threads:
+            thread.join(20)
+            assert not thread.is_alive()
+        assert ["closed" in error for error in errors] == [True] * 3
+
+
+def test_a_subscription_is_closed_from_another_thread(ground: Node) -> None:
+    heard = ground.stream(common.Attitude)
+    Timer(0.05, heard.close).start()
+    assert list(heard) == []
+
+
+def test_several_threads_read_one_subscription(vehicle: Node, ground: Node) -> None:
+    ground.wait_for_autopilot(timeout=10)
+    heard = ground.stream(common.Attitude)
+    with ThreadPoolExecutor(3) as pool:
+        answers = [pool.submit(next, heard) for _ in range(3)]
+        for number in range(3):
+            vehicle.send(common.Attitude(time_boot_ms=number))
+        assert {answer.result(10).time_boot_ms for answer in answers} == {0, 1, 2}
+
+
+def test_blocks_may_be_left_after_the_node_was_closed() -> None:
+    with Node("udpin://127.0.0.1:0") as node, node.stream() as heard:
+        node.close()
+        with pytest.raises(MavstackError, match="the node is closed"):
+            next(heard)
+
+
+def test_what_is_known_of_a_vehicle_is_a_copy(vehicle: Node, ground: Node) -> None:
+    assert type(ground.wait_for_autopilot(timeout=10).params.cached) is dict
+
+
+@pytest.mark.parametrize("what", ["next", "ping", "parameters", "find", "wait"])
+def test_ctrl_c_in_any_call_leaves_the_node_in_use(vehicle: Node, ground: Node, what: str) -> None:
+    found = ground.wait_for_autopilot(timeout=10)
+    silent = ground.component(9)
+    heard = ground.stream(common.Attitude)
+    calls = {
+        "next": lambda: next(heard),
+        "ping": silent.ping,
+        "parameters": silent.params.download,
+        "find": lambda: ground.wait_for_autopilot(9),
+        "wait": ground.wait,
+    }
+    main = main_thread().ident
+    Timer(0.1, lambda: signal.pthread_kill(main, signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        calls[what]()
+    assert not silent.params.client.busy
+    assert not silent.ping_client.busy
+    assert found.ping(1).received == 1
+
+
+def test_an_interrupted_call_is_waited_for_until_it_has_cleaned_up() -> None:
+    portal, cleaned = BlockingPortal(), []
+
+    async def work() -> None:
+        try:
+            await asyncio.sleep(100)
+        finally:
+            await asyncio.sleep(0.2)
+            cleaned.append(True)
+
+    main = main_thread().ident
+    Timer(0.1, lambda: signal.pthread_kill(main, signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        portal.wait(work())
+    assert cleaned
+    portal.close()
+    portal.close()
+
+
+def test_a_cancelled_operation_is_an_error_of_the_tree() -> None:
+    node = Node("udpin://127.0.0.1:0").open()
+    Timer(0.1, node.close).start()
+    with pytest.raises(RemoteCancelled):
+        node.component(1).command(common.MavCmd.NAV_LAND)
