@@ -75,7 +75,7 @@ class Stage:
         return await peer.start()
 
     def told(self, *kinds):
-        return [event for event in self.events.take() if isinstance(event, kinds)]
+        return [event for event in self.events.drain() if isinstance(event, kinds)]
 
 
 @asynccontextmanager

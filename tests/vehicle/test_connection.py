@@ -12,7 +12,7 @@ from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.services.mission import MissionItem
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import NodeOptions, VehicleLost, VehicleRebooted, VehicleReturned, connect
 from tests.sim.whole_flights.fleet import whisper
@@ -61,7 +61,7 @@ def test_without_a_vehicle_the_error_tells_what_was_heard():
         await stage.enter(1, 100, **CAMERA)
         await stage.enter(254, 190, **STATION)
         with pytest.raises(RemoteTimeout) as caught:
-            await stage.node.vehicle(timeout=5)
+            await stage.node.wait_for_vehicle(timeout=5)
         assert str(caught.value) == (
             "a vehicle's heartbeat asked of memory://pair: "
             "none in 5 s; heard: 1/100 camera, 254/190 ground station"
@@ -74,7 +74,7 @@ def test_of_another_system_the_error_tells_the_vehicles():
     async def scenario(stage):
         await stage.enter(3)
         with pytest.raises(RemoteTimeout, match=r"vehicle 7 asked.*heard: 3/1 quadrotor with ArduPilot$"):
-            await stage.node.vehicle(7, timeout=5)
+            await stage.node.wait_for_vehicle(7, timeout=5)
 
     play(scenario)
 
@@ -101,7 +101,7 @@ def test_when_nobody_was_heard_the_error_tells_what_to_look_at(said, text):
             if not isinstance(said, bytes):
                 peer.send(said)
         with pytest.raises(RemoteTimeout) as caught:
-            await stage.node.vehicle(timeout=5)
+            await stage.node.wait_for_vehicle(timeout=5)
         if said is not None:
             await peer.close()
         assert text in str(caught.value)
@@ -112,12 +112,12 @@ def test_when_nobody_was_heard_the_error_tells_what_to_look_at(said, text):
 def test_a_lost_vehicle_is_waited_for():
     async def scenario(stage):
         peer = await stage.enter()
-        first = await stage.node.vehicle()
+        first = await stage.node.wait_for_vehicle()
         peer.quiet = True
         await asyncio.sleep(20)
         with pytest.raises(RemoteTimeout, match=r"1/1 quadrotor with ArduPilot \(silent now\)"):
-            await stage.node.vehicle(timeout=3)
-        waiting = asyncio.create_task(stage.node.vehicle())
+            await stage.node.wait_for_vehicle(timeout=3)
+        waiting = asyncio.create_task(stage.node.wait_for_vehicle())
         await asyncio.sleep(3)
         peer.quiet = False
         assert await waiting is first
@@ -131,7 +131,7 @@ def test_vehicles_are_in_the_order_in_which_they_were_found():
             await stage.enter(system)
             await asyncio.sleep(2)
         assert list(stage.node.vehicles) == [9, 2, 5]
-        assert (await stage.node.vehicle()).system == 9
+        assert (await stage.node.wait_for_vehicle()).system == 9
         with pytest.raises(TypeError):
             stage.node.vehicles[1] = None
 
@@ -157,7 +157,7 @@ def test_waiting_for_many():
 def test_a_group_of_vehicles_that_are_not_there():
     async def scenario(stage):
         await stage.enter(4)
-        await stage.node.vehicle()
+        await stage.node.wait_for_vehicle()
         assert stage.node.group().systems == stage.node.group(4).systems == (4,)
         with pytest.raises(MavstackError, match="no vehicle has the system id 3; those heard: 4"):
             stage.node.group(4, 3)
@@ -176,7 +176,7 @@ def test_what_is_asked_in_a_silence_ends_in_its_typed_timeout_and_the_connection
         asked = [
             vehicle.component.command(common.MavCmd.DO_SET_HOME, 1),
             vehicle.params.get("SYSID_THISMAV"),
-            vehicle.params.fetch(),
+            vehicle.params.download(),
             vehicle.mission.upload(plan(5)),
             vehicle.mission.download(),
             vehicle.arm(),
@@ -187,10 +187,10 @@ def test_what_is_asked_in_a_silence_ends_in_its_typed_timeout_and_the_connection
             assert isinstance(error, RemoteTimeout), error
             assert "1/1" in str(error)
         world.simulated.cut(False)
-        await vehicle.params.fetch()
-        await world.until(lambda: vehicle.alive)
-        assert [type(event) for event in events.take()] == [VehicleLost, VehicleReturned]
-        async with world.node.messages(common.Heartbeat, system=1) as heartbeats:
+        await vehicle.params.download()
+        await world.wait_until(lambda: vehicle.alive)
+        assert [type(event) for event in events.drain()] == [VehicleLost, VehicleReturned]
+        async with world.node.stream(common.Heartbeat, system=1) as heartbeats:
             await anext(heartbeats)
 
     fly(kind, scenario, prepare=whisper)
@@ -215,13 +215,13 @@ def test_what_is_under_way_goes_on_after_a_short_silence():
 def test_a_link_that_is_closed_and_opened_again():
     async def scenario(stage):
         peer = await stage.enter()
-        vehicle = await stage.node.vehicle()
+        vehicle = await stage.node.wait_for_vehicle()
         await peer.stop()
         with pytest.raises(RemoteTimeout):
             await vehicle.component.command(common.MavCmd.DO_SET_HOME, 1)
         stage.told()
         await stage.enter(uptime=300.0)
-        assert await stage.node.vehicle() is vehicle
+        assert await stage.node.wait_for_vehicle() is vehicle
         assert [type(event) for event in stage.told(VehicleReturned)] == [VehicleReturned]
 
     play(scenario)
@@ -241,19 +241,19 @@ async def outcome(work):
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 def test_what_was_known_of_it_is_forgotten_at_a_reboot(kind):
     async def scenario(world, vehicle):
-        parameters = await vehicle.params.fetch()
+        parameters = await vehicle.params.download()
         vehicle.component.modes.monitor  # noqa: B018 (it follows from the first use on)
-        await world.until(lambda: vehicle.component.modes.current is not None)
+        await world.wait_until(lambda: vehicle.component.modes.current is not None)
         whole = len(parameters)
         events = world.node.events(VehicleRebooted)
         world.simulated.reboot()
         await anext(events)
-        assert not vehicle.params.known
+        assert not vehicle.params.cached
         assert not vehicle.params.client.complete
         assert len(parameters) == whole  # who was given them keeps them
-        assert len(await vehicle.params.fetch()) == whole
-        await world.until(lambda: vehicle.component.modes.current is not None)
-        assert not events.take()
+        assert len(await vehicle.params.download()) == whole
+        await world.wait_until(lambda: vehicle.component.modes.current is not None)
+        assert not events.drain()
 
     fly(kind, scenario, prepare=whisper)
 
@@ -262,7 +262,7 @@ def test_what_was_known_of_it_is_forgotten_at_a_reboot(kind):
 @pytest.mark.parametrize("packed", [True, False])
 def test_a_fetch_across_a_reboot_is_whole_or_ends_in_its_error(kind, packed):
     async def scenario(world, vehicle):
-        whole = await vehicle.params.fetch(packed=packed)
+        whole = await vehicle.params.download(packed=packed)
         steps = []
 
         def progress(*step):
@@ -270,10 +270,10 @@ def test_a_fetch_across_a_reboot_is_whole_or_ends_in_its_error(kind, packed):
             if len(steps) == 3:
                 world.simulated.reboot()
 
-        fetched = await outcome(vehicle.params.fetch(packed=packed, timeout=120, progress=progress))
+        fetched = await outcome(vehicle.params.download(packed=packed, timeout=120, progress=progress))
         assert len(steps) >= 3
         assert fetched is None or fetched.keys() == whole.keys()
-        assert len(await vehicle.params.fetch(packed=packed)) == len(whole)
+        assert len(await vehicle.params.download(packed=packed)) == len(whole)
 
     fly(kind, scenario, prepare=whisper, latency=0.05)
 
@@ -287,7 +287,7 @@ def test_an_upload_across_a_reboot_is_whole_or_ends_in_its_error(kind):
         assert not uploading.done()
         world.simulated.reboot()
         uploaded = await outcome(uploading)
-        await world.until(lambda: vehicle.alive)
+        await world.wait_until(lambda: vehicle.alive)
         assert len((await vehicle.mission.download()).items) == len((uploaded or before).items)
 
     fly(kind, scenario, prepare=whisper, latency=0.05)

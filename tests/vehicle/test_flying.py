@@ -9,7 +9,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported, CommandDenied
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.world import ALL, ARDUPILOT, FLYING, PX4, fly, named
 
 #: What circles home until it is told to land.
@@ -121,7 +121,7 @@ def test_a_copter_that_would_sink_by_its_throttle_stick_does_not_orbit():
     async def scenario(world, vehicle):
         await vehicle.arm()
         await vehicle.takeoff(15)
-        await vehicle.next(common.RcChannels)
+        await vehicle.wait_for_message(common.RcChannels)
         with pytest.raises(ActionUnsupported, match=r"throttle stick is at 1000 us.* centre the stick"):
             await vehicle.orbit(*place(world, 30.0, 0.0), 15, radius=15)
         assert vehicle.mode == "GUIDED"
@@ -134,7 +134,7 @@ def test_a_refusal_has_the_vehicles_reason():
     async def scenario(world, vehicle):
         with pytest.raises(CommandDenied) as denied:
             await vehicle.arm()
-        assert any("PreArm" in text or "Arm" in text for text in denied.value.said)
-        assert denied.value.said[0] in str(denied.value)
+        assert any("PreArm" in text or "Arm" in text for text in denied.value.status_texts)
+        assert denied.value.status_texts[0] in str(denied.value)
 
     fly((VehicleType.COPTER, ARDUPILOT), scenario, ready=False)

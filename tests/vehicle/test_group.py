@@ -17,7 +17,7 @@ from mavstack.errors import (
     RemoteCancelled,
     RemoteTimeout,
 )
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import Group, VehicleFound, VehicleLost
 from tests.sim.whole_flights.fleet import whisper
 from tests.vehicle.peers import play
@@ -58,7 +58,7 @@ def test_each_comes_to_its_own_result():
             results.check()
         assert isinstance(caught.value, MavstackError)
         assert caught.value.errors == {2: results[second]}
-        assert str(caught.value) == "work: 1 of 3 vehicles failed\n  2: arming: DENIED"
+        assert str(caught.value) == "work failed on 1 of 3 vehicles\n  2: arming: DENIED"
 
     with_group(3, scenario)
 
@@ -90,8 +90,8 @@ def test_a_defect_of_ours_loses_no_other_result_and_is_told_as_the_cause():
     with_group(3, scenario)
 
 
-@pytest.mark.parametrize(("at_once", "most"), [(1, 1), (3, 3), (100, 8), (None, 8)])
-def test_at_once(at_once, most):
+@pytest.mark.parametrize(("max_concurrency", "most"), [(1, 1), (3, 3), (100, 8), (None, 8)])
+def test_at_once(max_concurrency, most):
     async def scenario(stage, group):
         running = highest = 0
 
@@ -102,7 +102,7 @@ def test_at_once(at_once, most):
             await asyncio.sleep(1)
             running -= 1
 
-        assert (await group.each(work, at_once=at_once)).ok
+        assert (await group.each(work, max_concurrency=max_concurrency)).ok
         assert highest == most
 
     with_group(8, scenario)
@@ -111,7 +111,7 @@ def test_at_once(at_once, most):
 def test_none_at_once_is_misuse():
     async def scenario(stage, group):
         with pytest.raises(LocalProtocolError, match="0 at once"):
-            await group.each(lambda vehicle: asyncio.sleep(0), at_once=0)
+            await group.each(lambda vehicle: asyncio.sleep(0), max_concurrency=0)
 
     with_group(1, scenario)
 
@@ -120,12 +120,12 @@ def test_cancelling_cancels_all_and_leaves_each_end_clean():
     async def scenario(stage, group):
         cancelled = []
         for peer in stage.peers:
-            peer.node.listen(
+            peer.node.add_packet_listener(
                 lambda packet, peer=peer: cancelled.append(peer.node.address.system), common.CommandCancel
             )
         command = common.MavCmd.DO_SET_HOME
         asking = asyncio.create_task(
-            group.each(lambda vehicle: vehicle.component.command(command, 1), at_once=2)
+            group.each(lambda vehicle: vehicle.component.command(command, 1), max_concurrency=2)
         )
         await asyncio.sleep(1)
         asking.cancel()
@@ -158,10 +158,10 @@ def test_those_who_fail_for_one_reason_share_a_line():
         for system in range(1, 4)
     }
     errors[9] = CommandDenied("arming", "9/1", answer="DENIED")
-    errors[9].said = ("PreArm: GPS 1: bad fix",)
+    errors[9].status_texts = ("PreArm: GPS 1: bad fix",)
     error = GroupError("arming", errors, 50)
     assert str(error) == (
-        "arming: 4 of 50 vehicles failed\n"
+        "arming failed on 4 of 50 vehicles\n"
         "  1, 2, 3: arming 6 times: no answer\n"
         "  9: arming: DENIED (PreArm: GPS 1: bad fix)"
     )
@@ -203,10 +203,10 @@ def test_fifty_vehicles():
         firmware = {each.address.system: each.firmware for each in world.simulation.vehicles}
         wanted = {system: 20 + system for system in fleet.systems}
         results = await fleet.each(
-            lambda each: each.params.set(name[firmware[each.system]], wanted[each.system]), at_once=10
+            lambda each: each.params.set(name[firmware[each.system]], wanted[each.system]), max_concurrency=10
         )
         assert {each.system: value.value for each, value in results.check().items()} == wanted
-        results = await fleet.each(lambda each: each.params.fetch())
+        results = await fleet.each(lambda each: each.params.download())
         assert all(
             parameters[name[firmware[each.system]]].value == wanted[each.system]
             for each, parameters in results.check().items()
@@ -221,12 +221,12 @@ def test_fifty_vehicles():
             5: CommandDenied,
             7: CommandTimeout,
         }
-        with pytest.raises(GroupError, match="arming: 2 of 50 vehicles failed") as caught:
+        with pytest.raises(GroupError, match="arming failed on 2 of 50 vehicles") as caught:
             results.check()
         assert "\n  5: " in str(caught.value)
         assert "\n  7: " in str(caught.value)
         assert armed == set(fleet.systems) - {5, 7}
-        (lost,) = events.take()
+        (lost,) = events.drain()
         assert lost.vehicle.system == 7
 
         with pytest.raises(RemoteTimeout, match=r"of 50 vehicles asked of .*: 49 in 2 s"):

@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import CommandDenied, HealthTimeout, RemoteTimeout
 from mavstack.services.statustext import chunks_of
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.whole_flights.fleet import whisper
 from tests.vehicle.telemetry.stage import ARDUPILOT as AP
 from tests.vehicle.telemetry.stage import PX4 as PX
@@ -40,11 +40,11 @@ def texts_of(health):
 @pytest.mark.parametrize("kind", ALL, ids=named)
 def test_every_vehicle_gets_ready_by_itself(kind):
     async def scenario(world, vehicle):
-        before = vehicle.health()
+        before = vehicle.health
         assert not before.ready
-        health = await vehicle.healthy(timeout=30)
+        health = await vehicle.wait_until_ready(timeout=30)
         assert health.ready is True
-        assert vehicle.health() == health
+        assert vehicle.health == health
         await vehicle.arm()
 
     fly(kind, scenario, ready=False)
@@ -54,9 +54,9 @@ def test_every_vehicle_gets_ready_by_itself(kind):
 def test_before_it_has_started_it_says_so(kind):
     async def scenario(world, vehicle):
         with pytest.raises(HealthTimeout) as caught:
-            await vehicle.healthy(timeout=0.5)
+            await vehicle.wait_until_ready(timeout=0.5)
         text = str(caught.value)
-        assert text.startswith("being ready to arm asked of 1/1: not in 0.5 s: ")
+        assert text.startswith("being ready to arm 1/1 failed: not in 0.5 s: ")
         expected = "System not initialised" if kind[1] == ARDUPILOT else "ekf2 missing data"
         assert expected in text
 
@@ -85,14 +85,14 @@ def quiet_with_battery_limits(simulated):
 @pytest.mark.parametrize(("firmware", "fault", "reasons"), FAULTS, ids=[f"{f}-{n}" for f, n, _ in FAULTS])
 def test_a_fault_is_told_in_words_and_ends_with_it(firmware, fault, reasons):
     async def scenario(world, vehicle):
-        await vehicle.healthy(timeout=30)
+        await vehicle.wait_until_ready(timeout=30)
         if firmware == ARDUPILOT:
             await vehicle.set_mode("GUIDED")
         world.simulated.faults.inject(fault)
-        await world.until(lambda: vehicle.health().ready is False)
+        await world.wait_until(lambda: vehicle.health.ready is False)
         with pytest.raises(HealthTimeout) as caught:
-            await vehicle.healthy(timeout=12)
-        found = texts_of(vehicle.health())
+            await vehicle.wait_until_ready(timeout=12)
+        found = texts_of(vehicle.health)
         assert set(reasons) <= set(found)
         assert len(found) == len(set(found))
         for reason in reasons:
@@ -101,8 +101,8 @@ def test_a_fault_is_told_in_words_and_ends_with_it(firmware, fault, reasons):
         world.simulated.faults.inject(
             {"compass": "compass 0", "battery": "battery 100"}.get(kind, f"{kind} on")
         )
-        assert (await vehicle.healthy(timeout=60)).ready
-        await world.until(lambda: not set(reasons) & set(texts_of(vehicle.health())), within=3)
+        assert (await vehicle.wait_until_ready(timeout=60)).ready
+        await world.wait_until(lambda: not set(reasons) & set(texts_of(vehicle.health)), timeout=3)
 
     fly((VehicleType.COPTER, firmware), scenario, prepare=quiet_with_battery_limits)
 
@@ -110,21 +110,21 @@ def test_a_fault_is_told_in_words_and_ends_with_it(firmware, fault, reasons):
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 def test_it_works_over_a_link_that_loses_packets(kind):
     async def scenario(world, vehicle):
-        assert (await vehicle.healthy(timeout=60)).ready
+        assert (await vehicle.wait_until_ready(timeout=60)).ready
 
     fly(kind, scenario, ready=False, loss=0.3, latency=0.2, seed=3)
 
 
 def test_a_silent_vehicle_is_told_as_silent():
     async def scenario(world, vehicle):
-        await vehicle.healthy(timeout=30)
+        await vehicle.wait_until_ready(timeout=30)
         world.simulated.faults.inject("link off")
         await asyncio.sleep(20)
-        health = vehicle.health()
+        health = vehicle.health
         assert health.ready is None
         assert texts_of(health)[-1].startswith("it is silent for ")
         with pytest.raises(RemoteTimeout, match=r"does not say whether it is ready; .*it is silent"):
-            await vehicle.healthy(timeout=5)
+            await vehicle.wait_until_ready(timeout=5)
 
     fly(COPTERS[0], scenario)
 
@@ -135,7 +135,7 @@ def test_an_arming_that_is_refused_leaves_its_reason():
         await asyncio.sleep(20)
         with pytest.raises(CommandDenied):
             await vehicle.arm()
-        assert vehicle.health().ready is False
+        assert vehicle.health.ready is False
 
     fly(COPTERS[1], scenario)
 
@@ -156,11 +156,11 @@ def test_an_arming_that_is_refused_leaves_its_reason():
 )
 def test_ready_is_what_the_vehicle_says(autopilot, message, ready):
     async def scenario(stage):
-        assert stage.vehicle.health().ready is None
+        assert stage.vehicle.health.ready is None
         stage.heartbeat(autopilot)
-        assert stage.vehicle.health().ready is None
+        assert stage.vehicle.health.ready is None
         stage.hear(message)
-        assert stage.vehicle.health().ready is ready
+        assert stage.vehicle.health.ready is ready
 
     on_stage(scenario)
 
@@ -172,7 +172,7 @@ def test_what_it_said_long_ago_does_not_count():
         for _ in range(40):
             await asyncio.sleep(1)
             stage.heartbeat()
-        assert stage.vehicle.health().ready is None
+        assert stage.vehicle.health.ready is None
 
     on_stage(scenario)
 
@@ -234,9 +234,9 @@ def test_each_message_is_put_into_words(message, text, source):
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(message)
-        problems = stage.vehicle.health().problems
+        problems = stage.vehicle.health.problems
         assert [(problem.text, problem.source) for problem in problems] == [(text, source)]
-        assert text in str(stage.vehicle.health())
+        assert text in str(stage.vehicle.health)
 
     on_stage(scenario)
 
@@ -251,7 +251,7 @@ def test_all_is_well():
             common.BatteryStatus(charge_state=1, battery_remaining=90),
             common.Statustext(text="EKF3 IMU0 is using GPS"),
         )
-        health = stage.vehicle.health()
+        health = stage.vehicle.health
         assert (health.ready, health.problems, str(health)) == (True, (), "ready")
 
     on_stage(scenario)
@@ -261,7 +261,7 @@ def test_a_vehicle_without_gps_does_not_lack_one():
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(status(BIT.PREARM_CHECK, BIT.PREARM_CHECK), common.GpsRawInt(fix_type=0))
-        assert stage.vehicle.health().problems == ()
+        assert stage.vehicle.health.problems == ()
 
     on_stage(scenario)
 
@@ -270,7 +270,7 @@ def test_a_lost_fix_is_told_once():
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(status(BIT.SENSOR_GPS | BIT.SENSOR_3D_MAG), common.GpsRawInt(fix_type=1))
-        assert texts_of(stage.vehicle.health()) == [
+        assert texts_of(stage.vehicle.health) == [
             "GPS has no 3D fix (0 satellites)",
             "compass is not healthy",
         ]
@@ -281,7 +281,7 @@ def test_a_lost_fix_is_told_once():
 def test_flags_of_a_vehicle_that_is_far_away():
     async def scenario(stage):
         stage.hear(common.HighLatency2(type=2, autopilot=PX, failure_flags=1 | 128))
-        health = stage.vehicle.health()
+        health = stage.vehicle.health
         assert health.ready is None
         assert texts_of(health) == ["GPS is not healthy", "battery is not healthy"]
         assert {problem.source for problem in health.problems} == {"HIGH_LATENCY2"}
@@ -304,13 +304,13 @@ def test_ardupilots_reasons_come_in_one_go():
         await asyncio.sleep(29)
         stage.heartbeat()
         stage.hear(NOT_READY)
-        assert texts_of(stage.vehicle.health()) == ["one", "two"]
+        assert texts_of(stage.vehicle.health) == ["one", "two"]
         say(stage, "PreArm: two")
-        assert texts_of(stage.vehicle.health()) == ["two"]
+        assert texts_of(stage.vehicle.health) == ["two"]
         await asyncio.sleep(50)
         stage.heartbeat()
         stage.hear(NOT_READY)
-        assert texts_of(stage.vehicle.health()) == [
+        assert texts_of(stage.vehicle.health) == [
             "its checks before arming fail, and it has not said which"
         ]
 
@@ -328,15 +328,15 @@ def test_px4s_reasons_count_until_it_is_ready():
         await asyncio.sleep(300)
         stage.heartbeat(PX)
         stage.hear(NOT_READY)
-        assert texts_of(stage.vehicle.health()) == ["one", "two"]
+        assert texts_of(stage.vehicle.health) == ["one", "two"]
         say(stage, "Preflight Fail: late")
         await asyncio.sleep(1)
         stage.hear(READY)
-        assert stage.vehicle.health().problems == ()
+        assert stage.vehicle.health.problems == ()
         await asyncio.sleep(1)
         stage.hear(NOT_READY)
         say(stage, "Preflight Fail: three")
-        assert texts_of(stage.vehicle.health()) == ["three"]
+        assert texts_of(stage.vehicle.health) == ["three"]
 
     on_stage(scenario)
 
@@ -346,6 +346,6 @@ def test_what_a_camera_says_is_not_its_reason():
         stage.heartbeat()
         stage.hear(NOT_READY)
         say(stage, "PreArm: no film", component=common.MavComponent.CAMERA)
-        assert "no film" not in texts_of(stage.vehicle.health())
+        assert "no film" not in texts_of(stage.vehicle.health)
 
     on_stage(scenario)

@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, ActionTimeout, CommandDenied
 from mavstack.services.mission import MissionItem
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.failures.rows import ITEMS
 from tests.vehicle.failures.scripted import ARDUPILOT, CMD, PX4, play
 from tests.vehicle.world import ARDUPILOT as ARDUPILOT_SIM
@@ -44,11 +44,11 @@ def test_flown_to_its_end(kind, ending):
     async def scenario(world, vehicle):
         first = 1 if kind[1] == ARDUPILOT_SIM else 0
         await vehicle.mission.upload(plan_for(world, ending, bool(first)))
-        async with vehicle.mission.items() as passing:
+        async with vehicle.mission.reached_items() as passing:
             await vehicle.mission.fly()
             reached = [each.seq for each in passing.take()]
         assert world.simulated.body.truth.down > -1.0
-        await world.until(lambda: vehicle.armed is False, within=20)
+        await world.wait_until(lambda: vehicle.armed is False, timeout=20)
         assert {first + 1, first + 2} <= set(reached)
 
     fly(kind, scenario)
@@ -61,11 +61,11 @@ def test_paused_and_gone_on_with(kind):
         await vehicle.mission.upload(items)
         await vehicle.arm()
         await vehicle.mission.start()
-        await world.until(lambda: -world.simulated.body.truth.down > 12)
+        await world.wait_until(lambda: -world.simulated.body.truth.down > 12)
         flying = asyncio.create_task(vehicle.mission.fly())
         await asyncio.sleep(6)
         await vehicle.mission.pause()
-        with pytest.raises(ActionInterrupted, match="the mission asked of 1/1: it changed to"):
+        with pytest.raises(ActionInterrupted, match="the mission 1/1 failed: it changed to"):
             await flying
         before = world.simulated.body.truth.north
         await asyncio.sleep(10)
@@ -193,7 +193,7 @@ def test_the_end_of_the_flight_before_is_not_this_ones():
 def test_a_vehicle_that_never_tells_ends_with_the_limit():
     async def scenario(made):
         flying = await flown(made, limit=40)
-        with pytest.raises(ActionTimeout, match="the mission asked of 1/1: not done in 40 s"):
+        with pytest.raises(ActionTimeout, match="the mission 1/1 failed: not done in 40 s"):
             await flying
 
     play(scenario)
@@ -217,13 +217,13 @@ def test_it_arms_first_and_a_refusal_ends_it():
 
 def test_items_and_progress():
     async def scenario(made):
-        async with made.vehicle.mission.items() as items:
+        async with made.vehicle.mission.reached_items() as items:
             tell(made, 2, STATE.ACTIVE)
             reach(made, 1)
             reach(made, 1)
             reach(made, 2)
             await asyncio.sleep(0.2)
-            assert [each.seq for each in items.take()] == [1, 2]
+            assert [each.seq for each in items.drain()] == [1, 2]
         assert made.vehicle.mission.progress.seq == 2
         assert made.vehicle.mission.progress.state == STATE.ACTIVE
 

@@ -6,7 +6,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.world import ARDUPILOT, PX4, fly, named
 
 CMD = common.MavCmd
@@ -31,9 +31,9 @@ def test_it_is_over_when_the_vehicle_has_returned_and_can_be_flown_again(kind):
     async def scenario(world, vehicle):
         await vehicle.mission.upload(there_and_back(world, kind[1]))
         for _ in range(2):
-            async with vehicle.mission.items() as items:
+            async with vehicle.mission.reached_items() as items:
                 await vehicle.mission.fly()
-                reached = [each.seq for each in items.take()]
+                reached = [each.seq for each in items.drain()]
             assert not world.simulated.autopilot.armed
             assert -world.simulated.body.truth.down < 0.5
             assert reached == sorted(set(reached))  # each once, though PX4 says each eleven times
@@ -47,9 +47,9 @@ def test_of_an_older_version_that_does_not_tell_how_long_it_is():
         server = world.simulated.mission
         server.current_message = lambda: common.MissionCurrent(seq=server.current)
         await vehicle.mission.upload(there_and_back(world, ARDUPILOT))
-        async with vehicle.mission.items() as items:
+        async with vehicle.mission.reached_items() as items:
             await vehicle.mission.fly()
-            assert {1, 2} <= {each.seq for each in items.take()}
+            assert {1, 2} <= {each.seq for each in items.drain()}
         assert not world.simulated.autopilot.armed
 
     fly(COPTERS[0], scenario)

@@ -7,7 +7,7 @@ from math import hypot
 
 import pytest
 
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from tests.sim.whole_flights.fleet import whisper
 from tests.sim.whole_flights.plans import triangle, whole_mission
@@ -31,7 +31,7 @@ class Flown:
 async def loaded(made, system, plan):
     """Put a mission on a vehicle, and read it back."""
     flight = Flown(plan, system)
-    mission = (await made.node.vehicle(system)).mission
+    mission = (await made.node.wait_for_vehicle(system)).mission
     await mission.upload(plan.items)
     flight.downloaded = (await mission.download()).items
     return flight
@@ -39,10 +39,10 @@ async def loaded(made, system, plan):
 
 async def flown(made, flight):
     """Fly the mission that is on it."""
-    vehicle = await made.node.vehicle(flight.system)
-    async with vehicle.mission.items() as items:
+    vehicle = await made.node.wait_for_vehicle(flight.system)
+    async with vehicle.mission.reached_items() as items:
         await vehicle.mission.fly(timeout=LONGEST)
-        flight.reached = [item.seq for item in items.take()]
+        flight.reached = [item.seq for item in items.drain()]
     if not flight.plan.kind.flies:
         await asyncio.sleep(5)
         await vehicle.disarm()

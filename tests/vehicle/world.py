@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import asyncio
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mavstack.links import Impairment, MemoryNetwork, impair
-from mavstack.sim.kinds import Firmware, VehicleType
 from mavstack.sim.runner import Runner
+from mavstack.sim.scenarios import run_until
 from mavstack.sim.simulation import Simulation
-from mavstack.sim.skills import run_until
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import Connection, connect
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 
-    from mavstack.sim.vehicle import Vehicle as Simulated
-    from mavstack.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle as Simulated
+    from mavstack.vehicle import SimulatedVehicle
 
 ARDUPILOT, PX4 = Firmware.ARDUPILOT, Firmware.PX4
 Kind = tuple[VehicleType, Firmware]
@@ -43,11 +43,8 @@ class World:
     def simulated(self) -> Simulated:
         return self.simulation.vehicles[0]
 
-    async def until(self, holds: Callable[[], bool], *, within: float = 60.0) -> None:
-        end = self.node.now() + within
-        while not holds():
-            assert self.node.now() < end, "it did not come about"
-            await asyncio.sleep(0.1)
+    async def wait_until(self, holds: Callable[[], bool], *, timeout: float = 60.0) -> None:
+        await wait_until(holds, timeout=timeout, interval=0.1, now=self.node.now)
 
 
 @asynccontextmanager
@@ -79,7 +76,7 @@ async def world(
 
 def fly(
     kind: Kind | Sequence[Kind],
-    scenario: Callable[[World, Vehicle], Awaitable[None]],
+    scenario: Callable[[World, SimulatedVehicle], Awaitable[None]],
     *,
     ready: bool = True,
     prepare: Callable[[Simulated], None] | None = None,
@@ -90,7 +87,7 @@ def fly(
 
     async def whole() -> World:
         async with world(*kinds, ready=ready, prepare=prepare, **weather) as made:
-            await scenario(made, await made.node.vehicle(1))
+            await scenario(made, await made.node.wait_for_vehicle(1))
             return made
 
     return run_virtually(whole())

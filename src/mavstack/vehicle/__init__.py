@@ -1,9 +1,10 @@
 """The application's API: `connect`, the vehicles that it finds, and what happens to them."""
 
-from mavstack.services.heartbeat import AddressTaken
+from mavstack.services.heartbeat import OwnAddressConflict
 from mavstack.vehicle.connection import Connection, NodeOptions, connect
 from mavstack.vehicle.group import Group, Results
-from mavstack.vehicle.life import (
+from mavstack.vehicle.vehicle import Vehicle
+from mavstack.vehicle.vehicle_tracker import (
     GroundStationFound,
     GroundStationLost,
     GroundStationReturned,
@@ -11,31 +12,30 @@ from mavstack.vehicle.life import (
     PayloadLost,
     PayloadReturned,
     SecondAutopilotFound,
-    SystemIdClash,
-    SystemIdClashOver,
+    SystemIdConflict,
+    SystemIdConflictOver,
     VehicleEvent,
     VehicleFound,
     VehicleLost,
     VehicleRebooted,
     VehicleReturned,
 )
-from mavstack.vehicle.vehicle import Vehicle
 
 __all__ = [
-    "AddressTaken",
     "Connection",
     "GroundStationFound",
     "GroundStationLost",
     "GroundStationReturned",
     "Group",
     "NodeOptions",
+    "OwnAddressConflict",
     "PayloadFound",
     "PayloadLost",
     "PayloadReturned",
     "Results",
     "SecondAutopilotFound",
-    "SystemIdClash",
-    "SystemIdClashOver",
+    "SystemIdConflict",
+    "SystemIdConflictOver",
     "Vehicle",
     "VehicleEvent",
     "VehicleFound",

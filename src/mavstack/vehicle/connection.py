@@ -1,7 +1,7 @@
 """A connection to vehicles: a node that knows which of those it hears are vehicles.
 
     async with mavstack.connect("udpin://0.0.0.0:14550") as node:
-        vehicle = await node.vehicle()
+        vehicle = await node.wait_for_vehicle()
         await vehicle.arm()
         await vehicle.takeoff(10)
 
@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 from mavstack.node import Node
-from mavstack.node.hearing import what_was_heard
-from mavstack.node.node import FIRST_HEARTBEAT
+from mavstack.node.diagnostics import what_was_heard
+from mavstack.services import DEFAULT_WAIT_TIMEOUT
 from mavstack.vehicle.group import Group
-from mavstack.vehicle.life import Life, VehicleFound, VehicleReturned
-from mavstack.vehicle.reasons import tell_why
+from mavstack.vehicle.status_text_capture import attach_status_texts
 from mavstack.vehicle.vehicle import Vehicle
+from mavstack.vehicle.vehicle_tracker import VehicleFound, VehicleReturned, VehicleTracker
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Mapping
@@ -55,15 +55,19 @@ class Connection(Node):
 
     def __init__(self, *links: str | Link, **options: Unpack[NodeOptions]) -> None:
         super().__init__(*links, **options)
-        self._life = Life(self.components, self._vehicle_at)
+        self._life = VehicleTracker(self.components, self._vehicle_at)
 
-    async def vehicle(self, system: int | None = None, *, timeout: float = FIRST_HEARTBEAT) -> Vehicle:
+    async def wait_for_vehicle(
+        self, system: int | None = None, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT
+    ) -> Vehicle:
         """The first vehicle that is there, or that of a system.
 
         Raises `RemoteTimeout` if there is none in time; its text tells what was heard instead.
         """
         what = "a vehicle's heartbeat" if system is None else f"the heartbeat of vehicle {system}"
-        found = await self.find(lambda info: self._is_vehicle(info, system), what, timeout=timeout)
+        found = await self.wait_for_component(
+            lambda info: self._is_vehicle(info, system), what, timeout=timeout
+        )
         return self._life.vehicles[found.address.system]
 
     @property
@@ -83,7 +87,7 @@ class Connection(Node):
             raise MavstackError(f"no vehicle has the system id {unknown[0]}; those heard: {known}")
         return Group(self.vehicles[system] for system in systems or self.vehicles)
 
-    async def wait_for_vehicles(self, count: int, *, timeout: float = FIRST_HEARTBEAT) -> Group:
+    async def wait_for_vehicles(self, count: int, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT) -> Group:
         """All vehicles that are there, as soon as there are so many; raises `RemoteTimeout`."""
         async with self.events(VehicleFound, VehicleReturned) as events:
             try:
@@ -105,7 +109,7 @@ class Connection(Node):
         return vehicle is not None and vehicle.address == info.address and system in (None, vehicle.system)
 
     def _vehicle_at(self, address: Address) -> Vehicle:
-        return Vehicle(self, self.remote(*address))
+        return Vehicle(self, self.component(*address))
 
     def _happened(self, event: object, service: Service | None = None) -> None:
         super()._happened(event, service)
@@ -115,7 +119,7 @@ class Connection(Node):
     def _failed(self, operation: Operation[Any], begun: float) -> None:
         vehicle = self._life.vehicles.get(operation.target.system)
         if vehicle is not None and isinstance(operation.error, RemoteError):
-            tell_why(operation.error, vehicle.telemetry.texts.since(begun))
+            attach_status_texts(operation.error, vehicle.telemetry.status_texts.since(begun))
 
     def __await__(self) -> Generator[Any, None, Self]:
         return self.open().__await__()

@@ -3,10 +3,10 @@
     fleet = await node.wait_for_vehicles(50)
     results = await fleet.arm()
     for vehicle, error in results.errors.items(): ...        # why it did not
-    results = await fleet.each(lambda vehicle: vehicle.params.set("RTL_ALT", 3000), at_once=10)
+    results = await fleet.each(lambda vehicle: vehicle.params.set("RTL_ALT", 3000), max_concurrency=10)
     results.check()                                          # GroupError if any failed
 
-All are asked at the same time, or `at_once` of them, and one that fails stops no other: what each came to,
+All are asked at the same time, or `max_concurrency` of them, and one that fails stops no other: what each came to,
 its result or its error, is in the `Results`, also if the error is a defect of the function that was given.
 Cancelling the task cancels what is under way on every vehicle, and waits until each end is clean.
 """
@@ -96,13 +96,13 @@ class Group(Collection["Vehicle"]):
         self,
         work: Callable[[Vehicle], Awaitable[Result]],
         *,
-        at_once: int | None = None,
+        max_concurrency: int | None = None,
         what: str = "work",
     ) -> Results[Result]:
-        """Do something with every vehicle, at the same time or so many `at_once`; `what` names it."""
-        if at_once is not None and at_once < 1:
-            raise LocalProtocolError(f"a group cannot be asked {at_once} at once")
-        turns = None if at_once is None else asyncio.Semaphore(at_once)
+        """Do something with every vehicle, at the same time or so many `max_concurrency`; `what` names it."""
+        if max_concurrency is not None and max_concurrency < 1:
+            raise LocalProtocolError(f"a group cannot be asked {max_concurrency} at once")
+        turns = None if max_concurrency is None else asyncio.Semaphore(max_concurrency)
         async with asyncio.TaskGroup() as tasks:
             begun = {
                 vehicle: tasks.create_task(_outcome(work, vehicle, what, turns or nullcontext()))
@@ -114,43 +114,43 @@ class Group(Collection["Vehicle"]):
 
     async def arm(self, *, force: bool = False) -> Results[None]:
         """Let the motors of all run; see `Vehicle.arm`."""
-        return await self.each(lambda vehicle: vehicle.arm(force=force), what="arming")
+        return await self.each(lambda vehicle: vehicle.arm(force=force), name="arming")
 
     async def disarm(self, *, force: bool = False) -> Results[None]:
         """Stop the motors of all; see `Vehicle.disarm`."""
-        return await self.each(lambda vehicle: vehicle.disarm(force=force), what="disarming")
+        return await self.each(lambda vehicle: vehicle.disarm(force=force), name="disarming")
 
     async def set_mode(self, mode: str | int) -> Results[None]:
         """Let all enter a mode, which each firmware names its own way; see `Vehicle.set_mode`."""
-        return await self.each(lambda vehicle: vehicle.set_mode(mode), what=f"mode {mode}")
+        return await self.each(lambda vehicle: vehicle.set_mode(mode), name=f"mode {mode}")
 
     async def takeoff(
         self, altitude: float = 10.0, *, wait: bool = True, timeout: float | None = None
     ) -> Results[None]:
         """Let all take off; see `Vehicle.takeoff`."""
         return await self.each(
-            lambda vehicle: vehicle.takeoff(altitude, wait=wait, timeout=timeout), what="takeoff"
+            lambda vehicle: vehicle.takeoff(altitude, wait=wait, timeout=timeout), name="takeoff"
         )
 
     async def land(self, *, wait: bool = True, timeout: float | None = None) -> Results[None]:
         """Let all land; see `Vehicle.land`."""
-        return await self.each(lambda vehicle: vehicle.land(wait=wait, timeout=timeout), what="landing")
+        return await self.each(lambda vehicle: vehicle.land(wait=wait, timeout=timeout), name="landing")
 
     async def rtl(self, *, wait: bool = True, timeout: float | None = None) -> Results[None]:
         """Let all return home; see `Vehicle.rtl`."""
-        return await self.each(lambda vehicle: vehicle.rtl(wait=wait, timeout=timeout), what="return home")
+        return await self.each(lambda vehicle: vehicle.rtl(wait=wait, timeout=timeout), name="return home")
 
     async def hold(self) -> Results[None]:
         """Let all stay where they are; see `Vehicle.hold`."""
-        return await self.each(lambda vehicle: vehicle.hold(), what="hold")
+        return await self.each(lambda vehicle: vehicle.hold(), name="hold")
 
     async def set_speed(self, speed: float) -> Results[None]:
         """Let all fly with so many m/s; see `Vehicle.set_speed`."""
-        return await self.each(lambda vehicle: vehicle.set_speed(speed), what="speed")
+        return await self.each(lambda vehicle: vehicle.set_speed(speed), name="speed")
 
     async def reboot(self, *, wait: bool = True) -> Results[None]:
         """Reboot all autopilots; see `Vehicle.reboot`."""
-        return await self.each(lambda vehicle: vehicle.reboot(wait=wait), what="reboot")
+        return await self.each(lambda vehicle: vehicle.reboot(wait=wait), name="reboot")
 
     # As a collection
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mavstack.vehicle.telemetry import Telemetry
     from mavstack.vehicle.vehicle import Vehicle
 
-__all__ = ["Health", "Problem", "health_of", "wait_until_healthy"]
+__all__ = ["Health", "Problem", "health_of", "wait_until_ready"]
 
 _PREARM: Final = common.MavSysStatusSensor.PREARM_CHECK
 #: How often the checks are run, in seconds.
@@ -55,7 +55,7 @@ def health_of(heard: Telemetry) -> Health:
     return Health(ready, problems or ((_UNSAID,) if ready is False else ()))
 
 
-async def wait_until_healthy(vehicle: Vehicle, timeout: float) -> Health:
+async def wait_until_ready(vehicle: Vehicle, timeout: float) -> Health:
     """Wait until it is ready to arm; raises `HealthTimeout` with the reasons."""
     heard = vehicle.telemetry
     if (health := health_of(heard)).ready:
@@ -65,7 +65,7 @@ async def wait_until_healthy(vehicle: Vehicle, timeout: float) -> Health:
         async with asyncio.timeout(timeout):
             while not (health := health_of(heard)).ready:
                 await asyncio.sleep(_LOOK)
-                if not vehicle.node.is_open:
+                if not vehicle.connection.is_open:
                     whom, answer = str(vehicle.address), "the connection was closed"
                     raise RemoteCancelled("being ready to arm", whom, answer=answer)
             return health

@@ -2,7 +2,7 @@
 
     await vehicle.mission.upload(items)
     await vehicle.mission.fly()                    # to its end
-    async for item in vehicle.mission.items(): …   # or each item that it reaches
+    async for item in vehicle.mission.reached_items(): …   # or each item that it reaches
 
 A mission is over when the vehicle says so (MISSION_CURRENT's state), or, with older firmwares that do not,
 when its last item was reached or the vehicle disarmed in it, as at the end of a landing. A vehicle that
@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import common
 from mavstack.node.plans import Plans
 from mavstack.services.mission import ItemReached, MissionProgress, PlanType
-from mavstack.vehicle.actions.flying import Landing, Lasting
-from mavstack.vehicle.kinds import VehicleClass
-from mavstack.vehicle.reasons import with_reasons
-from mavstack.vehicle.watching import Aim, Watch
+from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
+from mavstack.vehicle.actions.flying import LandingDetector, SustainedCondition
+from mavstack.vehicle.status_text_capture import with_status_texts
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -41,7 +41,7 @@ SLOW: Final = 0.3
 STANDS: Final = 4.0
 
 
-class PlanOf:
+class VehiclePlan:
     """A plan of a vehicle, with its reasons when it refuses."""
 
     def __init__(self, vehicle: Vehicle, plan_type: int) -> None:
@@ -59,7 +59,7 @@ class PlanOf:
     ) -> Plan:
         """Give the vehicle a plan in the place of its own; it holds either the old or the whole new one."""
         asked = self._plans.upload(items, timeout=timeout, progress=progress)
-        plan = await with_reasons(self._vehicle, asked)
+        plan = await with_status_texts(self._vehicle, asked)
         self.count = len(plan)
         return plan
 
@@ -68,16 +68,16 @@ class PlanOf:
     ) -> Plan:
         """Get the plan that the vehicle holds."""
         asked = self._plans.download(timeout=timeout, progress=progress)
-        plan = await with_reasons(self._vehicle, asked)
+        plan = await with_status_texts(self._vehicle, asked)
         self.count = len(plan)
         return plan
 
     async def clear(self, *, timeout: float | None = None) -> None:
         """Let the vehicle forget the plan."""
-        await with_reasons(self._vehicle, self._plans.clear(timeout=timeout))
+        await with_status_texts(self._vehicle, self._plans.clear(timeout=timeout))
 
 
-class Mission(PlanOf):
+class Mission(VehiclePlan):
     """What a vehicle is to fly."""
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -90,34 +90,34 @@ class Mission(PlanOf):
 
     def items(self) -> Subscription[ItemReached]:
         """Each item that is reached from now on."""
-        return self._vehicle.node.events(ItemReached, of=self._vehicle.component.mission_client)
+        return self._vehicle.connection.events(ItemReached, of=self._vehicle.component.mission_client)
 
-    async def set_current(self, seq: int, *, reset: bool = False) -> None:
-        """Let it go on at an item; `reset` lets it begin anew, its jump counters too."""
-        await with_reasons(self._vehicle, self._plans.set_current(seq, reset=reset))
+    async def set_current(self, seq: int, *, restart: bool = False) -> None:
+        """Let it go on at an item; `restart` lets it begin anew, its jump counters too."""
+        await with_status_texts(self._vehicle, self._plans.set_current(seq, restart=restart))
 
     async def start(self) -> None:
         """Fly it, from the start or from where it was paused; the vehicle has to be armed, or to arm next."""
-        await with_reasons(self._vehicle, self._vehicle.firmware.start_mission())
+        await with_status_texts(self._vehicle, self._vehicle.firmware.start_mission())
 
     async def pause(self) -> None:
         """Wait where the vehicle is; `start` goes on."""
-        await with_reasons(self._vehicle, self._vehicle.firmware.pause_mission())
+        await with_status_texts(self._vehicle, self._vehicle.firmware.pause_mission())
 
     async def fly(self, *, timeout: float | None = None) -> None:
         """Arm if need be, start, and wait for the end; a mission that lands ends with the motors."""
         vehicle = self._vehicle
-        ending = Ending(vehicle)
+        ending = MissionCompletion(vehicle)
         if self.count is None and not (self.progress and self.progress.total):  # as older ones do not tell it
             await self.download()
-        async with Watch(vehicle) as watch, self.items() as reached:
+        async with ActionMonitor(vehicle) as watch, self.items() as reached:
             if not vehicle.armed:
-                await with_reasons(vehicle, vehicle.firmware.become_armable())
+                await with_status_texts(vehicle, vehicle.firmware.become_armable())
                 await vehicle.arm()
             await self.start()
-            aim = Aim(
+            aim = ActionGoal(
                 "the mission",
-                lambda: ending.come([item.seq for item in reached.take()]),
+                lambda: ending.come([item.seq for item in reached.drain()]),
                 ending.left,
                 unit="items",
                 modes=ending,
@@ -128,7 +128,7 @@ class Mission(PlanOf):
             await watch.until(aim)
 
 
-class Ending:
+class MissionCompletion:
     """Whether a mission is over, and what it ended with has been done.
 
     A mode is in it if the mission goes on in it: the one in which a vehicle waits when all is done only at
@@ -139,8 +139,8 @@ class Ending:
         self._vehicle = vehicle
         self._modes = vehicle.firmware.modes_of("mission")
         self._modes_at_end = vehicle.firmware.modes_of("end of mission") or frozenset()
-        self._landing = Landing(vehicle)
-        self._standing = Lasting(vehicle, STANDS)
+        self._landing = LandingDetector(vehicle)
+        self._standing = SustainedCondition(vehicle, STANDS)
         self._running = False
         self._over_at: float | None = None
         self._furthest = 0
@@ -172,14 +172,14 @@ class Ending:
             # ArduPilot begins anew when it is disarmed, and may say that first.
             self._furthest = max(self._furthest, progress.seq)
             if done or (self._vehicle.armed is False and self._furthest >= last):
-                self._over_at = self._over_at or self._vehicle.node.now()
+                self._over_at = self._over_at or self._vehicle.connection.now()
         return self._over_at is not None and self._has_settled(self._over_at)
 
     def _has_settled(self, over_at: float) -> bool:
         """Whether it has landed or stands, or does nothing that lands and did not lately."""
-        if self._stands() if not self._vehicle.kind.flies else self._landing.ended():
+        if self._stands() if not self._vehicle.vehicle_type.flies else self._landing.ended():
             return True
-        now = self._vehicle.node.now()
+        now = self._vehicle.connection.now()
         if self._lands:
             self._over_at = now
             return False
@@ -204,5 +204,5 @@ class Ending:
         A plane that returned circles there for ever.
         """
         mode = (self._vehicle.mode or "").lower()
-        circles = mode == "rtl" and self._vehicle.kind is VehicleClass.PLANE
+        circles = mode == "rtl" and self._vehicle.vehicle_type is VehicleType.PLANE
         return mode in _LANDING_MODES and not circles

@@ -19,21 +19,21 @@ from mavstack.services.mission import PlanType
 from mavstack.vehicle.actions import arming, flying, home
 from mavstack.vehicle.firmware import Firmware, firmware_of
 from mavstack.vehicle.firmware.firmware import Place
-from mavstack.vehicle.guidance import STANDING_STILL, Guidance
-from mavstack.vehicle.health import Health, health_of, wait_until_healthy
-from mavstack.vehicle.kinds import VehicleClass
-from mavstack.vehicle.mission import Mission, PlanOf
-from mavstack.vehicle.reasons import with_reasons
-from mavstack.vehicle.telemetry import Telemetry, Values
+from mavstack.vehicle.guided_session import STANDING_STILL, GuidedSession
+from mavstack.vehicle.health import Health, health_of, wait_until_ready
+from mavstack.vehicle.mission import Mission, VehiclePlan
+from mavstack.vehicle.status_text_capture import with_status_texts
+from mavstack.vehicle.telemetry import Telemetry, TelemetryProperties
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.node import RemoteComponent
-    from mavstack.node.files import Files
+    from mavstack.node.ftp import Ftp
     from mavstack.node.logs import Logs
     from mavstack.node.modes import Modes
-    from mavstack.node.parameters import Parameters
+    from mavstack.node.params import Params
     from mavstack.node.shell import Shell
     from mavstack.services import Address
     from mavstack.services.heartbeat import ComponentInfo
@@ -41,14 +41,14 @@ if TYPE_CHECKING:
     from mavstack.vehicle.connection import Connection
 
 
-class Vehicle(Values):
+class Vehicle(TelemetryProperties):
     """One vehicle; made by `Connection.vehicle` and `Connection.vehicles`."""
 
-    def __init__(self, node: Connection, component: RemoteComponent) -> None:
-        self.node = node
+    def __init__(self, connection: Connection, component: RemoteComponent) -> None:
+        self.connection = connection
         #: Its autopilot, with every service of MAVLink.
         self.component = component
-        #: What was heard of it; `Values` shows it.
+        #: What was heard of it; `TelemetryProperties` shows it.
         self.telemetry = Telemetry(component)
 
     # What it is
@@ -72,14 +72,14 @@ class Vehicle(Values):
     @property
     def components(self) -> Mapping[int, ComponentInfo]:
         """The other components of its system that were heard, by their component ids: cameras, gimbals …"""
-        infos = self.node.components.values()
+        infos = self.connection.components.values()
         own = (info for info in infos if info.address.system == self.system and info.address != self.address)
         return {info.address.component: info for info in own}
 
     @property
-    def has_clash(self) -> bool:
-        """Whether another vehicle uses its system id as well; see `SystemIdClash`."""
-        return self.node.discovery.clash_of(self.address)
+    def has_id_conflict(self) -> bool:
+        """Whether another vehicle uses its system id as well; see `SystemIdConflict`."""
+        return self.connection.discovery.clash_of(self.address)
 
     @property
     def autopilot(self) -> int:
@@ -88,26 +88,27 @@ class Vehicle(Values):
         return common.MavAutopilot.GENERIC if info is None else info.autopilot
 
     @property
-    def kind(self) -> VehicleClass:
+    def vehicle_type(self) -> VehicleType:
         """How it moves."""
         info = self.component.info
-        found = VehicleClass.OTHER if info is None else VehicleClass.of(info.type)
+        found = VehicleType.OTHER if info is None else VehicleType.of(info.type)
         # A quadplane of ArduPilot's calls itself a plane unless it is told otherwise.
-        hovers = found is VehicleClass.PLANE and self.vtol_state
-        return VehicleClass.VTOL if hovers else found
+        hovers = found is VehicleType.PLANE and self.vtol_state
+        return VehicleType.VTOL if hovers else found
 
     @property
     def firmware(self) -> Firmware:
         """How its firmware wants to be asked."""
         return firmware_of(self)
 
+    @property
     def health(self) -> Health:
         """Whether it says that it is ready to arm, and what is wrong with it, as far as it was heard."""
         return health_of(self.telemetry)
 
-    async def healthy(self, *, timeout: float = 60.0) -> Health:
+    async def wait_until_ready(self, *, timeout: float = 60.0) -> Health:
         """Wait until it is ready to arm; raises `HealthTimeout`, whose text holds the reasons."""
-        return await wait_until_healthy(self, timeout)
+        return await wait_until_ready(self, timeout)
 
     # Arming and modes
 
@@ -121,7 +122,7 @@ class Vehicle(Values):
 
     async def set_mode(self, mode: str | int) -> None:
         """Enter a mode of its firmware's, by name or number; `modes` tells which there are."""
-        await with_reasons(self, self.component.modes.set(mode))
+        await with_status_texts(self, self.component.modes.set(mode))
 
     @property
     def modes(self) -> Modes:
@@ -194,15 +195,15 @@ class Vehicle(Values):
     async def set_speed(self, speed: float, kind: int = common.SpeedType.GROUNDSPEED) -> None:
         """Fly with so many m/s, over ground unless another SPEED_TYPE is named."""
         asked = self.component.command(common.MavCmd.DO_CHANGE_SPEED, kind, speed, -1)
-        await with_reasons(self, asked)
+        await with_status_texts(self, asked)
 
     async def set_yaw(self, heading: float, *, wait: bool = True, timeout: float | None = None) -> None:
         """Turn to a heading."""
         await flying.turn(self, heading, wait=wait, limit=timeout)
 
-    def guided(self, rate: float = 20.0, first: Setpoint = STANDING_STILL) -> Guidance:
+    def guided(self, rate: float = 20.0, first: Setpoint = STANDING_STILL) -> GuidedSession:
         """Let it follow setpoints while a block lasts; `first` is the one that it begins with."""
-        return Guidance(self, rate, first)
+        return GuidedSession(self, rate, first)
 
     # Home, and reboots
 
@@ -219,9 +220,9 @@ class Vehicle(Values):
     # Its services
 
     @property
-    def params(self) -> Parameters:
+    def params(self) -> Params:
         """Its parameters."""
-        return self.component.parameters
+        return self.component.params
 
     @cached_property
     def mission(self) -> Mission:
@@ -229,19 +230,19 @@ class Vehicle(Values):
         return Mission(self)
 
     @cached_property
-    def fence(self) -> PlanOf:
+    def fence(self) -> VehiclePlan:
         """Where it must stay."""
-        return PlanOf(self, PlanType.FENCE)
+        return VehiclePlan(self, PlanType.FENCE)
 
     @cached_property
-    def rally(self) -> PlanOf:
+    def rally(self) -> VehiclePlan:
         """Where it may land when it returns."""
-        return PlanOf(self, PlanType.RALLY)
+        return VehiclePlan(self, PlanType.RALLY)
 
     @property
-    def ftp(self) -> Files:
+    def ftp(self) -> Ftp:
         """The files on it."""
-        return self.component.files
+        return self.component.ftp
 
     @property
     def logs(self) -> Logs:

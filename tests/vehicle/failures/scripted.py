@@ -95,7 +95,7 @@ class Scripted(Everything):
         self._support()
         self._tell()
         self._speak_first()
-        self.listen(lambda packet: self.heard.append(packet.message))
+        self.add_packet_listener(None, lambda packet: self.heard.append(packet.message))
         self._mute()
         if mode_number(autopilot, kind, "LOITER") is not None:
             self.enter("LOITER")
@@ -164,14 +164,14 @@ class Scripted(Everything):
         return RESULT.ACCEPTED
 
     def _tell(self) -> None:
-        self.provide(common.GlobalPositionInt, self._position, interval=0.25)
-        self.provide(
+        self.publish(common.GlobalPositionInt, self._position, interval=0.25)
+        self.publish(
             common.ExtendedSysState,
             lambda now: common.ExtendedSysState(landed_state=self.landed),
             interval=0.5,
         )
-        self.provide(common.SysStatus, self._status, interval=0.5)
-        self.provide(common.HomePosition, self._home)
+        self.publish(common.SysStatus, self._status, interval=0.5)
+        self.publish(common.HomePosition, self._home)
 
     def _position(self, now):
         return common.GlobalPositionInt(
@@ -224,7 +224,7 @@ class Scripted(Everything):
     def _soon(self) -> None:
         if self.is_open:
             self.beacon.soon(self.now())
-            self.changed(self.beacon)
+            self.wake(self.beacon)
 
 
 @dataclass
@@ -239,9 +239,9 @@ class Scene:
     def say(self, text: str, severity: int = SEVERITY.CRITICAL, after: float = 0.0) -> None:
         """Have it tell people something, now or a while later."""
         if after:
-            asyncio.get_running_loop().call_later(after, self.script.say, text, severity)
+            asyncio.get_running_loop().call_later(after, self.script.send_statustext, text, severity)
         else:
-            self.script.say(text, severity)
+            self.script.send_statustext(text, severity)
 
     def watch_registers(self) -> None:
         """Count from now on who listens to packets."""
@@ -281,7 +281,7 @@ async def scene(
     network = network or MemoryNetwork()
     link = impair(network.link(), Impairment(latency=latency)) if latency else network.link()
     async with Scripted(network.link(), **options) as script, connect(link) as node:
-        vehicle = await node.vehicle(1)
+        vehicle = await node.wait_for_vehicle(1)
         await asyncio.sleep(1.0 + 2 * latency)
         script.heard.clear()
         made = Scene(script, node, vehicle)

@@ -22,7 +22,7 @@ KEPT = (common.CommandLong, common.CommandInt)
 LETTING_GO = (common.CommandCancel, common.SerialControl, common.LogRequestEnd)
 SETPOINTS = (common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt, common.SetAttitudeTarget)
 #: Closing is for good, so it is not done twice.
-FOR_GOOD = {"Telemetry.close", "Guidance.__aexit__"}
+FOR_GOOD = {"Telemetry.close", "GuidedSession.__aexit__"}
 CANCELLED = [call for call in CALLS if call.name not in FOR_GOOD]
 
 

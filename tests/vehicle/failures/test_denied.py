@@ -48,13 +48,13 @@ async def denial(made: Scene, call: Call) -> RemoteDenied:
 def check(call: Call, error: RemoteDenied, code: int, said: tuple[str, ...]) -> None:
     assert type(error) is call.denied
     assert error.code == code
-    assert error.said == said
+    assert error.status_texts == said
     text = str(error)
     assert call.asked in text
-    assert "asked of 1/1" in text
+    assert "1/1 failed" in text
     assert all(part in text for part in said)
     again = pickle.loads(pickle.dumps(error))
-    assert (str(again), again.code, again.said) == (text, code, said)
+    assert (str(again), again.code, again.status_texts) == (text, code, said)
 
 
 def says_before(made: Scene, text: str) -> None:
@@ -90,7 +90,7 @@ def test_a_reason_told_afterwards(call):
 
         made.script.saying = later
         if call.denied is not CommandDenied:
-            made.script.listen(lambda packet: later(), *made.script.requests)
+            made.script.add_packet_listener(tuple(made.script.requests), lambda packet: later())
         check(call, await denial(made, call), code, (REASON, LONG))
 
     play(scenario)
@@ -125,10 +125,10 @@ def test_what_is_no_reason(call):
             def chatter() -> None:
                 made.say("by the way", SEVERITY.INFO)
                 made.say("noticed", SEVERITY.NOTICE)
-                other.say("of another", SEVERITY.CRITICAL)
+                other.send_statustext("of another", SEVERITY.CRITICAL)
 
             made.script.saying = chatter
-            made.script.listen(lambda packet: chatter(), *made.script.requests)
+            made.script.add_packet_listener(tuple(made.script.requests), lambda packet: chatter())
             check(call, await denial(made, call), call.codes[0], ())
 
     run_virtually(whole())
@@ -145,7 +145,7 @@ def test_each_text_once_and_the_last_ones():
         made.script.saying = talk
         with pytest.raises(CommandDenied) as denied:
             await made.vehicle.arm()
-        assert denied.value.said == tuple(f"warning {number}" for number in (3, 5, 6, 7, 8, 4))
+        assert denied.value.status_texts == tuple(f"warning {number}" for number in (3, 5, 6, 7, 8, 4))
 
     play(scenario)
 
@@ -156,7 +156,7 @@ def test_ardupilot_says_the_mode_that_it_refuses():
         with pytest.raises(CommandDenied) as denied:
             await made.vehicle.takeoff(10)
         assert denied.value.code == RESULT.FAILED
-        assert str(denied.value) == "DO_SET_MODE asked of 1/1: FAILED (Mode refused: requires position)"
+        assert str(denied.value) == "DO_SET_MODE on 1/1 failed: FAILED (Mode refused: requires position)"
 
     play(scenario, autopilot=ARDUPILOT)
 
@@ -164,7 +164,7 @@ def test_ardupilot_says_the_mode_that_it_refuses():
 def test_a_mode_that_there_is_not():
     async def scenario(made):
         with pytest.raises(
-            RemoteDenied, match=r"mode SIDEWAYS asked of 1/1: there is no such mode; it has .*RTL"
+            RemoteDenied, match=r"setting mode SIDEWAYS on 1/1 failed: there is no such mode; it has .*RTL"
         ):
             await made.vehicle.set_mode("SIDEWAYS")
 

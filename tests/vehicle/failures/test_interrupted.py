@@ -15,7 +15,7 @@ from tests.vehicle.failures.rows import named
 from tests.vehicle.failures.scripted import ARDUPILOT, PX4, Scene, play, run_virtually, scene
 
 WATCHED = [call for call in CALLS if call.interrupted]
-#: Landing and returning end with the motors off; where it turns, it need not be armed.
+#: LandingDetector and returning end with the motors off; where it turns, it need not be armed.
 MAY_DISARM = {"Vehicle.land", "Vehicle.rtl", "Vehicle.set_yaw"}
 WHAT = {
     "Vehicle.takeoff": "takeoff to 30 m",
@@ -37,7 +37,7 @@ async def interrupted(made: Scene, call, happens) -> ActionInterrupted:
         await call.before(made)
     await asyncio.sleep(1.5)
     loop = asyncio.get_running_loop()
-    loop.call_later(5.0, made.script.say, "Failsafe: battery", 2)
+    loop.call_later(5.0, made.script.send_statustext, "Failsafe: battery", 2)
     loop.call_later(5.2, happens)
     begun = made.node.now()
     with pytest.raises(ActionInterrupted) as error:
@@ -50,8 +50,8 @@ async def interrupted(made: Scene, call, happens) -> ActionInterrupted:
 def test_another_mode(call):
     async def scenario(made):
         error = await interrupted(made, call, lambda: made.script.enter("ALTCTL"))
-        assert str(error) == f"{WHAT[call.name]} asked of 1/1: it changed to ALTCTL (Failsafe: battery)"
-        assert error.said == ("Failsafe: battery",)
+        assert str(error) == f"{WHAT[call.name]} 1/1 failed: it changed to ALTCTL (Failsafe: battery)"
+        assert error.status_texts == ("Failsafe: battery",)
 
     play(scenario, autopilot=PX4)
 
@@ -61,7 +61,7 @@ def test_another_mode_of_ardupilots(call):
     async def scenario(made):
         error = await interrupted(made, call, lambda: made.script.enter("STABILIZE"))
         what = WHAT["Vehicle.goto"] if call.name == "Vehicle.orbit" else WHAT[call.name]
-        assert str(error) == f"{what} asked of 1/1: it changed to STABILIZE (Failsafe: battery)"
+        assert str(error) == f"{what} 1/1 failed: it changed to STABILIZE (Failsafe: battery)"
 
     play(scenario, autopilot=ARDUPILOT)
 
@@ -70,7 +70,7 @@ def test_another_mode_of_ardupilots(call):
 def test_disarmed_in_the_air(call):
     async def scenario(made):
         error = await interrupted(made, call, lambda: made.script.arm(False))
-        assert str(error) == f"{WHAT[call.name]} asked of 1/1: it was disarmed (Failsafe: battery)"
+        assert str(error) == f"{WHAT[call.name]} 1/1 failed: it was disarmed (Failsafe: battery)"
 
     play(scenario)
 
@@ -121,7 +121,7 @@ def test_another_station_takes_over():
             await asyncio.sleep(1.5)
             going = asyncio.create_task(made.vehicle.goto(47.5, 8.5, 30))
             await asyncio.sleep(6)
-            theirs = await other.autopilot()
+            theirs = await other.wait_for_autopilot()
             await theirs.modes.set("RTL")
             with pytest.raises(ActionInterrupted, match="it changed to RTL"):
                 await going
@@ -149,7 +149,7 @@ def test_the_next_setpoint_tells_that_guidance_was_interrupted():
         ):
             with pytest.raises(ActionInterrupted) as error:
                 order()
-            assert str(error.value) == "following setpoints asked of 1/1: it changed to RTL (Failsafe: no RC)"
+            assert str(error.value) == "following setpoints 1/1 failed: it changed to RTL (Failsafe: no RC)"
         made.script.heard.clear()
         await guidance.__aexit__(None, None, None)
         assert not [each for each in made.script.heard if isinstance(each, common.CommandLong)]

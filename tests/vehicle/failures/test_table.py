@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from inspect import iscoroutinefunction
 
-from mavstack.node.files import Files
+from mavstack.node.ftp import Ftp
 from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
-from mavstack.node.parameters import Parameters
+from mavstack.node.params import Params
 from mavstack.node.shell import Shell
 from mavstack.vehicle import Vehicle
-from mavstack.vehicle.guidance import Guidance
-from mavstack.vehicle.mission import Mission, PlanOf
+from mavstack.vehicle.guided_session import GuidedSession
+from mavstack.vehicle.mission import Mission, VehiclePlan
 from mavstack.vehicle.telemetry import Stream, Telemetry
 from tests.vehicle.failures.calls import CALLS
 
 FACES = (
-    *(Vehicle, Telemetry, Stream, Mission, PlanOf, Guidance),
-    *(Parameters, Files, Logs, Modes, Shell),
+    *(Vehicle, Telemetry, Stream, Mission, VehiclePlan, GuidedSession),
+    *(Params, Ftp, Logs, Modes, Shell),
 )
 
 

@@ -52,9 +52,9 @@ def test_a_vehicle_that_answers_nothing(call):
         error = await failure(made, call, RemoteTimeout)
         assert type(error) is call.silent
         assert isinstance(error, TimeoutError)
-        assert "asked of 1/1" in str(error)
+        assert "1/1 failed" in str(error)
         if call.silent is not ActionTimeout:
-            assert call.asked.partition(" ")[0] in str(error) or error.request in str(error)
+            assert call.asked.partition(" ")[0] in str(error) or error.operation in str(error)
 
     play(scenario)
 
@@ -64,13 +64,13 @@ def test_a_vehicle_that_accepts_and_does_nothing(call):
     async def scenario(made):
         await prepare(made, call)
         made.script.acts = call.interrupted and call.stuck[0] is ActionTimeout
-        asyncio.get_running_loop().call_later(3.0, made.script.say, "motor 2 is weak", 3)
+        asyncio.get_running_loop().call_later(3.0, made.script.send_statustext, "motor 2 is weak", 3)
         error = await failure(made, call, RemoteTimeout)
         kind, text = call.stuck
         assert type(error) is kind
         assert text in str(error)
         if kind is ActionTimeout and call.name != "Vehicle.reboot":
-            assert error.said == ("motor 2 is weak",)
+            assert error.status_texts == ("motor 2 is weak",)
             assert str(error).endswith("(motor 2 is weak)")
 
     play(scenario)
@@ -105,14 +105,14 @@ def test_silence_in_the_middle(call):
         await prepare(made, call)
 
         def fall_silent() -> None:
-            made.script.say("battery critical", 2)
+            made.script.send_statustext("battery critical", 2)
             made.script.silent = True
 
         asyncio.get_running_loop().call_later(4.0, fall_silent)
         begun = made.node.now()
         error = await failure(made, call, ContactLost)
         assert made.node.now() - begun < 12
-        assert "asked of 1/1: it fell silent (battery critical)" in str(error)
+        assert "1/1 failed: it fell silent (battery critical)" in str(error)
         made.script.silent = False
         await asyncio.sleep(2)
         assert made.vehicle.alive
@@ -155,7 +155,7 @@ def test_closing_the_connection_in_the_middle(call, moment):
         assert ended_well or isinstance(outcome, kind), repr(outcome)
         if call.interrupted and moment:
             assert type(outcome) is RemoteCancelled
-            assert "asked of 1/1" in str(outcome)
+            assert "1/1 failed" in str(outcome)
 
     play(scenario, latency=0.25)
 
@@ -178,7 +178,7 @@ def test_the_peer_closes_its_link_in_the_middle(call):
     play(scenario, latency=0.25)
 
 
-@pytest.mark.parametrize("call", [call for call in SILENT if call.name != "Guidance.__aexit__"], ids=named)
+@pytest.mark.parametrize("call", [call for call in SILENT if call.name != "GuidedSession.__aexit__"], ids=named)
 def test_a_closed_connection_is_said_at_once(call):
     async def scenario(made):
         await prepare(made, call)
@@ -196,7 +196,7 @@ def test_guidance_of_a_vehicle_that_falls_silent():
         await enter_guided(made)
         made.script.silent = True
         await asyncio.sleep(8)
-        with pytest.raises(ContactLost, match="following setpoints asked of 1/1: it fell silent"):
+        with pytest.raises(ContactLost, match="following setpoints 1/1 failed: it fell silent"):
             made.guidance.velocity(1)
         with pytest.raises(RemoteTimeout):
             await made.guidance.__aexit__(None, None, None)
@@ -241,7 +241,7 @@ def test_a_reboot_without_waiting():
     async def scenario(made):
         await made.vehicle.reboot(wait=False)
         made.script.silent = True
-        with pytest.raises(ContactLost, match="reboot asked of 1/1: it fell silent and did not acknowledge"):
+        with pytest.raises(ContactLost, match="reboot 1/1 failed: it fell silent and did not acknowledge"):
             await made.vehicle.reboot(wait=False)
 
     play(scenario)

@@ -30,7 +30,7 @@ class Stage:
 
     def __init__(self, node) -> None:
         self.node = node
-        self.vehicle = Vehicle(node, node.remote(1))
+        self.vehicle = Vehicle(node, node.component(1))
 
     @property
     def telemetry(self):
@@ -91,7 +91,7 @@ async def peer(
             return here.answer
 
         async with connect(network.link()) as ground:
-            here.vehicle = await ground.vehicle()
+            here.vehicle = await ground.wait_for_vehicle()
             yield here
 
 

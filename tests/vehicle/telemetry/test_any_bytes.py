@@ -32,9 +32,9 @@ def test_no_reader_raises(told):
         for number, battery in vehicle.batteries.items():
             assert number == battery.id
         for value in (vehicle.attitude, vehicle.wind, vehicle.velocity, vehicle.gps):
-            for name in ("heading", "comes_from", "speed", "ground_speed", "has_fix"):
+            for name in ("heading", "direction", "speed", "ground_speed", "has_fix"):
                 repr(getattr(value, name, None))
-        assert str(vehicle.health())
-        assert all(isinstance(text.text, str) for text in vehicle.texts)
+        assert str(vehicle.health)
+        assert all(isinstance(text.text, str) for text in vehicle.status_texts)
 
     on_stage(scenario)

@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.whole_flights.fleet import whisper
 from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
@@ -25,7 +25,7 @@ def boot_time(seconds):
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
 def test_they_come_again_after_a_reboot(kind):
     async def scenario(world, vehicle):
-        await vehicle.set_rate(common.HighresImu, 10)
+        await vehicle.set_message_rate(common.HighresImu, 10)
         await asyncio.sleep(2)
         assert vehicle.age(common.HighresImu) < 0.2
         world.simulated.reboot()
@@ -54,8 +54,8 @@ def test_they_come_again_after_a_reboot_while_the_link_was_gone(kind):
 def test_all_are_asked_for_at_once_when_a_reboot_shows():
     async def scenario(peer):
         peer.say(boot_time(100))
-        await peer.vehicle.set_rate(common.HighresImu, 10)
-        await peer.vehicle.set_rate(common.Vibration, 1)
+        await peer.vehicle.set_message_rate(common.HighresImu, 10)
+        await peer.vehicle.set_message_rate(common.Vibration, 1)
         for second in range(5):
             peer.say(common.HighresImu(), common.Vibration(), boot_time(100 + second))
             await asyncio.sleep(1)
@@ -70,7 +70,7 @@ def test_all_are_asked_for_at_once_when_a_reboot_shows():
 
 def test_a_vehicle_that_forgets_silently_is_asked_again():
     async def scenario(peer):
-        await peer.vehicle.set_rate(common.Attitude, 10)
+        await peer.vehicle.set_message_rate(common.Attitude, 10)
         for _ in range(100):
             peer.say(common.Attitude())
             await asyncio.sleep(0.1)
@@ -86,9 +86,9 @@ def test_a_vehicle_that_forgets_silently_is_asked_again():
 
 def test_nobody_is_asked_who_is_not_there():
     async def scenario(peer):
-        await peer.vehicle.set_rate(common.Attitude, 10)
+        await peer.vehicle.set_message_rate(common.Attitude, 10)
         asked = []
-        peer.vehicle.component.set_message_interval = lambda *arguments: asked.append(arguments)
+        peer.vehicle.component.set_message_rate = lambda *arguments: asked.append(arguments)
         await peer.node.close()
         await asyncio.sleep(60)
         assert not peer.vehicle.alive
@@ -100,9 +100,9 @@ def test_nobody_is_asked_who_is_not_there():
 def test_who_wants_it_again_at_once_gets_it():
     async def scenario(peer):
         rates = peer.vehicle.telemetry.rates
-        await peer.vehicle.set_rate(common.Attitude, 10)
-        await peer.vehicle.set_rate(common.Attitude, None)
-        await peer.vehicle.set_rate(common.Attitude, 20)
+        await peer.vehicle.set_message_rate(common.Attitude, 10)
+        await peer.vehicle.set_message_rate(common.Attitude, None)
+        await peer.vehicle.set_message_rate(common.Attitude, 20)
         await asyncio.sleep(1)
         assert rates.held == {common.Attitude: 20}
         assert peer.asked[-1] == (ATTITUDE, 50_000)
@@ -115,7 +115,7 @@ def test_what_was_refused_is_not_asked_again_before_a_reboot():
         peer.answer = RESULT.DENIED
         peer.say(boot_time(100))
         with pytest.raises(CommandDenied, match="DENIED"):
-            await peer.vehicle.set_rate(common.Odometry, 5)
+            await peer.vehicle.set_message_rate(common.Odometry, 5)
         assert peer.vehicle.telemetry.rates.denied(common.Odometry).code == RESULT.DENIED
         with pytest.raises(CommandDenied):
             await peer.vehicle.telemetry.rates.ask(common.Odometry)
@@ -136,10 +136,10 @@ def test_what_was_refused_is_not_asked_again_before_a_reboot():
 def test_a_rate_can_be_changed_and_taken_back():
     async def scenario(peer):
         rates = peer.vehicle.telemetry.rates
-        await peer.vehicle.set_rate(common.Attitude, 10)
-        await peer.vehicle.set_rate(common.Attitude, 5)
+        await peer.vehicle.set_message_rate(common.Attitude, 10)
+        await peer.vehicle.set_message_rate(common.Attitude, 5)
         assert rates.held == {common.Attitude: 5}
-        await peer.vehicle.set_rate(common.Attitude, None)
+        await peer.vehicle.set_message_rate(common.Attitude, None)
         await asyncio.sleep(1)
         assert rates.held == {}
         assert [interval for _, interval in peer.asked] == [100_000, 200_000, 0]
@@ -196,7 +196,7 @@ def test_what_does_not_come_is_asked_for_once(answer, comes):
 def test_closing_ends_its_tasks():
     async def scenario(peer):
         rates = peer.vehicle.telemetry.rates
-        await peer.vehicle.set_rate(common.Attitude, 10)
+        await peer.vehicle.set_message_rate(common.Attitude, 10)
         assert rates._tasks
         await peer.vehicle.telemetry.close()
         await asyncio.sleep(0)
@@ -208,8 +208,8 @@ def test_closing_ends_its_tasks():
 def test_the_connections_end_ends_its_tasks():
     async def scenario(peer):
         rates = peer.vehicle.telemetry.rates
-        await peer.vehicle.set_rate(common.Attitude, 10)
-        await peer.vehicle.node.close()
+        await peer.vehicle.set_message_rate(common.Attitude, 10)
+        await peer.vehicle.connection.close()
         await asyncio.sleep(0.1)
         assert not rates._tasks
 

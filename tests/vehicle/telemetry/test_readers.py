@@ -56,7 +56,7 @@ KNOWN = [
     ),
     (
         common.VfrHud(12.5, 10.25, 90, 55, 500, -1.5),
-        "speeds",
+        "vfr_hud",
         {"airspeed": 12.5, "ground_speed": 10.25, "climb": -1.5, "throttle": 55},
     ),
     (
@@ -75,20 +75,20 @@ KNOWN = [
             battery_remaining=81, temperature=2510, time_remaining=600, charge_state=1,
         ),
         "battery",
-        {"id": 0, "volts": 12.0, "cells": (4.1, 4.0, 3.9), "amperes": 12.34, "consumed": 567, "percent": 81,
+        {"id": 0, "voltage": 12.0, "cells": (4.1, 4.0, 3.9), "current": 12.34, "consumed": 567, "remaining": 81,
          "temperature": 25.1, "time_remaining": 600, "charge_state": common.MavBatteryChargeState.OK},
     ),
-    (common.BatteryStatus(voltages=(16_800, *(U16,) * 9)), "battery", {"volts": 16.8, "cells": ()}),
-    (common.BatteryStatus(voltages=(65_534, 1_466, *(U16,) * 8)), "battery", {"volts": 67.0, "cells": ()}),
+    (common.BatteryStatus(voltages=(16_800, *(U16,) * 9)), "battery", {"voltage": 16.8, "cells": ()}),
+    (common.BatteryStatus(voltages=(65_534, 1_466, *(U16,) * 8)), "battery", {"voltage": 67.0, "cells": ()}),
     (
         common.BatteryStatus(voltages=(4000,) * 10, voltages_ext=(4000, 4000, 0, 0)),
         "battery",
-        {"volts": 48.0, "cells": (4.0,) * 12},
+        {"voltage": 48.0, "cells": (4.0,) * 12},
     ),
     (
         common.SysStatus(voltage_battery=16_800, current_battery=250, battery_remaining=77),
         "battery",
-        {"volts": 16.8, "amperes": 2.5, "percent": 77, "consumed": None},
+        {"voltage": 16.8, "current": 2.5, "remaining": 77, "consumed": None},
     ),
     (
         common.HomePosition(HERE["lat"], HERE["lon"], 488_000),
@@ -104,7 +104,7 @@ KNOWN = [
     (
         ardupilotmega.Wind(90, 5, 0.5),
         "wind",
-        {"north": 0, "east": -5, "speed": 5, "comes_from": 90, "down": 0.5},
+        {"north": 0, "east": -5, "speed": 5, "direction": 90, "down": 0.5},
     ),
     (
         common.HighresImu(0, 1, 2, -9.8, radians(1), radians(2), radians(3), 0.2, 0.1, 0.4, temperature=31.5),
@@ -185,7 +185,7 @@ UNKNOWN = [
     (common.AttitudeQuaternion(0, 0, 0, 0, 0), "attitude", None),
     (common.AttitudeQuaternion(0, nan, 0, 0, 0), "attitude", None),
     (common.AttitudeQuaternion(0, inf, 0, 0, 0), "attitude", None),
-    (common.VfrHud(nan, nan, 0, U16, 0, nan), "speeds", {"airspeed", "ground_speed", "climb", "throttle"}),
+    (common.VfrHud(nan, nan, 0, U16, 0, nan), "vfr_hud", {"airspeed", "ground_speed", "climb", "throttle"}),
     (
         common.GpsRawInt(0, 1, **HERE, eph=U16, epv=U16, vel=U16, cog=U16, satellites_visible=U8),
         "gps",
@@ -199,7 +199,7 @@ UNKNOWN = [
             battery_remaining=-1, temperature=I16,
         ),
         "battery",
-        {"volts", "amperes", "percent", "consumed", "temperature", "time_remaining", "charge_state"},
+        {"voltage", "current", "remaining", "consumed", "temperature", "time_remaining", "charge_state"},
     ),
     (common.SysStatus(voltage_battery=U16, current_battery=-1, battery_remaining=-1), "battery", None),
     (common.HomePosition(), "home", None),
@@ -269,7 +269,7 @@ VALUES = [
         "local_position",
         "velocity",
         "attitude",
-        "speeds",
+        "vfr_hud",
         "home",
         "wind",
         "odometry",
@@ -285,7 +285,7 @@ def test_nothing_is_known_before_anything_was_heard(name):
     async def scenario(stage):
         assert getattr(stage.vehicle, name) is None
         assert stage.vehicle.batteries == {}
-        assert stage.vehicle.texts == []
+        assert stage.vehicle.status_texts == []
 
     on_stage(scenario)
 
@@ -317,7 +317,7 @@ def test_several_batteries_are_told_apart():
         stage.hear(common.BatteryStatus(id=1, voltages=(12_000, *NO_CELLS[1:]), battery_remaining=50))
         stage.hear(common.BatteryStatus(id=0, voltages=NO_CELLS, battery_remaining=-1, current_battery=-1))
         stage.hear(common.SysStatus(voltage_battery=16_000, current_battery=100, battery_remaining=80))
-        assert [(each.id, each.volts, each.percent) for each in stage.vehicle.batteries.values()] == [
+        assert [(each.id, each.voltage, each.remaining) for each in stage.vehicle.batteries.values()] == [
             (0, 16.0, 80),  # what its own message leaves open the summary tells
             (1, 12.0, 50),
         ]
@@ -334,7 +334,7 @@ def test_a_battery_may_be_a_component_but_a_camera_has_its_own():
         stage.hear(told, component=common.MavComponent.BATTERY)
         assert list(stage.vehicle.batteries) == [3]
         stage.hear(told.replace(voltages=(11_000, *NO_CELLS[1:])))
-        assert stage.vehicle.batteries[3].volts == 11.0, "the autopilot knows better"
+        assert stage.vehicle.batteries[3].voltage == 11.0, "the autopilot knows better"
 
     on_stage(scenario)
 
@@ -348,7 +348,7 @@ def test_what_the_heartbeat_tells():
         vehicle = stage.vehicle
         assert vehicle.armed is True
         assert vehicle.mode == "GUIDED"
-        assert vehicle.type is common.MavType.QUADROTOR
+        assert vehicle.mav_type is common.MavType.QUADROTOR
         assert vehicle.system_status is common.MavState.ACTIVE
         stage.heartbeat(custom_mode=12345)
         assert vehicle.mode is None
@@ -418,22 +418,22 @@ def test_high_latency_fills_what_it_can():
         vehicle = stage.vehicle
         assert (vehicle.position.latitude, vehicle.position.heading) == (47.3977418, 90)
         assert (vehicle.position.altitude, vehicle.position.relative_altitude) == (488, None)
-        assert vehicle.speeds.airspeed == 12
-        assert vehicle.speeds.climb == -1.2
-        assert vehicle.battery.percent == 64
-        assert vehicle.battery.volts is None
+        assert vehicle.vfr_hud.airspeed == 12
+        assert vehicle.vfr_hud.climb == -1.2
+        assert vehicle.battery.remaining == 64
+        assert vehicle.battery.voltage is None
         assert vehicle.mode == "LOITER"
         assert (vehicle.armed, vehicle.system_status, vehicle.in_air, vehicle.velocity) == (None,) * 4
 
     on_stage(scenario)
 
 
-@pytest.mark.parametrize(("autopilot", "comes_from"), [(PX4, 270), (ARDUPILOT, 90)])
-def test_high_latency_wind_means_two_things(autopilot, comes_from):
+@pytest.mark.parametrize(("autopilot", "direction"), [(PX4, 270), (ARDUPILOT, 90)])
+def test_high_latency_wind_means_two_things(autopilot, direction):
     async def scenario(stage):
         stage.hear(summary(autopilot))
         assert stage.vehicle.wind.speed == pytest.approx(5)
-        assert stage.vehicle.wind.comes_from == pytest.approx(comes_from)
+        assert stage.vehicle.wind.direction == pytest.approx(direction)
 
     on_stage(scenario)
 

@@ -9,7 +9,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, LocalProtocolError
-from mavstack.sim.kinds import VehicleType
+from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.whole_flights.fleet import whisper
 from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
@@ -116,9 +116,9 @@ def test_the_fastest_of_several_streams_counts():
 def test_a_refusal_is_raised_when_nothing_comes(rate):
     async def scenario(peer):
         peer.answer = RESULT.UNSUPPORTED
-        with pytest.raises(CommandDenied, match=r"ODOMETRY at \d Hz asked of 1/1: UNSUPPORTED"):
+        with pytest.raises(CommandDenied, match=r"ODOMETRY at \d Hz 1/1 failed: UNSUPPORTED"):
             await anext(peer.vehicle.stream(common.Odometry, rate=rate))
-        assert not peer.vehicle.node._packets._open
+        assert not peer.vehicle.connection._packets._open
 
     with_peer(scenario, autopilot=PX4)
 
@@ -182,11 +182,11 @@ def test_a_stream_that_was_forgotten_ends():
             break
         gc.collect()
         await asyncio.sleep(1)
-        assert not peer.vehicle.node._packets._open
+        assert not peer.vehicle.connection._packets._open
         assert peer.asked[-1] == (ATTITUDE, 0)
         peer.vehicle.stream(common.Attitude)  # never used
         gc.collect()
-        assert not peer.vehicle.node._packets._open
+        assert not peer.vehicle.connection._packets._open
         task.cancel()
 
     with_peer(scenario)
@@ -213,7 +213,7 @@ def test_it_ends_with_the_connection():
         await asyncio.sleep(1)
         peer.say(common.Attitude(roll=1))
         await asyncio.sleep(0.1)
-        await peer.vehicle.node.close()
+        await peer.vehicle.connection.close()
         assert await reading == [common.Attitude(roll=1)]
 
     with_peer(scenario)

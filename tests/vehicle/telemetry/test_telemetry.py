@@ -72,8 +72,8 @@ def test_so_many_kinds_are_kept_and_those_heard_last_stay():
 def test_a_function_is_called_with_each_message_until_closed():
     async def scenario(stage):
         heard, from_camera = [], []
-        listening = stage.vehicle.on(common.Attitude, heard.append)
-        stage.vehicle.on(common.Attitude, from_camera.append, CAMERA)
+        listening = stage.vehicle.add_listener(common.Attitude, heard.append)
+        stage.vehicle.add_listener(common.Attitude, from_camera.append, CAMERA)
         stage.hear(common.Attitude(roll=1), common.Heartbeat())
         stage.hear(common.Attitude(roll=2), component=CAMERA)
         assert heard == [common.Attitude(roll=1)]
@@ -88,7 +88,7 @@ def test_a_function_is_called_with_each_message_until_closed():
 def test_the_function_finds_the_latest_value_in_its_place():
     async def scenario(stage):
         seen = []
-        stage.vehicle.on(common.Attitude, lambda _: seen.append(stage.vehicle.attitude.yaw))
+        stage.vehicle.add_listener(common.Attitude, lambda _: seen.append(stage.vehicle.attitude.yaw))
         stage.hear(common.Attitude(yaw=pi))
         assert seen == [pytest.approx(180)]
 
@@ -99,8 +99,8 @@ def test_a_function_that_fails_is_told_and_stops_nothing():
     async def scenario(stage):
         told, heard = [], []
         asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
-        stage.vehicle.on(common.Attitude, lambda message: 1 / 0)
-        stage.vehicle.on(common.Attitude, heard.append)
+        stage.vehicle.add_listener(common.Attitude, lambda message: 1 / 0)
+        stage.vehicle.add_listener(common.Attitude, heard.append)
         stage.hear(common.Attitude())
         assert len(heard) == 1
         assert "ATTITUDE" in told[0]["message"]
@@ -117,10 +117,10 @@ def test_values_stay_after_the_connection_was_closed():
         vehicle = stage.vehicle
         assert vehicle.attitude is not None
         assert vehicle.in_air is True
-        assert vehicle.health().ready is None
-        assert vehicle.texts == []
+        assert vehicle.health.ready is None
+        assert vehicle.status_texts == []
         with pytest.raises(MavstackError, match="not open"):
-            await vehicle.next(common.Attitude, timeout=1)
+            await vehicle.wait_for_message(common.Attitude, timeout=1)
 
     on_stage(scenario)
 
@@ -130,7 +130,7 @@ def test_closed_telemetry_hears_nothing():
         await stage.telemetry.close()
         stage.hear(common.Attitude(), common.Statustext(text="late"))
         assert stage.vehicle.attitude is None
-        assert stage.vehicle.texts == []
+        assert stage.vehicle.status_texts == []
 
     on_stage(scenario)
 
@@ -143,7 +143,7 @@ def test_the_next_message_is_one_that_comes_from_now_on():
         peer.say(common.Attitude(roll=1))
         await asyncio.sleep(0.1)
         asyncio.get_running_loop().call_later(1, peer.say, common.Attitude(roll=2))
-        message = await peer.vehicle.next(common.Attitude)
+        message = await peer.vehicle.wait_for_message(common.Attitude)
         assert message.roll == 2
         assert peer.asked == [], "it comes by itself"
 
@@ -152,8 +152,8 @@ def test_the_next_message_is_one_that_comes_from_now_on():
 
 def test_a_next_message_that_does_not_come():
     async def scenario(peer):
-        with pytest.raises(MessageTimeout, match="ATTITUDE asked of 1/1: none came in 3 s"):
-            await peer.vehicle.next(common.Attitude, timeout=3)
+        with pytest.raises(MessageTimeout, match="ATTITUDE 1/1 failed: none came in 3 s"):
+            await peer.vehicle.wait_for_message(common.Attitude, timeout=3)
         assert peer.asked == [(30, 250_000)]
 
     with_peer(scenario)
@@ -163,17 +163,17 @@ def test_a_next_message_that_the_vehicle_does_not_have():
     async def scenario(peer):
         peer.answer = RESULT.UNSUPPORTED
         with pytest.raises(CommandDenied, match="UNSUPPORTED"):
-            await peer.vehicle.next(common.Odometry, timeout=30)
+            await peer.vehicle.wait_for_message(common.Odometry, timeout=30)
 
     with_peer(scenario)
 
 
 def test_a_next_message_when_the_connection_closes():
     async def scenario(peer):
-        waiting = asyncio.create_task(peer.vehicle.next(common.Attitude))
+        waiting = asyncio.create_task(peer.vehicle.wait_for_message(common.Attitude))
         await asyncio.sleep(0.5)
-        await peer.vehicle.node.close()
-        with pytest.raises(RemoteCancelled, match="ATTITUDE asked of 1/1: the connection was closed"):
+        await peer.vehicle.connection.close()
+        with pytest.raises(RemoteCancelled, match="ATTITUDE 1/1 failed: the connection was closed"):
             await waiting
 
     with_peer(scenario)
@@ -181,11 +181,11 @@ def test_a_next_message_when_the_connection_closes():
 
 def test_a_next_message_whose_waiter_is_cancelled_leaves_nothing_behind():
     async def scenario(peer):
-        waiting = asyncio.create_task(peer.vehicle.next(common.Attitude))
+        waiting = asyncio.create_task(peer.vehicle.wait_for_message(common.Attitude))
         await asyncio.sleep(0.5)
         waiting.cancel()
         await asyncio.gather(waiting, return_exceptions=True)
-        assert not peer.vehicle.node._packets._open
+        assert not peer.vehicle.connection._packets._open
         await asyncio.sleep(10)
         assert peer.asked == []
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from mavstack.dialects import common
 from mavstack.errors import ActionTimeout, CommandDenied, ContactLost, RemoteCancelled, RemoteTimeout
 from mavstack.services.heartbeat import ComponentFound, ComponentLost, ComponentRebooted, ComponentReturned
-from mavstack.vehicle.reasons import with_reasons
-from mavstack.vehicle.watching import Aim, Watch
+from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
+from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from mavstack.node.subscription import Subscription
@@ -33,10 +33,10 @@ _BACK: Final = (ComponentRebooted, ComponentReturned, ComponentFound)
 async def set_armed(vehicle: Vehicle, *, armed: bool, force: bool) -> None:
     """Arm or disarm, and see that its heartbeat says so."""
     what = "arming" if armed else "disarming"
-    async with Watch(vehicle) as watch:
+    async with ActionMonitor(vehicle) as watch:
         asked = vehicle.component.command(_CMD.COMPONENT_ARM_DISARM, float(armed), FORCE if force else 0.0)
-        await with_reasons(vehicle, asked)
-        await watch.until(Aim(what, lambda: vehicle.armed == armed, limit=CONFIRMED_WITHIN))
+        await with_status_texts(vehicle, asked)
+        await watch.until(ActionGoal(what, lambda: vehicle.armed == armed, limit=CONFIRMED_WITHIN))
 
 
 async def reboot(vehicle: Vehicle, *, wait: bool) -> None:
@@ -46,9 +46,9 @@ async def reboot(vehicle: Vehicle, *, wait: bool) -> None:
     """
     if wait and vehicle.age(common.SystemTime) is None:
         with suppress(CommandDenied, RemoteTimeout):
-            await vehicle.next(common.SystemTime, timeout=CLOCK_PATIENCE)
+            await vehicle.wait_for_message(common.SystemTime, timeout=CLOCK_PATIENCE)
     kinds: tuple[type[_News], ...] = (ComponentLost, *_BACK)
-    async with vehicle.node.events(*kinds) as events:
+    async with vehicle.connection.events(*kinds) as events:
         news = await _ask_to_reboot(vehicle, events)
         if not wait and isinstance(news, ComponentLost):
             raise ContactLost("reboot", str(vehicle.address), answer="it fell silent and did not acknowledge")
@@ -66,7 +66,7 @@ async def reboot(vehicle: Vehicle, *, wait: bool) -> None:
 async def _ask_to_reboot(vehicle: Vehicle, events: Subscription[_News]) -> _News | None:
     """Ask until it is acknowledged, or something happens to the vehicle, which is the result."""
     command = vehicle.component.command(_CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1)
-    asking = asyncio.ensure_future(with_reasons(vehicle, command))
+    asking = asyncio.ensure_future(with_status_texts(vehicle, command))
     watching = asyncio.ensure_future(_news_of(vehicle, events))
     try:
         await asyncio.wait((asking, watching), return_when=asyncio.FIRST_COMPLETED)

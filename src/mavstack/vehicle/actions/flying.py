@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, LocalProtocolError, RemoteError
+from mavstack.vehicle.action_monitor import PATIENCE, ActionGoal, ActionMonitor
 from mavstack.vehicle.actions.home import find_home, find_position
 from mavstack.vehicle.firmware.firmware import Place
 from mavstack.vehicle.geography import distance, moved
-from mavstack.vehicle.kinds import VehicleClass
-from mavstack.vehicle.reasons import with_reasons
-from mavstack.vehicle.watching import PATIENCE, Aim, Watch
+from mavstack.vehicle.status_text_capture import with_status_texts
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -51,11 +51,11 @@ _ON_GROUND: Final = common.MavLandedState.ON_GROUND
 
 
 async def _see_through(
-    vehicle: Vehicle, asked: Coroutine[Any, Any, None], aim: Callable[[], Aim], *, wait: bool
+    vehicle: Vehicle, asked: Coroutine[Any, Any, None], aim: Callable[[], ActionGoal], *, wait: bool
 ) -> None:
     try:
-        async with Watch(vehicle) as watch:
-            await with_reasons(vehicle, asked)
+        async with ActionMonitor(vehicle) as watch:
+            await with_status_texts(vehicle, asked)
             if wait:
                 await watch.until(aim())
     finally:
@@ -72,7 +72,7 @@ async def takeoff(vehicle: Vehicle, altitude: float, *, wait: bool, limit: float
         height = _height(vehicle)
         return None if height is None else abs(altitude - height)
 
-    aim = Aim(
+    aim = ActionGoal(
         f"takeoff to {altitude:g} m",
         lambda: (rest := left()) is not None and rest <= near,
         left,
@@ -84,28 +84,28 @@ async def takeoff(vehicle: Vehicle, altitude: float, *, wait: bool, limit: float
         await _see_through(vehicle, vehicle.firmware.takeoff(altitude), lambda: aim, wait=wait)
     except CommandDenied as error:
         if vehicle.armed is False:
-            error.said = error.said or ("it is disarmed",)  # for which ArduPilot has no text
+            error.status_texts = error.status_texts or ("it is disarmed",)  # for which ArduPilot has no text
         raise
 
 
 async def land(vehicle: Vehicle, *, wait: bool, limit: float | None) -> None:
     """Land, and wait until the motors stand."""
-    aim = Aim(
+    aim = ActionGoal(
         "landing",
-        Landing(vehicle).ended,
+        LandingDetector(vehicle).ended,
         lambda: _height(vehicle),
         modes=vehicle.firmware.modes_of("land"),
         limit=limit,
-        patience=_ON_A_PATTERN if vehicle.kind is VehicleClass.PLANE else PATIENCE,
+        patience=_ON_A_PATTERN if vehicle.vehicle_type is VehicleType.PLANE else PATIENCE,
     )
     await _see_through(vehicle, vehicle.firmware.land(), lambda: aim, wait=wait)
 
 
 async def rtl(vehicle: Vehicle, *, wait: bool, limit: float | None) -> None:
     """Return home, and land there if that is what the vehicle does; where home is, it need not tell."""
-    landing = Landing(vehicle)
-    stays = not vehicle.kind.flies or vehicle.kind is VehicleClass.PLANE
-    near = NEAR_ON_WING if vehicle.kind.circles else NEAR
+    landing = LandingDetector(vehicle)
+    stays = not vehicle.vehicle_type.flies or vehicle.vehicle_type is VehicleType.PLANE
+    near = NEAR_ON_WING if vehicle.vehicle_type.circles else NEAR
 
     async def ask() -> None:
         await vehicle.firmware.rtl()
@@ -121,18 +121,18 @@ async def rtl(vehicle: Vehicle, *, wait: bool, limit: float | None) -> None:
         away, height = from_home(), _height(vehicle)
         return None if away is None or height is None else away + abs(height)
 
-    circling = Lasting(vehicle, STAYS_ON_WING)
+    circling = SustainedCondition(vehicle, STAYS_ON_WING)
 
     def reached() -> bool:
         away = from_home()
         at_home = away is not None and away <= near
-        landed = vehicle.kind.flies and landing.ended()
+        landed = vehicle.vehicle_type.flies and landing.ended()
         return landed or (stays and at_home) or circling.goes_on(at_home and on_wing(vehicle))
 
-    def aim() -> Aim:
+    def aim() -> ActionGoal:
         patience = _ON_A_PATTERN if vehicle.home is None else 90.0
         modes = vehicle.firmware.modes_of("rtl")
-        return Aim("return", reached, left, modes=modes, limit=limit, patience=patience)
+        return ActionGoal("return", reached, left, modes=modes, limit=limit, patience=patience)
 
     await _see_through(vehicle, ask(), aim, wait=wait)
 
@@ -168,7 +168,7 @@ async def goto(
         rest = off()
         return rest is not None and rest[0] <= near[0] and rest[1] <= near[1]
 
-    aim = Aim(
+    aim = ActionGoal(
         f"going to {place.latitude:.6f}, {place.longitude:.6f}",
         there,
         lambda: None if (rest := off()) is None else sum(rest),
@@ -193,7 +193,7 @@ async def orbit(
         away = _away(vehicle, place.latitude, place.longitude)
         return None if away is None else abs(away - abs(radius))
 
-    aim = Aim(
+    aim = ActionGoal(
         f"orbit of {abs(radius):g} m",
         lambda: (rest := off()) is not None and rest <= near,
         off,
@@ -214,7 +214,7 @@ async def turn(vehicle: Vehicle, heading: float, *, wait: bool, limit: float | N
             return None
         return abs((position.heading - heading + 180.0) % 360.0 - 180.0)
 
-    aim = Aim(
+    aim = ActionGoal(
         f"turning to {heading % 360:g} degrees",
         lambda: (rest := left()) is not None and rest <= _DEGREES,
         left,
@@ -227,14 +227,14 @@ async def turn(vehicle: Vehicle, heading: float, *, wait: bool, limit: float | N
 
 async def hold(vehicle: Vehicle) -> None:
     """Stay here."""
-    await with_reasons(vehicle, vehicle.firmware.hold())
+    await with_status_texts(vehicle, vehicle.firmware.hold())
 
 
-class Lasting:
+class SustainedCondition:
     """Whether something has been so for long."""
 
     def __init__(self, vehicle: Vehicle, seconds: float) -> None:
-        self._now = vehicle.node.now
+        self._now = vehicle.connection.now
         self._seconds = seconds
         self._since: float | None = None
 
@@ -249,12 +249,12 @@ class Lasting:
         return now >= self._since + self._seconds
 
 
-class Landing:
+class LandingDetector:
     """Whether a vehicle that was in the air has landed."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
-        self._on_ground = Lasting(vehicle, STAYS_ARMED)
+        self._on_ground = SustainedCondition(vehicle, STAYS_ARMED)
 
     def ended(self) -> bool:
         """Disarmed, or on the ground for long."""
@@ -265,7 +265,9 @@ class Landing:
 def on_wing(vehicle: Vehicle) -> bool:
     """Whether it cannot stand still now."""
     hovers = vehicle.vtol_state == common.MavVtolState.MC
-    return vehicle.kind is VehicleClass.PLANE or (vehicle.kind is VehicleClass.VTOL and not hovers)
+    return vehicle.vehicle_type is VehicleType.PLANE or (
+        vehicle.vehicle_type is VehicleType.VTOL and not hovers
+    )
 
 
 def _height(vehicle: Vehicle) -> float | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, MessageTimeout, RemoteError
-from mavstack.vehicle.reasons import with_reasons
+from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.values import HomePosition, Position
@@ -19,7 +19,7 @@ _CMD: Final = common.MavCmd
 async def find_home(vehicle: Vehicle) -> HomePosition:
     """Where home is; asks for it if it was not told."""
     if vehicle.home is None:
-        await with_reasons(vehicle, vehicle.component.request(common.HomePosition))
+        await with_status_texts(vehicle, vehicle.component.request_message(common.HomePosition))
     home = vehicle.home
     if home is None:
         raise MessageTimeout("HOME_POSITION", str(vehicle.address), answer="it has none yet")
@@ -40,7 +40,7 @@ async def home_altitude(vehicle: Vehicle) -> float:
 async def find_position(vehicle: Vehicle) -> Position:
     """Where it is; waits for that to be told."""
     if vehicle.position is None:
-        await vehicle.next(common.GlobalPositionInt)
+        await vehicle.wait_for_message(common.GlobalPositionInt)
     position = vehicle.position
     if position is None:
         raise MessageTimeout("its position", str(vehicle.address), answer="it does not know its place")
@@ -67,8 +67,8 @@ async def set_home(
         asked = component.command(
             _CMD.DO_SET_HOME, 0, 0, 0, nan, latitude, longitude, above_sea, frame=common.MavFrame.GLOBAL
         )
-    await with_reasons(vehicle, asked)
+    await with_status_texts(vehicle, asked)
     try:
-        await component.request(common.HomePosition)  # what was told of it before no longer holds
+        await component.request_message(common.HomePosition)  # what was told of it before no longer holds
     except RemoteError:
         return

@@ -13,27 +13,27 @@ from mavstack.errors import ActionUnsupported, CommandDenied, ParameterDenied, P
 from mavstack.services.setpoints import GlobalSetpoint
 from mavstack.vehicle.actions.home import find_altitude
 from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware, Place
-from mavstack.vehicle.kinds import VehicleClass
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 _GUIDED: Final = frozenset({"guided"})
 #: Where each class stays when it is told to: modes that need no pilot's throttle, where there is such a one.
-_HOLDING: Final[Mapping[VehicleClass, str]] = MappingProxyType(
+_HOLDING: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {
-        VehicleClass.COPTER: "BRAKE",
-        VehicleClass.PLANE: "LOITER",
-        VehicleClass.VTOL: "LOITER",
-        VehicleClass.ROVER: "HOLD",
-        VehicleClass.BOAT: "LOITER",
-        VehicleClass.SUB: "POSHOLD",
+        VehicleType.COPTER: "BRAKE",
+        VehicleType.PLANE: "LOITER",
+        VehicleType.VTOL: "LOITER",
+        VehicleType.ROVER: "HOLD",
+        VehicleType.BOAT: "LOITER",
+        VehicleType.SUB: "POSHOLD",
     }
 )
 #: In these a copter or a rover cannot be armed, though it stays in them when it has come home.
 _NOT_ARMABLE: Final = frozenset({"rtl", "smart_rtl", "land", "brake", "circle"})
-_LANDING: Final[Mapping[VehicleClass, str]] = MappingProxyType(
-    {VehicleClass.COPTER: "LAND", VehicleClass.VTOL: "QLAND"}
+_LANDING: Final[Mapping[VehicleType, str]] = MappingProxyType(
+    {VehicleType.COPTER: "LAND", VehicleType.VTOL: "QLAND"}
 )
 #: CIRCLE_OPTIONS: the circle's centre is where the mode is entered.
 _CENTRE_IS_HERE: Final = 4
@@ -62,14 +62,14 @@ class ArduPilot(Firmware):
     )
 
     @property
-    def kind(self) -> VehicleClass:
+    def kind(self) -> VehicleType:
         """The class of the vehicle."""
-        return self.vehicle.kind
+        return self.vehicle.vehicle_type
 
     async def takeoff(self, altitude: float) -> None:
         if not self.kind.flies:
             raise self.unsupported("take off")
-        if self.kind is VehicleClass.PLANE:
+        if self.kind is VehicleType.PLANE:
             await self.vehicle.params.set("TKOFF_ALT", altitude)
             await self.set_mode("TAKEOFF")
             return
@@ -78,7 +78,7 @@ class ArduPilot(Firmware):
 
     async def land(self) -> None:
         """Land here; a plane lands where its mission says, as it has no other way."""
-        if self.kind is VehicleClass.PLANE:
+        if self.kind is VehicleType.PLANE:
             await self.command(CMD.DO_LAND_START)
         elif self.kind in _LANDING:
             await self.set_mode(_LANDING[self.kind])
@@ -86,7 +86,7 @@ class ArduPilot(Firmware):
             raise self.unsupported("land")
 
     async def rtl(self) -> None:
-        if self.kind is VehicleClass.SUB:
+        if self.kind is VehicleType.SUB:
             raise self.unsupported("return by itself")
         await self.set_mode("RTL")
 
@@ -103,7 +103,7 @@ class ArduPilot(Firmware):
         if altitude is None:
             altitude = await find_altitude(self.vehicle)
         turned = 0.0 if yaw is None else self.yaw_of(yaw)
-        if self.kind in (VehicleClass.PLANE, VehicleClass.VTOL):
+        if self.kind in (VehicleType.PLANE, VehicleType.VTOL):
             turned = 0.0  # there it is the direction of the circle
         try:
             await self.command(
@@ -115,14 +115,14 @@ class ArduPilot(Firmware):
                 raise
             there = GlobalSetpoint(place.latitude, place.longitude, altitude)
             self.vehicle.component.send(there.to_message(self.vehicle.address))
-        if yaw is not None and self.kind is VehicleClass.COPTER:
+        if yaw is not None and self.kind is VehicleType.COPTER:
             await self.turn(yaw)
 
     async def orbit(self, place: Place, *, radius: float, speed: float | None) -> None:
         """A wing circles where it is sent; a copter flies to the centre, and circles it in CIRCLE."""
-        if self.kind in (VehicleClass.PLANE, VehicleClass.VTOL):
+        if self.kind in (VehicleType.PLANE, VehicleType.VTOL):
             await self._loiter(place, radius)
-        elif self.kind is VehicleClass.COPTER:
+        elif self.kind is VehicleType.COPTER:
             self._check_throttle()
             await self.vehicle.goto(place.latitude, place.longitude, place.altitude)
             await self._set_up_circle(radius, speed)
@@ -132,7 +132,7 @@ class ArduPilot(Firmware):
 
     async def turn(self, heading: float) -> None:
         """In GUIDED: elsewhere the command is accepted, and nothing turns."""
-        if self.kind is VehicleClass.PLANE:
+        if self.kind is VehicleType.PLANE:
             raise self.unsupported("turn on the spot")
         if (self.vehicle.mode or "").lower() not in _GUIDED:
             await self.guide()
@@ -140,18 +140,18 @@ class ArduPilot(Firmware):
 
     async def become_armable(self) -> None:
         mode = (self.vehicle.mode or "").lower()
-        if mode in _NOT_ARMABLE or (mode == "auto" and self.kind is VehicleClass.COPTER):
+        if mode in _NOT_ARMABLE or (mode == "auto" and self.kind is VehicleType.COPTER):
             await self.guide()
 
     async def start_mission(self) -> None:
         """AUTO, and on the ground the command to begin: a copter would wait for the pilot's throttle."""
         await self.set_mode("AUTO")
-        if self.kind is not VehicleClass.PLANE:
+        if self.kind is not VehicleType.PLANE:
             await self.command(CMD.MISSION_START)
 
     def _check_throttle(self) -> None:
         """In CIRCLE a copter climbs and sinks by the pilot's throttle, if there is one."""
-        rc, channel = self.vehicle.rc, self.vehicle.params.known.get("RCMAP_THROTTLE")
+        rc, channel = self.vehicle.rc, self.vehicle.params.cached.get("RCMAP_THROTTLE")
         number = _THROTTLE if channel is None else int(channel.value)
         pulse = rc.channels[number - 1] if rc is not None and number <= len(rc.channels) else None
         if pulse is not None and abs(pulse - _MIDDLE) > _DEAD_ZONE:

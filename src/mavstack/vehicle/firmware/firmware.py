@@ -131,4 +131,6 @@ class Firmware:
 
     def unsupported(self, action: str) -> ActionUnsupported:
         """What to raise for what this kind of vehicle cannot do."""
-        return ActionUnsupported(f"a {self.vehicle.kind} cannot {action} (asked of {self.vehicle.address})")
+        return ActionUnsupported(
+            f"a {self.vehicle.vehicle_type} cannot {action} (asked of {self.vehicle.address})"
+        )

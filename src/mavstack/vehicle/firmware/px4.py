@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware
-from mavstack.vehicle.kinds import VehicleClass
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,12 +34,12 @@ class Px4(Firmware):
     )
 
     async def takeoff(self, altitude: float) -> None:
-        if not self.vehicle.kind.flies:
+        if not self.vehicle.vehicle_type.flies:
             raise self.unsupported("take off")
         await super().takeoff(altitude)
 
     async def land(self) -> None:
-        if not self.vehicle.kind.flies:
+        if not self.vehicle.vehicle_type.flies:
             raise self.unsupported("land")
         await super().land()
 
@@ -50,13 +50,13 @@ class Px4(Firmware):
         await self.set_mode("OFFBOARD")
 
     async def orbit(self, place: object, **circle: object) -> None:
-        if not self.vehicle.kind.flies:
+        if not self.vehicle.vehicle_type.flies:
             raise self.unsupported("orbit")
         await super().orbit(place, **circle)  # type: ignore[arg-type]
 
     async def turn(self, heading: float) -> None:
         """By DO_REPOSITION to where it is: PX4 takes CONDITION_YAW in missions alone."""
-        if self.vehicle.kind is VehicleClass.PLANE:
+        if self.vehicle.vehicle_type is VehicleType.PLANE:
             raise self.unsupported("turn on the spot")
         yaw = self.yaw_of(heading)
         await self.command(CMD.DO_REPOSITION, -1, CHANGE_MODE, 0, yaw, nan, nan, nan, frame=FRAME.GLOBAL)

@@ -1,6 +1,6 @@
 """What a vehicle tells: typed messages, the latest of each, and values the same of every firmware."""
 
-from mavstack.vehicle.telemetry.properties import Values
+from mavstack.vehicle.telemetry.properties import TelemetryProperties
 from mavstack.vehicle.telemetry.rates import Rates
 from mavstack.vehicle.telemetry.stream import Stream
 from mavstack.vehicle.telemetry.telemetry import Telemetry
@@ -14,9 +14,9 @@ from mavstack.vehicle.telemetry.values import (
     Odometry,
     Position,
     Rc,
-    Speeds,
-    Text,
+    StatusText,
     Velocity,
+    VfrHud,
     Wind,
 )
 
@@ -31,11 +31,11 @@ __all__ = [
     "Position",
     "Rates",
     "Rc",
-    "Speeds",
+    "StatusText",
     "Stream",
     "Telemetry",
-    "Text",
-    "Values",
+    "TelemetryProperties",
     "Velocity",
+    "VfrHud",
     "Wind",
 ]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.dialects import Message, ardupilotmega, common
-from mavstack.vehicle.telemetry.problem_words import (
+from mavstack.vehicle.telemetry.problem_texts import (
     CHARGE,
     ESTIMATES,
     FAILURES,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from mavstack.vehicle.telemetry.telemetry import Telemetry
-    from mavstack.vehicle.telemetry.values import Text
+    from mavstack.vehicle.telemetry.values import StatusText
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 
@@ -75,7 +75,7 @@ def problems_of(heard: Telemetry, *, ready: bool | None) -> tuple[Problem, ...]:
 def _said(heard: Telemetry) -> Iterator[str]:
     """The reasons in its own words."""
     since = heard.ready_at or 0.0
-    texts = [text for text in heard.texts.since(since) if _is_reason(text, heard)]
+    texts = [text for text in heard.status_texts.since(since) if _is_reason(text, heard)]
     if not texts:
         return
     ardupilot = heard.autopilot == _ARDUPILOT
@@ -87,7 +87,7 @@ def _said(heard: Telemetry) -> Iterator[str]:
     yield from (text for text in bare if text not in SAYS_NOTHING)
 
 
-def _is_reason(text: Text, heard: Telemetry) -> bool:
+def _is_reason(text: StatusText, heard: Telemetry) -> bool:
     return text.component == heard.component.address.component and text.text.startswith(PREFIXES)
 
 
@@ -159,7 +159,7 @@ def _battery(heard: Telemetry) -> Iterator[str]:
     if fresh(heard, common.BatteryStatus) is None:
         return
     for number, battery in read_batteries(heard).items():
-        left = "" if battery.percent is None else f" ({battery.percent:.0f} %)"
+        left = "" if battery.remaining is None else f" ({battery.remaining:.0f} %)"
         yield from (f"battery {number} {how}{left}" for state, how in CHARGE if battery.charge_state == state)
         if battery.faults:
             yield f"battery {number} reports a fault"

@@ -1,7 +1,7 @@
 """The face of a vehicle's telemetry: typed messages as they come, and values as properties.
 
 A property tells what was heard last and is None before; it neither sends nor waits. What a vehicle is to send
-is asked for by streams, by `set_rate`, and by whatever needs it.
+is asked for by streams, by `set_message_rate`, and by whatever needs it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 
 
-class Values:
+class TelemetryProperties:
     """What a vehicle tells; `telemetry` is what was heard of it."""
 
     telemetry: Telemetry
@@ -48,22 +48,22 @@ class Values:
         """
         return self.telemetry.stream(*kinds, rate=rate, queue=queue)
 
-    async def next(self, kind: type[AnyMessage], *, timeout: float = 10.0) -> AnyMessage:
+    async def wait_for_message(self, kind: type[AnyMessage], *, timeout: float = 10.0) -> AnyMessage:
         """The next message of a kind; raises `MessageTimeout`, or `CommandDenied` if the vehicle has none."""
-        return await self.telemetry.next(kind, timeout=timeout)
+        return await self.telemetry.wait_for_message(kind, timeout=timeout)
 
-    def on(
+    def add_listener(
         self, kind: type[AnyMessage], callback: Callable[[AnyMessage], object], component: int | None = None
     ) -> Listening:
         """Call a plain function with each message of a kind, at once, until the result is closed."""
-        return self.telemetry.on(kind, callback, component)
+        return self.telemetry.add_listener(kind, callback, component)
 
-    async def set_rate(self, kind: type[Message], rate: float | None) -> None:
+    async def set_message_rate(self, kind: type[Message], rate: float | None) -> None:
         """Have the autopilot send a message so many times a second for good, or as by itself (None).
 
         It is asked again when it rebooted. Raises `CommandDenied` or `CommandTimeout`.
         """
-        await self.telemetry.set_rate(kind, rate)
+        await self.telemetry.set_message_rate(kind, rate)
 
     # Where it is, and how it moves
 
@@ -88,9 +88,9 @@ class Values:
         return readers.read_attitude(self.telemetry)
 
     @property
-    def speeds(self) -> values.Speeds | None:
+    def vfr_hud(self) -> values.VfrHud | None:
         """Air speed, ground speed, climb and throttle."""
-        return readers.read_speeds(self.telemetry)
+        return readers.read_vfr_hud(self.telemetry)
 
     @property
     def home(self) -> values.HomePosition | None:
@@ -167,12 +167,12 @@ class Values:
         return readers.read_system_status(self.telemetry)
 
     @property
-    def type(self) -> common.MavType | int | None:
+    def mav_type(self) -> common.MavType | int | None:
         """What it is, as its heartbeat says."""
         info = self.telemetry.component.info
         return None if info is None else info.type
 
     @property
-    def texts(self) -> list[values.Text]:
+    def status_texts(self) -> list[values.StatusText]:
         """What it told people lately, the oldest first."""
-        return self.telemetry.texts.all()
+        return self.telemetry.status_texts.all()

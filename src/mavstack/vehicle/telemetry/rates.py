@@ -41,7 +41,7 @@ LONGEST_WAIT = 60.0
 
 
 @dataclass(eq=False, slots=True)
-class Hold:
+class RateRequest:
     """Somebody's wish to have a message at a rate, in hertz."""
 
     kind: Kind
@@ -53,7 +53,7 @@ class _Wanted:
     """All wishes for one message, and what became of them."""
 
     kind: Kind
-    holds: list[Hold] = field(default_factory=list)
+    holds: list[RateRequest] = field(default_factory=list)
     asked: float | None = None
     denied: CommandDenied | None = None
     again_at: float = 0.0
@@ -85,16 +85,16 @@ class Rates:
         wanted = self._wanted.get(_id(kind))
         return None if wanted is None else wanted.denied
 
-    def hold(self, kind: Kind, rate: float) -> Hold:
+    def hold(self, kind: Kind, rate: float) -> RateRequest:
         """Want a message at a rate from now on; `ask` says so to the component."""
         Interval.hertz(rate)  # raises for what is no rate
-        hold = Hold(kind, rate)
+        hold = RateRequest(kind, rate)
         self._wanted.setdefault(_id(kind), _Wanted(kind)).holds.append(hold)
         if self._watching is None or self._watching.done():
             self._watching = self._begin(self._watch())
         return hold
 
-    def release(self, hold: Hold) -> None:
+    def release(self, hold: RateRequest) -> None:
         """Want it no more. Releasing twice does nothing."""
         wanted = self._wanted.get(_id(hold.kind))
         if wanted is None or hold not in wanted.holds:
@@ -145,7 +145,7 @@ class Rates:
         wanted.again_at = now + max(wanted.wait, INTERVALS / rate)
         wanted.asked = rate  # cancelled, it may have been asked for
         try:
-            await self._component.set_message_interval(wanted.kind, rate)
+            await self._component.set_message_rate(wanted.kind, rate)
         except CommandDenied as error:
             wanted.asked, wanted.denied = None, _named(error, wanted.kind, rate)
             raise wanted.denied from error
@@ -160,7 +160,7 @@ class Rates:
                 await self.ask(wanted.kind)
             elif wanted.asked is not None:
                 wanted.asked = None
-                await self._component.set_message_interval(wanted.kind, DEFAULT)
+                await self._component.set_message_rate(wanted.kind, DEFAULT)
 
     async def _watch(self) -> None:
         node = self._component.node
@@ -217,7 +217,7 @@ def _named(error: CommandDenied, kind: Kind, rate: float) -> CommandDenied:
     """The refusal, saying of which message."""
     what = f"{name_of(kind)} at {rate:g} Hz"
     named = CommandDenied(what, error.target, attempts=error.attempts, answer=error.answer, code=error.code)
-    named.detail, named.said = error.detail, error.said
+    named.detail, named.status_texts = error.detail, error.status_texts
     return named
 
 

@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from mavstack.dialects import Message
 from mavstack.errors import CommandDenied, LocalProtocolError, MavstackError, RemoteError
-from mavstack.vehicle.telemetry.occasional import comes_at_a_rate
+from mavstack.vehicle.telemetry.periodic import is_periodic
 
 if TYPE_CHECKING:
     from types import TracebackType
     from typing import Any, Self
 
     from mavstack.node.subscription import Subscription
-    from mavstack.vehicle.telemetry.rates import Hold
+    from mavstack.vehicle.telemetry.rates import RateRequest
     from mavstack.vehicle.telemetry.telemetry import Telemetry
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
@@ -46,7 +46,7 @@ class Stream(Generic[AnyMessage]):
     ) -> None:
         if rate is not None and not kinds:
             raise LocalProtocolError("a rate is asked for of messages that are named")
-        messages = telemetry.component.messages(*kinds, queue=queue)
+        messages = telemetry.component.stream(*kinds, queue=queue)
         self._supply = _Supply(telemetry, kinds, rate, messages)
         self._messages = messages
 
@@ -62,7 +62,7 @@ class Stream(Generic[AnyMessage]):
 
     def take(self) -> list[AnyMessage]:
         """All that has come and was not read, without waiting."""
-        return self._messages.take()
+        return self._messages.drain()
 
     def close(self) -> None:
         """Listen no more, and want no rate. Closing twice does nothing."""
@@ -109,7 +109,7 @@ class _Supply:
         messages: Subscription[Any],
     ) -> None:
         self._telemetry, self._kinds, self._rate, self._messages = telemetry, kinds, rate, messages
-        self._holds: list[Hold] = []
+        self._holds: list[RateRequest] = []
         self._task: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._since = 0.0
@@ -155,7 +155,7 @@ class _Supply:
         kinds = self._kinds
         if self._rate is None:
             await asyncio.sleep(PATIENCE)
-            kinds = tuple(kind for kind in kinds if comes_at_a_rate(kind) and not self._came(kind))
+            kinds = tuple(kind for kind in kinds if is_periodic(kind) and not self._came(kind))
         for kind in kinds:
             await self._ask_for(kind)
         if self.denied:

@@ -14,15 +14,15 @@ from mavstack.dialects import Message, common
 from mavstack.errors import CommandDenied, MavstackError, MessageTimeout, RemoteCancelled
 from mavstack.services.message_request.interval import name_of
 from mavstack.vehicle.telemetry.rates import Rates
+from mavstack.vehicle.telemetry.status_texts import StatusTexts
 from mavstack.vehicle.telemetry.stream import Stream
-from mavstack.vehicle.telemetry.texts import Texts
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.node import Node, RemoteComponent
     from mavstack.node.dispatch import Listening
-    from mavstack.vehicle.telemetry.rates import Hold
+    from mavstack.vehicle.telemetry.rates import RateRequest
     from mavstack.wire import Packet
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
@@ -48,20 +48,20 @@ class Telemetry:
         #: The rates that it was asked for.
         self.rates = Rates(component, self.age)
         #: What it told people.
-        self.texts = Texts(self.node.address, self.now)
+        self.status_texts = StatusTexts(self.node.address, self.now)
         #: When it last said that it is ready to arm.
         self.ready_at: float | None = None
         #: Whether it was asked for its home and had none to tell.
         self.home_refused = False
-        self._set: dict[int, Hold] = {}
+        self._set: dict[int, RateRequest] = {}
         self._latest: dict[int, tuple[Packet, float]] = {}
         self._batteries: dict[tuple[int, int], common.BatteryStatus] = {}
         system = component.address.system
         self._listening: tuple[Listening, ...] = (
-            self.node.listen(self._keep, system=system),
-            self.node.listen(self.texts.hear, common.Statustext, system=system),
-            self.node.listen(self._hear_battery, common.BatteryStatus, system=system),
-            self.node.listen(self._hear_status, common.SysStatus, system=system),
+            self.node.add_packet_listener(None, self._keep, system=system),
+            self.node.add_packet_listener(common.Statustext, self.status_texts.hear, system=system),
+            self.node.add_packet_listener(common.BatteryStatus, self._hear_battery, system=system),
+            self.node.add_packet_listener(common.SysStatus, self._hear_status, system=system),
         )
         _ = component.modes.monitor  # follows the mode from now on
 
@@ -138,7 +138,7 @@ class Telemetry:
         """The autopilot's messages of these classes, as they come; see `Stream`."""
         return Stream(self, kinds, rate, queue)
 
-    async def next(self, kind: type[AnyMessage], *, timeout: float = 10.0) -> AnyMessage:
+    async def wait_for_message(self, kind: type[AnyMessage], *, timeout: float = 10.0) -> AnyMessage:
         """The next message of a kind; raises `MessageTimeout`, or `CommandDenied` if the vehicle has none."""
         what, whom = name_of(kind), str(self.component.address)
         async with self.stream(kind) as messages:
@@ -150,7 +150,7 @@ class Telemetry:
             except StopAsyncIteration:
                 raise RemoteCancelled(what, whom, answer="the connection was closed") from None
 
-    def on(
+    def add_listener(
         self, kind: type[AnyMessage], callback: Callable[[AnyMessage], object], component: int | None = None
     ) -> Listening:
         """Call a function with each message of a kind, at once; what it raises goes to the loop's handler."""
@@ -165,13 +165,13 @@ class Telemetry:
                 asyncio.get_running_loop().call_exception_handler(told)
 
         source = autopilot if component is None else component
-        return self.node.listen(hear, kind, system=system, component=source)
+        return self.node.add_packet_listener(kind, hear, system=system, component=source)
 
     async def ensure(self, kind: type[Message], rate: float) -> bool:
         """Have a message come at least about so often for good; False if the vehicle refused or is silent."""
         return await self.rates.ensure(kind, rate)
 
-    async def set_rate(self, kind: type[Message], rate: float | None) -> None:
+    async def set_message_rate(self, kind: type[Message], rate: float | None) -> None:
         """Have a message come so many times a second for good, or no longer; raises what `Rates.ask` does."""
         number = self._key(kind, 0)
         before = self._set.pop(number, None)
@@ -185,7 +185,7 @@ class Telemetry:
         """Ask for HOME_POSITION, unless it was heard."""
         if self.latest(common.HomePosition) is None:
             try:
-                await self.component.request(common.HomePosition)
+                await self.component.request_message(common.HomePosition)
             except (CommandDenied, MessageTimeout):
                 self.home_refused = True
             except MavstackError:

@@ -70,8 +70,8 @@ class Attitude:
 
 
 @dataclass(frozen=True, slots=True)
-class Speeds:
-    """Speeds in m/s as a pilot wants them, and the throttle in percent."""
+class VfrHud:
+    """VfrHud in m/s as a pilot wants them, and the throttle in remaining."""
 
     airspeed: float | None
     ground_speed: float | None
@@ -107,12 +107,12 @@ class Gps:
 
 @dataclass(frozen=True, slots=True)
 class Battery:
-    """A battery: volts, amperes, percent left, mAh taken, degrees Celsius, volts of cells, seconds left."""
+    """A battery: voltage, current, remaining left, mAh taken, degrees Celsius, voltage of cells, seconds left."""
 
     id: int = 0
-    volts: float | None = None
-    amperes: float | None = None
-    percent: float | None = None
+    voltage: float | None = None
+    current: float | None = None
+    remaining: float | None = None
     consumed: float | None = None
     temperature: float | None = None
     cells: tuple[float, ...] = ()
@@ -152,7 +152,7 @@ class Wind:
         return hypot(self.north, self.east)
 
     @property
-    def comes_from(self) -> float:
+    def direction(self) -> float:
         """The direction that it comes from, as a weather report says it."""
         return degrees(atan2(-self.east, -self.north)) % 360.0
 
@@ -169,7 +169,7 @@ class Imu:
 
 @dataclass(frozen=True, slots=True)
 class Odometry:
-    """Place, attitude (w, x, y, z) and motion in the frames that it names; `quality` in percent.
+    """Place, attitude (w, x, y, z) and motion in the frames that it names; `quality` in remaining.
 
     Metres, m/s and degrees a second; position in `frame`, velocity and rotation in `child_frame`.
     """
@@ -185,7 +185,7 @@ class Odometry:
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class StatusText:
     """What it told people, and when, in Unix seconds."""
 
     time: float

@@ -4,8 +4,8 @@ from mavstack.vehicle.telemetry.readers.motion import (
     read_attitude,
     read_local_position,
     read_position,
-    read_speeds,
     read_velocity,
+    read_vfr_hud,
     read_wind,
 )
 from mavstack.vehicle.telemetry.readers.power import read_batteries
@@ -34,9 +34,9 @@ __all__ = [
     "read_odometry",
     "read_position",
     "read_rc",
-    "read_speeds",
     "read_system_status",
     "read_velocity",
+    "read_vfr_hud",
     "read_vtol_state",
     "read_wind",
 ]

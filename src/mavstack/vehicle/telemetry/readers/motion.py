@@ -10,7 +10,7 @@ from math import asin, atan2, cos, degrees, hypot, radians, sin
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.vehicle.telemetry.readers.known import (
+from mavstack.vehicle.telemetry.readers.conversions import (
     INT16_MAX,
     INT32_MAX,
     UINT16_MAX,
@@ -20,7 +20,7 @@ from mavstack.vehicle.telemetry.readers.known import (
     scaled,
     vector,
 )
-from mavstack.vehicle.telemetry.values import Attitude, LocalPosition, Position, Speeds, Velocity, Wind
+from mavstack.vehicle.telemetry.values import Attitude, LocalPosition, Position, Velocity, VfrHud, Wind
 
 if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.telemetry import Telemetry
@@ -91,14 +91,14 @@ def read_attitude(heard: Telemetry) -> Attitude | None:
     return Attitude(*map(degrees, angles), *map(finite_degrees, rates)) if angles else None
 
 
-def read_speeds(heard: Telemetry) -> Speeds | None:
+def read_vfr_hud(heard: Telemetry) -> VfrHud | None:
     """VFR_HUD, or HIGH_LATENCY2."""
     match heard.finer(common.VfrHud, common.HighLatency2):
         case common.VfrHud() as fine:
             throttle = scaled(fine.throttle, UINT16_MAX, 1.0)
-            return Speeds(finite(fine.airspeed), finite(fine.groundspeed), finite(fine.climb), throttle)
+            return VfrHud(finite(fine.airspeed), finite(fine.groundspeed), finite(fine.climb), throttle)
         case common.HighLatency2() as coarse:
-            return Speeds(
+            return VfrHud(
                 coarse.airspeed / _FIFTHS,
                 coarse.groundspeed / _FIFTHS,
                 coarse.climb_rate / _TENTHS,

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.vehicle.telemetry.readers.known import INT16_MAX, UINT16_MAX, known, scaled
+from mavstack.vehicle.telemetry.readers.conversions import INT16_MAX, UINT16_MAX, known, scaled
 from mavstack.vehicle.telemetry.values import Battery
 
 if TYPE_CHECKING:
@@ -37,12 +37,12 @@ def read_batteries(heard: Telemetry) -> dict[int, Battery]:
 
 
 def _of_its_own(message: common.BatteryStatus) -> Battery:
-    volts, cells = _voltages(message)
+    voltage, cells = _voltages(message)
     return Battery(
         id=message.id,
-        volts=volts,
-        amperes=scaled(message.current_battery, -1, _CENTI),
-        percent=scaled(message.battery_remaining, -1, 1.0),
+        voltage=voltage,
+        current=scaled(message.current_battery, -1, _CENTI),
+        remaining=scaled(message.battery_remaining, -1, 1.0),
         consumed=scaled(message.current_consumed, -1, 1.0),
         temperature=scaled(message.temperature, INT16_MAX, _CENTI),
         cells=cells,
@@ -65,12 +65,12 @@ def _of_the_vehicle(heard: Telemetry) -> Battery | None:
     match heard.finer(common.SysStatus, common.HighLatency2):
         case common.SysStatus() as fine:
             battery = Battery(
-                volts=scaled(fine.voltage_battery, UINT16_MAX, _MILLI),
-                amperes=scaled(fine.current_battery, -1, _CENTI),
-                percent=scaled(fine.battery_remaining, -1, 1.0),
+                voltage=scaled(fine.voltage_battery, UINT16_MAX, _MILLI),
+                current=scaled(fine.current_battery, -1, _CENTI),
+                remaining=scaled(fine.battery_remaining, -1, 1.0),
             )
         case common.HighLatency2() as coarse:
-            battery = Battery(percent=scaled(coarse.battery, -1, 1.0))
+            battery = Battery(remaining=scaled(coarse.battery, -1, 1.0))
         case _:
             return None
     return None if battery == Battery() else battery
@@ -80,7 +80,7 @@ def _filled_in(battery: Battery, summary: Battery) -> Battery:
     """What its own message leaves open, the vehicle's summary may tell."""
     return replace(
         battery,
-        volts=summary.volts if battery.volts is None else battery.volts,
-        amperes=summary.amperes if battery.amperes is None else battery.amperes,
-        percent=summary.percent if battery.percent is None else battery.percent,
+        voltage=summary.voltage if battery.voltage is None else battery.voltage,
+        current=summary.current if battery.current is None else battery.current,
+        remaining=summary.remaining if battery.remaining is None else battery.remaining,
     )

@@ -6,7 +6,7 @@ from math import degrees, hypot
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.vehicle.telemetry.readers.known import (
+from mavstack.vehicle.telemetry.readers.conversions import (
     UINT8_MAX,
     UINT16_MAX,
     finite,

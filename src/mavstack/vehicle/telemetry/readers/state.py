@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.services.modes import mode_name
-from mavstack.vehicle.kinds import VehicleClass
-from mavstack.vehicle.telemetry.readers.known import known, place
+from mavstack.vehicle.telemetry.readers.conversions import known, place
 from mavstack.vehicle.telemetry.values import HomePosition
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.heartbeat import ComponentInfo
@@ -75,7 +75,7 @@ def read_vtol_state(heard: Telemetry) -> common.MavVtolState | int | None:
 def read_in_air(heard: Telemetry) -> bool | None:
     """EXTENDED_SYS_STATE, or what ArduPilot's heartbeat says: it stands by on the ground."""
     info = heard.component.info
-    if info is not None and not VehicleClass.of(info.type).flies:
+    if info is not None and not VehicleType.of(info.type).flies:
         return False
     landed, age = read_landed_state(heard), heard.age(common.ExtendedSysState)
     if landed is not None and age is not None and age <= _FRESH:

@@ -1,0 +1,1 @@
+"""Files of ground stations: mission plans and parameter sets."""

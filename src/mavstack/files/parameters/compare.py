@@ -1,0 +1,99 @@
+"""What is different between two sets of parameters: of files, of vehicles, or of one of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from mavstack.dialects import common
+from mavstack.files.parameters.numbers import agree, rounds_to
+from mavstack.files.parameters.stored import StoredParameter
+from mavstack.services.parameters import Parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+AnyParameter: TypeAlias = StoredParameter | Parameter
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A parameter that both have, with two values."""
+
+    name: str
+    ours: AnyParameter
+    theirs: AnyParameter
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Two sets side by side: different, the same, and what only one of them has, each by name."""
+
+    different: tuple[Difference, ...]
+    same: tuple[str, ...]
+    only_ours: tuple[AnyParameter, ...]
+    only_theirs: tuple[AnyParameter, ...]
+
+    @property
+    def alike(self) -> bool:
+        """Whether nothing is different and neither has what the other lacks."""
+        return not (self.different or self.only_ours or self.only_theirs)
+
+
+def compare(ours: Mapping[str, AnyParameter], theirs: Mapping[str, AnyParameter]) -> Comparison:
+    """Compare two sets; values that are one float32 are the same, and so are names but for their case."""
+    pairs = matched(ours, theirs)
+    different, same = [], []
+    for name, mine in sorted(ours.items()):
+        if name in pairs:
+            other = theirs[pairs[name]]
+            if is_same(mine, other):
+                same.append(pairs[name])
+            else:
+                different.append(Difference(pairs[name], mine, other))
+    paired = set(pairs.values())
+    return Comparison(
+        tuple(different),
+        tuple(same),
+        tuple(each for name, each in sorted(ours.items()) if name not in pairs),
+        tuple(each for name, each in sorted(theirs.items()) if name not in paired),
+    )
+
+
+def matched(ours: Iterable[str], theirs: Iterable[str]) -> dict[str, str]:
+    """Which of their names each of ours is: itself, or what differs from it only in its case."""
+    known = set(theirs)
+    by_upper = {name.upper(): name for name in known}
+    found = {}
+    for name in ours:
+        other = name if name in known else by_upper.get(name.upper())
+        if other is not None:
+            found[name] = other
+    return found
+
+
+def is_same(one: AnyParameter, other: AnyParameter) -> bool:
+    """Whether two parameters have the same value, as far as their types and what wrote them can tell."""
+    kind = _type_of(one) or _type_of(other)
+    if _type_of(one) is not None and _type_of(other) is not None and _type_of(one) != _type_of(other):
+        kind = int(common.MavParamType.REAL32)  # the coarser one of both decides
+    exact = _is_exact(one) and _is_exact(other)
+    return agree(one.value, other.value, kind=kind, exact=exact) or any(
+        isinstance(each, StoredParameter) and bool(each.text) and rounds_to(held.value, each.text)
+        for each, held in ((one, other), (other, one))
+    )
+
+
+def value_text(parameter: AnyParameter) -> str:
+    """The value for people and files."""
+    if isinstance(parameter, StoredParameter):
+        return parameter.value_text
+    return StoredParameter(parameter.name, parameter.value, int(parameter.type)).value_text
+
+
+def _type_of(parameter: AnyParameter) -> int | None:
+    return None if parameter.type is None else int(parameter.type)
+
+
+def _is_exact(parameter: AnyParameter) -> bool:
+    return parameter.exact if isinstance(parameter, Parameter) else True

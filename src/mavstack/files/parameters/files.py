@@ -1,0 +1,82 @@
+"""Reading and writing files of parameters."""
+
+from __future__ import annotations
+
+import codecs
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+from uuid import uuid4
+
+from mavstack.errors import ParameterFileError
+from mavstack.files.parameters.format import shown
+from mavstack.files.parameters.registry import format_for, format_named, format_of
+from mavstack.files.parameters.stored import is_name
+
+if TYPE_CHECKING:
+    from mavstack.files.parameters.format import ParameterFormat
+    from mavstack.files.parameters.stored import ParameterFile
+
+#: A larger file holds something else.
+MOST_BYTES = 16 << 20
+_WIDE_MARKS = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+
+def read_parameters(path: str | os.PathLike[str], format: str | None = None) -> ParameterFile:  # noqa: A002
+    """Read a file of parameters; its format is seen from what is in it, unless it is given.
+
+    Raises `ParameterFileError` with the line, or `OSError`.
+    """
+    with Path(path).open("rb") as file:
+        data = file.read(MOST_BYTES + 1)
+    try:
+        return parse_parameters(_decoded(data), format)
+    except ParameterFileError as error:
+        raise ParameterFileError(error.problem, os.fspath(path), error.line) from None
+
+
+def parse_parameters(text: str, format: str | None = None) -> ParameterFile:  # noqa: A002
+    """The same of a text that is in memory."""
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    chosen = format_of(lines) if format is None else format_named(format)
+    file = chosen.read(lines)
+    if not file.parameters:
+        raise ParameterFileError("there is no parameter in it")
+    return file
+
+
+def write_parameters(
+    path: str | os.PathLike[str],
+    file: ParameterFile,
+    format: str | None = None,  # noqa: A002
+) -> None:
+    """Write a file of parameters, in the format of its suffix unless one is given; whole or not at all."""
+    chosen = _format_to_write(os.fspath(path), format)
+    for each in file.parameters:
+        if not is_name(each.name):
+            raise ParameterFileError(
+                f"{shown(each.name)} cannot be a parameter's name in a file", os.fspath(path)
+            )
+    target = Path(path)
+    beside = target.with_name(f".{target.name}.{uuid4().hex[:8]}.part")
+    try:
+        beside.write_bytes(chosen.write(file).encode())
+        beside.replace(target)
+    finally:
+        with suppress(OSError):
+            beside.unlink()
+
+
+def _format_to_write(path: str, name: str | None) -> ParameterFormat:
+    return format_for(path) if name is None else format_named(name)
+
+
+def _decoded(data: bytes) -> str:
+    if len(data) > MOST_BYTES:
+        raise ParameterFileError(f"it is larger than {MOST_BYTES >> 20} MiB, so it holds something else")
+    wide = data.startswith(_WIDE_MARKS)
+    text = data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
+    if "\0" in text:
+        raise ParameterFileError("it is not a text")
+    return text

@@ -1,0 +1,56 @@
+"""PX4's scripts (airframes, etc/config.txt): `param set NAME VALUE` and `param set-default NAME VALUE`.
+
+What else stands in such a script is not about parameters, or decides at the vehicle whether one is set; a
+file that has such lines is not read in part.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from mavstack.errors import ParameterFileError
+from mavstack.files.parameters.format import (
+    ParameterFormat,
+    comment_lines,
+    content_lines,
+    head_comments,
+    number_of,
+    shown,
+)
+from mavstack.files.parameters.stored import ParameterFile, StoredParameter, is_name
+
+_LINE = re.compile(r"param\s+(?:set|set-default)\s+(?:-s\s+)?(\S+)\s+(\S+)", re.ASCII)
+
+
+def recognises(text: str) -> bool:
+    """Whether a line of it sets a parameter."""
+    return any(_LINE.fullmatch(line) for _, line in content_lines(text))
+
+
+def read(text: str) -> ParameterFile:
+    """Read a script that only sets parameters."""
+    parameters = tuple(_read_line(line, number) for number, line in content_lines(text))
+    return ParameterFile(parameters, comments=head_comments(text))
+
+
+def write(file: ParameterFile) -> str:
+    """Write a script."""
+    lines = (f"param set {each.name} {each.value_text}\n" for each in file.parameters)
+    return comment_lines(file.comments) + "".join(lines)
+
+
+def _read_line(line: str, number: int) -> StoredParameter:
+    found = _LINE.fullmatch(line)
+    if found is None:
+        problem = f"{shown(line)} sets no parameter; keep only the lines `param set NAME VALUE`"
+        raise ParameterFileError(problem, line=number)
+    name, text = found.groups()
+    if not is_name(name):
+        raise ParameterFileError(f"{shown(name)} cannot be a parameter's name", line=number)
+    return StoredParameter(name, number_of(name, text, number), text=text)
+
+
+FORMAT: Final = ParameterFormat(
+    "px4-script", (".sh",), "PX4 scripts: param set NAME VALUE", recognises, read, write
+)

@@ -1,0 +1,159 @@
+"""A fence as areas: polygons, circles and a return point, which are items in a plan and shapes in files.
+
+A polygon is as many vertex items in a row as each of them says in param 1. Vertices that do not add up to
+that are no polygon for any vehicle; they are left over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import isfinite
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from mavstack.files.plans.model import CMD, FRAME
+from mavstack.services.mission import MissionItem
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+Point: TypeAlias = tuple[float, float]
+
+VERTICES: Final[Mapping[int, bool]] = MappingProxyType(
+    {CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True, CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False}
+)
+CIRCLES: Final[Mapping[int, bool]] = MappingProxyType(
+    {CMD.NAV_FENCE_CIRCLE_INCLUSION: True, CMD.NAV_FENCE_CIRCLE_EXCLUSION: False}
+)
+FENCE_COMMANDS: Final = frozenset({CMD.NAV_FENCE_RETURN_POINT, *VERTICES, *CIRCLES})
+LEAST_VERTICES: Final = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Polygon:
+    """Where to stay, or where not to go; `group` is 0 unless inclusions are combined."""
+
+    inclusion: bool
+    vertices: tuple[Point, ...]
+    group: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """A circle of so many metres."""
+
+    inclusion: bool
+    center: Point
+    radius: float
+    group: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnPoint:
+    """Where to go after a breach."""
+
+    place: Point
+    altitude: float = 0.0
+    frame: int = FRAME.GLOBAL_RELATIVE_ALT
+
+
+@dataclass(slots=True)
+class Areas:
+    """A whole fence; `leftovers` tells of the items that are no area."""
+
+    polygons: list[Polygon] = field(default_factory=list)
+    circles: list[Circle] = field(default_factory=list)
+    return_points: list[ReturnPoint] = field(default_factory=list)
+    leftovers: list[tuple[int, str]] = field(default_factory=list)
+
+
+def areas_of(items: Iterable[MissionItem]) -> Areas:
+    """The areas that the items of a fence make."""
+    areas, open_items = Areas(), list[tuple[int, MissionItem]]()
+    for index, item in enumerate(items):
+        if open_items and not _belongs(open_items[0][1], item):
+            _leave_over(areas, open_items)
+        if item.command in VERTICES:
+            open_items.append((index, item))
+            if len(open_items) == item.param1 and len(open_items) >= LEAST_VERTICES:
+                areas.polygons.append(_polygon([vertex for _, vertex in open_items]))
+                open_items.clear()
+        elif item.command in CIRCLES:
+            place = (item.param5, item.param6)
+            areas.circles.append(Circle(CIRCLES[item.command], place, item.param1, item.param2))
+        elif item.command == CMD.NAV_FENCE_RETURN_POINT:
+            point = ReturnPoint((item.param5, item.param6), item.param7, item.frame)
+            areas.return_points.append(point)
+        else:
+            areas.leftovers.append((index, f"{item.name} is no part of a fence"))
+    _leave_over(areas, open_items)
+    return areas
+
+
+def items_of(areas: Areas) -> list[MissionItem]:
+    """The items of a fence: polygons, circles, return point, as QGC orders them."""
+    items: list[MissionItem] = []
+    for polygon in areas.polygons:
+        items += polygon_items(polygon)
+    for circle in areas.circles:
+        items.append(circle_item(circle))
+    return items + [return_item(point) for point in areas.return_points]
+
+
+def polygon_items(polygon: Polygon) -> list[MissionItem]:
+    """The vertices of a polygon."""
+    count = float(len(polygon.vertices))
+    inside, outside = CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION, CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION
+    command = inside if polygon.inclusion else outside
+    return [_fence_item(command, count, polygon.group, vertex) for vertex in polygon.vertices]
+
+
+def circle_item(circle: Circle) -> MissionItem:
+    """A circle."""
+    command = CMD.NAV_FENCE_CIRCLE_INCLUSION if circle.inclusion else CMD.NAV_FENCE_CIRCLE_EXCLUSION
+    return _fence_item(command, circle.radius, circle.group, circle.center)
+
+
+def return_item(point: ReturnPoint) -> MissionItem:
+    """A return point."""
+    return MissionItem(
+        CMD.NAV_FENCE_RETURN_POINT,
+        param5=point.place[0],
+        param6=point.place[1],
+        param7=point.altitude,
+        frame=point.frame,
+        autocontinue=False,
+    )
+
+
+def _fence_item(command: int, first: float, group: float, place: Point) -> MissionItem:
+    return MissionItem(
+        command,
+        first,
+        group,
+        param5=place[0],
+        param6=place[1],
+        frame=FRAME.GLOBAL,
+        autocontinue=False,
+    )
+
+
+def _belongs(first: MissionItem, item: MissionItem) -> bool:
+    return (item.command, item.param1, item.param2) == (first.command, first.param1, first.param2)
+
+
+def _polygon(vertices: list[MissionItem]) -> Polygon:
+    first = vertices[0]
+    places = tuple((vertex.param5, vertex.param6) for vertex in vertices)
+    return Polygon(VERTICES[first.command], places, first.param2)
+
+
+def _leave_over(areas: Areas, open_items: list[tuple[int, MissionItem]]) -> None:
+    if not open_items:
+        return
+    index, first = open_items[0]
+    wanted = f"{first.param1:g}" if isfinite(first.param1) else "no number"
+    count = len(open_items)
+    said = "1 vertex stands" if count == 1 else f"{count} vertices stand"
+    areas.leftovers.append((index, f"{said} together, but they say that their polygon has {wanted}"))
+    open_items.clear()

@@ -1,0 +1,98 @@
+"""The older fence files of ArduPilot's ground stations: a `latitude longitude` a line.
+
+The first line is the return point, the others are the one polygon to stay in, closed by its first vertex
+again. The return point has no altitude. Mission Planner's polygon files (`.poly`) look the same but have no
+return point: their first line is their last one. Nothing else of a fence can be held: what is lost is told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from mavstack.errors import PlanFileError
+from mavstack.files.plans.areas import (
+    LEAST_VERTICES,
+    Areas,
+    Polygon,
+    ReturnPoint,
+    areas_of,
+    items_of,
+)
+from mavstack.files.plans.model import FRAME, KINDS, PlanFile
+from mavstack.files.plans.reading import bounded, first_line, is_number, lines_of, number_text
+
+if TYPE_CHECKING:
+    from mavstack.files.plans.areas import Point
+    from mavstack.files.plans.reading import Report
+
+
+def recognise(text: str) -> bool:
+    """Whether a text begins with two numbers."""
+    line = first_line(text)
+    return line is not None and len(line.words) == 2 and all(map(is_number, line.words))
+
+
+def parse(text: str, name: str = "") -> PlanFile:
+    """Read a text."""
+    points: list[Point] = []
+    for line in lines_of(text, name):
+        if len(line.words) != 2:
+            raise line.wrong(f"has {len(line.words)} values where a latitude and a longitude must be")
+        points.append((line.number_at(0, "the latitude"), line.number_at(1, "the longitude")))
+    notes: list[str] = []
+    areas = Areas()
+    if len(points) > LEAST_VERTICES and points[0] == points[-1] and points.count(points[0]) == 2:
+        notes.append("its first line is its last one too: it is taken as a polygon without a return point")
+        vertices = points[:-1]
+    else:
+        areas.return_points += [ReturnPoint(point, 0.0, FRAME.GLOBAL) for point in points[:1]]
+        vertices = points[1:]
+        if len(vertices) > 1 and vertices[0] == vertices[-1]:
+            vertices.pop()
+        else:
+            notes.append("its polygon was not closed by its first vertex: it is taken as if it were")
+    if len(vertices) < LEAST_VERTICES:
+        raise PlanFileError(f"a return point and {LEAST_VERTICES} vertices are the least of a fence", name)
+    areas.polygons.append(Polygon(inclusion=True, vertices=tuple(vertices)))
+    return replace(PlanFile.of(fence=bounded(items_of(areas), name)), notes=tuple(notes))
+
+
+def write(plan: PlanFile, report: Report) -> str:
+    """The text of a fence; `report` hears of what is lost."""
+    areas = areas_of(plan.fence.items)
+    for kind in plan.kinds:
+        if kind != plan.fence.type:
+            report.lost(f"the {KINDS[kind]}")
+    _report_lost(areas, report)
+    polygon = next((polygon for polygon in areas.polygons if polygon.inclusion), None)
+    if polygon is None:
+        raise PlanFileError("this format holds one polygon to stay in, and the plan has none: use .waypoints")
+    place = areas.return_points[0].place if areas.return_points else _middle(polygon.vertices)
+    if not areas.return_points:
+        report.note("there is no return point, and this format must have one: the polygon's middle is it")
+    points = (place, *polygon.vertices, polygon.vertices[0])
+    return "".join(f"{number_text(latitude)} {number_text(longitude)}\n" for latitude, longitude in points)
+
+
+def _report_lost(areas: Areas, report: Report) -> None:
+    for index, problem in areas.leftovers:
+        report.lost(f"fence item {index}: {problem}")
+    inclusions = [polygon for polygon in areas.polygons if polygon.inclusion]
+    lost = {
+        "polygons to stay out of": len(areas.polygons) - len(inclusions),
+        "polygons to stay in but the first": max(len(inclusions) - 1, 0),
+        "circles": len(areas.circles),
+        "return points but the first": max(len(areas.return_points) - 1, 0),
+        "inclusion groups": sum(bool(polygon.group) for polygon in inclusions[:1]),
+    }
+    for what, count in lost.items():
+        if count:
+            report.lost(f"{what} ({count}), only one polygon to stay in and a return point")
+    if any(point.altitude for point in areas.return_points[:1]):
+        report.lost("the altitude of the return point")
+
+
+def _middle(vertices: tuple[Point, ...]) -> Point:
+    count = len(vertices)
+    return sum(place[0] for place in vertices) / count, sum(place[1] for place in vertices) / count

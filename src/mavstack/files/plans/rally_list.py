@@ -1,0 +1,90 @@
+"""The older rally files of ArduPilot's ground stations.
+
+    RALLY latitude longitude altitude break_altitude landing_direction flags
+
+Altitudes are relative to home, unless flag 4 (ALT_FRAME_VALID) says that flags 8 and 16 name the frame: 0
+above sea level, 1 above home, 3 above the terrain. The altitude at which to break off a loiter, the direction
+of landing and the other flags have no place in a rally point of today: they are told if they were set.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.errors import PlanFileError
+from mavstack.files.plans.model import CMD, FRAME, KINDS, PlanFile, item_of, plain_frame
+from mavstack.files.plans.reading import bounded, first_line, lines_of, number_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from mavstack.files.plans.reading import Line, Report
+    from mavstack.services.mission import MissionItem
+
+_FRAME_VALID: Final = 4
+_FRAME_BITS: Final = 24
+_FRAME_SHIFT: Final = 3
+#: Frames by what the flags call them.
+_FRAMES: Final[Mapping[int, int]] = MappingProxyType(
+    {0: FRAME.GLOBAL, 1: FRAME.GLOBAL_RELATIVE_ALT, 3: FRAME.GLOBAL_TERRAIN_ALT}
+)
+
+
+def recognise(text: str) -> bool:
+    """Whether a text begins as such a file."""
+    line = first_line(text)
+    return line is not None and line.words[0].upper() == "RALLY"
+
+
+def parse(text: str, name: str = "") -> PlanFile:
+    """Read a text."""
+    problems: list[str] = []
+    items: list[MissionItem] = []
+    for line in lines_of(text, name):
+        items.append(_read_point(line, len(items), problems))
+    if not items:
+        raise PlanFileError("it holds no rally points", name)
+    return replace(PlanFile.of(rally=bounded(items, name)), problems=tuple(problems))
+
+
+def write(plan: PlanFile, report: Report) -> str:
+    """The text of the rally points; `report` hears of what is lost."""
+    for kind in plan.kinds:
+        if kind != plan.rally.type:
+            report.lost(f"the {KINDS[kind]}")
+    if not len(plan.rally):
+        raise PlanFileError("this format holds rally points, and the plan has none")
+    return "".join(_text(index, item, report) for index, item in enumerate(plan.rally.items))
+
+
+def _read_point(line: Line, index: int, problems: list[str]) -> MissionItem:
+    if line.words[0].upper() != "RALLY" or len(line.words) != 7:
+        raise line.wrong("is not RALLY and six numbers")
+    place = [line.number_at(at, what) for at, what in ((1, "the latitude"), (2, "the longitude"))]
+    altitude = line.number_at(3, "the altitude")
+    flags = line.integer(6, "flags", 255)
+    if line.number_at(4, "the break altitude") or line.number_at(5, "the landing direction") or flags & 3:
+        problems.append(f"rally point {index}: its break altitude, landing direction and flags")
+    frame = int(FRAME.GLOBAL_RELATIVE_ALT)
+    if flags & _FRAME_VALID:
+        named = (flags & _FRAME_BITS) >> _FRAME_SHIFT
+        if named not in _FRAMES:
+            raise line.wrong(f"flags {flags} name an altitude above the origin, which no item can say")
+        frame = int(_FRAMES[named])
+    params = (0.0, 0.0, 0.0, 0.0, *place, altitude)
+    return item_of(CMD.NAV_RALLY_POINT, params, frame, autocontinue=False)
+
+
+def _text(index: int, item: MissionItem, report: Report) -> str:
+    frame = plain_frame(item.frame)
+    named = next((name for name, known in _FRAMES.items() if known == frame), None)
+    if item.command != CMD.NAV_RALLY_POINT or named is None:
+        report.lost(f"rally point {index}, a {item.name} in frame {frame}")
+        return ""
+    if any((item.param1, item.param2, item.param3, item.param4)):
+        report.lost(f"params 1 to 4 of rally point {index}")
+    flags = 0 if frame == FRAME.GLOBAL_RELATIVE_ALT else _FRAME_VALID | named << _FRAME_SHIFT
+    place = " ".join(number_text(value) for value in (item.param5, item.param6, item.param7))
+    return f"RALLY {place} 0 0 {flags}\n"

@@ -1,0 +1,119 @@
+"""Walking through JSON that anybody may have written, with the key of whatever is wrong."""
+
+from __future__ import annotations
+
+import json
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING, Any, Final
+
+from mavstack.errors import PlanFileError
+from mavstack.files.plans.reading import shown
+
+if TYPE_CHECKING:
+    from typing import Self
+
+_WORDS: Final = {"nan": nan, "inf": inf, "-inf": -inf}
+
+
+class Tree:
+    """A value in a JSON document, and the way to it."""
+
+    __slots__ = ("name", "path", "value")
+
+    def __init__(self, value: object, name: str = "", path: str = "") -> None:
+        self.value = value
+        self.name = name
+        self.path = path
+
+    @classmethod
+    def parse(cls, text: str, name: str = "") -> Self:
+        """The whole document."""
+        try:
+            return cls(json.loads(text), name)
+        except RecursionError:
+            raise PlanFileError("its JSON is nested too deeply", name) from None
+        except json.JSONDecodeError as error:
+            problem = f"it is not JSON: {error.msg} (column {error.colno})"
+            raise PlanFileError(problem, name, f"line {error.lineno}") from None
+        except ValueError:  # a number of thousands of digits
+            raise PlanFileError("it holds a number that is too long to be one", name) from None
+
+    def wrong(self, problem: str) -> PlanFileError:
+        """The error that this value is."""
+        return PlanFileError(problem, self.name, self.path)
+
+    def find(self, key: str) -> Tree | None:
+        """What stands under a key, if anything does."""
+        if not isinstance(self.value, dict):
+            raise self.wrong(f"is {shown(self.value)} where an object must be")
+        if key not in self.value:
+            return None
+        return Tree(self.value[key], self.name, f"{self.path}.{key}" if self.path else key)
+
+    def get(self, key: str) -> Tree:
+        """What stands under a key."""
+        found = self.find(key)
+        if found is None:
+            raise self.wrong(f"has no {key!r}")
+        return found
+
+    def elements(self, most: int | None = None) -> list[Tree]:
+        """The elements of an array."""
+        if not isinstance(self.value, list):
+            raise self.wrong(f"is {shown(self.value)} where an array must be")
+        if most is not None and len(self.value) != most:
+            raise self.wrong(f"has {len(self.value)} values where there must be {most}")
+        return [Tree(value, self.name, f"{self.path}[{index}]") for index, value in enumerate(self.value)]
+
+    def number(self) -> float:
+        """A number; null stands for NaN, as in QGC's files, and infinity for what no float holds."""
+        value = self.value
+        if value is None:
+            return nan
+        if isinstance(value, str) and value in _WORDS:
+            return _WORDS[value]
+        if not isinstance(value, int | float) or isinstance(value, bool):
+            raise self.wrong(f"is {shown(value)} where a number must be")
+        try:
+            return float(value)
+        except OverflowError:
+            return inf if value > 0 else -inf
+
+    def finite(self) -> float:
+        """A number that is one."""
+        value = self.number()
+        if not isfinite(value):
+            raise self.wrong(f"is {shown(self.value)} where a finite number must be")
+        return value
+
+    def integer(self, least: int, most: int) -> int:
+        """A whole number in a range."""
+        value = self.finite()
+        if value != int(value) or not least <= value <= most:
+            raise self.wrong(f"is {shown(self.value)}, not a whole number between {least} and {most}")
+        return int(value)
+
+    def text(self) -> str:
+        """A string."""
+        if not isinstance(self.value, str):
+            raise self.wrong(f"is {shown(self.value)} where a text must be")
+        return self.value
+
+    def flag(self) -> bool:
+        """A truth value; some programs write 0 and 1."""
+        if isinstance(self.value, bool) or self.value in (0, 1):
+            return bool(self.value)
+        raise self.wrong(f"is {shown(self.value)} where true or false must be")
+
+    def numbers(self, count: int) -> tuple[float, ...]:
+        """An array of so many numbers."""
+        return tuple(element.number() for element in self.elements(count))
+
+
+def as_json(value: float) -> Any:  # noqa: ANN401 (a number, a word or None)
+    """A number as JSON can hold it: null for NaN, words for the infinities, 16 rather than 16.0."""
+    if value != value:
+        return None
+    if not isfinite(value):
+        return "inf" if value > 0 else "-inf"
+    return int(value) if value == int(value) and abs(value) < 1e15 and str(value) != "-0.0" else value

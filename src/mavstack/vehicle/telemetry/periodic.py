@@ -1,0 +1,35 @@
+"""Messages that come when something happens, or as answers: nobody can be asked to send them at a rate.
+
+Who waits for one of these waits for the event, so its silence is no reason to ask for it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import ardupilotmega, common
+from mavstack.services.addressing import message_ids
+
+if TYPE_CHECKING:
+    from mavstack.dialects import Message
+
+_OCCASIONAL: Final = message_ids(
+    *(common.Heartbeat, common.Statustext, common.Event, common.CurrentEventSequence),
+    *(common.CommandAck, common.CommandLong, common.CommandInt, common.CommandCancel, common.MessageInterval),
+    *(common.ParamValue, common.ParamSet, common.ParamExtValue, common.ParamExtAck, common.ParamRequestRead),
+    *(common.MissionAck, common.MissionCount, common.MissionItem, common.MissionItemInt),
+    *(common.MissionRequest, common.MissionRequestInt, common.MissionRequestList, common.MissionItemReached),
+    *(common.FileTransferProtocol, common.LogEntry, common.LogData, common.SerialControl, common.Tunnel),
+    *(common.LoggingData, common.LoggingDataAcked, common.V2Extension, common.EncapsulatedData),
+    *(common.AutopilotVersion, common.ProtocolVersion, common.ComponentInformation, common.ComponentMetadata),
+    *(common.AvailableModes, common.AvailableModesMonitor, common.MagCalReport),
+    *(common.CameraTrigger, common.CameraImageCaptured, common.CameraInformation, common.Collision),
+    *(common.AdsbVehicle, common.AisVessel, common.Ping, common.RadioStatus, common.DataStream),
+    *(common.NamedValueFloat, common.NamedValueInt, common.Debug, common.DebugVect, common.HighLatency2),
+    *(ardupilotmega.MagCalProgress, ardupilotmega.CameraFeedback, ardupilotmega.Radio),
+)
+
+
+def is_periodic(kind: type[Message]) -> bool:
+    """Whether a message can be asked for at a rate."""
+    return kind.__mavlink_row__[0] not in _OCCASIONAL

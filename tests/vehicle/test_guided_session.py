@@ -1,0 +1,201 @@
+"""Flying by setpoints: the stream, the mode, and how a block is left."""
+
+from __future__ import annotations
+
+import asyncio
+from itertools import pairwise
+from math import pi
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, ModeTimeout, SetpointError
+from mavstack.services.setpoints import LocalSetpoint
+from mavstack.vehicle.guided_session import BEFOREHAND, quaternion
+from tests.vehicle.failures.scripted import ARDUPILOT, CMD, PX4, play
+
+LOCAL, GLOBAL = common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt
+ATTITUDE = common.SetAttitudeTarget
+BOTH = pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT], ids=["px4", "ardupilot"])
+MODES = {PX4: ("OFFBOARD", "LOITER"), ARDUPILOT: ("GUIDED", "BRAKE")}
+
+
+def setpoints(made):
+    return [message for message in made.script.heard if isinstance(message, (LOCAL, GLOBAL, ATTITUDE))]
+
+
+def timed(made):
+    """When setpoints and changes of mode came, and which they were."""
+    times = []
+
+    def note(packet):
+        name = type(packet.message).__name__
+        if name != "CommandLong" or packet.message.command == CMD.DO_SET_MODE:
+            times.append((made.node.now(), name))
+
+    made.script.add_packet_listener((LOCAL, GLOBAL, ATTITUDE, common.CommandLong), note)
+    return times
+
+
+@BOTH
+def test_the_stream_begins_before_the_mode_and_keeps_its_rate(autopilot):
+    async def scenario(made):
+        times = timed(made)
+        entered, held = MODES[autopilot]
+        async with made.vehicle.guided(rate=20) as guidance:
+            assert made.vehicle.mode == entered
+            guidance.velocity(north=2.0, east=1.0, down=-0.5, yaw=90)
+            await asyncio.sleep(4)
+        assert made.vehicle.mode == held
+        mode_asked = next(time for time, name in times if name == "CommandLong")
+        sent = [time for time, name in times if name != "CommandLong"]
+        assert mode_asked - sent[0] >= BEFOREHAND * 0.9
+        gaps = [later - earlier for earlier, later in pairwise(sent)]
+        assert max(gaps) < 0.075
+        assert len(sent) / (sent[-1] - sent[0]) == pytest.approx(20, rel=0.1)
+        newest = [each for each in setpoints(made) if each.vx == 2.0]
+        assert (newest[0].vy, newest[0].vz) == (1.0, -0.5)
+        assert newest[0].yaw == pytest.approx(pi / 2, abs=1e-5)
+        standing = setpoints(made)
+        assert (standing[0].vx, standing[-1].vx) == (
+            0.0,
+            0.0,
+        )  # before it is told where to, and while it holds
+
+    play(scenario, autopilot=autopilot)
+
+
+@BOTH
+def test_the_stream_ends_with_the_block(autopilot):
+    async def scenario(made):
+        await made.vehicle.set_mode("RTL")  # makes what is made when it is first used
+        before = made.registers()
+        async with made.vehicle.guided():
+            await asyncio.sleep(1)
+        made.script.heard.clear()
+        await asyncio.sleep(5)
+        assert setpoints(made) == []
+        assert made.registers() == before
+
+    play(scenario, autopilot=autopilot)
+
+
+async def fail_without_holding(made):
+    async with made.vehicle.guided():
+        made.script.refuse(CMD.DO_SET_MODE)
+        raise ZeroDivisionError
+
+
+async def refuse_to_hold(made):
+    async with made.vehicle.guided():
+        made.script.refuse(CMD.DO_SET_MODE)
+        made.script.saying = lambda: made.say("no position")
+
+
+def test_an_error_in_the_block_is_the_one_that_is_told():
+    async def scenario(made):
+        with pytest.raises(ZeroDivisionError):
+            async with made.vehicle.guided():
+                raise ZeroDivisionError
+        assert made.vehicle.mode == "LOITER"  # it holds all the same
+        with pytest.raises(ZeroDivisionError):  # though it does not hold
+            await fail_without_holding(made)
+        made.script.heard.clear()
+        await asyncio.sleep(3)
+        assert setpoints(made) == []
+
+    play(scenario)
+
+
+def test_holding_that_is_refused_is_told():
+    async def scenario(made):
+        with pytest.raises(CommandDenied, match=r"DO_SET_MODE on 1/1 failed: DENIED \(no position\)"):
+            await refuse_to_hold(made)
+        made.script.heard.clear()
+        await asyncio.sleep(3)
+        assert setpoints(made) == []
+
+    play(scenario)
+
+
+@pytest.mark.parametrize("acts", [True, False], ids=["denied", "ignored"])
+def test_a_mode_that_is_not_entered_ends_the_stream(acts):
+    async def scenario(made):
+        await made.vehicle.set_mode("RTL")
+        before = made.registers()
+        made.script.acts = acts
+        if acts:
+            made.script.refuse(CMD.DO_SET_MODE)
+        with pytest.raises(CommandDenied if acts else ModeTimeout):
+            async with made.vehicle.guided():
+                pytest.fail("it was not to be entered")
+        made.script.heard.clear()
+        await asyncio.sleep(3)
+        assert setpoints(made) == []
+        assert made.registers() == before
+
+    play(scenario)
+
+
+def test_guidance_that_is_not_entered_leaves_nothing():
+    async def scenario(made):
+        before = made.registers()
+        for _ in range(5):
+            made.vehicle.guided()
+        await asyncio.sleep(1)
+        assert made.registers() == before
+
+    play(scenario)
+
+
+def test_each_kind_of_setpoint():
+    async def scenario(made):
+        async with made.vehicle.guided() as guidance:
+            guidance.body_velocity(forward=3, right=1, down=-1, yaw_rate=90)
+            await asyncio.sleep(0.2)
+            body = setpoints(made)[-1]
+            assert body.coordinate_frame == common.MavFrame.BODY_NED
+            assert (body.vx, body.vy, body.vz) == (3, 1, -1)
+            assert body.yaw_rate == pytest.approx(pi / 2, abs=1e-5)
+            guidance.position(10, -5, -20, yaw=180)
+            await asyncio.sleep(0.2)
+            place = setpoints(made)[-1]
+            assert (place.x, place.y, place.z) == (10, -5, -20)
+            assert abs(place.yaw) == pytest.approx(pi, abs=1e-5)
+            guidance.goto(47.5, 8.25, 30)
+            await asyncio.sleep(0.2)
+            far = setpoints(made)[-1]
+            assert (far.lat_int, far.lon_int, far.alt) == (475000000, 82500000, 30)
+            guidance.attitude(roll=0, pitch=0, yaw=90, thrust=0.5)
+            await asyncio.sleep(0.2)
+            attitude = setpoints(made)[-1]
+            assert attitude.q == pytest.approx((0.70711, 0, 0, 0.70711), abs=1e-4)
+            assert attitude.thrust == 0.5
+            with pytest.raises(SetpointError):
+                guidance.set(LocalSetpoint())
+            await asyncio.sleep(0.2)
+            assert setpoints(made)[-1].thrust == 0.5  # what was wrong changed nothing
+
+    play(scenario)
+
+
+def test_it_begins_with_the_setpoint_that_it_was_given():
+    async def scenario(made):
+        first = LocalSetpoint(velocity=(0.0, 0.0, -1.5))
+        async with made.vehicle.guided(rate=10, first=first):
+            assert {message.vz for message in setpoints(made)} == {-1.5}
+
+    play(scenario)
+
+
+@pytest.mark.parametrize(
+    ("angles", "wanted"),
+    [
+        ((0, 0, 0), (1, 0, 0, 0)),
+        ((pi, 0, 0), (0, 1, 0, 0)),
+        ((0, pi / 2, 0), (0.70711, 0, 0.70711, 0)),
+        ((0.1, 0.2, 0.3), (0.98335, 0.03427, 0.10602, 0.14357)),
+    ],
+)
+def test_rotations(angles, wanted):
+    assert quaternion(*angles) == pytest.approx(wanted, abs=1e-4)
