@@ -1,8 +1,10 @@
-"""The one exception tree: everything Mavstack raises on purpose derives from `MavstackError`.
+"""The exception tree: every error that Mavstack raises on purpose derives from `MavstackError`.
 
-Bad input from the wire never raises (it is counted); what raises is a definition that is wrong, a link
-that cannot be opened, or a misuse by the calling program. Misuse also derives from the built-in that a
-Python user would expect (`TypeError`, `ValueError`, `KeyError`), so that both `except` clauses work.
+Bad input from the wire never raises; it is counted. Errors are raised for a wrong definition, a link that
+cannot be opened, misuse by the calling program (`LocalProtocolError`), and a remote component that refuses,
+contradicts the protocol or does not answer (`RemoteError`). Misuse also derives from the built-in exception
+that a Python programmer expects (`TypeError`, `ValueError`, `KeyError`, `RuntimeError`), so that both
+`except` clauses work.
 """
 
 from __future__ import annotations
@@ -13,39 +15,39 @@ class MavstackError(Exception):
 
 
 class LocalProtocolError(MavstackError):
-    """The calling program asked for something the protocol does not allow."""
+    """Misuse by the calling program: a request that the protocol or the API does not allow."""
 
 
 class InvalidArgumentError(LocalProtocolError, ValueError):
-    """A call was given an argument outside what it accepts; the text names the argument and its range."""
+    """An argument has a value that the call does not accept; the text names the argument and its range."""
 
 
 class InvalidTypeError(LocalProtocolError, TypeError):
-    """A call was given an argument of a type that it does not accept; the text names the argument."""
+    """An argument has a type that the call does not accept; the text names the argument."""
 
 
 class InvalidStateError(LocalProtocolError, RuntimeError):
-    """A call is not possible now, such as sending through a node that is not open."""
+    """A call is not possible in the present state, such as sending through a node that is not open."""
 
 
 class FieldNameError(LocalProtocolError, TypeError):
-    """A message was given a field that its definition does not have."""
+    """A message was given a field name that its definition does not have."""
 
 
 class FieldTypeError(LocalProtocolError, TypeError):
-    """A message field was given a value of a kind that it cannot hold."""
+    """A message field was given a value of a type that it cannot hold."""
 
 
 class FieldRangeError(LocalProtocolError, ValueError):
     """A message field was given a value outside the range of its type; the text names the range."""
 
 
-class SetpointError(FieldRangeError):
-    """A setpoint that no vehicle could follow."""
+class SetpointError(InvalidArgumentError):
+    """A setpoint that no vehicle could follow: nothing controlled, or a number that is not finite."""
 
 
 class EncodeError(LocalProtocolError, ValueError):
-    """A message cannot be sent as asked, such as an id over 255 in MAVLink 1."""
+    """A message cannot be encoded as requested, such as an id above 255 in MAVLink 1."""
 
 
 class SigningError(LocalProtocolError, ValueError):
@@ -53,7 +55,7 @@ class SigningError(LocalProtocolError, ValueError):
 
 
 class DialectError(MavstackError):
-    """A definition file is missing, broken or contradicts itself; `path` and `line` say where."""
+    """A definition file is missing, malformed or contradicts itself; `path` and `line` locate the problem."""
 
     def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
         self.problem = problem
@@ -67,25 +69,25 @@ class DialectError(MavstackError):
 
 
 class UnknownMessageError(MavstackError, KeyError):
-    """A dialect has no message of that name or id."""
+    """A dialect has no message with that name or id."""
 
     def __str__(self) -> str:
         return str(self.args[0]) if self.args else ""
 
 
 class UnknownDialectError(DialectError, KeyError):
-    """No official dialect has that name."""
+    """There is no official dialect with that name."""
 
     def __str__(self) -> str:
         return Exception.__str__(self)
 
 
 class LogError(MavstackError):
-    """A log file cannot be read at all; damage inside a log is counted, never raised."""
+    """A log file cannot be read at all; damage inside a log is counted and never raised."""
 
 
 class ParameterFileError(MavstackError):
-    """A file of parameters cannot be read or written; `path` and `line` say where."""
+    """A parameter file cannot be read or written; `path` and `line` locate the problem."""
 
     def __init__(self, problem: str, path: str | None = None, line: int | None = None) -> None:
         self.problem = problem
@@ -99,7 +101,7 @@ class ParameterFileError(MavstackError):
 
 
 class PlanFileError(MavstackError):
-    """A file of plans cannot be read or written; `path` and `where` (a line or a key) say where."""
+    """A plan file cannot be read or written; `path` and `where` (a line or a key) locate the problem."""
 
     def __init__(self, problem: str, path: str = "", where: str = "") -> None:
         self.problem = problem
@@ -112,11 +114,11 @@ class PlanFileError(MavstackError):
 
 
 class LinkError(MavstackError):
-    """A link cannot be opened or used; the text names the URL and what to do."""
+    """A link cannot be opened or used; the text names the URL and the remedy."""
 
 
 class LinkURLError(LinkError, ValueError):
-    """A link URL cannot be understood."""
+    """A link URL is malformed, or names an unknown scheme or option."""
 
 
 class LinkClosedError(LinkError):
@@ -124,7 +126,7 @@ class LinkClosedError(LinkError):
 
 
 class MissingExtraError(MavstackError, ImportError):
-    """A feature needs an optional dependency; the text holds the line that installs it."""
+    """A feature needs an optional dependency; the text holds the command that installs it."""
 
     def __init__(self, feature: str, extra: str) -> None:
         self.feature = feature
@@ -136,55 +138,77 @@ class MissingExtraError(MavstackError, ImportError):
 
 
 class RemoteError(MavstackError):
-    """Something asked of another component did not come to a good end.
+    """An operation on a remote component failed.
 
-    `request` says what was asked, `target` of whom, `attempts` how often, `answer` what came back; `said` is
-    what the component told people about it meanwhile (STATUSTEXT), if anything.
+    The text reads `<operation> <target> failed[ after N attempts]: <answer>[ (<status text>; …)]`, such as
+    "arming 1/1 failed: FAILED (PreArm: need position estimate)".
+
+    Attributes:
+        operation: The operation as a gerund or a command name, with the preposition that leads to the
+            target: "arming", "NAV_TAKEOFF on", "reading parameter RTL_ALT of".
+        target: The remote component, "system/component", or the links of a call that waited for a component.
+        attempts: The number of requests that were sent.
+        answer: The remote component's answer, or the reason for the failure.
+        status_texts: The status texts (STATUSTEXT) that the vehicle sent meanwhile, oldest first.
     """
 
-    said: tuple[str, ...] = ()
+    status_texts: tuple[str, ...] = ()
 
-    def __init__(self, request: str, target: str, *, attempts: int = 1, answer: str = "no answer") -> None:
-        self.request = request
+    def __init__(self, operation: str, target: str, *, attempts: int = 1, answer: str = "no answer") -> None:
+        self.operation = operation
         self.target = target
         self.attempts = attempts
         self.answer = answer
-        often = "" if attempts <= 1 else f" {attempts} times"
-        super().__init__(f"{request} asked of {target}{often}: {answer}")
+        super().__init__(f"{operation} {target} {self._outcome()}")
 
     def __str__(self) -> str:
-        said = "; ".join(self.said)
-        return f"{self.args[0]} ({said})" if said else str(self.args[0])
+        texts = "; ".join(self.status_texts)
+        return f"{self.args[0]} ({texts})" if texts else str(self.args[0])
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _remade, (type(self), self.args, self.__dict__)
+        return _restore, (type(self), self.args, self.__dict__)
+
+    def without_target(self) -> str:
+        """Return the text without the target: the same for all targets that failed for one reason."""
+        texts = "; ".join(self.status_texts)
+        operation = self.operation
+        for preposition in _PREPOSITIONS:
+            operation = operation.removesuffix(preposition)
+        return f"{operation} {self._outcome()}" + (f" ({texts})" if texts else "")
+
+    def _outcome(self) -> str:
+        attempts = "" if self.attempts <= 1 else f" after {self.attempts} attempts"
+        return f"failed{attempts}: {self.answer}"
 
 
-def _remade(kind: type[RemoteError], args: tuple[str, ...], state: dict[str, object]) -> RemoteError:
+_PREPOSITIONS = (" of", " on", " to", " from", " with")
+
+
+def _restore(kind: type[RemoteError], args: tuple[str, ...], state: dict[str, object]) -> RemoteError:
     error = kind.__new__(kind, *args)
-    error.args = args  # which TimeoutError, an OSError, leaves to its own __init__
+    error.args = args  # OSError, the base of TimeoutError, sets them in __init__ only
     error.__dict__.update(state)
     return error
 
 
 class RemoteTimeout(RemoteError, TimeoutError):
-    """The other component did not answer in time."""
+    """The remote component did not answer in time, or the operation stopped making progress."""
 
 
 class RemoteDenied(RemoteError):
-    """The other component answered that it will not; `code` is its reason as the service numbers it."""
+    """The remote component refused the operation; `code` is the service's number of its reason."""
 
-    def __init__(self, request: str, target: str, *, attempts: int = 1, answer: str, code: int = 0) -> None:
-        super().__init__(request, target, attempts=attempts, answer=answer)
+    def __init__(self, operation: str, target: str, *, attempts: int = 1, answer: str, code: int = 0) -> None:
+        super().__init__(operation, target, attempts=attempts, answer=answer)
         self.code = code
 
 
 class RemoteCancelled(RemoteError):
-    """The operation was cancelled, by either side, before it came to an end."""
+    """The operation was cancelled by either side, or the connection was closed, before it ended."""
 
 
 class RemoteProtocolError(RemoteError):
-    """The other component's answers contradict the protocol or each other."""
+    """The remote component's answers contradict the protocol or each other."""
 
 
 class CommandDenied(RemoteDenied):
@@ -194,95 +218,103 @@ class CommandDenied(RemoteDenied):
 
 
 class CommandTimeout(RemoteTimeout):
-    """A command was not acknowledged, or not finished, in time."""
+    """A command was not acknowledged, or its acknowledged work did not end, in time."""
 
 
 class MessageTimeout(RemoteTimeout):
-    """A requested message did not come."""
+    """A requested message did not arrive in time."""
 
 
 class ParameterDenied(RemoteDenied):
-    """A parameter was refused; `code` is its MAV_PARAM_ERROR or PARAM_ACK."""
+    """Reading or setting a parameter was refused; `code` is its MAV_PARAM_ERROR or PARAM_ACK."""
 
 
 class ParameterTimeout(RemoteTimeout):
-    """A parameter was not answered in time, or the set of parameters never became whole."""
+    """A parameter did not arrive in time, or the parameter set stayed incomplete."""
 
 
 class MissionDenied(RemoteDenied):
-    """A plan was refused; `code` is its MAV_MISSION_RESULT, `item` the item it was about, if about one."""
+    """A plan was refused; `code` is its MAV_MISSION_RESULT, `item` the refused item's number."""
 
     item: int | None = None
 
 
 class MissionTimeout(RemoteTimeout):
-    """A plan's transfer stopped before its end."""
+    """The transfer of a plan stopped before it was complete."""
 
 
 class FileDenied(RemoteDenied):
-    """A file operation was refused; `code` is the FTP error, `errno` the remote system's, if it told."""
+    """A file operation was refused; `code` is the MAV_FTP_ERR, `errno` that of the remote system, if sent."""
 
     errno: int | None = None
 
 
 class FileTimeout(RemoteTimeout):
-    """A file operation stopped before its end."""
+    """A file operation stopped before it was complete."""
 
 
 class LogTimeout(RemoteTimeout):
-    """A log's transfer stopped before its end."""
+    """The transfer of a log, or of the list of logs, stopped before it was complete."""
 
 
 class ModeTimeout(RemoteTimeout):
-    """A mode was not entered in time, though perhaps accepted, or the list of modes never became whole."""
+    """A mode was not entered in time, even if it was accepted, or the list of modes stayed incomplete."""
 
 
 class ActionTimeout(RemoteTimeout):
-    """A vehicle took on what it was asked, and then did not get it done, or stopped getting on with it."""
+    """A vehicle accepted an action, then did not complete it in time or stopped making progress."""
 
 
 class ContactLost(RemoteTimeout):
-    """A vehicle fell silent while it did what it was asked; what became of that is not known."""
+    """No heartbeat of the vehicle arrived during an action; the outcome of the action is not known."""
 
 
 class ActionInterrupted(RemoteError):
-    """A vehicle took on what it was asked, then did something else: a failsafe, a pilot, another station."""
+    """A vehicle accepted an action, then left it: a failsafe, a pilot or another ground station took over."""
 
 
 class ActionUnsupported(LocalProtocolError):
-    """No vehicle of this kind, or no firmware like its own, can do what is asked; nothing was sent."""
+    """The vehicle type or the firmware does not support the action; nothing was sent."""
 
 
 class HealthTimeout(RemoteTimeout):
-    """A vehicle did not become ready to arm in time; the text holds what it lacks."""
+    """A vehicle did not become ready to arm in time; the text holds the failed checks."""
 
 
 class GroupError(MavstackError):
-    """Some vehicles of a group did not do what was asked of all; `errors` tells why, by system id."""
+    """An operation failed on some vehicles of a group.
 
-    def __init__(self, what: str, errors: dict[int, Exception], total: int) -> None:
-        self.what = what
+    The text names, for each reason, the system ids of the vehicles that failed for it.
+
+    Attributes:
+        operation: The operation as a gerund: "arming".
+        errors: The error of each vehicle that failed, by system id.
+        total: The number of vehicles in the group.
+    """
+
+    def __init__(self, operation: str, errors: dict[int, Exception], total: int) -> None:
+        self.operation = operation
         self.errors = errors
         self.total = total
-        super().__init__(what, errors, total)
+        super().__init__(operation, errors, total)
 
     def __str__(self) -> str:
         by_reason: dict[str, list[int]] = {}
         for system, error in self.errors.items():
             by_reason.setdefault(_reason(error), []).append(system)
-        head = f"{self.what}: {len(self.errors)} of {self.total} vehicles failed"
+        head = f"{self.operation} failed on {len(self.errors)} of {self.total} vehicles"
         lines = [f"  {', '.join(map(str, systems))}: {reason}" for reason, systems in by_reason.items()]
         return "\n".join([head, *lines])
 
     @staticmethod
     def expects(error: Exception) -> bool:
-        """Whether an error is one that vehicles and links cause, not a defect of the program."""
+        """Return whether vehicles and links can cause this error, so that it is no defect of the program."""
         return isinstance(error, MavstackError)
 
 
 def _reason(error: Exception) -> str:
-    """Why one vehicle failed, in words that are the same for all that failed for the same reason."""
+    """Return the text of one vehicle's error, the same for all vehicles that failed for one reason."""
     if isinstance(error, RemoteError):
-        return str(error).replace(f" asked of {error.target}", "", 1)
+        return error.without_target()
     text = " ".join(str(error).split())
     return text if isinstance(error, MavstackError) else f"{type(error).__name__}: {text}"

@@ -182,9 +182,9 @@ class Network:
         self._actions.append((self.now + delay, next(self._order), action))
         self._actions.sort()
 
-    def run(self, until: Callable[[], bool] = lambda: False, *, limit: float = 600.0) -> bool:
-        """Let time pass until `until()` holds; False if it does not within `limit` seconds."""
-        end, stuck = self.now + limit, 0
+    def run(self, until: Callable[[], bool] = lambda: False, *, timeout: float = 600.0) -> bool:
+        """Let time pass until `until()` holds; False if it does not within `timeout` seconds."""
+        end, stuck = self.now + timeout, 0
         while True:
             self._pump()
             if until():

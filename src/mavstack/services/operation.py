@@ -1,22 +1,24 @@
-"""What a client asks of another component: an operation, from its start to its result or its typed error.
+"""An operation on a remote component, from its start to its result or its typed error, and its client.
 
-A client holds any number of operations toward one target and lends each of them its outbox. An operation
-waits for answers (`receive`) and for its own timer (`self.timeout`), and ends by `finish` or `fail`, never
-otherwise: if nothing moves for `patience` seconds, or `limit` seconds have gone by since it was asked for,
-it fails with its `timeout_error`. Cancelling lets it leave the other end clean (`clean_up`).
+A client runs any number of operations on one target and lends each of them its outbox. An operation waits
+for answers (`receive`) and for its own timer (`self.timer`), and ends only by `finish` or `fail`. It fails
+with its `timeout_error` if it makes no progress for `idle_timeout` seconds, or if it has not ended `timeout`
+seconds after it was begun. When it is cancelled, `clean_up` releases the state that the remote component
+keeps for it.
 
-An operation of several steps is a `Procedure`: its `steps` are a generator that yields operations and gets
-their results, or their errors raised in place, so that it reads like the story it is.
+An operation of several steps is a `Procedure`: its `steps` are a generator that yields operations and is
+resumed with their results, or with their errors raised in place, so that it reads from top to bottom.
 """
 
 from __future__ import annotations
 
+import logging
 from abc import abstractmethod
 from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
-from mavstack.errors import MavstackError, RemoteCancelled, RemoteError, RemoteTimeout
+from mavstack.errors import InvalidStateError, MavstackError, RemoteCancelled, RemoteError, RemoteTimeout
 from mavstack.services.addressing import Address
 from mavstack.services.service import Event, HasRoom, Outgoing, Priority, Service, always_room, earliest
 
@@ -26,20 +28,22 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.wire import Packet
 
+logger = logging.getLogger("mavstack.services")
+
 Result = TypeVar("Result")
 AnyOperation = TypeVar("AnyOperation", bound="Operation[Any]")
 
 
 @dataclass(frozen=True, slots=True)
 class OperationEnded(Event):
-    """An operation has its result or its error."""
+    """An operation has ended, with its result or its error."""
 
     operation: Operation[Any]
 
 
 @dataclass(frozen=True, slots=True)
 class Progress(Event):
-    """A long operation moved on: `done` of `total` (0: not known yet), in the operation's own unit."""
+    """A long operation made progress: `done` of `total` (0: not known yet), in the operation's own unit."""
 
     operation: Operation[Any]
     done: int
@@ -47,161 +51,187 @@ class Progress(Event):
 
 
 class Operation(Generic[Result]):
-    """One thing asked of one component; `request` says in words what, for errors and logs."""
+    """An operation on one remote component.
 
+    Args:
+        description: The operation as a gerund or a command name, with the preposition that leads to the
+            target, for errors and logs: "listing the logs of", "NAV_LAND on" (see `RemoteError`).
+        timeout: Seconds for the whole operation; None sets no overall limit.
+        idle_timeout: Seconds without progress after which the operation fails.
+    """
+
+    #: The error that the operation fails with when a timeout expires.
     timeout_error: ClassVar[type[RemoteTimeout]] = RemoteTimeout
-    #: Ids of the messages that it wants to see beside those of its client.
+    #: Ids of the messages that the operation receives beside those of its client.
     handles: frozenset[int] = frozenset()
 
-    def __init__(self, request: str, *, limit: float | None = None, patience: float = 10.0) -> None:
-        self.request = request
+    def __init__(self, description: str, *, timeout: float | None = None, idle_timeout: float = 10.0) -> None:
+        self.description = description
         self.done = False
         self.error: MavstackError | None = None
         self.attempts = 0
-        self.timeout: float | None = None
+        self.timer: float | None = None
         self.parent: Operation[Any] | None = None
         self._result: Result | None = None
-        self._limit = limit
-        self._patience = patience
-        self._last_moment: float | None = None  # of the limit
-        self._quiet_until: float | None = None  # of the patience
+        self._timeout = timeout
+        self._idle_timeout = idle_timeout
+        self._timeout_at: float | None = None
+        self._idle_timeout_at: float | None = None
         self._client: Client | None = None
 
     def result(self) -> Result:
-        """The result; raises the error that it ended with."""
+        """Return the result.
+
+        Raises:
+            RemoteError: The operation failed.
+            LocalProtocolError: The operation failed because of an argument.
+            InvalidStateError: The operation has not ended yet.
+        """
         if self.error is not None:
             raise self.error
         if not self.done:
-            raise MavstackError(f"{self.request} has not ended yet")
+            raise InvalidStateError(f"the operation has not ended yet: {self}")
         return self._result  # type: ignore[return-value]
 
     @property
     def client(self) -> Client:
-        """The client that runs it."""
+        """The client that runs the operation.
+
+        Raises:
+            InvalidStateError: The operation was not begun.
+        """
         if self._client is None:
-            raise MavstackError(f"{self.request} was not begun: give it to its client's `begin`")
+            raise InvalidStateError(f"the operation was not begun: {self}; pass it to its client's begin()")
         return self._client
 
     @property
     def target(self) -> Address:
-        """Of whom it is asked."""
+        """The remote component."""
         return self.client.target
 
-    # What an operation overrides
+    def __str__(self) -> str:
+        return self.description if self._client is None else f"{self.description} {self._client.target}"
+
+    # Methods that an operation overrides
 
     @abstractmethod
     def start(self, now: float) -> None:
         """Send the first message and set the first timer."""
 
     def receive(self, packet: Packet, now: float) -> None:
-        """Take a packet from the target."""
+        """Handle a packet from the target."""
 
     def handle_timeout(self, now: float) -> None:
-        """The time in `self.timeout` has come; it was set back to None."""
+        """Handle the expiry of `self.timer`, which was set back to None."""
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
-        """What a long transfer sends, one message at a time while there is room."""
+        """Yield the messages of a long transfer, one at a time while there is room."""
         return iter(())
 
     def clean_up(self, now: float) -> None:
-        """Tell the other end that nothing more is wanted, on cancelling and on timeouts."""
+        """Release the state that the remote component keeps, on cancellation and on timeouts."""
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
-        """An operation that this one began has ended."""
+        """Handle the end of an operation that this one began."""
 
-    # What an operation calls
+    # Methods that an operation calls
 
     def send(self, message: Message, priority: Priority = Priority.CONTROL) -> None:
         """Send a message to the target."""
         self.client.send(message, self.target, priority)
 
     def finish(self, result: Result) -> None:
-        """End well."""
+        """End with a result."""
         if not self.done:
-            self.done, self._result, self.timeout = True, result, None
+            self.done, self._result, self.timer = True, result, None
 
     def fail(self, error: MavstackError) -> None:
         """End with an error."""
         if not self.done:
-            self.done, self.error, self.timeout = True, error, None
+            self.done, self.error, self.timer = True, error, None
 
-    def moved(self, now: float, done: int = 0, total: int = 0) -> None:
-        """Say that the other end is alive: patience starts anew, and progress is told if it is given.
+    def report_progress(self, now: float, done: int = 0, total: int = 0) -> None:
+        """Restart the idle timeout, and emit a `Progress` event if `done` or `total` is given.
 
-        A part of another operation says it for the whole.
+        A child operation reports to its parent.
         """
-        self._quiet_until = now + self._patience
+        self._idle_timeout_at = now + self._idle_timeout
         if self.parent is not None:
-            self.parent.moved(now, done, total)
+            self.parent.report_progress(now, done, total)
         elif done or total:
-            self.client.tell(Progress(self, done, total))
+            self.client.emit(Progress(self, done, total))
 
     def begin(self, child: AnyOperation, now: float) -> AnyOperation:
-        """Begin another operation as a part of this one."""
+        """Begin another operation as a child of this one."""
         child.parent = self
         return self.client.begin(child, now)
 
-    # What a client calls
+    # Methods that a client calls
 
     def attach(self, client: Client, now: float) -> None:
-        """Belong to a client; the limit counts from here."""
+        """Assign the operation to a client; `timeout` counts from here."""
         self._client = client
-        self._last_moment = None if self._limit is None else now + self._limit
+        self._timeout_at = None if self._timeout is None else now + self._timeout
 
     def launch(self, now: float) -> None:
-        """Start; patience counts from here."""
-        self._quiet_until = now + self._patience
+        """Start; `idle_timeout` counts from here."""
+        self._idle_timeout_at = now + self._idle_timeout
         self.start(now)
 
     @property
     def deadline(self) -> float | None:
-        """When it fails if nothing moves."""
-        return earliest(self._last_moment, self._quiet_until)
+        """The time at which the operation fails unless it makes progress."""
+        return earliest(self._timeout_at, self._idle_timeout_at)
 
     def next_timeout(self) -> float | None:
-        """When `tick` has something to do."""
-        return earliest(self.timeout, self.deadline)
+        """Return the time of the next call of `tick`."""
+        return earliest(self.timer, self.deadline)
 
     def tick(self, now: float) -> None:
-        """Let timers fire that are due."""
+        """Handle the timers that are due."""
         if self.deadline is not None and now >= self.deadline:
-            self.give_up(now)
-        elif self.timeout is not None and now >= self.timeout:
-            self.timeout = None
+            self.time_out(now)
+        elif self.timer is not None and now >= self.timer:
+            self.timer = None
+            attempts = self.attempts
             self.handle_timeout(now)
+            if self.attempts > max(attempts, 1):
+                logger.debug("%s: no answer, attempt %d", self, self.attempts)
 
-    def give_up(self, now: float, answer: str = "no answer") -> None:
-        """Fail with `timeout_error`, leaving the other end clean."""
+    def time_out(self, now: float, answer: str = "no answer") -> None:
+        """Fail with `timeout_error` after `clean_up`."""
         if not self.done:
-            self._leave_clean(now)
+            self._clean_up_if_started(now)
             self.fail(
-                self.timeout_error(self.request, str(self.target), attempts=self.attempts, answer=answer)
+                self.timeout_error(self.description, str(self.target), attempts=self.attempts, answer=answer)
             )
 
-    def cancel(self, now: float, answer: str = "cancelled by this side") -> None:
-        """Stop, leaving the other end clean."""
+    def cancel(self, now: float, answer: str = "cancelled by the caller") -> None:
+        """Fail with `RemoteCancelled` after `clean_up`."""
         if not self.done:
-            self._leave_clean(now)
-            self.fail(RemoteCancelled(self.request, str(self.target), attempts=self.attempts, answer=answer))
+            self._clean_up_if_started(now)
+            self.fail(
+                RemoteCancelled(self.description, str(self.target), attempts=self.attempts, answer=answer)
+            )
 
-    def _leave_clean(self, now: float) -> None:
-        if self._quiet_until is not None:  # else it only waited, and the other end knows nothing of it
+    def _clean_up_if_started(self, now: float) -> None:
+        if self._idle_timeout_at is not None:  # else the remote component does not know the operation
             self.clean_up(now)
 
 
 class Client(Service):
-    """The asking side of a service toward one target; a target component 0 stands for any of the system."""
+    """The client of a service for one target; component 0 in the target stands for any of the system."""
 
     def __init__(self, local: Address, target: Address) -> None:
         super().__init__(local)
-        self.target = self.hears = target
+        self.target = self.source_filter = target
         self._own_handles = self.handles
         self._running: list[Operation[Any]] = []
         self._waiting: deque[Operation[Any]] = deque()
 
     @property
     def busy(self) -> bool:
-        """Whether any operation has not ended."""
+        """True while any operation has not ended."""
         return bool(self._running or self._waiting)
 
     def begin(self, operation: AnyOperation, now: float) -> AnyOperation:
@@ -212,23 +242,23 @@ class Client(Service):
         return operation
 
     def cancel(self, operation: Operation[Any], now: float) -> None:
-        """Stop an operation; it ends with `RemoteCancelled`."""
+        """Cancel an operation, which ends with `RemoteCancelled`."""
         operation.cancel(now)
-        for child in self._parts_of(operation):
+        for child in self._children_of(operation):
             child.cancel(now)
         self._settle(now)
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
-        """Whether `new` must wait until `running` has ended; the usual answer is no."""
+        """Return whether `new` must wait until `running` has ended; by default it does not."""
         return False
 
-    def notice(self, packet: Packet, now: float) -> None:
-        """Take a packet of the target that may belong to no operation."""
+    def observe(self, packet: Packet, now: float) -> None:
+        """Handle a packet of the target, whether it belongs to an operation or not."""
 
     def receive(self, packet: Packet, now: float) -> None:
         if not self.target.covers(Address(packet.system, packet.component)):
             return
-        self.notice(packet, now)
+        self.observe(packet, now)
         for operation in tuple(self._running):
             if not operation.done:
                 operation.receive(packet, now)
@@ -254,7 +284,7 @@ class Client(Service):
         self._settle(now)
 
     def _settle(self, now: float) -> None:
-        """Report what has ended and start what may start, until nothing changes."""
+        """Report ended operations and start waiting ones, until nothing changes."""
         changed = False
         while self._report_ended(now) or self._start_next(now):
             changed = True
@@ -268,10 +298,10 @@ class Client(Service):
         self._waiting = deque(operation for operation in self._waiting if not operation.done)
         for operation in ended:
             if operation.parent is None:
-                self.tell(OperationEnded(operation))
+                self.emit(OperationEnded(operation))
             else:
                 operation.parent.child_ended(operation, now)
-            for child in self._parts_of(operation):
+            for child in self._children_of(operation):
                 child.cancel(now)
         return bool(ended)
 
@@ -287,7 +317,7 @@ class Client(Service):
     def _must_wait(self, new: Operation[Any], running: Operation[Any]) -> bool:
         return new.parent is not running and self.conflicts(new, running)
 
-    def _parts_of(self, operation: Operation[Any]) -> list[Operation[Any]]:
+    def _children_of(self, operation: Operation[Any]) -> list[Operation[Any]]:
         return [
             child
             for child in (*self._running, *self._waiting)
@@ -296,41 +326,43 @@ class Client(Service):
 
 
 class Procedure(Operation[Result]):
-    """An operation of several steps: `steps` yields operations and gets what they ended with."""
+    """An operation of several steps: `steps` yields operations and receives their results or errors."""
 
-    def __init__(self, request: str, *, limit: float | None = None, patience: float = 600.0) -> None:
-        super().__init__(request, limit=limit, patience=patience)
-        self._story: Generator[Operation[Any], Any, Result] | None = None
+    def __init__(
+        self, description: str, *, timeout: float | None = None, idle_timeout: float = 600.0
+    ) -> None:
+        super().__init__(description, timeout=timeout, idle_timeout=idle_timeout)
+        self._generator: Generator[Operation[Any], Any, Result] | None = None
         self._now = 0.0
 
     @abstractmethod
     def steps(self) -> Generator[Operation[Any], Any, Result]:
-        """The story: `answer = yield SomeOperation(…)`; what it returns is the result."""
+        """Yield the child operations, as in `answer = yield SomeOperation(…)`, and return the result."""
 
     @property
     def now(self) -> float:
-        """The time of the step under way."""
+        """The time of the current step, Unix seconds."""
         return self._now
 
     def start(self, now: float) -> None:
-        self._story = story = self.steps()
-        self._advance(lambda: next(story), now)
+        self._generator = generator = self.steps()
+        self._advance(lambda: next(generator), now)
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
-        story = self._story
-        if story is None or self.done:
+        generator = self._generator
+        if generator is None or self.done:
             return
         self.attempts = max(self.attempts, child.attempts)
-        self.moved(now)
+        self.report_progress(now)
         error = child.error
         if error is not None:
-            self._advance(lambda: story.throw(error), now)
+            self._advance(lambda: generator.throw(error), now)
         else:
-            self._advance(lambda: story.send(child.result()), now)
+            self._advance(lambda: generator.send(child.result()), now)
 
     def clean_up(self, now: float) -> None:
-        if self._story is not None:
-            self._story.close()
+        if self._generator is not None:
+            self._generator.close()
 
     def _advance(self, step: Callable[[], Operation[Any]], now: float) -> None:
         self._now = now
@@ -345,14 +377,14 @@ class Procedure(Operation[Result]):
 
 
 class Pause(Operation[None]):
-    """Wait for so many seconds, as a step of a procedure."""
+    """A pause of some seconds, as a step of a procedure."""
 
     def __init__(self, seconds: float) -> None:
-        super().__init__("a pause", patience=seconds + 1)
+        super().__init__("pausing before the next request to", idle_timeout=seconds + 1)
         self._seconds = seconds
 
     def start(self, now: float) -> None:
-        self.timeout = now + self._seconds
+        self.timer = now + self._seconds
 
     def handle_timeout(self, now: float) -> None:
         self.finish(None)

@@ -67,12 +67,12 @@ class Service:
 
     `handles` are the ids of the messages it wants to see, and may change; `hears` is the only address that it
     listens to, if there is one (component 0: any of the system). What bears its own address is not meant for
-    it, unless `hears_itself`.
+    it, unless `accepts_own_packets`.
     """
 
     handles: frozenset[int] = frozenset()
-    hears: Address = EVERYBODY
-    hears_itself = False
+    source_filter: Address = EVERYBODY
+    accepts_own_packets = False
 
     def __init__(self, local: Address) -> None:
         self.local = local
@@ -115,7 +115,7 @@ class Service:
         """Put a message into the outbox."""
         self._outbox.append(Outgoing(message, target, priority))
 
-    def tell(self, event: Event) -> None:
+    def emit(self, event: Event) -> None:
         """Put an event where `events` finds it."""
         self._events.append(event)
 

@@ -58,7 +58,7 @@ def scenario(seed: int) -> None:
     long = client.command(Command(LONG, frame=random.choice([None, 6])), network.now)
     ground.engine.touch(client)
     operations = [quick, denied, long]
-    assert network.run(lambda: all(operation.done for operation in operations), limit=DEADLINE)
+    assert network.run(lambda: all(operation.done for operation in operations), timeout=DEADLINE)
     if quick.error is None:
         assert (QUICK, float(seed)) in vehicle.done
     else:

@@ -10,7 +10,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout, FieldRangeError
 from mavstack.services import Address
 from mavstack.services.command import Command, CommandCancelRequested, CommandClient, CommandServer
-from mavstack.services.command.client import ATTEMPTS, PROGRESS_PATIENCE
+from mavstack.services.command.client import ATTEMPTS, PROGRESS_TIMEOUT
 from mavstack.wire import Packet, encode
 from tests.services.network import GROUND, START, VEHICLE
 
@@ -67,7 +67,7 @@ def test_command_long_repeats_with_a_higher_confirmation(client) -> None:
         ]
         client.handle_timeout(operation.next_timeout())
     assert confirmations == list(range(ATTEMPTS))
-    with pytest.raises(CommandTimeout, match=f"DO_SET_SERVO asked of 1/1 {ATTEMPTS} times: no answer"):
+    with pytest.raises(CommandTimeout, match=f"DO_SET_SERVO on 1/1 failed after {ATTEMPTS} attempts: no answer"):
         operation.result()
 
 
@@ -93,7 +93,7 @@ def test_in_progress_stops_resending_and_lengthens_the_timer(client) -> None:
     sent(client)
     client.receive(ack(WINCH, RESULT.IN_PROGRESS, progress=30), START)
     due = operation.next_timeout()
-    assert due == START + PROGRESS_PATIENCE
+    assert due == START + PROGRESS_TIMEOUT
     client.handle_timeout(due - 1)
     assert not sent(client)
     client.handle_timeout(due)

@@ -41,8 +41,8 @@ class Pair:
         self.camera.engine.touch(self.server)
         self.ground.engine.touch(self.client)
 
-    def run(self, *operations, limit: float = 200.0) -> float:
+    def run(self, *operations, timeout: float = 200.0) -> float:
         begin = self.network.now
         self.touch()
-        assert self.network.run(lambda: all(operation.done for operation in operations), limit=limit)
+        assert self.network.run(lambda: all(operation.done for operation in operations), timeout=timeout)
         return self.network.now - begin

@@ -65,7 +65,7 @@ def scenario(seed: int) -> None:
     wanted = [(name, any_value(random, camera.rows[name][1])) for name in names]
     sets = [(name, value, client.set(name, value, network.now)) for name, value in wanted]
     long, locked = client.set("LONG", 5, network.now), client.set("LOCKED", 5, network.now)
-    camera.run(listing, *(operation for _, _, operation in sets), long, locked, limit=DEADLINE)
+    camera.run(listing, *(operation for _, _, operation in sets), long, locked, timeout=DEADLINE)
     possible: dict[str, list[ExtendedValue]] = {}
     for name, value, operation in sets:
         if operation.error is None:

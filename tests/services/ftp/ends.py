@@ -32,14 +32,14 @@ class Ends:
     def now(self) -> float:
         return self.network.now
 
-    def run(self, operation, limit: float = 600.0):
+    def run(self, operation, timeout: float = 600.0):
         self.ground.engine.touch(self.client)
-        assert self.network.run(lambda: operation.done, limit=limit)
+        assert self.network.run(lambda: operation.done, timeout=timeout)
         return operation
 
-    def settle(self, limit: float = 60.0) -> None:
+    def settle(self, timeout: float = 60.0) -> None:
         self.ground.engine.touch(self.client)
-        self.network.run(lambda: not self.client.busy, limit=limit)
+        self.network.run(lambda: not self.client.busy, timeout=timeout)
 
 
 class SpreadingServer(FtpServer):

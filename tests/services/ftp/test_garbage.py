@@ -19,8 +19,8 @@ def test_garbage_never_raises(seed, opcode) -> None:
     random = Random(seed)
     server = FtpServer(VEHICLE, MemoryStore({"f": DATA}))
     client = FtpClient(GROUND, VEHICLE)
-    client.read_file("f", START, limit=5)
-    client.list_directory("d", START, limit=5)
+    client.read_file("f", START, timeout=5)
+    client.list_directory("d", START, timeout=5)
     for _ in range(10):
         message = garbage(common.FileTransferProtocol, random)
         payload = bytearray(message.payload)
@@ -39,7 +39,7 @@ def test_garbage_never_raises(seed, opcode) -> None:
 @given(st.data())
 def test_answers_of_any_content_never_raise(data) -> None:
     client = FtpClient(GROUND, VEHICLE)
-    client.read_file("f", START, limit=5)
+    client.read_file("f", START, timeout=5)
     for _ in range(6):
         for request in asked(client):
             content = data.draw(st.binary(max_size=239))

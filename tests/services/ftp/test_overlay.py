@@ -230,10 +230,10 @@ def test_an_upload_that_nobody_ends_harms_nobody(source) -> None:
     ends = Ends(store=store)
     operation = ends.client.write_file("up", b"x" * 2000, ends.now)
     ends.ground.engine.touch(ends.client)
-    ends.network.run(lambda: len(ends.server.sessions) > 0, limit=5)
+    ends.network.run(lambda: len(ends.server.sessions) > 0, timeout=5)
     for pipe in ends.pipes:
         pipe.cut = True
-    ends.network.run(lambda: operation.done and len(ends.server.sessions) == 0, limit=120)
+    ends.network.run(lambda: operation.done and len(ends.server.sessions) == 0, timeout=120)
     assert len(ends.server.sessions) == 0
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from tests.seeds import Seeds
 
 DEADLINE = 600.0
-LIMIT = 120.0
+TIMEOUT = 120.0
 
 
 def reading(seed: int) -> None:
@@ -24,10 +24,10 @@ def reading(seed: int) -> None:
     with_cuts(ends.network, ends.pipes)
     if random.random() < 0.2:
         ends.network.at(random.uniform(0, 3), ends.vehicle.restart)
-    operation = ends.client.read_file("f", ends.now, limit=LIMIT)
+    operation = ends.client.read_file("f", ends.now, timeout=TIMEOUT)
     if random.random() < 0.2:
         ends.network.at(random.uniform(0, 3), lambda: cancel(ends, operation))
-    ends.run(operation, limit=DEADLINE)
+    ends.run(operation, timeout=DEADLINE)
     if operation.error is None:
         assert operation.result() == data
     else:
@@ -44,7 +44,7 @@ def cancel(ends: Ends, operation) -> None:
 
 def all_sessions_end(ends: Ends) -> None:
     ends.settle()
-    ends.network.run(limit=30.0)
+    ends.network.run(timeout=30.0)
     assert len(ends.server.sessions) == 0
 
 
@@ -56,8 +56,8 @@ def writing(seed: int) -> None:
     with_cuts(ends.network, ends.pipes)
     if random.random() < 0.2:
         ends.network.at(random.uniform(0, 3), ends.vehicle.restart)
-    operation = ends.client.write_file("f", data, ends.now, limit=LIMIT)
-    ends.run(operation, limit=DEADLINE)
+    operation = ends.client.write_file("f", data, ends.now, timeout=TIMEOUT)
+    ends.run(operation, timeout=DEADLINE)
     if operation.error is None:
         assert store["f"] == data
     else:
@@ -82,7 +82,7 @@ def changing(seed: int) -> None:
         client.list_directory("/", now),
     ]
     for operation in operations:
-        ends.run(operation, limit=DEADLINE)
+        ends.run(operation, timeout=DEADLINE)
     if all(operation.error is None for operation in operations):
         assert store["d/c"] == b"12"
         assert "gone" not in store
@@ -103,8 +103,8 @@ def shrinking(seed: int) -> None:
         store._files["f",][:] = new
 
     ends.network.at(random.uniform(0, 2), change)
-    operation = ends.client.read_file("f", ends.now, limit=LIMIT)
-    ends.run(operation, limit=DEADLINE)
+    operation = ends.client.read_file("f", ends.now, timeout=TIMEOUT)
+    ends.run(operation, timeout=DEADLINE)
     if operation.error is None and operation.verified:
         assert operation.result() in (old, new)
     elif operation.error is not None:

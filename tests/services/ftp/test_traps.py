@@ -69,7 +69,7 @@ def test_a_retry_repeats_its_sequence_number(client) -> None:
         due = client.next_timeout()
         client.handle_timeout(due)
         assert all(again == first[0] for again in asked(client, due))
-    with pytest.raises(FileTimeout, match=r"the checksum of f asked of 1/1 \d+ times: no answer"):
+    with pytest.raises(FileTimeout, match=r"computing the checksum of f on 1/1 failed after \d+ attempts: no answer"):
         operation.result()
 
 

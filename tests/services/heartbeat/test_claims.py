@@ -9,7 +9,7 @@ from mavstack.services import Address
 from mavstack.services.heartbeat import (
     AddressClash,
     AddressClashOver,
-    AddressTaken,
+    OwnAddressConflict,
     ComponentChanged,
     ComponentFound,
     ComponentLost,
@@ -154,11 +154,11 @@ def test_someone_with_our_address_is_told_once():
     for second in range(10):
         watcher.hear(STATION, second, source=GROUND)
     (taken,) = watcher.told()
-    assert isinstance(taken, AddressTaken)
+    assert isinstance(taken, OwnAddressConflict)
     assert taken.component.kind == "ground station"
     assert not watcher.discovery.components
     watcher.hear(STATION, 100, source=GROUND)
-    assert len(watcher.told(AddressTaken)) == 1
+    assert len(watcher.told(OwnAddressConflict)) == 1
 
 
 def test_our_own_echo_is_nobody():

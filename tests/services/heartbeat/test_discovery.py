@@ -123,13 +123,13 @@ def test_heartbeats_cross_a_network_and_restarts_are_noticed() -> None:
     vehicle = network.node(VEHICLE, setup)
     ground = network.node(GROUND, lambda engine: engine.add(Discovery(GROUND)))
     pipes = network.connect(ground, vehicle)
-    network.run(limit=10)
+    network.run(timeout=10)
     assert len(ground.events_of(ComponentFound)) == 1
     for pipe in pipes:
         pipe.cut = True
-    network.run(limit=10)
+    network.run(timeout=10)
     assert len(ground.events_of(ComponentLost)) == 1
     for pipe in pipes:
         pipe.cut = False
-    network.run(limit=2)
+    network.run(timeout=2)
     assert len(ground.events_of(ComponentReturned)) == 1

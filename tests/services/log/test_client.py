@@ -35,9 +35,9 @@ class Site:
         self.client = self.ground.engine.add(LogClient(GROUND, VEHICLE))
         self.pipes = self.network.connect(self.ground, self.vehicle, impairment, **link)
 
-    def run(self, operation, limit: float = 600.0):
+    def run(self, operation, timeout: float = 600.0):
         self.ground.engine.touch(self.client)
-        assert self.network.run(lambda: operation.done, limit=limit), "it hangs"
+        assert self.network.run(lambda: operation.done, timeout=timeout), "it hangs"
         return operation
 
     def download(self, log):
@@ -74,7 +74,7 @@ def test_a_log_by_its_id_alone() -> None:
     assert site.download(7).result() == site.contents[7]
     error = site.download(77).error
     assert isinstance(error, RemoteDenied)
-    assert str(error) == "log 77 asked of 1/1: it has no such log"
+    assert str(error) == "downloading log 77 from 1/1 failed: it has no such log"
 
 
 def test_px4_that_restarted_within_a_log_is_listed_again() -> None:
@@ -99,7 +99,7 @@ def test_a_transfer_that_got_stuck_is_ended_and_begun_anew() -> None:
 def test_a_transfer_ends_by_log_request_end(kind: type) -> None:
     site = Site(kind)
     site.download(site.list().result()[-1])
-    site.network.run(limit=1)
+    site.network.run(timeout=1)
     kinds = common.LogRequestList | common.LogRequestData | common.LogRequestEnd
     messages = [p.message for p in site.vehicle.heard if isinstance(p.message, kinds)]
     assert isinstance(messages[-1], common.LogRequestEnd)
@@ -113,10 +113,10 @@ def test_cancelling_sends_log_request_end_and_the_server_stops() -> None:
     site.run(operation)
     assert isinstance(operation.error, RemoteCancelled)
     assert not site.client.busy
-    site.network.run(limit=1)
+    site.network.run(timeout=1)
     assert site.heard(common.LogRequestEnd)
     before = len(site.ground.heard)
-    site.network.run(limit=10)
+    site.network.run(timeout=10)
     assert len(site.ground.heard) == before
 
 
@@ -148,7 +148,7 @@ def test_a_vehicle_that_falls_silent_within_a_log() -> None:
 
 def test_the_limit_is_kept() -> None:
     site = Site(air=Air(), bandwidth=5760.0)
-    operation = site.run(site.client.download(7, site.network.now, limit=3.0))
+    operation = site.run(site.client.download(7, site.network.now, timeout=3.0))
     assert isinstance(operation.error, LogTimeout)
     assert site.network.now - START == pytest.approx(3.0)
 

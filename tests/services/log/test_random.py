@@ -33,16 +33,16 @@ def scenario(seed: int) -> None:
     if random.random() < 0.2:
         forgotten = clients[0].download(1, network.now)
         grounds[0].engine.touch(clients[0])
-        network.run(lambda: forgotten.done, limit=random.uniform(0, 1))
+        network.run(lambda: forgotten.done, timeout=random.uniform(0, 1))
         grounds[0].restart()
         clients[0] = grounds[0].engine.add(LogClient(grounds[0].address, VEHICLE))
-    listings = [client.list_logs(network.now, limit=DEADLINE / 4) for client in clients]
+    listings = [client.list_logs(network.now, timeout=DEADLINE / 4) for client in clients]
     wanted = random.choice(sorted(contents)) if contents else 3
-    downloads = [client.download(wanted, network.now, limit=DEADLINE / 2) for client in clients]
+    downloads = [client.download(wanted, network.now, timeout=DEADLINE / 2) for client in clients]
     for client, ground in zip(clients, grounds, strict=True):
         ground.engine.touch(client)
     operations = [*listings, *downloads]
-    assert network.run(lambda: all(operation.done for operation in operations), limit=DEADLINE)
+    assert network.run(lambda: all(operation.done for operation in operations), timeout=DEADLINE)
     for listing in listings:
         if listing.error is None:
             assert list(listing.result()) == store.logs()
@@ -76,9 +76,9 @@ def replaced(seed: int) -> None:
         store.contents[1], store.times[1] = new, 1_700_000_000
 
     network.at(random.uniform(0, 3), replace)
-    download = client.download(1, network.now, limit=DEADLINE / 2)
+    download = client.download(1, network.now, timeout=DEADLINE / 2)
     ground.engine.touch(client)
-    assert network.run(lambda: download.done, limit=DEADLINE)
+    assert network.run(lambda: download.done, timeout=DEADLINE)
     if download.error is None:
         # A larger log under the same id may be the same one, written on: then its beginning is enough.
         result = download.result()
@@ -99,9 +99,9 @@ def erased(seed: int) -> None:
     ground = network.node(GROUND)
     client = ground.engine.add(LogClient(GROUND, VEHICLE))
     with_cuts(network, network.connect(ground, vehicle, bad_weather(random)))
-    erasing = client.erase(network.now, limit=DEADLINE / 2)
+    erasing = client.erase(network.now, timeout=DEADLINE / 2)
     ground.engine.touch(client)
-    assert network.run(lambda: erasing.done, limit=DEADLINE)
+    assert network.run(lambda: erasing.done, timeout=DEADLINE)
     if erasing.error is None:
         assert not store.contents
     else:

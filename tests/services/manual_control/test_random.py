@@ -41,14 +41,14 @@ def scenario(seed: int) -> None:
 
     for number in range(8):
         network.at(number * 0.6, lambda number=number: change(number))
-    network.run(limit=5.0)
+    network.run(timeout=5.0)
     if random.random() < 0.3:
         ground.restart()  # the pilot's program dies without letting go
     else:
         for sender in (sticks, channels):
             sender.stop(network.now)
             ground.engine.touch(sender)
-    network.run(limit=10.0)
+    network.run(timeout=10.0)
     for event in vehicle.events_of(ManualInputReceived):
         assert event.input in inputs or event.input == ManualInput()
     for event in vehicle.events_of(OverrideReceived):

@@ -39,9 +39,9 @@ class Peers:
         self.messages.provide(common.Attitude, lambda _: common.Attitude(roll=0.5), interval=0.25, now=now)
         self.messages.provide(common.VfrHud, lambda _: None)
 
-    def run(self, operation: Operation, limit: float = 120.0) -> Operation:
+    def run(self, operation: Operation, timeout: float = 120.0) -> Operation:
         self.begin(operation)
-        assert self.network.run(lambda: operation.done, limit=limit), "it hangs"
+        assert self.network.run(lambda: operation.done, timeout=timeout), "it hangs"
         return operation
 
     def begin(self, operation: Operation) -> Operation:
@@ -50,7 +50,7 @@ class Peers:
         return operation
 
     def let_pass(self, seconds: float) -> None:
-        self.network.run(limit=seconds)
+        self.network.run(timeout=seconds)
 
     def heard(self, kind: type) -> list:
         return [packet.message for packet in self.ground.heard if isinstance(packet.message, kind)]

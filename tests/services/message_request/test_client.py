@@ -73,7 +73,7 @@ def test_a_denied_request_is_a_typed_error() -> None:
     client.receive(packet_of(ack(common.MavResult.DENIED)), START + 0.1)
     assert isinstance(operation.error, CommandDenied)
     assert operation.error.code == common.MavResult.DENIED
-    assert str(operation.error) == "VFR_HUD asked of 1/1: DENIED"
+    assert str(operation.error) == "requesting VFR_HUD from 1/1 failed: DENIED"
 
 
 @pytest.mark.parametrize("result", [common.MavResult.UNSUPPORTED, common.MavResult.FAILED])
@@ -111,7 +111,7 @@ def test_older_commands_and_their_params(kind: type, params: tuple[float, ...], 
     got = []
     peers.commands.support(command.command, lambda request: got.append(request.command) or 0)
     peers.begin(RequestMessage(kind, params))
-    assert peers.network.run(lambda: bool(got), limit=10)
+    assert peers.network.run(lambda: bool(got), timeout=10)
     assert got == [command]
 
 
@@ -169,7 +169,7 @@ def test_many_at_once() -> None:
     operations = [peers.begin(RequestMessage(common.HomePosition)) for _ in range(5)]
     operations.append(peers.begin(RequestMessage(common.VfrHud)))
     operations.append(peers.begin(CommandOperation(Command(common.MavCmd.DO_SET_SERVO))))
-    assert peers.network.run(lambda: all(operation.done for operation in operations), limit=60)
+    assert peers.network.run(lambda: all(operation.done for operation in operations), timeout=60)
     assert all(operation.error is None for operation in operations[:5])
     assert [operation.error.code for operation in operations[5:]] == [4, 3]
 

@@ -29,7 +29,7 @@ def scenario(seed: int) -> None:
     setting = peers.begin(SetMessageInterval(common.Attitude, rate))
     getting = peers.begin(GetMessageInterval(common.Attitude))
     operations = [home, denied, setting, getting]
-    assert peers.network.run(lambda: all(operation.done for operation in operations), limit=DEADLINE)
+    assert peers.network.run(lambda: all(operation.done for operation in operations), timeout=DEADLINE)
     if home.error is None:
         assert home.result().altitude == 584_000
     else:

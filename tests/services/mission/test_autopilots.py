@@ -29,7 +29,7 @@ class World:
     def run(self, operation) -> float:
         begin = self.network.now
         self.ground.engine.touch(self.client)
-        assert self.network.run(lambda: operation.done, limit=400), "it hangs"
+        assert self.network.run(lambda: operation.done, timeout=400), "it hangs"
         return self.network.now - begin
 
 

@@ -141,7 +141,7 @@ def test_denial(vehicle, receiving) -> None:
     if receiving:
         vehicle.count(2)
     vehicle.ack(Result.DENIED)
-    with pytest.raises(MissionDenied, match="downloading the mission asked of 1/1: DENIED") as caught:
+    with pytest.raises(MissionDenied, match="downloading the mission from 1/1 failed: DENIED") as caught:
         download.result()
     assert caught.value.item == (0 if receiving else None)
 

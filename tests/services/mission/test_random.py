@@ -163,11 +163,11 @@ class Scenario:
         )
 
     def run(self) -> None:
-        assert self.network.run(self.over, limit=DEADLINE), "something hangs"
+        assert self.network.run(self.over, timeout=DEADLINE), "something hangs"
         for plans in self.storage.history.values():
             for plan in plans:
                 assert plan in self.sent, "the vehicle held a plan that nobody sent"
-        self.network.run(limit=30)
+        self.network.run(timeout=30)
         assert self.server.next_timeout() is None, "the vehicle still waits for an upload"
 
     def over(self) -> bool:

@@ -105,7 +105,7 @@ def test_count_is_sent_again(vehicle) -> None:
     upload, _ = begin(vehicle, plan_of(1))
     assert kinds(vehicle.wait_for_all(5)).count("MissionCount") >= 3
     vehicle.wait_for_all(10)
-    with pytest.raises(MissionTimeout, match=r"uploading the mission asked of 1/1 .* times: no answer"):
+    with pytest.raises(MissionTimeout, match=r"uploading the mission to 1/1 failed after .* attempts: no answer"):
         upload.result()
 
 
@@ -319,7 +319,7 @@ def test_vehicle_that_asks_for_one_item_for_ever_does_not_hold_us(vehicle) -> No
 
 
 def test_limit_holds_even_if_it_moves(vehicle) -> None:
-    upload, _ = begin(vehicle, plan_of(500), limit=5.0)
+    upload, _ = begin(vehicle, plan_of(500), timeout=5.0)
     for seq in range(60):
         vehicle.request(seq)
         vehicle.wait(0.1)

@@ -54,10 +54,10 @@ class Pair:
         self.beacon.custom_mode = self.modes.current.custom_mode
         self.network.at(0.1, self.tell)
 
-    def run(self, operation, limit=100.0):
+    def run(self, operation, timeout=100.0):
         self.client.begin(operation, self.network.now)
         self.ground.engine.touch(self.client)
-        assert self.network.run(lambda: operation.done, limit=limit)
+        assert self.network.run(lambda: operation.done, timeout=timeout)
         return operation
 
 
@@ -90,9 +90,9 @@ def test_a_heartbeat_from_before_the_command_proves_nothing():
     operation = SetMode("GUIDED")
     pair.client.begin(operation, pair.network.now)
     pair.ground.engine.touch(pair.client)
-    assert pair.network.run(lambda: any(p.name == "HEARTBEAT" for p in pair.ground.heard), limit=5.0)
+    assert pair.network.run(lambda: any(p.name == "HEARTBEAT" for p in pair.ground.heard), timeout=5.0)
     pair.beacon.custom_mode = 5
-    assert pair.network.run(lambda: operation.done, limit=60.0)
+    assert pair.network.run(lambda: operation.done, timeout=60.0)
     assert isinstance(operation.error, ModeTimeout)
 
 

@@ -15,7 +15,7 @@ from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_c
 if TYPE_CHECKING:
     from tests.seeds import Seeds
 
-LIMIT = 120.0
+TIMEOUT = 120.0
 ALL = modes_of(3, 2, [*range(8), 9, 11, *range(13, 28)], {6: 5, 3: 6, 9: 7})
 
 
@@ -54,11 +54,11 @@ def scenario(seed: int) -> None:
     with_cuts(network, network.connect(ground, vehicle.node, bad_weather(random)))
     if random.random() < 0.2:
         network.at(random.uniform(0, 5), vehicle.node.restart)
-    listing = client.begin(ListModes(limit=LIMIT), network.now)
+    listing = client.begin(ListModes(timeout=TIMEOUT), network.now)
     wanted = random.choice(["GUIDED", "flip", 6])
     setting = client.begin(SetMode(wanted), network.now)
     ground.engine.touch(client)
-    assert network.run(lambda: listing.done and setting.done, limit=LIMIT + 1)
+    assert network.run(lambda: listing.done and setting.done, timeout=TIMEOUT + 1)
     if listing.error is None:
         assert list(listing.result()) == ALL
     else:
@@ -73,7 +73,7 @@ def scenario(seed: int) -> None:
         assert isinstance(setting.error, CommandTimeout | ModeTimeout)
     standard = client.begin(SetStandardMode(random.choice([5, 7])), network.now)
     ground.engine.touch(client)
-    assert network.run(lambda: standard.done, limit=LIMIT)
+    assert network.run(lambda: standard.done, timeout=TIMEOUT)
     if standard.error is None:
         assert standard.result() in (6, 9)
         assert standard.result() in vehicle.entered

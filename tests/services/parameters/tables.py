@@ -77,11 +77,11 @@ class Pair:
         for name, value, kind in self.rows:
             self.server.add(name, value, kind)
 
-    def run(self, *operations, limit: float = 120.0) -> float:
+    def run(self, *operations, timeout: float = 120.0) -> float:
         """Until the operations have ended; gives the seconds it took."""
         begin = self.network.now
         self.ground.engine.touch(self.client)
-        assert self.network.run(lambda: all(operation.done for operation in operations), limit=limit)
+        assert self.network.run(lambda: all(operation.done for operation in operations), timeout=timeout)
         return self.network.now - begin
 
     def touch(self) -> None:

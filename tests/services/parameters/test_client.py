@@ -198,7 +198,7 @@ def test_the_cache_follows_what_others_change() -> None:
     pair.run(pair.client.fetch_all(pair.network.now))
     pair.server.set("X", 7.0)
     pair.touch()
-    pair.network.run(limit=0.1)
+    pair.network.run(timeout=0.1)
     assert pair.client.parameters["X"].value == 7.0
     first, second = pair.ground.events_of(ParameterChanged)
     assert (first.previous, second.previous) == (None, Parameter("X", 1.0))

@@ -47,7 +47,7 @@ class ByHand:
         """Let time pass; gives what the vehicle heard."""
         self.ground.engine.touch(self.client)
         del self.vehicle.heard[:]
-        self.network.run(limit=seconds)
+        self.network.run(timeout=seconds)
         return [packet.message for packet in self.vehicle.heard]
 
 
@@ -155,7 +155,7 @@ def test_a_parameter_that_cannot_be_read_is_told() -> None:
 
 def test_silence_ends_in_a_timeout_that_says_how_many_came() -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now, patience=5.0)
+    listing = hand.client.fetch_all(hand.network.now, idle_timeout=5.0)
     asked = hand.run(4.0)
     assert len([message for message in asked if isinstance(message, common.ParamRequestList)]) > 1
     hand.tell("A", 1.0, 0, 2)
@@ -179,7 +179,7 @@ def test_gaps_are_not_asked_for_all_at_once() -> None:
 @pytest.mark.parametrize("count", [32768, 65535])
 def test_a_count_that_cannot_be_harms_nothing(count) -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now, patience=5.0)
+    listing = hand.client.fetch_all(hand.network.now, idle_timeout=5.0)
     hand.run(0.1)
     for index in (0, count - 2, count - 1):
         hand.tell("A", 1.0, index, count)
@@ -223,7 +223,7 @@ def test_a_known_hash_saves_the_transfer() -> None:
     listing = again.client.fetch_all(again.network.now, known=snapshot)
     assert again.run(listing) < 0.3
     assert values_of(listing.result()) == table_of(again.server)
-    again.network.run(limit=5.0)
+    again.network.run(timeout=5.0)
     values = [packet for packet in again.ground.heard if packet.name == "PARAM_VALUE"]
     assert len(values) < 30  # the list was stopped
 
@@ -258,15 +258,15 @@ def test_the_hash_of_older_values_is_not_kept() -> None:
 def test_cancelling_stops_the_list() -> None:
     pair = Pair(300, air=Air(), bandwidth=5760.0)
     listing = pair.client.fetch_all(pair.network.now)
-    pair.network.run(limit=0.5)
+    pair.network.run(timeout=0.5)
     pair.ground.engine.touch(pair.client)
-    pair.network.run(limit=0.5)
+    pair.network.run(timeout=0.5)
     pair.client.cancel(listing, pair.network.now)
     pair.ground.engine.touch(pair.client)
-    pair.network.run(limit=0.5)
+    pair.network.run(timeout=0.5)
     assert isinstance(listing.error, RemoteCancelled)
     heard = len(pair.ground.heard)
-    pair.network.run(limit=5.0)
+    pair.network.run(timeout=5.0)
     assert len(pair.ground.heard) == heard
 
 

@@ -71,7 +71,7 @@ def scenario(seed: int) -> None:
     ends = (*lists, *(operation for _, _, operation in sets), *denied, unknown)
     for ground, client in zip(grounds, clients, strict=True):
         ground.engine.touch(client)
-    assert network.run(lambda: all(operation.done for operation in ends), limit=DEADLINE)
+    assert network.run(lambda: all(operation.done for operation in ends), timeout=DEADLINE)
     check_sets(vehicle, original, sets)
     check_denied(vehicle, [*denied, unknown])
     changed = {name for name, _ in wanted} | ({"GROWN"} if grows else set())
@@ -133,13 +133,13 @@ def restart_scenario(seed: int) -> None:
     clients[0].fetch_all(network.now)
     clients[0].set(name, 4, network.now)
     ground.engine.touch(clients[0])
-    network.run(limit=random.uniform(0, 2))
+    network.run(timeout=random.uniform(0, 2))
     ground.restart()
-    network.run(limit=1.0)  # what the old one sent last and was overtaken has arrived, too
+    network.run(timeout=1.0)  # what the old one sent last and was overtaken has arrived, too
     listing = clients[1].fetch_all(network.now)
     setting = clients[1].set(name, 5, network.now)
     ground.engine.touch(clients[1])
-    assert network.run(lambda: listing.done and setting.done, limit=DEADLINE)
+    assert network.run(lambda: listing.done and setting.done, timeout=DEADLINE)
     if setting.error is None:
         assert vehicle.server[name] == 5
     if listing.error is None:

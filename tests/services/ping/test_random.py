@@ -24,7 +24,7 @@ def scenario(seed: int) -> None:
     enough = random.choice([None, 1])
     pings = client.ping(network.now, count=6, interval=random.choice([0.01, 0.5]), enough=enough)
     ground.engine.touch(client)
-    assert network.run(lambda: pings.done, limit=10)
+    assert network.run(lambda: pings.done, timeout=10)
     if pings.error is not None:
         assert isinstance(pings.error, RemoteTimeout)
         assert pings.error.attempts == 6

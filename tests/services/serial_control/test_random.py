@@ -67,11 +67,11 @@ def scenario(seed: int) -> None:
 
     for number in range(LINES):
         network.at(random.uniform(0, 0.1) + number * 0.12, lambda number=number: write(number))
-    network.run(limit=8.0)
+    network.run(timeout=8.0)
     client.close(network.now)
     ground.engine.touch(client)
-    assert network.run(lambda: bool(ground.events_of(ShellReleased)), limit=60.0)
-    network.run(limit=5.0)
+    assert network.run(lambda: bool(ground.events_of(ShellReleased)), timeout=60.0)
+    network.run(timeout=5.0)
 
     lines = [b"line %d\n" % number for number in range(LINES)]
     inputs = [event for event in echo.node.events_of(ShellInput) if event.data]
@@ -89,10 +89,10 @@ def scenario(seed: int) -> None:
     other = network.node(OTHER)
     network.connect(other, echo.node)
     late_comer = other.engine.add(ShellClient(OTHER, VEHICLE))
-    network.run(limit=31.0)  # the first one's closing may have been lost, but it does not stay for ever
+    network.run(timeout=31.0)  # the first one's closing may have been lost, but it does not stay for ever
     late_comer.open(network.now)
     other.engine.touch(late_comer)
-    assert network.run(lambda: bool(other.events_of(ShellOutput)), limit=3.0)
+    assert network.run(lambda: bool(other.events_of(ShellOutput)), timeout=3.0)
     assert echo.shell.owner == OTHER
 
 

@@ -56,12 +56,12 @@ def scenario(seed: int) -> None:
             ground.engine.touch(streamer)
 
         network.at(number * 0.5, change)
-    network.run(limit=6.0)
+    network.run(timeout=6.0)
     streamer.stop(network.now)
     ground.engine.touch(streamer)
     expected = (network.now - begin) * streamer.rate
     assert streamer.sent <= expected + 1
-    network.run(limit=6.0)
+    network.run(timeout=6.0)
     received = [event for event in vehicle.events if isinstance(event[1], SetpointReceived)]
     starved = vehicle.events_of(SetpointsStarved)
     assert all(event.setpoint == numbered(round(number_of(event.setpoint))) for _, event in received)

@@ -48,20 +48,20 @@ class Pair:
         self.vehicle.restart()
         self.sign(self.vehicle, self.stored())
 
-    def install(self, key, limit=40.0):
-        operation = self.client.install(key, self.network.now, limit=limit)
+    def install(self, key, timeout=40.0):
+        operation = self.client.install(key, self.network.now, timeout=timeout)
         self.ground.engine.touch(self.client)
         return operation
 
     def run(self, operation):
-        assert self.network.run(lambda: operation.done, limit=120.0)
+        assert self.network.run(lambda: operation.done, timeout=120.0)
         return operation
 
     def assert_they_hear_each_other(self):
         """Both hear the other's heartbeat through their signing: neither is deaf."""
         self.ground.heard.clear()
         self.vehicle.heard.clear()
-        self.network.run(limit=5.0)
+        self.network.run(timeout=5.0)
         assert [packet for packet in self.ground.heard if packet.name == "HEARTBEAT"]
         assert [packet for packet in self.vehicle.heard if packet.name == "HEARTBEAT"]
 

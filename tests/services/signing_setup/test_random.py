@@ -38,7 +38,7 @@ def scenario(seed: int) -> None:
     if random.random() < 0.2:
         network.at(random.uniform(0, 12), pair.restart_vehicle)
     operation = pair.install(new)
-    assert network.run(lambda: operation.done, limit=41.0)
+    assert network.run(lambda: operation.done, timeout=41.0)
     if operation.error is None:
         assert pair.server.key == new
         assert not pair.server.on_trial
@@ -48,7 +48,7 @@ def scenario(seed: int) -> None:
     for pipe in pair.pipes:
         pipe.cut = False
         pipe.flow._model = calm
-    network.run(limit=40.0)
+    network.run(timeout=40.0)
     assert not pair.client.changing
     assert not pair.server.on_trial
     assert pair.server.key in (old, new)

@@ -43,12 +43,12 @@ def test_a_key_is_set_changed_and_taken_away(old, new):
 def test_afterwards_the_old_way_is_refused():
     pair = Pair()
     pair.run(pair.install(NEW))
-    pair.network.run(limit=2.0)
+    pair.network.run(timeout=2.0)
     channel = pair.vehicle.ports[0].channel
     data = pair.ground.ports[0].channel
     data.signing = None
     before = channel.signing.refusals.unsigned
-    pair.network.run(limit=5.0)
+    pair.network.run(timeout=5.0)
     assert channel.signing.refusals.unsigned > before
 
 
@@ -89,12 +89,12 @@ def test_one_that_ignores_the_message_leaves_neither_side_deaf():
 def test_one_that_takes_the_key_but_cannot_hear_us_goes_back_and_so_do_we():
     pair = Pair(key=OLD)
     operation = pair.install(NEW)
-    assert pair.network.run(lambda: pair.server.on_trial, limit=5.0)
+    assert pair.network.run(lambda: pair.server.on_trial, timeout=5.0)
     there, _ = pair.pipes
     there.cut = True  # it speaks, but hears nothing
     pair.network.at(12.0, lambda: setattr(there, "cut", False))
     pair.run(operation)
-    pair.network.run(limit=30.0)
+    pair.network.run(timeout=30.0)
     assert isinstance(operation.error, RemoteDenied)
     assert pair.server.key == OLD
     pair.assert_they_hear_each_other()
@@ -104,8 +104,8 @@ def test_one_that_takes_the_key_but_cannot_hear_us_goes_back_and_so_do_we():
 def test_one_that_took_the_key_while_we_heard_nothing_is_followed():
     """The operation gives up, the vehicle has changed: we speak its way as soon as we hear it."""
     pair = Pair(key=OLD)
-    operation = pair.install(NEW, limit=5.0)
-    assert pair.network.run(lambda: pair.client._change and pair.client._change.speaks_new, limit=5.0)
+    operation = pair.install(NEW, timeout=5.0)
+    assert pair.network.run(lambda: pair.client._change and pair.client._change.speaks_new, timeout=5.0)
     _, back = pair.pipes
     back.cut = True
     pair.run(operation)
@@ -113,7 +113,7 @@ def test_one_that_took_the_key_while_we_heard_nothing_is_followed():
     assert pair.server.key == NEW
     assert pair.client.changing
     back.cut = False
-    pair.network.run(limit=30.0)
+    pair.network.run(timeout=30.0)
     assert [event.changed for event in pair.ground.events_of(KeySettled)] == [True]
     pair.assert_they_hear_each_other()
 
@@ -148,7 +148,7 @@ def test_nothing_is_sent_before_the_target_is_heard_nor_to_others():
     there, back = pair.pipes
     there.cut = back.cut = True
     operation = pair.install(NEW)
-    pair.network.run(limit=3.0)
+    pair.network.run(timeout=3.0)
     assert operation.attempts == 0
     there.cut = back.cut = False
     assert pair.run(operation).error is None
@@ -169,11 +169,11 @@ def test_silence_is_a_timeout_and_changes_nothing():
 def test_cancelling_half_way_leaves_neither_side_deaf():
     pair = Pair(key=OLD)
     operation = pair.install(NEW)
-    assert pair.network.run(lambda: pair.server.on_trial, limit=5.0)
+    assert pair.network.run(lambda: pair.server.on_trial, timeout=5.0)
     pair.client.cancel(operation, pair.network.now)
     pair.ground.engine.touch(pair.client)
     assert isinstance(operation.error, RemoteCancelled)
-    pair.network.run(limit=40.0)
+    pair.network.run(timeout=40.0)
     assert not pair.client.changing
     pair.assert_they_hear_each_other()
     second = pair.run(pair.install(OLD))
@@ -217,7 +217,7 @@ def test_a_key_shows_in_no_text():
     pair = Pair()
     operation = pair.run(pair.install(NEW))
     secret = NEW.secret_bytes()
-    texts = [repr(operation.__dict__), operation.request, repr(pair.server.__dict__)]
+    texts = [repr(operation.__dict__), operation.description, repr(pair.server.__dict__)]
     texts += [repr(event) for node in pair.network.nodes for _, event in node.events]
     texts += [repr(p.message) for p in pair.vehicle.heard]
     assert any("SetupSigning" in text for text in texts)

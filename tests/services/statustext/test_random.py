@@ -42,7 +42,7 @@ def scenario(seed: int) -> None:
         network.at(0.4 * number, lambda text=text: say(text))
     if random.random() < 0.3:
         network.at(random.uniform(0, 8), restart)
-    network.run(limit=60)
+    network.run(timeout=60)
     told: list[StatusText] = ground.events_of(StatusText)
     whole = [event.text for event in told if event.complete]
     assert len(set(whole)) == len(whole)

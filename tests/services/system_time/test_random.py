@@ -24,7 +24,7 @@ def scenario(seed: int) -> None:
     restarts = random.randrange(3)
     for number in range(restarts):
         network.at(20 + 30 * number, vehicle.restart)
-    network.run(limit=100)
+    network.run(timeout=100)
     assert len(ground.events_of(Rebooted)) == restarts
 
 

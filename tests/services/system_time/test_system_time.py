@@ -20,7 +20,7 @@ def test_the_time_is_broadcast_at_its_interval() -> None:
     ground = network.node(GROUND)
     observer = ground.engine.add(SystemTimeObserver(GROUND))
     network.connect(ground, vehicle)
-    network.run(limit=10)
+    network.run(timeout=10)
     assert len(ground.heard) == 21
     clock = observer.clock_of(VEHICLE)
     assert clock.unix_time == pytest.approx(clock.heard_at)

@@ -25,7 +25,7 @@ def scenario(seed: int) -> None:
     client = ground.engine.add(TimesyncClient(GROUND, VEHICLE, interval=1.0))
     if random.random() < 0.2:
         network.at(random.uniform(0, 3), vehicle.restart)
-    network.run(limit=30)
+    network.run(timeout=30)
     assert client.estimate is not None
     assert abs(client.estimate.offset - ahead) <= client.estimate.uncertainty * 1.3 + 1e-3
 

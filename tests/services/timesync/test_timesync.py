@@ -145,7 +145,7 @@ def test_a_vehicle_that_restarts_is_noticed() -> None:
     network, ground, client = joined(Impairment(latency=0.01), lambda now: round((now - offset[0]) * 1e9))
     network.run(lambda: client.estimate is not None and client.estimate.converged)
     offset[0] = network.now
-    network.run(lambda: any(event.jumped for event in ground.events_of(TimeOffsetChanged)), limit=60)
+    network.run(lambda: any(event.jumped for event in ground.events_of(TimeOffsetChanged)), timeout=60)
     assert client.estimate.offset == pytest.approx(-offset[0], abs=0.02)
 
 
@@ -153,7 +153,7 @@ def test_a_drifting_clock_is_followed() -> None:
     network, ground, client = joined(
         Impairment(latency=0.01), lambda now: round((now + (now - START) * 50e-6) * 1e9)
     )
-    network.run(limit=3600)
+    network.run(timeout=3600)
     assert not any(event.jumped for event in ground.events_of(TimeOffsetChanged))
     assert client.estimate.offset == pytest.approx((network.now - START) * 50e-6, abs=0.01)
 

@@ -22,7 +22,7 @@ def scenario(seed: int) -> None:
     if random.random() < 0.3:
         peers.commands.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.UNSUPPORTED)
     autopilot, protocol = peers.begin(RequestAutopilotVersion()), peers.begin(RequestProtocolVersion())
-    assert peers.network.run(lambda: autopilot.done and protocol.done, limit=300)
+    assert peers.network.run(lambda: autopilot.done and protocol.done, timeout=300)
     for operation, right in ((autopilot, VERSION), (protocol, ProtocolVersion())):
         if operation.error is None:
             assert operation.result() == right

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 ATTEMPTS = 6
 #: How long a command in progress may be silent.
-PROGRESS_PATIENCE = 30.0
+PROGRESS_TIMEOUT = 30.0
 #: `progress` of an acknowledgement that does not tell it.
 PROGRESS_UNKNOWN = 255
 
@@ -57,14 +57,14 @@ class CommandOperation(Operation[CommandResult]):
     timeout_error = CommandTimeout
 
     def __init__(
-        self, command: Command, *, limit: float | None = None, progress_patience: float = PROGRESS_PATIENCE
+        self, command: Command, *, timeout: float | None = None, progress_timeout: float = PROGRESS_TIMEOUT
     ) -> None:
-        super().__init__(command.name, limit=limit, patience=30.0)
+        super().__init__(f"{command.name} on", timeout=timeout, idle_timeout=30.0)
         self.command = command
         self._form = command
         self._in_progress = False
         self._other_form_tried = False
-        self._progress_patience = progress_patience
+        self._progress_timeout = progress_timeout
         self._sent_in_form = 0
         self._sent_at = 0.0
 
@@ -78,9 +78,9 @@ class CommandOperation(Operation[CommandResult]):
 
     def handle_timeout(self, now: float) -> None:
         if self._in_progress:
-            self.give_up(now, "began, and then fell silent")
+            self.time_out(now, "began, and then fell silent")
         elif self.attempts >= ATTEMPTS:
-            self.give_up(now)
+            self.time_out(now)
         else:
             self._transmit(now)
 
@@ -100,7 +100,7 @@ class CommandOperation(Operation[CommandResult]):
         self.attempts += 1
         self._sent_in_form += 1
         self._sent_at = now
-        self.timeout = now + self._round_trip.timeout(self._sent_in_form)
+        self.timer = now + self._round_trip.timeout(self._sent_in_form)
 
     def _acknowledged(self, ack: common.CommandAck, now: float) -> None:
         if self._sent_in_form == 1 and not self._in_progress:
@@ -122,9 +122,9 @@ class CommandOperation(Operation[CommandResult]):
     def _progressed(self, percent: int, now: float) -> None:
         self._in_progress = True
         known = 0 if percent == PROGRESS_UNKNOWN else min(percent, 100)
-        self._patience = self._progress_patience + 1.0
-        self.moved(now, known, 100)
-        self.timeout = now + self._progress_patience
+        self._idle_timeout = self._progress_timeout + 1.0
+        self.report_progress(now, known, 100)
+        self.timer = now + self._progress_timeout
 
     def _try_other_form(self, now: float) -> None:
         self._other_form_tried = True
@@ -137,7 +137,7 @@ class CommandOperation(Operation[CommandResult]):
         result = ack.result
         answer = result.name if isinstance(result, common.MavResult) else f"result {int(result)}"
         error = CommandDenied(
-            self.request, str(self.target), attempts=self.attempts, answer=answer, code=int(result)
+            self.description, str(self.target), attempts=self.attempts, answer=answer, code=int(result)
         )
         error.detail = ack.result_param2
         self.fail(error)
@@ -157,9 +157,9 @@ class CommandClient(Client):
         super().__init__(local, target)
         self.round_trip = RoundTrip(initial=1.0, least=0.2, most=3.0)
 
-    def command(self, command: Command, now: float, *, limit: float | None = None) -> CommandOperation:
+    def command(self, command: Command, now: float, *, timeout: float | None = None) -> CommandOperation:
         """Send a command until it is answered; its result is a `CommandResult`."""
-        return self.begin(CommandOperation(command, limit=limit), now)
+        return self.begin(CommandOperation(command, timeout=timeout), now)
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         return (

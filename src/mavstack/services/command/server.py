@@ -115,7 +115,7 @@ class CommandServer(Service):
             case common.CommandCancel(command=command):
                 request = self._running.get(int(command))
                 if request is not None and request.source == (packet.system, packet.component):
-                    self.tell(CommandCancelRequested(request))
+                    self.emit(CommandCancelRequested(request))
 
     def progress(self, request: CommandRequest, percent: int, now: float) -> None:
         """Tell the sender how far a long command is, 0 to 100."""
@@ -180,7 +180,7 @@ class CommandServer(Service):
         if outcome is None:
             self._running[request.command.command] = request
             self._say_progress(request, now)
-            self.tell(CommandStarted(request))
+            self.emit(CommandStarted(request))
             return
         result, detail = outcome if isinstance(outcome, tuple) else (outcome, 0)
         self._answer(request, result, detail)

@@ -96,13 +96,13 @@ class ExtendedParameterClient(Client):
             if isinstance(operation, ListExtendedParameters):
                 operation.begin_anew(now)
 
-    def read(self, which: str | int, now: float, *, limit: float | None = None) -> ReadExtendedParameter:
+    def read(self, which: str | int, now: float, *, timeout: float | None = None) -> ReadExtendedParameter:
         """Ask for one parameter, by name or index; its result is the `ExtendedParameter`."""
         if isinstance(which, str):
             name_field(which)
         elif not 0 <= which < 32768:
             raise LocalProtocolError(f"no parameter can be asked for by index {which}")
-        return self.begin(ReadExtendedParameter(which, limit=limit), now)
+        return self.begin(ReadExtendedParameter(which, timeout=timeout), now)
 
     def set(
         self,
@@ -111,7 +111,7 @@ class ExtendedParameterClient(Client):
         now: float,
         *,
         kind: int | None = None,
-        limit: float | None = None,
+        timeout: float | None = None,
     ) -> SetExtendedParameter:
         """Set a parameter; its result is the `ExtendedParameter` as it is now.
 
@@ -119,20 +119,22 @@ class ExtendedParameterClient(Client):
         """
         if kind is not None:
             encode(value, kind)
-        return self.begin(SetExtendedParameter(name_field(name), value, kind, limit=limit), now)
+        return self.begin(SetExtendedParameter(name_field(name), value, kind, timeout=timeout), now)
 
     def fetch_all(
-        self, now: float, *, limit: float | None = None, patience: float = 10.0
+        self, now: float, *, timeout: float | None = None, idle_timeout: float = 10.0
     ) -> ListExtendedParameters:
         """Fetch the whole set; its result are the parameters by name, in the order of their table."""
-        return self.begin(ListExtendedParameters(self.round_trip, limit=limit, patience=patience), now)
+        return self.begin(
+            ListExtendedParameters(self.round_trip, timeout=timeout, idle_timeout=idle_timeout), now
+        )
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         if isinstance(new, SetExtendedParameter):
             return isinstance(running, SetExtendedParameter) and new.name == running.name
         return isinstance(new, ListExtendedParameters) and isinstance(running, ListExtendedParameters)
 
-    def notice(self, packet: Packet, now: float) -> None:
+    def observe(self, packet: Packet, now: float) -> None:
         self.heard = None
         match packet.message:
             case common.ParamExtValue(param_id=name) as message if name:
@@ -164,4 +166,4 @@ class ExtendedParameterClient(Client):
             parameter = ExtendedParameter(name, parameter.value, parameter.type, previous.index)
         self._parameters[name] = parameter
         if previous is None or repr(previous) != repr(parameter):
-            self.tell(ExtendedParameterChanged(parameter, previous))
+            self.emit(ExtendedParameterChanged(parameter, previous))

@@ -52,8 +52,8 @@ class ExtendedOperation(Asking[Result]):
 class ReadExtendedParameter(ExtendedOperation[ExtendedParameter]):
     """Asks for one parameter by name or index."""
 
-    def __init__(self, which: str | int, *, limit: float | None = None) -> None:
-        super().__init__(f"extended parameter {which}", limit=limit)
+    def __init__(self, which: str | int, *, timeout: float | None = None) -> None:
+        super().__init__(f"reading extended parameter {which} of", timeout=timeout)
         self.which = which
 
     def send_request(self) -> None:
@@ -68,8 +68,8 @@ class ReadExtendedParameter(ExtendedOperation[ExtendedParameter]):
 class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[ExtendedParameter]):
     """Sets one parameter; its end may take a while, which the component says."""
 
-    def __init__(self, name: str, value: ExtendedValue, kind: int | None, *, limit: float | None) -> None:
-        super().__init__(name, kind, repr(value), limit=limit)
+    def __init__(self, name: str, value: ExtendedValue, kind: int | None, *, timeout: float | None) -> None:
+        super().__init__(name, kind, repr(value), timeout=timeout)
         self._asked = value
         self._wanted: bytes | None = None
         self._kept: ExtendedParameter | None = None
@@ -85,7 +85,7 @@ class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[Extende
     def handle_timeout(self, now: float) -> None:
         if self._in_progress:
             self.send(read_request(self.target.system, self.target.component, self.name))
-            self.timeout = now + PROGRESS_INTERVAL
+            self.timer = now + PROGRESS_INTERVAL
             return
         if self._kept is not None:
             self._refusals += 1
@@ -94,8 +94,8 @@ class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[Extende
                 return
         super().handle_timeout(now)
 
-    def give_up(self, now: float, answer: str = "no answer") -> None:
-        super().give_up(now, "began, and then fell silent" if self._in_progress else answer)
+    def time_out(self, now: float, answer: str = "no answer") -> None:
+        super().time_out(now, "began, and then fell silent" if self._in_progress else answer)
 
     def send_request(self) -> None:
         message = common.ParamExtSet(
@@ -115,8 +115,8 @@ class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[Extende
                 self.finish(heard.parameter)
         elif heard.result == common.ParamAck.IN_PROGRESS:
             self._in_progress = True
-            self.moved(now)
-            self.timeout = now + PROGRESS_INTERVAL
+            self.report_progress(now)
+            self.timer = now + PROGRESS_INTERVAL
         elif heard.result != common.ParamAck.ACCEPTED:
             self.answered(now)
             self._deny(heard.result)
@@ -146,7 +146,7 @@ class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[Extende
         reason = answer or (common.ParamAck(code).name if known else f"result {code}")
         self.fail(
             ParameterDenied(
-                self.request, str(self.target), attempts=self.attempts, answer=reason, code=int(code)
+                self.description, str(self.target), attempts=self.attempts, answer=reason, code=int(code)
             )
         )
 
@@ -154,8 +154,12 @@ class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[Extende
 class ListExtendedParameters(Listing["dict[str, ExtendedParameter]"]):
     """Fetches all extended parameters."""
 
-    def __init__(self, round_trip: RoundTrip, *, limit: float | None = None, patience: float = 10.0) -> None:
-        super().__init__("all extended parameters", round_trip, limit=limit, patience=patience)
+    def __init__(
+        self, round_trip: RoundTrip, *, timeout: float | None = None, idle_timeout: float = 10.0
+    ) -> None:
+        super().__init__(
+            "downloading the extended parameters of", round_trip, timeout=timeout, idle_timeout=idle_timeout
+        )
 
     @property
     def parameters(self) -> ExtendedParameterClient:

@@ -236,7 +236,7 @@ class ExtendedParameterServer(Service):
             return
         self._running[request.parameter.name] = request
         self._say_progress(request, now)
-        self.tell(ExtendedSetStarted(request))
+        self.emit(ExtendedSetStarted(request))
 
     def _end(self, request: ExtendedSetRequest, result: int, now: float) -> None:
         key = (request.source, request.parameter.name)
@@ -254,7 +254,7 @@ class ExtendedParameterServer(Service):
         previous = self._parameters[name].value
         self._store(name, _data(request.parameter))
         self.send(_ack(self._parameters[name], result), EVERYBODY)
-        self.tell(ExtendedParameterWritten(self._parameters[name], previous, request.source))
+        self.emit(ExtendedParameterWritten(self._parameters[name], previous, request.source))
 
     def _store(self, name: str, data: bytes) -> None:
         old = self._parameters[name]

@@ -51,8 +51,8 @@ class _Asked(Procedure[Result]):
     exclusive = False
     modifies = False
 
-    def __init__(self, request: str, path: str, *, limit: float | None = None) -> None:
-        super().__init__(request, limit=limit)
+    def __init__(self, description: str, path: str, *, timeout: float | None = None) -> None:
+        super().__init__(description, timeout=timeout)
         self.path = path
         self._path = path_bytes(path)
 
@@ -60,13 +60,13 @@ class _Asked(Procedure[Result]):
     def ftp(self) -> FtpClient:
         """The client that runs it."""
         if not isinstance(self.client, FtpClient):
-            raise FieldRangeError(f"{self.request} belongs to an FtpClient")
+            raise FieldRangeError(f"{self.description} belongs to an FtpClient")
         return self.client
 
     def ask(self, opcode: int, data: bytes = b"", *, session: int = 0, offset: int = 0) -> Exchange:
         """One exchange as a step."""
         payload = FtpPayload.request(opcode, data, session=session, offset=offset)
-        return Exchange(self.request, payload, self.ftp.peer)
+        return Exchange(self.description, payload, self.ftp.peer)
 
     def remote_crc(self) -> Generator[Operation[Any], Any, int | None]:
         """The checksum that the server makes of the file; None if it does not."""
@@ -81,7 +81,7 @@ class _Asked(Procedure[Result]):
 
     def contradicted(self, answer: str) -> RemoteProtocolError:
         """The error of a file that is not what was transferred."""
-        return RemoteProtocolError(self.request, str(self.target), answer=answer)
+        return RemoteProtocolError(self.description, str(self.target), answer=answer)
 
 
 class _InSession(_Asked[Result]):
@@ -137,9 +137,9 @@ class ReadOperation(_InSession[bytes]):
         size: int | None = None,
         verify: bool | None = None,
         most: int = MOST_BYTES,
-        limit: float | None = None,
+        timeout: float | None = None,
     ) -> None:
-        super().__init__(f"reading {path}", path, limit=limit)
+        super().__init__(f"downloading {path} from", path, timeout=timeout)
         if offset < 0 or (size is not None and size < 0):
             raise FieldRangeError(f"there are no {size} bytes at {offset}")
         self.transfer: ReadTransfer | None = None
@@ -154,7 +154,9 @@ class ReadOperation(_InSession[bytes]):
             reply = yield from self.open(Opcode.OPENFILERO)
             announced = int.from_bytes(reply.data[:4], "little") if reply.size >= 4 else ALL_ONES
             start, end = self._bounds(announced)
-            self.transfer = transfer = ReadTransfer(self.request, reply.session, start, end, self.ftp.peer)
+            self.transfer = transfer = ReadTransfer(
+                self.description, reply.session, start, end, self.ftp.peer
+            )
             data: bytes = yield transfer
         finally:
             self.end_session()
@@ -166,7 +168,7 @@ class ReadOperation(_InSession[bytes]):
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
         if child is self.transfer:
-            self.moved(now)
+            self.report_progress(now)
         super().child_ended(child, now)
 
     def _bounds(self, announced: int) -> tuple[int, int]:
@@ -188,8 +190,8 @@ class WriteOperation(_InSession[None]):
 
     modifies = True
 
-    def __init__(self, path: str, data: bytes, *, verify: bool = True, limit: float | None = None) -> None:
-        super().__init__(f"writing {path}", path, limit=limit)
+    def __init__(self, path: str, data: bytes, *, verify: bool = True, timeout: float | None = None) -> None:
+        super().__init__(f"uploading {path} to", path, timeout=timeout)
         if len(data) > ALL_ONES:
             raise FieldRangeError("a file has at most 4 GiB")
         self.verified = False
@@ -199,7 +201,7 @@ class WriteOperation(_InSession[None]):
     def steps(self) -> Generator[Operation[Any], Any, None]:
         try:
             reply = yield from self.open(Opcode.CREATEFILE)
-            yield WriteTransfer(self.request, reply.session, self._data, self.ftp.peer)
+            yield WriteTransfer(self.description, reply.session, self._data, self.ftp.peer)
             yield from self._close(reply.session)
         finally:
             self.end_session()
@@ -221,8 +223,8 @@ class WriteOperation(_InSession[None]):
 class ListOperation(_Asked[tuple[Entry, ...]]):
     """Lists a directory; see `FtpClient.list_directory`."""
 
-    def __init__(self, path: str, *, with_time: bool = False, limit: float | None = None) -> None:
-        super().__init__(f"listing {path}", path, limit=limit)
+    def __init__(self, path: str, *, with_time: bool = False, timeout: float | None = None) -> None:
+        super().__init__(f"listing {path} on", path, timeout=timeout)
         self._opcode = Opcode.LISTDIRECTORYWITHTIME if with_time else Opcode.LISTDIRECTORY
 
     def steps(self) -> Generator[Operation[Any], Any, tuple[Entry, ...]]:
@@ -252,15 +254,15 @@ class PathOperation(_Asked[FtpPayload]):
 
     def __init__(
         self,
-        request: str,
+        description: str,
         opcode: int,
         path: str,
         *,
         offset: int = 0,
         other: str | None = None,
-        limit: float | None = None,
+        timeout: float | None = None,
     ) -> None:
-        super().__init__(request, path, limit=limit)
+        super().__init__(description, path, timeout=timeout)
         self.modifies = opcode != Opcode.CALCFILECRC
         self._opcode, self._offset = opcode, offset
         if other is not None:
@@ -277,8 +279,8 @@ class PathOperation(_Asked[FtpPayload]):
 class ChecksumOperation(PathOperation):
     """Asks for a file's checksum, which is `crc`."""
 
-    def __init__(self, path: str, *, limit: float | None = None) -> None:
-        super().__init__(f"the checksum of {path}", Opcode.CALCFILECRC, path, limit=limit)
+    def __init__(self, path: str, *, timeout: float | None = None) -> None:
+        super().__init__(f"computing the checksum of {path} on", Opcode.CALCFILECRC, path, timeout=timeout)
 
     @property
     def crc(self) -> int:
@@ -294,7 +296,7 @@ class EndSession(Exchange):
     def __init__(self, session: int | None, peer: Peer) -> None:
         opcode = Opcode.RESETSESSION if session is None else Opcode.TERMINATESESSION
         super().__init__(
-            "ending a session", FtpPayload.request(opcode, session=session or 0), peer, limit=8.0
+            "closing an FTP session of", FtpPayload.request(opcode, session=session or 0), peer, timeout=8.0
         )
 
 
@@ -328,50 +330,52 @@ class FtpClient(Client):
         size: int | None = None,
         verify: bool | None = None,
         most: int = MOST_BYTES,
-        limit: float | None = None,
+        timeout: float | None = None,
     ) -> ReadOperation:
         """Read a file, or `size` bytes of it; a whole one is compared by checksum, if the server makes one.
 
         A virtual file (its path begins with @) is compared only if `verify` says so: it is made anew.
         """
-        operation = ReadOperation(path, offset=offset, size=size, verify=verify, most=most, limit=limit)
+        operation = ReadOperation(path, offset=offset, size=size, verify=verify, most=most, timeout=timeout)
         return self.begin(operation, now)
 
     def write_file(
-        self, path: str, data: bytes, now: float, *, verify: bool = True, limit: float | None = None
+        self, path: str, data: bytes, now: float, *, verify: bool = True, timeout: float | None = None
     ) -> WriteOperation:
         """Create a file, or replace what it holds."""
-        return self.begin(WriteOperation(path, data, verify=verify, limit=limit), now)
+        return self.begin(WriteOperation(path, data, verify=verify, timeout=timeout), now)
 
     def list_directory(
-        self, path: str, now: float, *, with_time: bool = False, limit: float | None = None
+        self, path: str, now: float, *, with_time: bool = False, timeout: float | None = None
     ) -> ListOperation:
         """The entries of a directory, with the times of change if the server knows that."""
-        return self.begin(ListOperation(path, with_time=with_time, limit=limit), now)
+        return self.begin(ListOperation(path, with_time=with_time, timeout=timeout), now)
 
-    def crc(self, path: str, now: float, *, limit: float | None = None) -> ChecksumOperation:
+    def crc(self, path: str, now: float, *, timeout: float | None = None) -> ChecksumOperation:
         """The checksum of a file; it is the operation's `crc`."""
-        return self.begin(ChecksumOperation(path, limit=limit), now)
+        return self.begin(ChecksumOperation(path, timeout=timeout), now)
 
-    def remove(self, path: str, now: float, *, limit: float | None = None) -> PathOperation:
+    def remove(self, path: str, now: float, *, timeout: float | None = None) -> PathOperation:
         """Remove a file."""
-        return self._ask(f"removing {path}", Opcode.REMOVEFILE, path, now, limit=limit)
+        return self._ask(f"removing {path} on", Opcode.REMOVEFILE, path, now, timeout=timeout)
 
-    def rename(self, path: str, to: str, now: float, *, limit: float | None = None) -> PathOperation:
+    def rename(self, path: str, to: str, now: float, *, timeout: float | None = None) -> PathOperation:
         """Rename or move a file or directory."""
-        return self._ask(f"renaming {path} to {to}", Opcode.RENAME, path, now, other=to, limit=limit)
+        return self._ask(f"renaming {path} to {to} on", Opcode.RENAME, path, now, other=to, timeout=timeout)
 
-    def truncate(self, path: str, size: int, now: float, *, limit: float | None = None) -> PathOperation:
+    def truncate(self, path: str, size: int, now: float, *, timeout: float | None = None) -> PathOperation:
         """Make a file that long."""
-        return self._ask(f"truncating {path}", Opcode.TRUNCATEFILE, path, now, offset=size, limit=limit)
+        return self._ask(
+            f"truncating {path} on", Opcode.TRUNCATEFILE, path, now, offset=size, timeout=timeout
+        )
 
-    def make_directory(self, path: str, now: float, *, limit: float | None = None) -> PathOperation:
+    def make_directory(self, path: str, now: float, *, timeout: float | None = None) -> PathOperation:
         """Make a directory."""
-        return self._ask(f"making directory {path}", Opcode.CREATEDIRECTORY, path, now, limit=limit)
+        return self._ask(f"making directory {path} on", Opcode.CREATEDIRECTORY, path, now, timeout=timeout)
 
-    def remove_directory(self, path: str, now: float, *, limit: float | None = None) -> PathOperation:
+    def remove_directory(self, path: str, now: float, *, timeout: float | None = None) -> PathOperation:
         """Remove an empty directory."""
-        return self._ask(f"removing directory {path}", Opcode.REMOVEDIRECTORY, path, now, limit=limit)
+        return self._ask(f"removing directory {path} on", Opcode.REMOVEDIRECTORY, path, now, timeout=timeout)
 
     def reset_sessions(self, now: float) -> EndSession:
         """Close all sessions, where the server has but one for all those of others too."""
@@ -386,13 +390,15 @@ class FtpClient(Client):
 
     def _ask(
         self,
-        request: str,
+        description: str,
         opcode: int,
         path: str,
         now: float,
         *,
         offset: int = 0,
         other: str | None = None,
-        limit: float | None = None,
+        timeout: float | None = None,
     ) -> PathOperation:
-        return self.begin(PathOperation(request, opcode, path, offset=offset, other=other, limit=limit), now)
+        return self.begin(
+            PathOperation(description, opcode, path, offset=offset, other=other, timeout=timeout), now
+        )

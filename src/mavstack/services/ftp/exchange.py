@@ -53,8 +53,10 @@ class Exchange(Operation[FtpPayload]):
     exclusive = False
     modifies = False
 
-    def __init__(self, request: str, payload: FtpPayload, peer: Peer, *, limit: float | None = None) -> None:
-        super().__init__(request, limit=limit, patience=15.0)
+    def __init__(
+        self, description: str, payload: FtpPayload, peer: Peer, *, timeout: float | None = None
+    ) -> None:
+        super().__init__(description, timeout=timeout, idle_timeout=15.0)
         self._payload = payload
         self._peer = peer
         self._sent_at = 0.0
@@ -79,7 +81,7 @@ class Exchange(Operation[FtpPayload]):
 
     def handle_timeout(self, now: float) -> None:
         if self.attempts >= ATTEMPTS:
-            self.give_up(now)
+            self.time_out(now)
         else:
             self._transmit(now)
 
@@ -95,7 +97,7 @@ class Exchange(Operation[FtpPayload]):
         wait = self._peer.round_trip.timeout(min(self.attempts, MOST_DOUBLED))
         if self.attempts > 2:  # the server may be busy with it: a checksum, a copy
             wait = max(wait, min(0.05 * 2.0**self.attempts, 2.0))
-        self.timeout = now + wait
+        self.timer = now + wait
 
     def _answered(self, reply: FtpPayload) -> None:
         code = reply.error
@@ -109,7 +111,7 @@ def denied(operation: Operation[Any], reply: FtpPayload) -> FileDenied:
     """The error that a NAK stands for."""
     code = reply.error or 0
     error = FileDenied(
-        operation.request,
+        operation.description,
         str(operation.target),
         attempts=max(operation.attempts, 1),
         answer=error_text(code, reply.errno),

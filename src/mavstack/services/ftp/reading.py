@@ -55,9 +55,16 @@ class ReadTransfer(Operation[bytes]):
     modifies = False
 
     def __init__(
-        self, request: str, session: int, start: int, end: int, peer: Peer, *, limit: float | None = None
+        self,
+        description: str,
+        session: int,
+        start: int,
+        end: int,
+        peer: Peer,
+        *,
+        timeout: float | None = None,
     ) -> None:
-        super().__init__(request, limit=limit, patience=10.0)
+        super().__init__(description, timeout=timeout, idle_timeout=10.0)
         self.counts = Counts()
         self.end = end
         self._start, self._session, self._peer = start, session, peer
@@ -138,8 +145,8 @@ class ReadTransfer(Operation[bytes]):
         self.counts.duplicates += not new
         if new:
             total = self.end - self._start
-            self.moved(now)
-            (self.parent or self).moved(now, total - self._missing.total, total)
+            self.report_progress(now)
+            (self.parent or self).report_progress(now, total - self._missing.total, total)
         return new
 
     def _ends_at(self, offset: int) -> None:
@@ -154,7 +161,7 @@ class ReadTransfer(Operation[bytes]):
     def _changed(self) -> None:
         self.fail(
             RemoteProtocolError(
-                self.request, str(self.target), answer="the file became shorter while it was read"
+                self.description, str(self.target), answer="the file became shorter while it was read"
             )
         )
 
@@ -189,7 +196,7 @@ class ReadTransfer(Operation[bytes]):
         self.attempts = max(self.attempts, self._flight.attempts)
         self._read_holes(now)
         self._ask_for_burst(now)
-        self.timeout = earliest(self._flight.next_timeout(), self._bursts.quiet_at())
+        self.timer = earliest(self._flight.next_timeout(), self._bursts.quiet_at())
 
     def _read_holes(self, now: float) -> None:
         if not self._flight.has_room:

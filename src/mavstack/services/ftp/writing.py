@@ -28,15 +28,15 @@ class WriteTransfer(Operation[None]):
 
     def __init__(
         self,
-        request: str,
+        description: str,
         session: int,
         data: bytes,
         peer: Peer,
         *,
         offset: int = 0,
-        limit: float | None = None,
+        timeout: float | None = None,
     ) -> None:
-        super().__init__(request, limit=limit, patience=10.0)
+        super().__init__(description, timeout=timeout, idle_timeout=10.0)
         self._session, self._data, self._offset, self._peer = session, data, offset, peer
         self._flight: Flight[FtpPayload] = Flight()
         self._next = 0
@@ -52,7 +52,7 @@ class WriteTransfer(Operation[None]):
         while not self.done and (self._again or self._may_go_on()) and has_room(self.target):
             request = self._again.pop(0) if self._again else self._next_piece(now)
             yield Outgoing(request.to_message(*self.target), self.target, Priority.BULK)
-        self.timeout = self._flight.next_timeout()
+        self.timer = self._flight.next_timeout()
 
     def receive(self, packet: Packet, now: float) -> None:
         reply = FtpPayload.read(packet.message) if packet.message is not None else None
@@ -67,15 +67,15 @@ class WriteTransfer(Operation[None]):
         self._flight.answered(asked.sequence, now)
         self._again = [request for request in self._again if request is not asked]
         self._written += asked.size
-        self.moved(now)
-        (self.parent or self).moved(now, self._written, len(self._data))
+        self.report_progress(now)
+        (self.parent or self).report_progress(now, self._written, len(self._data))
         self._repeat_lost(now)
         if self._written == len(self._data):
             self.finish(None)
 
     def handle_timeout(self, now: float) -> None:
         self._repeat_lost(now)
-        self.timeout = self._flight.next_timeout()
+        self.timer = self._flight.next_timeout()
 
     def _repeat_lost(self, now: float) -> None:
         self._again += [request for _, request in self._flight.lost(now) if request not in self._again]

@@ -5,7 +5,7 @@ from mavstack.services.heartbeat.claims import Claim
 from mavstack.services.heartbeat.discovery import (
     AddressClash,
     AddressClashOver,
-    AddressTaken,
+    OwnAddressConflict,
     ComponentChanged,
     ComponentFound,
     ComponentInfo,
@@ -19,7 +19,7 @@ from mavstack.services.heartbeat.kinds import describe_kind
 __all__ = [
     "AddressClash",
     "AddressClashOver",
-    "AddressTaken",
+    "OwnAddressConflict",
     "Beacon",
     "Claim",
     "ComponentChanged",

@@ -172,7 +172,7 @@ class AddressClashOver(Event):
 
 
 @dataclass(frozen=True, slots=True)
-class AddressTaken(Event):
+class OwnAddressConflict(Event):
     """Someone else uses our own address; told once until it has been silent for a while."""
 
     component: ComponentInfo
@@ -186,7 +186,7 @@ class Discovery(Service):
     """
 
     handles = message_ids(common.Heartbeat, common.HighLatency2, common.AutopilotVersion, *_WITH_BOOT_TIME)
-    hears_itself = True
+    accepts_own_packets = True
 
     def __init__(
         self,
@@ -278,7 +278,7 @@ class Discovery(Service):
         kind = int(heartbeat.type), int(heartbeat.autopilot)
         verdict = self._claims[address].kind(kind, now, self._where())
         if known is not None and _kind(known) != _kind(info) and not self.clash_of(address):
-            self.tell(ComponentChanged(info, known))
+            self.emit(ComponentChanged(info, known))
         self._judge(address, verdict, now)
 
     def _is_usurped(self, known: ComponentInfo, info: ComponentInfo, now: float) -> bool:
@@ -314,13 +314,13 @@ class Discovery(Service):
         self.components[info.address] = info
         self._claims[info.address] = Claims()
         self._look_at = earliest(self._look_at, info.last_seen + info.timeout)
-        self.tell(ComponentFound(info))
+        self.emit(ComponentFound(info))
         return True
 
     def _take_in(self, info: ComponentInfo, silence: float) -> None:
         if not self.components[info.address].alive:
             info = replace(info, alive=True)
-            self.tell(ComponentReturned(info, silence))
+            self.emit(ComponentReturned(info, silence))
         self.components[info.address] = info
         due = info.last_seen + info.timeout
         if self._look_at is None or due < self._look_at:
@@ -329,20 +329,20 @@ class Discovery(Service):
     def _lose(self, info: ComponentInfo, reason: str) -> None:
         self._pulses.pop(info.address, None)
         self.components[info.address] = lost = replace(info, alive=False)
-        self.tell(ComponentLost(lost, reason))
+        self.emit(ComponentLost(lost, reason))
 
     def _judge(self, address: Address, verdict: Verdict, now: float) -> None:
         match verdict:
             case Verdict.REBOOTED:
-                self.tell(ComponentRebooted(self.components[address]))
+                self.emit(ComponentRebooted(self.components[address]))
             case Verdict.CLASH:
-                self.tell(AddressClash(self.components[address], self._claims[address].all(now)))
+                self.emit(AddressClash(self.components[address], self._claims[address].all(now)))
             case Verdict.CLASH_OVER:
-                self.tell(AddressClashOver(self.components[address]))
+                self.emit(AddressClashOver(self.components[address]))
 
     def _is_taken(self, heartbeat: common.Heartbeat, now: float) -> None:
         if self._taken_at is None or now - self._taken_at > OVER:
-            self.tell(AddressTaken(_introduction(self.local, heartbeat, now, None)))
+            self.emit(OwnAddressConflict(_introduction(self.local, heartbeat, now, None)))
         self._taken_at = now
 
 

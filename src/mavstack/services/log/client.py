@@ -20,17 +20,17 @@ class LogClient(Client):
 
     handles = message_ids(common.LogEntry, common.LogData)
 
-    def list_logs(self, now: float, *, limit: float | None = None) -> ListLogs:
+    def list_logs(self, now: float, *, timeout: float | None = None) -> ListLogs:
         """Which logs there are; the result is a tuple of `LogEntry`."""
-        return self.begin(ListLogs(limit=limit), now)
+        return self.begin(ListLogs(timeout=timeout), now)
 
-    def download(self, log: LogEntry | int, now: float, *, limit: float | None = None) -> DownloadLog:
+    def download(self, log: LogEntry | int, now: float, *, timeout: float | None = None) -> DownloadLog:
         """Fetch a log, by its entry in the list or by its id; the result is its bytes."""
-        return self.begin(DownloadLog(log, limit=limit), now)
+        return self.begin(DownloadLog(log, timeout=timeout), now)
 
-    def erase(self, now: float, *, limit: float | None = None) -> EraseLogs:
+    def erase(self, now: float, *, timeout: float | None = None) -> EraseLogs:
         """Erase all logs."""
-        return self.begin(EraseLogs(limit=limit), now)
+        return self.begin(EraseLogs(timeout=timeout), now)
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         return new.parent is None

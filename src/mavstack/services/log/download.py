@@ -55,9 +55,9 @@ class DownloadLog(Procedure[bytes]):
 
     timeout_error = LogTimeout
 
-    def __init__(self, log: LogEntry | int, *, limit: float | None = None) -> None:
+    def __init__(self, log: LogEntry | int, *, timeout: float | None = None) -> None:
         number = log if isinstance(log, int) else log.id
-        super().__init__(f"log {number}", limit=limit, patience=3600.0)
+        super().__init__(f"downloading log {number} from", timeout=timeout, idle_timeout=3600.0)
         self._number = number
         self._listed = None if isinstance(log, int) else log
 
@@ -69,7 +69,7 @@ class DownloadLog(Procedure[bytes]):
                 self._listed = next((log for log in logs if log.id == self._number), None)
             before: LogEntry | None = self._listed and (yield LookUpLog(self._number))
             if before is None or self._listed is None:
-                raise RemoteDenied(self.request, str(self.target), answer="it has no such log")
+                raise RemoteDenied(self.description, str(self.target), answer="it has no such log")
             self._require(before.may_be(self._listed) or before.may_have_been(self._listed))
             transfer = _Transfer(before)
             content: bytes = yield transfer
@@ -85,7 +85,7 @@ class DownloadLog(Procedure[bytes]):
     def _require(self, same: bool) -> None:
         if not same:
             raise RemoteProtocolError(
-                self.request, str(self.target), answer="the id stands for another log than before"
+                self.description, str(self.target), answer="the id stands for another log than before"
             )
 
 
@@ -98,7 +98,7 @@ class _Transfer(LogOperation[bytes]):
     """The chunks of one log."""
 
     def __init__(self, log: LogEntry) -> None:
-        super().__init__(f"the data of log {log.id}", patience=60.0)
+        super().__init__(f"downloading the data of log {log.id} from", idle_timeout=60.0)
         self._log = log
         self._collector = Collector(log.size)
         self._window = FIRST_WINDOW
@@ -135,7 +135,7 @@ class _Transfer(LogOperation[bytes]):
             self.finish(self._collector.data())
             return
         if self._silences >= ATTEMPTS:
-            self.give_up(now, "it stopped sending")
+            self.time_out(now, "it stopped sending")
             return
         if self._silences >= UNBLOCK_AFTER:
             self.request_end()
@@ -148,7 +148,7 @@ class _Transfer(LogOperation[bytes]):
         news = self._collector.add(chunk, content, asked=in_range and not self._stopped)
         if self._collector.contradicted:
             answer = "it contradicts itself, or ends before its end"
-            self.fail(RemoteProtocolError(self.request, str(self.target), answer=answer))
+            self.fail(RemoteProtocolError(self.description, str(self.target), answer=answer))
             return
         if news:
             self._measure(now, in_range)
@@ -160,17 +160,17 @@ class _Transfer(LogOperation[bytes]):
         elif in_range and len(content) < CHUNK and not self._collector.end_known:
             # It stopped early, or so it seems. Copies of this chunk must not pass for new answers.
             self._stopped = True
-            self.timeout = now + self._round_trip.timeout()
+            self.timer = now + self._round_trip.timeout()
         elif chunk == self._until - 1:
             self._ask(now)
         elif news:
-            self.timeout = now + self._round_trip.timeout() + 4 * self._spacing
+            self.timer = now + self._round_trip.timeout() + 4 * self._spacing
 
     def _moved(self, now: float) -> None:
-        self.moved(now)
+        self.report_progress(now)
         if self.parent is not None:
             size = self._collector.size
-            self.parent.moved(now, min(self._collector.received, size), size)
+            self.parent.report_progress(now, min(self._collector.received, size), size)
 
     def _measure(self, now: float, in_range: bool) -> None:
         if self._new_in_range == 0 and self._silences == 0 and in_range:
@@ -192,7 +192,7 @@ class _Transfer(LogOperation[bytes]):
         self._stopped = False
         self._asked_at = now
         self.attempts += 1
-        self.timeout = now + self._round_trip.timeout(1 + self._silences)
+        self.timer = now + self._round_trip.timeout(1 + self._silences)
         self.send(
             common.LogRequestData(
                 target_system=self.target.system,

@@ -28,8 +28,8 @@ class EraseLogs(Procedure[None]):
 
     timeout_error = LogTimeout
 
-    def __init__(self, *, limit: float | None = None) -> None:
-        super().__init__("erasing all logs", limit=limit, patience=120.0)
+    def __init__(self, *, timeout: float | None = None) -> None:
+        super().__init__("erasing all logs of", timeout=timeout, idle_timeout=120.0)
 
     def steps(self) -> Generator[Operation[Any], Any, None]:
         """List, erase, and list until they are gone."""
@@ -44,14 +44,14 @@ class EraseLogs(Procedure[None]):
             left = set(before) & set(after)
         if left:
             answer = f"{len(left)} of its logs are still there"
-            raise RemoteDenied(self.request, str(self.target), attempts=ATTEMPTS, answer=answer)
+            raise RemoteDenied(self.description, str(self.target), attempts=ATTEMPTS, answer=answer)
 
 
 class _SendErase(LogOperation[None]):
     """LOG_ERASE, which has no answer."""
 
     def __init__(self) -> None:
-        super().__init__("LOG_ERASE")
+        super().__init__("sending LOG_ERASE to")
 
     def start(self, now: float) -> None:
         to = self.target

@@ -53,8 +53,8 @@ class LogOperation(Operation[Result]):
 class ListLogs(LogOperation[tuple[LogEntry, ...]]):
     """The list of all logs, by their ids."""
 
-    def __init__(self, *, limit: float | None = None) -> None:
-        super().__init__("the list of logs", limit=limit, patience=40.0)
+    def __init__(self, *, timeout: float | None = None) -> None:
+        super().__init__("listing the logs of", timeout=timeout, idle_timeout=40.0)
         self._total: int | None = None
         self._found: dict[int, LogEntry] = {}
         self._changes = 0
@@ -75,7 +75,7 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
     def handle_timeout(self, now: float) -> None:
         self._silences += 1
         if self._silences >= ATTEMPTS:
-            self.give_up(now)
+            self.time_out(now)
             return
         if self._silences >= UNBLOCK_AFTER:
             self.request_end()
@@ -87,7 +87,7 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
             self._found.clear()
             self._changes += 1
             if self._changes > MOST_CHANGES:
-                self.give_up(now, "the list kept changing")
+                self.time_out(now, "the list kept changing")
                 return
         news = message.id not in self._found
         self._found[message.id] = LogEntry.read(message)
@@ -96,8 +96,8 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
         if self.attempts == 1 and len(self._found) == 1:
             self._round_trip.measured(now - self._asked_at)
         self._silences = 0
-        self.moved(now, len(self._found), self._total)
-        self.timeout = now + self._round_trip.timeout(2)
+        self.report_progress(now, len(self._found), self._total)
+        self.timer = now + self._round_trip.timeout(2)
         if len(self._found) >= self._total:
             self._end(tuple(self._found[number] for number in sorted(self._found)))
         elif message.id >= min(message.last_log_num, self._asked_until):
@@ -114,7 +114,7 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
     def _ask(self, first: int, last: int, now: float) -> None:
         self.attempts += 1
         self._asked_until, self._asked_at = last, now
-        self.timeout = now + self._round_trip.timeout(1 + self._silences)
+        self.timer = now + self._round_trip.timeout(1 + self._silences)
         self.request_list(first, last)
 
     def _end(self, entries: tuple[LogEntry, ...]) -> None:
@@ -127,7 +127,7 @@ class LookUpLog(LogOperation[LogEntry | None]):
     """What the list says of one log; None if there are no logs."""
 
     def __init__(self, number: int) -> None:
-        super().__init__(f"the entry of log {number}", patience=30.0)
+        super().__init__(f"reading the entry of log {number} of", idle_timeout=30.0)
         self._number = number
         self._round_trip = RoundTrip(initial=1.0, most=4.0)
 
@@ -143,7 +143,7 @@ class LookUpLog(LogOperation[LogEntry | None]):
 
     def handle_timeout(self, now: float) -> None:
         if self.attempts >= ATTEMPTS:
-            self.give_up(now)
+            self.time_out(now)
             return
         if self.attempts >= UNBLOCK_AFTER:
             self.request_end()
@@ -151,5 +151,5 @@ class LookUpLog(LogOperation[LogEntry | None]):
 
     def _ask(self, now: float) -> None:
         self.attempts += 1
-        self.timeout = now + self._round_trip.timeout(self.attempts)
+        self.timer = now + self._round_trip.timeout(self.attempts)
         self.request_list(self._number, self._number)

@@ -29,7 +29,7 @@ class StillTheSame(LogOperation[bool]):
     """Reads chunks of a log again; the result is whether they hold what they held."""
 
     def __init__(self, number: int, content: bytes, chunks: Sequence[int]) -> None:
-        super().__init__(f"chunks of log {number}", patience=60.0)
+        super().__init__(f"verifying log {number} of", idle_timeout=60.0)
         self._number = number
         self._content = content
         self._places = [*chunks] or [0]
@@ -51,7 +51,7 @@ class StillTheSame(LogOperation[bool]):
 
     def handle_timeout(self, now: float) -> None:
         if self._tries >= ATTEMPTS:
-            self.give_up(now)
+            self.time_out(now)
             return
         self.request_end()
         self.request_list(self._number, self._number)
@@ -66,7 +66,7 @@ class StillTheSame(LogOperation[bool]):
             self._round_trip.measured(now - self._asked_at)
         del self._places[0]
         self._tries = 0
-        self.moved(now)
+        self.report_progress(now)
         if self._places:
             self._ask(now)
         else:
@@ -76,7 +76,7 @@ class StillTheSame(LogOperation[bool]):
         self._tries += 1
         self.attempts += 1
         self._asked_at = now
-        self.timeout = now + self._round_trip.timeout(self._tries)
+        self.timer = now + self._round_trip.timeout(self._tries)
         self.send(
             common.LogRequestData(
                 target_system=self.target.system,

@@ -141,7 +141,7 @@ class LogServer(Service):
             self._store.erase()
         except OSError:
             return
-        self.tell(LogsErased(source))
+        self.emit(LogsErased(source))
 
     def _next_of(self, session: _Session) -> Message | None:
         if session.entries:

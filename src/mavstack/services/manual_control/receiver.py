@@ -131,7 +131,7 @@ class ManualControlReceiver(Service):
                 if self._is_new(self._inputs, packet, now):
                     sticks = ManualInput.read(message)
                     if self._accepted(self._inputs.take(source, sticks, packet.sequence, now)):
-                        self.tell(ManualInputReceived(source, sticks))
+                        self.emit(ManualInputReceived(source, sticks))
             case common.RcChannelsOverride() as message:
                 if self._is_new(self._overrides, packet, now):
                     self._override(source, ChannelOverride.read(message), packet.sequence, now)
@@ -141,10 +141,10 @@ class ManualControlReceiver(Service):
 
     def handle_timeout(self, now: float) -> None:
         for source, _ in self._inputs.lost(now):
-            self.tell(ManualInputLost(source))
+            self.emit(ManualInputLost(source))
         for source, channels in self._overrides.lost(now):
             if channels:
-                self.tell(OverrideLost(source))
+                self.emit(OverrideLost(source))
 
     def _override(self, source: Address, override: ChannelOverride, sequence: int, now: float) -> None:
         held = self._overrides.latest(source, now)
@@ -154,7 +154,7 @@ class ManualControlReceiver(Service):
         # One that holds nothing stays in the table for a while: an overtaken packet must not take hold again.
         taken = self._accepted(self._overrides.take(source, channels, sequence, now))
         if taken and (before or channels):
-            self.tell(OverrideReceived(source, channels))
+            self.emit(OverrideReceived(source, channels))
 
     def _is_new(self, table: _Table[Value], packet: Packet, now: float) -> bool:
         late = table.is_late(Address(packet.system, packet.component), packet.sequence, now)

@@ -46,9 +46,9 @@ class _Ask(CommandOperation):
         super().__init__(command)
         self._lingers = False
 
-    def cancel(self, now: float, answer: str = "cancelled by this side") -> None:
+    def cancel(self, now: float, answer: str = "cancelled by the caller") -> None:
         self._lingers = True
-        if self.timeout is None or not self.attempts:
+        if self.timer is None or not self.attempts:
             super().cancel(now, answer)
 
     def handle_timeout(self, now: float) -> None:
@@ -72,9 +72,9 @@ class RequestMessage(Operation[Any]):
         params: Sequence[float] = (),
         *,
         match: Match | None = None,
-        limit: float | None = None,
+        timeout: float | None = None,
     ) -> None:
-        super().__init__(name_of(message), limit=limit, patience=30.0)
+        super().__init__(f"requesting {name_of(message)} from", timeout=timeout, idle_timeout=30.0)
         self.message_id = message_id_of(message)
         self.handles = frozenset({self.message_id})
         if len(params) > MOST_PARAMS:
@@ -97,20 +97,20 @@ class RequestMessage(Operation[Any]):
         if self._rounds < ROUNDS:
             self._ask(now)
         elif not self._try_older(now):
-            self.give_up(now, "the request was accepted, but the message did not come")
+            self.time_out(now, "the request was accepted, but the message did not come")
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
         if self.done or child is not self._asking:
             return
         self.attempts += child.attempts
         self._asking = None
-        self.moved(now)
+        self.report_progress(now)
         if child.error is None:
-            self.timeout = now + FIRST_WAIT * 2 ** (self._rounds - 1)
+            self.timer = now + FIRST_WAIT * 2 ** (self._rounds - 1)
         elif isinstance(child.error, CommandDenied):
             self._refused(child.error, now)
         else:
-            self.give_up(now)
+            self.time_out(now)
 
     def _ask(self, now: float) -> None:
         self._rounds += 1
@@ -130,7 +130,7 @@ class RequestMessage(Operation[Any]):
         # A peer without the older command refused the newer one: that refusal says more.
         first = self._denied if error.code == common.MavResult.UNSUPPORTED and self._denied else error
         denied = CommandDenied(
-            self.request, str(self.target), attempts=self.attempts, answer=first.answer, code=first.code
+            self.description, str(self.target), attempts=self.attempts, answer=first.answer, code=first.code
         )
         denied.detail = first.detail
         self.fail(denied)

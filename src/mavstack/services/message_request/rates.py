@@ -52,9 +52,9 @@ class SetMessageInterval(Procedure[RateSet]):
     timeout_error = MessageTimeout
 
     def __init__(
-        self, message: type[Message] | int, interval: Interval, *, limit: float | None = None
+        self, message: type[Message] | int, interval: Interval, *, timeout: float | None = None
     ) -> None:
-        super().__init__(f"the interval of {name_of(message)}", limit=limit, patience=60.0)
+        super().__init__(f"setting the interval of {name_of(message)} on", timeout=timeout, idle_timeout=60.0)
         self._message_id = message_id_of(message)
         self._interval = interval
 
@@ -78,8 +78,8 @@ class GetMessageInterval(Procedure[Interval]):
 
     timeout_error = MessageTimeout
 
-    def __init__(self, message: type[Message] | int, *, limit: float | None = None) -> None:
-        super().__init__(f"the interval of {name_of(message)}", limit=limit, patience=60.0)
+    def __init__(self, message: type[Message] | int, *, timeout: float | None = None) -> None:
+        super().__init__(f"reading the interval of {name_of(message)} of", timeout=timeout, idle_timeout=60.0)
         self._message_id = message_id_of(message)
 
     def steps(self) -> Generator[Operation[Any], Any, Interval]:
@@ -98,7 +98,7 @@ class _RequestDataStream(Operation[None]):
     timeout_error = MessageTimeout
 
     def __init__(self, group: int, message_id: int, interval: Interval) -> None:
-        super().__init__(f"data stream {group}", patience=60.0)
+        super().__init__(f"requesting data stream {group} from", idle_timeout=60.0)
         self._group, self._message_id = group, message_id
         self._rate = min(max(round(interval.rate), SLOWEST_STREAM), FASTEST_STREAM)
         self._on = interval != OFF
@@ -118,13 +118,13 @@ class _RequestDataStream(Operation[None]):
         if self.attempts < (STREAM_ATTEMPTS if self._on else OFF_ATTEMPTS):
             self._ask(now)
         elif self._on:
-            self.give_up(now)
+            self.time_out(now)
         else:
             self.finish(None)
 
     def _ask(self, now: float) -> None:
         self.attempts += 1
-        self.timeout = now + (1.0 + 2.0 / self._rate if self._on else 0.5)
+        self.timer = now + (1.0 + 2.0 / self._rate if self._on else 0.5)
         self.send(
             common.RequestDataStream(
                 target_system=self.target.system,

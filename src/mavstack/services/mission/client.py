@@ -78,25 +78,25 @@ class MissionClient(Client):
         self._strays = Strays()
         self._last: dict[tuple[int, type], Transfer[Any]] = {}
 
-    def upload(self, plan: Plan, now: float, *, limit: float | None = None) -> UploadPlan:
+    def upload(self, plan: Plan, now: float, *, timeout: float | None = None) -> UploadPlan:
         """Give the vehicle a plan in the place of its own; the result is the plan under the vehicle's id."""
-        return self.begin(UploadPlan(plan, limit=limit, home_first=self.home_first), now)
+        return self.begin(UploadPlan(plan, timeout=timeout, home_first=self.home_first), now)
 
     def download(
-        self, now: float, plan_type: int = PlanType.MISSION, *, limit: float | None = None
+        self, now: float, plan_type: int = PlanType.MISSION, *, timeout: float | None = None
     ) -> DownloadPlan:
         """Get the plan that the vehicle holds."""
-        return self.begin(DownloadPlan(plan_type, limit=limit), now)
+        return self.begin(DownloadPlan(plan_type, timeout=timeout), now)
 
     def clear(
-        self, now: float, plan_type: int = PlanType.MISSION, *, limit: float | None = None
+        self, now: float, plan_type: int = PlanType.MISSION, *, timeout: float | None = None
     ) -> ClearPlan:
         """Let the vehicle forget its plan."""
-        return self.begin(ClearPlan(plan_type, limit=limit), now)
+        return self.begin(ClearPlan(plan_type, timeout=timeout), now)
 
-    def set_current(self, seq: int, now: float, *, limit: float | None = None) -> SetCurrentItem:
+    def set_current(self, seq: int, now: float, *, timeout: float | None = None) -> SetCurrentItem:
         """Let the mission go on at an item, the older way; see `set_current_item` for the command."""
-        return self.begin(SetCurrentItem(seq, limit=limit), now)
+        return self.begin(SetCurrentItem(seq, timeout=timeout), now)
 
     def forget_progress(self) -> None:
         """The vehicle started anew: where it is in its mission is to be told again."""
@@ -116,13 +116,13 @@ class MissionClient(Client):
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         return isinstance(new, Transfer) and isinstance(running, Transfer)
 
-    def notice(self, packet: Packet, now: float) -> None:
+    def observe(self, packet: Packet, now: float) -> None:
         match packet.message:
             case common.MissionCurrent() as message:
                 self._tell_progress(message)
             case common.MissionItemReached(seq=seq) if seq != self._reached:  # it is said several times
                 self._reached = seq
-                self.tell(ItemReached(seq))
+                self.emit(ItemReached(seq))
             case common.MissionRequest(mission_type=kind) | common.MissionRequestInt(mission_type=kind):
                 self._asked_for_item(int(kind), now)
             case common.MissionAck(type=_Result.OPERATION_CANCELLED, mission_type=kind):
@@ -143,7 +143,7 @@ class MissionClient(Client):
             self._reached = None  # the vehicle goes there again
         if progress != self.progress:
             self.progress = progress
-            self.tell(progress)
+            self.emit(progress)
 
     def _asked_for_item(self, plan_type: int, now: float) -> None:
         """An upload asks for its items by itself; if none goes on, the vehicle is in one that is over."""

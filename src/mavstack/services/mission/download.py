@@ -43,10 +43,10 @@ class Stage(Enum):
 class DownloadPlan(Transfer[Plan]):
     """One plan as the vehicle holds it."""
 
-    def __init__(self, plan_type: int, *, limit: float | None = None) -> None:
+    def __init__(self, plan_type: int, *, timeout: float | None = None) -> None:
         if plan_type not in PLAN_TYPES:
             raise LocalProtocolError(f"there is no plan of type {plan_type} to download")
-        super().__init__(f"downloading {name_of(plan_type)}", plan_type, limit)
+        super().__init__(f"downloading {name_of(plan_type)} from", plan_type, timeout)
         self.stage = Stage.LISTING
         self._items: list[MissionItem] = []
         self._count = 0
@@ -101,7 +101,7 @@ class DownloadPlan(Transfer[Plan]):
     def _counted(self, message: common.MissionCount, now: float) -> None:
         self._counts += 1
         if self._counts > MOST_COUNTS:
-            self.give_up(now, "it began anew again and again")
+            self.time_out(now, "it began anew again and again")
             return
         if self.stage is Stage.LISTING:
             self.answered(now)
@@ -110,13 +110,13 @@ class DownloadPlan(Transfer[Plan]):
             return
         self._count, self._plan_id, self._items = message.count, message.opaque_id, []
         self.stage, self.tries = Stage.RECEIVING, 0
-        self.moved(now)
+        self.report_progress(now)
         self._next(now)
 
     def _received(self, item: MissionItem, now: float) -> None:
         self.answered(now)
         self._items.append(item)
-        self.moved(now, len(self._items), self._count)
+        self.report_progress(now, len(self._items), self._count)
         self._next(now)
 
     def _next(self, now: float) -> None:
@@ -146,4 +146,4 @@ class DownloadPlan(Transfer[Plan]):
         elif result is not None:
             self.refused(result, len(self._items))
         else:
-            self.give_up(now)
+            self.time_out(now)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _Result = common.MavMissionResult
 
-SET_CURRENT_PATIENCE = 5.0
+SET_CURRENT_TIMEOUT = 5.0
 
 
 class ClearPlan(Transfer[None]):
@@ -34,10 +34,10 @@ class ClearPlan(Transfer[None]):
 
     writes = True
 
-    def __init__(self, plan_type: int, *, limit: float | None = None) -> None:
+    def __init__(self, plan_type: int, *, timeout: float | None = None) -> None:
         if plan_type not in (*PLAN_TYPES, PlanType.ALL):
             raise LocalProtocolError(f"there is no plan of type {plan_type} to clear")
-        super().__init__(f"clearing {name_of(plan_type)}", plan_type, limit)
+        super().__init__(f"clearing {name_of(plan_type)} on", plan_type, timeout)
         self._left = [int(plan_type)]
 
     def open(self, now: float) -> None:
@@ -70,7 +70,7 @@ class ClearPlan(Transfer[None]):
             self.refused(result)
             return
         self.answered(now)
-        self.moved(now)
+        self.report_progress(now)
         del self._left[0]
         if self._left:
             self._ask(now)
@@ -83,8 +83,10 @@ class SetCurrentItem(Operation[int]):
 
     timeout_error = MissionTimeout
 
-    def __init__(self, seq: int, *, limit: float | None = None) -> None:
-        super().__init__(f"setting mission item {seq}", limit=limit, patience=SET_CURRENT_PATIENCE)
+    def __init__(self, seq: int, *, timeout: float | None = None) -> None:
+        super().__init__(
+            f"setting mission item {seq} as current on", timeout=timeout, idle_timeout=SET_CURRENT_TIMEOUT
+        )
         self.seq = seq
         self._round_trip = RoundTrip(most=1.5)
 
@@ -102,7 +104,7 @@ class SetCurrentItem(Operation[int]):
     def _transmit(self, now: float) -> None:
         target = self.target
         self.attempts += 1
-        self.timeout = now + self._round_trip.timeout(self.attempts)
+        self.timer = now + self._round_trip.timeout(self.attempts)
         self.send(
             common.MissionSetCurrent(
                 target_system=target.system, target_component=target.component, seq=self.seq
@@ -110,7 +112,7 @@ class SetCurrentItem(Operation[int]):
         )
 
 
-def set_current_item(seq: int, *, reset: bool = False, limit: float | None = None) -> CommandOperation:
+def set_current_item(seq: int, *, reset: bool = False, timeout: float | None = None) -> CommandOperation:
     """MAV_CMD_DO_SET_MISSION_CURRENT, for the target's `CommandClient.begin`.
 
     `reset` lets the mission begin anew, its jump counters too; with it, -1 keeps the current item.
@@ -118,4 +120,4 @@ def set_current_item(seq: int, *, reset: bool = False, limit: float | None = Non
     command = Command(
         common.MavCmd.DO_SET_MISSION_CURRENT, seq, 1.0 if reset else 0.0, nan, nan, nan, nan, nan
     )
-    return CommandOperation(command, limit=limit)
+    return CommandOperation(command, timeout=timeout)

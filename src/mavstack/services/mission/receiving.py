@@ -1,7 +1,7 @@
 """The vehicle's side of uploads: asks for the items one by one and has a plan when it has them all.
 
 A plan of each type can be on its way, from one sender at a time; another is refused until the first has ended
-or was silent for `PATIENCE`. An item is asked for again after an adaptive time (the guide's 250 ms to begin
+or was silent for `IDLE_TIMEOUT`. An item is asked for again after an adaptive time (the guide's 250 ms to begin
 with), and at once if a wrong one comes. What ended stays known for a while, so that a sender who did not hear
 the last acknowledgement, and sends its last item again, hears it again.
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
 
 #: How long to wait for the next item, however often it was asked for.
-PATIENCE = 8.0
+IDLE_TIMEOUT = 8.0
 #: For so long a last item that comes again is answered as it was.
 MEMORY = 30.0
 #: A count like the last one that comes so soon after its upload is a late one of the same upload.
@@ -181,7 +181,7 @@ class Uploads:
     def handle_timeout(self, now: float) -> None:
         """Ask again for what did not come, and end what has been silent for too long."""
         for receiving in tuple(self._running.values()):
-            if now - receiving.moved_at >= PATIENCE:
+            if now - receiving.moved_at >= IDLE_TIMEOUT:
                 self.drop(receiving.type)
                 self.acknowledge(receiving.source, receiving.type, _Result.OPERATION_CANCELLED)
             elif receiving.timeout is not None and now >= receiving.timeout:
@@ -243,5 +243,5 @@ class Uploads:
         receiving.asked_at = now
         once = receiving.round_trip.timeout()
         again = now + min(receiving.round_trip.timeout(receiving.tries), max(MOST_PAUSE, 2 * once))
-        receiving.timeout = min(again, max(receiving.moved_at + PATIENCE, now + 0.001))
+        receiving.timeout = min(again, max(receiving.moved_at + IDLE_TIMEOUT, now + 0.001))
         self._reply(request, receiving.source)

@@ -251,7 +251,7 @@ class MissionServer(Service):
         result = self._validate(plan, source)
         if result == _Result.ACCEPTED:
             self._put(plan)
-            self.tell(PlanReplaced(plan, source))
+            self.emit(PlanReplaced(plan, source))
         return result, self.plan(plan.type).plan_id if result == _Result.ACCEPTED else 0
 
     def _put(self, plan: Plan) -> None:
@@ -275,7 +275,7 @@ class MissionServer(Service):
             for each in kinds:
                 self._uploads.drop(each)
                 self._put(Plan(each))
-                self.tell(PlanReplaced(Plan(each), source))
+                self.emit(PlanReplaced(Plan(each), source))
         self._uploads.acknowledge(source, kind, result)
 
     def _may_clear(self, source: Address, kinds: tuple[int, ...]) -> int:
@@ -308,7 +308,7 @@ class MissionServer(Service):
         if not 0 <= seq < len(self.store.get(PlanType.MISSION)):
             return False
         self.set_current(seq)
-        self.tell(CurrentItemSet(seq, source, reset))
+        self.emit(CurrentItemSet(seq, source, reset))
         return True
 
     def _current_of(self, plan_type: int) -> int:

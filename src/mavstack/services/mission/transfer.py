@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 #: How long a transfer waits for the vehicle to take one step forward.
-PATIENCE = 10.0
+IDLE_TIMEOUT = 10.0
 #: How often a transfer begins again from its first message, because the vehicle lost its side of it.
 MOST_ROUNDS = 4
 
@@ -34,8 +34,8 @@ class Transfer(Operation[Result]):
     #: Whether it changes what the vehicle holds.
     writes = False
 
-    def __init__(self, request: str, plan_type: int, limit: float | None) -> None:
-        super().__init__(request, limit=limit, patience=PATIENCE)
+    def __init__(self, description: str, plan_type: int, timeout: float | None) -> None:
+        super().__init__(description, timeout=timeout, idle_timeout=IDLE_TIMEOUT)
         self.type = int(plan_type)
         self.begun = False
         self.tries = 0  # of what was sent last
@@ -66,7 +66,7 @@ class Transfer(Operation[Result]):
         if now >= due:
             self._open(now)
         else:
-            self.begun, self.timeout = False, due
+            self.begun, self.timer = False, due
 
     def receive(self, packet: Packet, now: float) -> None:
         kind = getattr(packet.message, "mission_type", None)
@@ -120,7 +120,7 @@ class Transfer(Operation[Result]):
         self.sent_at = now
         self._strays.seen(self.type, self.writes, now)
         # One loss is usual and says nothing about the round trip: only from the second on is it doubled.
-        self.timeout = now + self._round_trip.timeout(max(self.tries - 1, 1))
+        self.timer = now + self._round_trip.timeout(max(self.tries - 1, 1))
 
     def answered(self, now: float) -> None:
         """What was asked last was answered; it is measured if it was asked once."""
@@ -146,16 +146,18 @@ class Transfer(Operation[Result]):
         answer = result_name(result) + ("" if item is None else f" at item {item}")
         target = str(self.target)
         if result == common.MavMissionResult.OPERATION_CANCELLED:
-            self.fail(RemoteCancelled(self.request, target, attempts=self.attempts, answer=answer))
+            self.fail(RemoteCancelled(self.description, target, attempts=self.attempts, answer=answer))
             return
-        error = MissionDenied(self.request, target, attempts=self.attempts, answer=answer, code=int(result))
+        error = MissionDenied(
+            self.description, target, attempts=self.attempts, answer=answer, code=int(result)
+        )
         error.item = item
         self.fail(error)
 
     def _open(self, now: float) -> None:
         self.begun, self.tries = True, 0
         self._distrusts = self._strays.held_back
-        self.moved(now)
+        self.report_progress(now)
         self.open(now)
 
 

@@ -30,7 +30,7 @@ from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError, RemoteTimeout
 from mavstack.services.mission.download import DownloadPlan
 from mavstack.services.mission.plan import MOST_ITEMS, PLAN_TYPES, Plan, PlanType, name_of
-from mavstack.services.mission.transfer import MOST_ROUNDS, PATIENCE, Transfer
+from mavstack.services.mission.transfer import MOST_ROUNDS, IDLE_TIMEOUT, Transfer
 from mavstack.services.service import Outgoing, Priority
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ ERROR_PAUSE = 1.0
 #: For so many round trips an item that was sent is not sent again, whoever asks for it.
 ON_ITS_WAY = 1.2
 #: Longer than any reading back, which has its own patience.
-VERIFY_PATIENCE = 3600.0
+VERIFY_IDLE_TIMEOUT = 3600.0
 
 _Result = common.MavMissionResult
 
@@ -69,10 +69,10 @@ class UploadPlan(Transfer[Plan]):
 
     writes = True
 
-    def __init__(self, plan: Plan, *, limit: float | None = None, home_first: bool = False) -> None:
+    def __init__(self, plan: Plan, *, timeout: float | None = None, home_first: bool = False) -> None:
         if plan.type not in PLAN_TYPES or len(plan) > MOST_ITEMS:
             raise LocalProtocolError(f"{len(plan)} items of type {plan.type} are not a plan that can be sent")
-        super().__init__(f"uploading {name_of(plan.type)}", plan.type, limit)
+        super().__init__(f"uploading {name_of(plan.type)} to", plan.type, timeout)
         self.plan = plan
         self.stage = Stage.COUNTING
         self._skip = 1 if home_first and plan.type == PlanType.MISSION else 0
@@ -118,22 +118,22 @@ class UploadPlan(Transfer[Plan]):
         """The plan was read back."""
         if self.done:
             return
-        self._patience = PATIENCE
-        self.moved(now)
+        self._idle_timeout = IDLE_TIMEOUT
+        self.report_progress(now)
         if child.error is None:
             held: Plan = child.result()
             if len(held) == len(self.plan) and held.items[self._skip :] == self.plan.items[self._skip :]:
                 self.finish(self.plan.with_id(held.plan_id))
                 return
         if isinstance(child.error, RemoteTimeout):
-            self.give_up(now)
+            self.time_out(now)
         else:
             self._again(now)
 
-    def give_up(self, now: float, answer: str = "no answer") -> None:
+    def time_out(self, now: float, answer: str = "no answer") -> None:
         if self._was_last_sent():
             answer = "all items were sent, but whether it took them is not known"
-        super().give_up(now, answer)
+        super().time_out(now, answer)
 
     def clean_up(self, now: float) -> None:
         self._strays.gave_up(self.type, now)
@@ -170,10 +170,10 @@ class UploadPlan(Transfer[Plan]):
         self.stage, self._due, self._probing = Stage.SENDING, seq, False
         if seq > self._furthest:
             self._furthest = seq
-            self.moved(now, seq, len(self.plan))
+            self.report_progress(now, seq, len(self.plan))
         if self._is_on_its_way(seq, now):
             self.tries, self.sent_at = 1, self._sent_times[seq]
-            self.timeout = self.sent_at + self._round_trip.timeout()
+            self.timer = self.sent_at + self._round_trip.timeout()
         elif seq not in self._queue:
             self._queue.append(seq)
 
@@ -189,7 +189,7 @@ class UploadPlan(Transfer[Plan]):
         if result == _Result.ACCEPTED:
             if self._was_last_sent() or (not self.plan.items and not plan_id):
                 self.answered(now)
-                self.moved(now, len(self.plan), len(self.plan))
+                self.report_progress(now, len(self.plan), len(self.plan))
                 self.finish(self.plan.with_id(plan_id))
         elif result == _Result.INVALID_SEQUENCE:
             return  # it has that item, and asks for another or will
@@ -230,9 +230,9 @@ class UploadPlan(Transfer[Plan]):
         self._queue = deque([self._due])
 
     def _verify(self, now: float) -> None:
-        self.stage, self.timeout = Stage.VERIFYING, None
-        self._patience = VERIFY_PATIENCE
-        self.moved(now)
+        self.stage, self.timer = Stage.VERIFYING, None
+        self._idle_timeout = VERIFY_IDLE_TIMEOUT
+        self.report_progress(now)
         self.begin(DownloadPlan(self.type), now)
 
     def _again(self, now: float) -> None:
@@ -243,5 +243,5 @@ class UploadPlan(Transfer[Plan]):
             return
         self.tries = 0
         self._begin_round()
-        self.moved(now)
+        self.report_progress(now)
         self._count(now)

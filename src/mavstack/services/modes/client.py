@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 #: How long to wait for the first HEARTBEAT, and for one that tells the new mode.
-HEARTBEAT_PATIENCE = 5.0
-ENTER_PATIENCE = 10.0
-COMMAND_LIMIT = 30.0
+HEARTBEAT_TIMEOUT = 5.0
+MODE_CHANGE_TIMEOUT = 10.0
+COMMAND_TIMEOUT = 30.0
 #: How often the message SET_MODE is sent while nothing confirms it, and CURRENT_MODE asked for.
 REPEAT_INTERVAL = 1.0
 #: How long after the last AVAILABLE_MODES the gaps are asked for.
@@ -53,13 +53,13 @@ class Until(Operation[None]):
 
     def __init__(
         self,
-        request: str,
+        description: str,
         holds: Callable[[], bool],
         *,
-        patience: float,
+        idle_timeout: float,
         meanwhile: Callable[[], None] | None = None,
     ) -> None:
-        super().__init__(request, patience=patience)
+        super().__init__(description, idle_timeout=idle_timeout)
         self._holds = holds
         self._meanwhile = meanwhile
 
@@ -76,7 +76,7 @@ class Until(Operation[None]):
         elif self._meanwhile is not None:
             self._meanwhile()
             self.attempts += 1
-            self.timeout = now + REPEAT_INTERVAL
+            self.timer = now + REPEAT_INTERVAL
 
 
 class _ModeProcedure(Procedure[Result]):
@@ -84,8 +84,8 @@ class _ModeProcedure(Procedure[Result]):
 
     handles = message_ids(common.Heartbeat, common.CurrentMode)
 
-    def __init__(self, request: str, *, limit: float | None) -> None:
-        super().__init__(request, limit=limit)
+    def __init__(self, description: str, *, timeout: float | None) -> None:
+        super().__init__(description, timeout=timeout)
         self.heartbeat: common.Heartbeat | None = None
         self.current: common.CurrentMode | None = None
 
@@ -100,11 +100,11 @@ class _ModeProcedure(Procedure[Result]):
         self,
         holds: Callable[[], bool],
         *,
-        patience: float = ENTER_PATIENCE,
+        idle_timeout: float = MODE_CHANGE_TIMEOUT,
         meanwhile: Callable[[], None] | None = None,
     ) -> Until:
         """A step that waits for what HEARTBEAT or CURRENT_MODE tell."""
-        return Until(self.request, holds, patience=patience, meanwhile=meanwhile)
+        return Until(self.description, holds, idle_timeout=idle_timeout, meanwhile=meanwhile)
 
     def entered(self, custom_mode: int) -> bool:
         """Whether the last HEARTBEAT tells that mode."""
@@ -114,9 +114,11 @@ class _ModeProcedure(Procedure[Result]):
     def first_heartbeat(self) -> Generator[Operation[Any], Any, common.Heartbeat]:
         """Steps: know what the vehicle is."""
         try:
-            yield self.until(lambda: self.heartbeat is not None, patience=HEARTBEAT_PATIENCE)
+            yield self.until(lambda: self.heartbeat is not None, idle_timeout=HEARTBEAT_TIMEOUT)
         except ModeTimeout:
-            raise ModeTimeout(self.request, str(self.target), answer="no HEARTBEAT of an autopilot") from None
+            raise ModeTimeout(
+                self.description, str(self.target), answer="no HEARTBEAT of an autopilot"
+            ) from None
         assert self.heartbeat is not None  # noqa: S101 (what was waited for)
         return self.heartbeat
 
@@ -131,14 +133,14 @@ class _ModeProcedure(Procedure[Result]):
         heartbeat = self.heartbeat
         name = "nothing" if heartbeat is None else name_in(heartbeat)
         answer = f"accepted, but not entered: the vehicle tells {name}"
-        return ModeTimeout(self.request, str(self.target), attempts=self.attempts, answer=answer)
+        return ModeTimeout(self.description, str(self.target), attempts=self.attempts, answer=answer)
 
 
 class SetMode(_ModeProcedure[int]):
     """Enter a mode, by its name or its `custom_mode`; the result is the `custom_mode` that was entered."""
 
-    def __init__(self, mode: str | int, *, limit: float | None = 60.0) -> None:
-        super().__init__(f"mode {mode}", limit=limit)
+    def __init__(self, mode: str | int, *, timeout: float | None = 60.0) -> None:
+        super().__init__(f"setting mode {mode} on", timeout=timeout)
         self.mode = mode
 
     def steps(self) -> Generator[Operation[Any], Any, int]:
@@ -148,7 +150,7 @@ class SetMode(_ModeProcedure[int]):
             wanted = yield from self._number(wanted, heartbeat)
         self.heartbeat = None  # what was told before the command proves nothing
         try:
-            yield CommandOperation(_command(wanted, heartbeat), limit=COMMAND_LIMIT)
+            yield CommandOperation(_command(wanted, heartbeat), timeout=COMMAND_TIMEOUT)
         except (CommandDenied, CommandTimeout) as error:
             yield from self._old_way(wanted, heartbeat, error)
         else:
@@ -171,7 +173,7 @@ class SetMode(_ModeProcedure[int]):
         told = [mode.name for mode in listed] or known
         names = ", ".join(dict.fromkeys(told)) or "none that is known"
         raise RemoteDenied(
-            self.request,
+            self.description,
             str(self.target),
             answer=f"there is no such mode; it has {names}",
             code=common.MavResult.DENIED,
@@ -195,8 +197,8 @@ class SetMode(_ModeProcedure[int]):
 class SetStandardMode(_ModeProcedure[int]):
     """Enter a standard mode (MAV_STANDARD_MODE); the result is its `custom_mode` on this vehicle."""
 
-    def __init__(self, standard_mode: int, *, limit: float | None = 60.0) -> None:
-        super().__init__(f"standard mode {_standard_name(standard_mode)}", limit=limit)
+    def __init__(self, standard_mode: int, *, timeout: float | None = 60.0) -> None:
+        super().__init__(f"setting standard mode {_standard_name(standard_mode)} on", timeout=timeout)
         self.standard_mode = int(standard_mode)
 
     def steps(self) -> Generator[Operation[Any], Any, int]:
@@ -205,7 +207,7 @@ class SetStandardMode(_ModeProcedure[int]):
         self.current = None
         for _ in range(3):
             try:
-                yield self.until(self._in_it, patience=3.0)
+                yield self.until(self._in_it, idle_timeout=3.0)
             except ModeTimeout:
                 yield from self._ask()
             else:
@@ -218,7 +220,7 @@ class SetStandardMode(_ModeProcedure[int]):
     def _ask(self) -> Generator[Operation[Any], Any, None]:
         try:
             yield CommandOperation(
-                Command(common.MavCmd.REQUEST_MESSAGE, param1=float(_CURRENT_MODE_ID)), limit=5.0
+                Command(common.MavCmd.REQUEST_MESSAGE, param1=float(_CURRENT_MODE_ID)), timeout=5.0
             )
         except (CommandDenied, CommandTimeout):
             return  # it may still be streamed
@@ -232,8 +234,8 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
 
     handles = message_ids(common.AvailableModes, common.AvailableModesMonitor)
 
-    def __init__(self, *, limit: float | None = 60.0) -> None:
-        super().__init__("the list of modes", limit=limit)
+    def __init__(self, *, timeout: float | None = 60.0) -> None:
+        super().__init__("listing the modes of", timeout=timeout)
         self._found: dict[int, AvailableMode] = {}
         self._total = 0
         self._sequence: int | None = None
@@ -249,7 +251,7 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
                 if index == 0 or index not in self._found:
                     yield self._request(index)
         answer = f"{len(self._found)} of {self._total or 'unknown'} modes came"
-        raise ModeTimeout(self.request, str(self.target), attempts=self.attempts, answer=answer)
+        raise ModeTimeout(self.description, str(self.target), attempts=self.attempts, answer=answer)
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
@@ -268,14 +270,14 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
         self._total = total
         self._found[index] = mode
         self._heard_at = now
-        self.moved(now, len(self._found), total)
+        self.report_progress(now, len(self._found), total)
 
     def _wait_until_quiet(self) -> Generator[Operation[Any], Any, None]:
         """Steps: wait while messages come in, no longer than they do."""
         while not self._complete():
             before = self._heard_at
             try:
-                yield Until(self.request, self._complete, patience=LISTING_QUIET)
+                yield Until(self.description, self._complete, idle_timeout=LISTING_QUIET)
             except ModeTimeout:
                 if self._heard_at == before:
                     return

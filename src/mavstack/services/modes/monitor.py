@@ -36,7 +36,7 @@ class ModeMonitor(Service):
 
     def __init__(self, local: Address, target: Address) -> None:
         super().__init__(local)
-        self.target = self.hears = target
+        self.target = self.source_filter = target
         self.custom_mode: int | None = None
         self.standard_mode: int | None = None
         self.intended: int | None = None
@@ -70,10 +70,10 @@ class ModeMonitor(Service):
     def _is_in(self, custom_mode: int) -> None:
         if custom_mode != self.custom_mode:
             self.custom_mode = custom_mode
-            self.tell(ModeSeen(custom_mode, self.name))
+            self.emit(ModeSeen(custom_mode, self.name))
 
     def _has_set(self, sequence: int) -> None:
         # The first set is 0, and is not told until it changes.
         if sequence != self._sequence:
             self._sequence = sequence
-            self.tell(ModesOutdated(sequence))
+            self.emit(ModesOutdated(sequence))

@@ -219,7 +219,7 @@ class ModeServer(Service):
         return common.MavResult.ACCEPTED
 
     def _refuse(self, custom_mode: int, source: Address, reason: str) -> common.MavResult:
-        self.tell(ModeRefused(custom_mode, source, reason))
+        self.emit(ModeRefused(custom_mode, source, reason))
         text = f"{self._refusal}{reason}".encode()[:_STATUSTEXT_BYTES].decode(errors="ignore")
         self.send(common.Statustext(severity=common.MavSeverity.WARNING, text=text), source)
         return common.MavResult.FAILED
@@ -227,7 +227,7 @@ class ModeServer(Service):
     def _change(self, mode: AvailableMode, source: Address | None, now: float) -> None:
         previous, self._current = self._current, mode
         if previous != mode:
-            self.tell(ModeChanged(mode, previous, source))
+            self.emit(ModeChanged(mode, previous, source))
             self._current_due = now
             self.handle_timeout(now)
 

@@ -22,7 +22,7 @@ Result = TypeVar("Result")
 ATTEMPTS = 6
 #: So many answers with another value say that the component keeps it.
 REFUSALS = 3
-PATIENCE = 30.0
+IDLE_TIMEOUT = 30.0
 
 
 class Asking(Operation[Result]):
@@ -30,8 +30,8 @@ class Asking(Operation[Result]):
 
     timeout_error = ParameterTimeout
 
-    def __init__(self, request: str, *, limit: float | None = None) -> None:
-        super().__init__(request, limit=limit, patience=PATIENCE)
+    def __init__(self, description: str, *, timeout: float | None = None) -> None:
+        super().__init__(description, timeout=timeout, idle_timeout=IDLE_TIMEOUT)
         self._sent_at = 0.0
         self._silent = 0  # attempts in a row without any answer
 
@@ -49,7 +49,7 @@ class Asking(Operation[Result]):
 
     def handle_timeout(self, now: float) -> None:
         if self.attempts >= ATTEMPTS:
-            self.give_up(now)
+            self.time_out(now)
         else:
             self._silent += 1
             self.transmit(now)
@@ -59,7 +59,7 @@ class Asking(Operation[Result]):
         self.send_request()
         self.attempts += 1
         self._sent_at = now
-        self.timeout = now + self.round_trip.timeout(self._silent + 1)
+        self.timer = now + self.round_trip.timeout(self._silent + 1)
 
     def answered(self, now: float) -> None:
         """An answer came; an only request measures the round trip."""
@@ -70,8 +70,8 @@ class Asking(Operation[Result]):
 class Setting(Asking[Result]):
     """Sets one parameter; begins by asking for its type, if that is not known."""
 
-    def __init__(self, name: str, kind: int | None, text: str, *, limit: float | None = None) -> None:
-        super().__init__(f"{name} = {text}", limit=limit)
+    def __init__(self, name: str, kind: int | None, text: str, *, timeout: float | None = None) -> None:
+        super().__init__(f"setting parameter {name} to {text} on", timeout=timeout)
         self.name = name
         self._kind = kind
         self._refusals = 0
@@ -103,5 +103,5 @@ class Setting(Asking[Result]):
             self.fail(child.error)
         else:
             self._kind = child.result().type
-            self.moved(now)
+            self.report_progress(now)
             self.begin_setting(now)

@@ -131,35 +131,42 @@ class ParameterClient(Client):
 
     # What is asked
 
-    def read(self, which: str | int, now: float, *, limit: float | None = None) -> ReadParameter:
+    def read(self, which: str | int, now: float, *, timeout: float | None = None) -> ReadParameter:
         """Ask for one parameter, by name or index; its result is the `Parameter`."""
         if isinstance(which, str):
             name_field(which)
         elif not 0 <= which < 32768:
             raise LocalProtocolError(f"no parameter can be asked for by index {which}")
-        return self.begin(ReadParameter(which, limit=limit), now)
+        return self.begin(ReadParameter(which, timeout=timeout), now)
 
     def set(
-        self, name: str, value: Value, now: float, *, kind: int | None = None, limit: float | None = None
+        self, name: str, value: Value, now: float, *, kind: int | None = None, timeout: float | None = None
     ) -> SetParameter:
         """Set a parameter and see it read back; its result is the `Parameter` as it is now.
 
         The type is that which the component told; if it told none yet, and `kind` gives none, it is asked.
         """
-        return self.begin(SetParameter(name_field(name), value, kind, limit=limit), now)
+        return self.begin(SetParameter(name_field(name), value, kind, timeout=timeout), now)
 
     def fetch_all(
-        self, now: float, *, known: Snapshot | None = None, limit: float | None = None, patience: float = 10.0
+        self,
+        now: float,
+        *,
+        known: Snapshot | None = None,
+        timeout: float | None = None,
+        idle_timeout: float = 10.0,
     ) -> ListParameters:
         """Fetch the whole set; its result are the parameters by name, in the order of their table.
 
         If the component tells the hash of a `known` set, that is the result, and nothing is transferred.
         """
-        return self.begin(ListParameters(self.round_trip, known, limit=limit, patience=patience), now)
+        return self.begin(
+            ListParameters(self.round_trip, known, timeout=timeout, idle_timeout=idle_timeout), now
+        )
 
-    def read_hash(self, now: float, *, limit: float | None = None) -> ReadHash:
+    def read_hash(self, now: float, *, timeout: float | None = None) -> ReadHash:
         """Ask for the hash of all parameters, which PX4 knows; its result is the number."""
-        return self.begin(ReadHash(limit=limit), now)
+        return self.begin(ReadHash(timeout=timeout), now)
 
     def take_packed(self, data: bytes, now: float, *, begun: float | None = None, start: int = 0) -> bool:
         """Take in a downloaded packed file; False if it is damaged.
@@ -189,7 +196,7 @@ class ParameterClient(Client):
             return isinstance(running, SetParameter) and new.name == running.name
         return isinstance(new, ListParameters) and isinstance(running, ListParameters)
 
-    def notice(self, packet: Packet, now: float) -> None:
+    def observe(self, packet: Packet, now: float) -> None:
         self.heard = None
         match packet.message:
             case common.ParamValue(param_id=name) as message if name == HASH_NAME:
@@ -216,7 +223,7 @@ class ParameterClient(Client):
 
     def say_rounded(self, name: str, asked: Value, sent: Value) -> None:
         """Tell the program that a value lost digits."""
-        self.tell(ParameterRounded(name, asked, sent))
+        self.emit(ParameterRounded(name, asked, sent))
 
     def _learn(self, parameter: Parameter, now: float) -> None:
         name = parameter.name
@@ -228,7 +235,7 @@ class ParameterClient(Client):
         if previous is None or not _alike(parameter, previous):
             if previous is not None:
                 self.told_hash = None  # it was told for the values before
-            self.tell(ParameterChanged(parameter, previous))
+            self.emit(ParameterChanged(parameter, previous))
 
 
 def _alike(one: Parameter, other: Parameter) -> bool:

@@ -46,9 +46,14 @@ class Listing(Operation[Result]):
     timeout_error = ParameterTimeout
 
     def __init__(
-        self, request: str, round_trip: RoundTrip, *, limit: float | None = None, patience: float = 10.0
+        self,
+        description: str,
+        round_trip: RoundTrip,
+        *,
+        timeout: float | None = None,
+        idle_timeout: float = 10.0,
     ) -> None:
-        super().__init__(request, limit=limit, patience=patience)
+        super().__init__(description, timeout=timeout, idle_timeout=idle_timeout)
         self.round_trip = round_trip
         self._gaps = Gaps(round_trip, 0.0)
         self._names: dict[int, str] = {}
@@ -91,7 +96,7 @@ class Listing(Operation[Result]):
         first = not self._gaps.received
         if self._gaps.take(index, now):
             self._names[index], self._places[name] = name, index
-            self.moved(now, len(self._gaps.received), self._gaps.total)
+            self.report_progress(now, len(self._gaps.received), self._gaps.total)
         if first and self.attempts == 1:
             self.round_trip.measured(now - self._list_asked_at)
         self._list_due = None
@@ -132,10 +137,10 @@ class Listing(Operation[Result]):
             self._arm()
             yield Outgoing(self.entry_request(index), self.target)
 
-    def give_up(self, now: float, answer: str = "no answer") -> None:
+    def time_out(self, now: float, answer: str = "no answer") -> None:
         if self._gaps.total:
             answer = f"{len(self._gaps.received)} of {self._gaps.total} came"
-        super().give_up(now, answer)
+        super().time_out(now, answer)
 
     def _ask_for_list(self, now: float) -> None:
         self.attempts += 1
@@ -151,7 +156,7 @@ class Listing(Operation[Result]):
             return
         self._counts += 1
         if self._counts > MOST_COUNTS:
-            super().give_up(now, "the table kept changing")
+            super().time_out(now, "the table kept changing")
             return
         if self._gaps.total:
             self._changed = True
@@ -178,7 +183,7 @@ class Listing(Operation[Result]):
         """Fetch it all again: indexes that were told before and after a change do not fit together."""
         self._restarts += 1
         if self._restarts > MOST_RESTARTS:
-            super().give_up(now, "the table kept changing")
+            super().time_out(now, "the table kept changing")
             return
         self._begin_anew(now)
         self._ask_for_list(now)
@@ -191,7 +196,7 @@ class Listing(Operation[Result]):
 
     def _arm(self) -> None:
         if not self.done:
-            self.timeout = earliest(self._list_due, self._gaps.next_timeout())
+            self.timer = earliest(self._list_due, self._gaps.next_timeout())
 
 
 def denied(operation: Operation[Result], error: int, answer: str = "") -> ParameterDenied:
@@ -201,7 +206,7 @@ def denied(operation: Operation[Result], error: int, answer: str = "") -> Parame
     except ValueError:
         reason = f"error {error}"
     return ParameterDenied(
-        operation.request,
+        operation.description,
         str(operation.target),
         attempts=operation.attempts,
         answer=answer or reason,

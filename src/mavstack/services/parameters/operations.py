@@ -83,8 +83,8 @@ class ParameterOperation(Asking[Result]):
 class ReadParameter(ParameterOperation[Parameter]):
     """Asks for one parameter by name or index."""
 
-    def __init__(self, which: str | int, *, limit: float | None = None) -> None:
-        super().__init__(f"parameter {which}", limit=limit)
+    def __init__(self, which: str | int, *, timeout: float | None = None) -> None:
+        super().__init__(f"reading parameter {which} of", timeout=timeout)
         self.which = which
 
     def send_request(self) -> None:
@@ -110,8 +110,8 @@ class ReadParameter(ParameterOperation[Parameter]):
 class SetParameter(Setting[Parameter], ParameterOperation[Parameter]):
     """Sets one parameter and reads it back."""
 
-    def __init__(self, name: str, value: Value, kind: int | None, *, limit: float | None = None) -> None:
-        super().__init__(name, kind, shortest(value), limit=limit)
+    def __init__(self, name: str, value: Value, kind: int | None, *, timeout: float | None = None) -> None:
+        super().__init__(name, kind, shortest(value), timeout=timeout)
         self._asked = value
         self._wanted: Value | None = None
         self._kept: Parameter | None = None
@@ -182,8 +182,8 @@ class SetParameter(Setting[Parameter], ParameterOperation[Parameter]):
 class ReadHash(ParameterOperation[int]):
     """Asks for the hash of all parameters."""
 
-    def __init__(self, *, limit: float | None = None) -> None:
-        super().__init__("the hash of all parameters", limit=limit)
+    def __init__(self, *, timeout: float | None = None) -> None:
+        super().__init__("reading the parameter hash of", timeout=timeout)
 
     def send_request(self) -> None:
         self.send(read_request(self.target.system, self.target.component, HASH_NAME))
@@ -208,10 +208,12 @@ class ListParameters(Listing["dict[str, Parameter]"]):
         round_trip: RoundTrip,
         known: Snapshot | None = None,
         *,
-        limit: float | None = None,
-        patience: float = 10.0,
+        timeout: float | None = None,
+        idle_timeout: float = 10.0,
     ) -> None:
-        super().__init__("all parameters", round_trip, limit=limit, patience=patience)
+        super().__init__(
+            "downloading the parameters of", round_trip, timeout=timeout, idle_timeout=idle_timeout
+        )
         self._known = known
         self._hashes: set[int] = set()
         if known is not None:

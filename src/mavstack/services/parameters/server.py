@@ -250,7 +250,7 @@ class ParameterServer(Service):
         definition.value = previous if held is None else held
         self.send(self._value_message(definition.name), EVERYBODY)
         if not same(previous, definition.value):
-            self.tell(ParameterWritten(self.table.parameter(definition.name), previous, source))
+            self.emit(ParameterWritten(self.table.parameter(definition.name), previous, source))
 
     def _type_error(
         self, definition: ParameterDefinition, message: common.ParamSet

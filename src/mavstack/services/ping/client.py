@@ -25,7 +25,7 @@ class PingOperation(Operation[PingStatistics]):
     """Several pings; it ends when `enough` came back, or fails if none did."""
 
     def __init__(self, first: int, count: int, interval: float, enough: int, wait: float) -> None:
-        super().__init__("PING", patience=count * interval + wait + 1.0)
+        super().__init__("pinging", idle_timeout=count * interval + wait + 1.0)
         self._next = first
         self._count, self._interval, self._enough, self._wait = count, interval, enough, wait
         self._outstanding: dict[int, tuple[int, float]] = {}  # number: what was said, when it was sent
@@ -47,14 +47,14 @@ class PingOperation(Operation[PingStatistics]):
         elif self._round_trips:
             self._end()
         else:
-            self.give_up(now)
+            self.time_out(now)
 
     def _transmit(self, now: float) -> None:
         number, stamp = self._next, round(now * 1e6)
         self._next = (self._next + 1) % SEQUENCES
         self._outstanding[number] = stamp, now
         self.attempts += 1
-        self.timeout = now + (self._interval if self.attempts < self._count else self._wait)
+        self.timer = now + (self._interval if self.attempts < self._count else self._wait)
         self.send(common.Ping(time_usec=stamp, seq=number))
 
     def _answer(self, number: int, stamp: int, now: float) -> None:
@@ -64,7 +64,7 @@ class PingOperation(Operation[PingStatistics]):
             sent_at = self._outstanding.pop(number)[1]
             self._answered.add(number)
             self._round_trips.append(now - sent_at)
-            self.moved(now, len(self._round_trips), self._count)
+            self.report_progress(now, len(self._round_trips), self._count)
             if len(self._round_trips) >= self._enough:
                 self._end()
 

@@ -74,7 +74,7 @@ class ShellClient(Service):
         poll: float | None = None,
     ) -> None:
         super().__init__(local)
-        self.target = self.hears = target
+        self.target = self.source_filter = target
         self.device = int(device)
         self._baudrate = baudrate
         self._flags = RESPOND | MULTI | (EXCLUSIVE if exclusive else 0)
@@ -133,7 +133,7 @@ class ShellClient(Service):
                     return
                 self._openings_left = 0
                 if data and not self._arrivals.is_copy(packet, now):
-                    self.tell(ShellOutput(data, self._arrivals.is_late(packet, now)))
+                    self.emit(ShellOutput(data, self._arrivals.is_late(packet, now)))
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
         while self._waiting and has_room(self.target, Priority.STREAM):
@@ -143,7 +143,7 @@ class ShellClient(Service):
             self._closings_left -= 1
             self._due = now + CLOSE_INTERVAL if self._closings_left else None
             if not self._closings_left:
-                self.tell(ShellReleased())
+                self.emit(ShellReleased())
 
     def next_timeout(self) -> float | None:
         # While it closes, what still waits goes first: then room is awaited, not a time.

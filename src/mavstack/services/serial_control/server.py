@@ -1,7 +1,7 @@
 """Offering a shell, or a serial port, to the other side of the link (SERIAL_CONTROL).
 
 Whoever asks for responses owns it: what the program `feed`s goes there. With EXCLUSIVE nobody else gets it
-until the owner lets go by a message without RESPOND, or has been silent for `patience` seconds and another
+until the owner lets go by a message without RESPOND, or has been silent for `idle_timeout` seconds and another
 one asks. Input that comes twice is told once.
 """
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from mavstack.services.service import HasRoom
     from mavstack.wire import Packet
 
-PATIENCE = 30.0
+IDLE_TIMEOUT = 30.0
 #: Output that waits for room; beyond it the oldest is dropped, and counted.
 MOST_WAITING = 64 * 1024
 MOST_SOURCES = 32
@@ -73,12 +73,12 @@ class ShellServer(Service):
 
     handles = message_ids(common.SerialControl)
 
-    def __init__(self, local: Address, device: int = SHELL, *, patience: float = PATIENCE) -> None:
+    def __init__(self, local: Address, device: int = SHELL, *, idle_timeout: float = IDLE_TIMEOUT) -> None:
         super().__init__(local)
         self.device = int(device)
         self.refused = 0
         self.dropped = 0
-        self._patience = patience
+        self._idle_timeout = idle_timeout
         self._owner: _Owner | None = None
         self._output: deque[bytes] = deque()
         self._waiting = 0
@@ -103,7 +103,7 @@ class ShellServer(Service):
     def close(self) -> None:
         """The program ends the shell; output that still waits is not sent."""
         if self._owner is not None:
-            self.tell(ShellClosed(self._owner.address))
+            self.emit(ShellClosed(self._owner.address))
             self._owner = None
             self._output.clear()
             self._waiting = 0
@@ -136,7 +136,7 @@ class ShellServer(Service):
         if responds:
             self._own(source, serial, now)
         if data:
-            self.tell(ShellInput(source, data, late))
+            self.emit(ShellInput(source, data, late))
         if not responds and source == self.owner:
             self.close()
 
@@ -144,7 +144,7 @@ class ShellServer(Service):
         owner = self._owner
         if owner is None or owner.address == source or not owner.exclusive:
             return True
-        return now - owner.heard_at >= self._patience
+        return now - owner.heard_at >= self._idle_timeout
 
     def _own(self, source: Address, serial: common.SerialControl, now: float) -> None:
         exclusive = bool(serial.flags & EXCLUSIVE)
@@ -153,7 +153,7 @@ class ShellServer(Service):
             return
         self.close()
         self._owner = _Owner(source, exclusive, now)
-        self.tell(ShellOpened(source, serial.baudrate))
+        self.emit(ShellOpened(source, serial.baudrate))
 
     def _arrivals_of(self, source: Address) -> Arrivals:
         arrivals = self._arrivals.setdefault(source, Arrivals())

@@ -101,7 +101,7 @@ class SetpointReceiver(Service):
         for source, stream in tuple(self._streams.items()):
             if now >= stream.heard_at + self._timeout:
                 del self._streams[source]
-                self.tell(SetpointsStarved(source, stream.setpoint))
+                self.emit(SetpointsStarved(source, stream.setpoint))
 
     def _take(self, source: Address, setpoint: Setpoint, time_boot_ms: int, now: float) -> None:
         stream = self._streams.get(source)
@@ -115,7 +115,7 @@ class SetpointReceiver(Service):
             return
         else:
             stream.setpoint, stream.time_boot_ms, stream.heard_at = setpoint, time_boot_ms, now
-        self.tell(SetpointReceived(source, setpoint))
+        self.emit(SetpointReceived(source, setpoint))
 
 
 def _read(packet: Packet) -> Setpoint | None:

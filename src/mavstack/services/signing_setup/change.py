@@ -90,15 +90,15 @@ def signed_with(packet: Packet, key: SigningKey | None, now: float) -> bool:
 class KeyChange:
     """The client's view of a change: how the target speaks, and whether that is its last word."""
 
-    def __init__(self, peer: Address, new: SigningKey | None, tell: Callable[[Event], None]) -> None:
+    def __init__(self, peer: Address, new: SigningKey | None, emit: Callable[[Event], None]) -> None:
         self.new = new
         self.speaks_new = False
         self._unclear = 0
         self.settled: bool | None = None
         self.asked_at: float | None = None
         self._peer = peer
-        self._tell = tell
-        tell(ListenForKey(peer, new))
+        self._emit = emit
+        emit(ListenForKey(peer, new))
 
     def heard(self, packet: Packet, now: float) -> None:
         """Take in a packet of the target."""
@@ -107,7 +107,7 @@ class KeyChange:
             return
         if is_new != self.speaks_new:
             self.speaks_new = is_new
-            self._tell(UseNewKey(self._peer) if is_new else UseOldKey(self._peer))
+            self._emit(UseNewKey(self._peer) if is_new else UseOldKey(self._peer))
         quiet = self.asked_at is not None and now >= self.asked_at + QUIET
         if quiet or (self.asked_at is None and is_new):
             self.settle()
@@ -121,4 +121,4 @@ class KeyChange:
         """What is spoken now is the last word."""
         if self.settled is None:
             self.settled = self.speaks_new
-            self._tell(KeySettled(self._peer, self.new, self.settled))
+            self._emit(KeySettled(self._peer, self.new, self.settled))

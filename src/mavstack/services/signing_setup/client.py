@@ -38,9 +38,11 @@ _MOST_PROOFS = 64
 class SetUpSigning(Operation[None]):
     """Make the target sign with a key, or not sign if there is none."""
 
-    def __init__(self, key: SigningKey | None, *, limit: float | None = LIMIT) -> None:
+    def __init__(self, key: SigningKey | None, *, timeout: float | None = LIMIT) -> None:
         super().__init__(
-            "no signing" if key is None else "signing with a new key", limit=limit, patience=LIMIT
+            "turning signing off on" if key is None else "setting a signing key on",
+            timeout=timeout,
+            idle_timeout=LIMIT,
         )
         if key is not None and key.secret_bytes() == NO_KEY:
             raise SigningError("a key of zeros stands for no signing; give None")
@@ -53,7 +55,7 @@ class SetUpSigning(Operation[None]):
         self.handle_timeout(now)
 
     def handle_timeout(self, now: float) -> None:
-        self.timeout = now + INTERVAL
+        self.timer = now + INTERVAL
         change = self._change
         if change is None:
             self._send_timesync(now)
@@ -72,7 +74,7 @@ class SetUpSigning(Operation[None]):
             if change is None:
                 return
             change.heard(packet, now)
-            self.timeout = now
+            self.timer = now
         if not change.speaks_new:
             self._proofs.clear()
         match packet.message:
@@ -85,7 +87,7 @@ class SetUpSigning(Operation[None]):
             self.finish(None)
         elif change.settled is False:
             answer = "it goes on as before"
-            self.fail(RemoteDenied(self.request, str(self.target), attempts=self.attempts, answer=answer))
+            self.fail(RemoteDenied(self.description, str(self.target), attempts=self.attempts, answer=answer))
 
     def _ask(self, change: KeyChange, now: float) -> None:
         if change.asked_at is None:
@@ -117,7 +119,7 @@ class SetUpSigning(Operation[None]):
     def _client_of_keys(self) -> SigningSetupClient:
         client = self.client
         if not isinstance(client, SigningSetupClient):
-            raise LocalProtocolError(f"{self.request} belongs to a SigningSetupClient")
+            raise LocalProtocolError(f"{self.description} belongs to a SigningSetupClient")
         return client
 
 
@@ -137,20 +139,20 @@ class SigningSetupClient(Client):
         """Whether a change is open: it is not known yet how the target goes on."""
         return self._change is not None and self._change.settled is None
 
-    def install(self, key: SigningKey | None, now: float, *, limit: float | None = LIMIT) -> SetUpSigning:
+    def install(self, key: SigningKey | None, now: float, *, timeout: float | None = LIMIT) -> SetUpSigning:
         """Make the target sign with a key, or, without one, not sign."""
-        return self.begin(SetUpSigning(key, limit=limit), now)
+        return self.begin(SetUpSigning(key, timeout=timeout), now)
 
     def begin_change(self, new: SigningKey | None) -> KeyChange | None:
         """Open a change of keys; None while another is open."""
         if self.changing:
             return None
-        self._change = KeyChange(self.target, new, self.tell)
+        self._change = KeyChange(self.target, new, self.emit)
         return self._change
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         return True
 
-    def notice(self, packet: Packet, now: float) -> None:
+    def observe(self, packet: Packet, now: float) -> None:
         if self._change is not None and self._change.settled is None:
             self._change.heard(packet, now)

@@ -108,7 +108,7 @@ class SigningSetupServer(Service):
 
     def handle_timeout(self, now: float) -> None:
         if self._trial is not None and now >= self._trial.ends_at:
-            self.tell(UseOldKey(self._trial.source))
+            self.emit(UseOldKey(self._trial.source))
             self._settle(changed=False)
 
     def _asked(self, message: common.SetupSigning, request: SigningRequest, now: float) -> None:
@@ -127,21 +127,21 @@ class SigningSetupServer(Service):
             self._refuse(request, reason)
             return
         if self._trial is not None:
-            self.tell(UseOldKey(self._trial.source))
+            self.emit(UseOldKey(self._trial.source))
             self._settle(changed=False)
         self._newest = message.initial_timestamp or self._newest
         self._trial = _Trial(key, request.source, now + TRIAL)
-        self.tell(ListenForKey(request.source, key, message.initial_timestamp))
-        self.tell(UseNewKey(request.source))
+        self.emit(ListenForKey(request.source, key, message.initial_timestamp))
+        self.emit(UseNewKey(request.source))
 
     def _settle(self, *, changed: bool) -> None:
         trial, self._trial = self._trial, None
         if trial is not None:
             self.key = trial.key if changed else self.key
-            self.tell(KeySettled(trial.source, trial.key, changed))
+            self.emit(KeySettled(trial.source, trial.key, changed))
 
     def _refuse(self, request: SigningRequest, reason: str) -> None:
-        self.tell(SigningRefused(request, reason))
+        self.emit(SigningRefused(request, reason))
         text = f"Signing setup refused: {reason}".encode()[:_STATUSTEXT_BYTES].decode(errors="ignore")
         self.send(common.Statustext(severity=common.MavSeverity.WARNING, text=text), request.source)
 

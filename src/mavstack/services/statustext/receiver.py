@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: What stands for missing chunks.
 GAP = "[...]"
 #: How long a text waits for its missing chunks after the last one that came, in seconds.
-PATIENCE = 2.0
+CHUNK_TIMEOUT = 2.0
 #: For so long a chunk of a text already told is known as a copy.
 MEMORY = 5.0
 MOST_TEXTS = 64
@@ -121,7 +121,7 @@ class StatustextReceiver(Service):
         if len(self._singles) > MOST_REMEMBERED:
             self._singles.popitem(last=False)
         if before is None or now - before > DOUBLED_WITHIN:
-            self.tell(StatusText(source, severity, chunk.decode("utf-8", "replace")))
+            self.emit(StatusText(source, severity, chunk.decode("utf-8", "replace")))
 
     def _chunk(self, key: _Key, severity: int, index: int, chunk: bytes, now: float) -> None:
         text = self._open.get(key)
@@ -134,7 +134,7 @@ class StatustextReceiver(Service):
         if text is None:
             text = self._open[key] = _Text(severity, now)
         text.chunks[index] = chunk
-        text.due = now + PATIENCE
+        text.due = now + CHUNK_TIMEOUT
         if text.complete:
             self._close(key, now)
         elif len(self._open) > MOST_TEXTS:
@@ -151,7 +151,7 @@ class StatustextReceiver(Service):
 
     def _close(self, key: _Key, now: float) -> None:
         text = self._open.pop(key)
-        self.tell(StatusText(key.source, text.severity, text.joined(), text.complete))
+        self.emit(StatusText(key.source, text.severity, text.joined(), text.complete))
         text.due = now + MEMORY
         self._told[key] = text
         self._told.move_to_end(key)

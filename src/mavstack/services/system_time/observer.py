@@ -78,9 +78,9 @@ class SystemTimeObserver(Service):
             self._clocks.popitem(last=False)
         if clock.reboot.observe(boot_ms, now):
             clock.unix_time = None
-            self.tell(Rebooted(source))
+            self.emit(Rebooted(source))
         clock.since_boot, clock.heard_at = boot_ms / 1000, now
         if unix_time >= LEAST_UNIX_TIME:
             if clock.unix_time is None:
-                self.tell(UnixTimeKnown(source, unix_time))
+                self.emit(UnixTimeKnown(source, unix_time))
             clock.unix_time = unix_time

@@ -56,7 +56,7 @@ class TimesyncClient(Service):
         clock: Callable[[float], int] = unix_nanoseconds,
     ) -> None:
         super().__init__(local)
-        self.target = self.hears = target
+        self.target = self.source_filter = target
         #: Whether the target answers to us alone; False if it speaks the first version of the protocol.
         self.addressed: bool | None = None
         self._interval = interval
@@ -116,4 +116,4 @@ class TimesyncClient(Service):
         jumped = self._estimator.add(offset, round_trip)
         known = self.estimate
         if known is not None:
-            self.tell(TimeOffsetChanged(known, jumped))
+            self.emit(TimeOffsetChanged(known, jumped))

@@ -20,8 +20,8 @@ class RequestAutopilotVersion(Procedure[AutopilotVersion]):
 
     timeout_error = MessageTimeout
 
-    def __init__(self, *, limit: float | None = None) -> None:
-        super().__init__("AUTOPILOT_VERSION", limit=limit, patience=60.0)
+    def __init__(self, *, timeout: float | None = None) -> None:
+        super().__init__("requesting AUTOPILOT_VERSION from", timeout=timeout, idle_timeout=60.0)
 
     def steps(self) -> Generator[Operation[Any], Any, AutopilotVersion]:
         """One message."""
@@ -34,8 +34,8 @@ class RequestProtocolVersion(Procedure[ProtocolVersion]):
 
     timeout_error = MessageTimeout
 
-    def __init__(self, *, limit: float | None = None) -> None:
-        super().__init__("PROTOCOL_VERSION", limit=limit, patience=60.0)
+    def __init__(self, *, timeout: float | None = None) -> None:
+        super().__init__("requesting PROTOCOL_VERSION from", timeout=timeout, idle_timeout=60.0)
 
     def steps(self) -> Generator[Operation[Any], Any, ProtocolVersion]:
         """One message."""
