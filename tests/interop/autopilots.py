@@ -1,9 +1,8 @@
-"""Autopilots that the same tests fly: a real one if there is one, and our own simulation of each firmware.
+"""Autopilots for tests that fly both a real one and the simulation of each firmware.
 
-MAVSTACK_AUTOPILOT names the URL of a real one, such as `udpin://127.0.0.1:14550` for a SITL program that
-sends there. It has to be one that may be flown: these tests arm it. PX4's SIH and ArduPilot's SITL are flown
-in a network namespace of their own (`unshare -n sh -c 'ip link set lo up; …'`), since nothing then reaches
-others.
+The environment variable MAVSTACK_AUTOPILOT holds the URL of a real autopilot, such as `udpin://127.0.0.1:14550`
+for a SITL program that sends there. The tests arm and fly it. Run PX4's SIH and ArduPilot's SITL in a network
+namespace of their own (`unshare -n sh -c 'ip link set lo up; …'`), so that their packets reach no other host.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan
-from mavstack.vehicle.kinds import VehicleClass
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,17 +26,17 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
     from mavstack.vehicle.telemetry.values import Home
 
-#: The variable that names a real autopilot's URL.
-VARIABLE = "MAVSTACK_AUTOPILOT"
-#: How much faster than the clock the simulated ones are.
+#: The environment variable with the URL of a real autopilot.
+URL_VARIABLE = "MAVSTACK_AUTOPILOT"
+#: Simulated seconds per real second.
 SPEED = "8"
-METRES_A_DEGREE = 111_319.49
+METRES_PER_DEGREE = 111_319.49
 CMD, FRAME = common.MavCmd, common.MavFrame
 
 
 @dataclass(frozen=True)
 class Autopilot:
-    """Where one is heard, and whether it is a real one."""
+    """The URL of an autopilot, and whether it is a real one."""
 
     url: str
     is_real: bool
@@ -45,7 +44,7 @@ class Autopilot:
 
 @contextmanager
 def simulated(firmware: str, kind: str = "copter") -> Iterator[Autopilot]:
-    """`mav sim` as a process of its own, on a port that is free."""
+    """Run `mav sim` in a process of its own, on a free port."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -60,47 +59,47 @@ def simulated(firmware: str, kind: str = "copter") -> Iterator[Autopilot]:
 
 
 def real() -> str | None:
-    """The URL of the real autopilot, if there is one."""
-    return os.environ.get(VARIABLE)
+    """Return the URL of the real autopilot, or None."""
+    return os.environ.get(URL_VARIABLE)
 
 
-def place(home: Home, north: float, east: float) -> tuple[float, float]:
-    """Degrees of a point in metres from home."""
-    latitude = home.latitude + north / METRES_A_DEGREE
-    return latitude, home.longitude + east / METRES_A_DEGREE / cos(radians(home.latitude))
+def offset_position(home: Home, north: float, east: float) -> tuple[float, float]:
+    """Return latitude and longitude, in degrees, of a point at an offset from home in metres."""
+    latitude = home.latitude + north / METRES_PER_DEGREE
+    return latitude, home.longitude + east / METRES_PER_DEGREE / cos(radians(home.latitude))
 
 
 def is_ardupilot(vehicle: Vehicle) -> bool:
-    """Whether ArduPilot flies it."""
+    """Return whether the firmware is ArduPilot."""
     return vehicle.autopilot == common.MavAutopilot.ARDUPILOTMEGA
 
 
-def reach(vehicle: Vehicle) -> float:
-    """How far apart the points of a flight are, in metres: a wing needs room."""
-    return 300.0 if vehicle.kind.circles else 30.0
+def leg_length(vehicle: Vehicle) -> float:
+    """Return the distance between waypoints, in metres; fixed wings need more."""
+    return 300.0 if vehicle.vehicle_type.circles else 30.0
 
 
-def height(vehicle: Vehicle) -> float:
-    """How high to fly."""
-    if vehicle.kind is VehicleClass.SUB:
+def cruise_altitude(vehicle: Vehicle) -> float:
+    """Return the altitude to fly at, in metres above home."""
+    if vehicle.vehicle_type is VehicleType.SUB:
         return -3.0
-    return 60.0 if vehicle.kind.circles else 12.0 if vehicle.kind.flies else 0.0
+    return 60.0 if vehicle.vehicle_type.circles else 12.0 if vehicle.vehicle_type.flies else 0.0
 
 
 def mission(vehicle: Vehicle, home: Home) -> Plan:
-    """Up, around two corners, and back, as this class of vehicle does it."""
-    far, up = reach(vehicle), height(vehicle)
+    """Return a mission with a takeoff, two corners and a return, for this type of vehicle."""
+    far, up = leg_length(vehicle), cruise_altitude(vehicle)
     items = [_item(CMD.NAV_WAYPOINT, home, 0, 0, 0)] if is_ardupilot(vehicle) else []  # its item 0 is home
-    if vehicle.kind is VehicleClass.VTOL:
+    if vehicle.vehicle_type is VehicleType.VTOL:
         items.append(_item(CMD.NAV_VTOL_TAKEOFF, home, 0, 0, 30))
-    elif vehicle.kind.flies:
+    elif vehicle.vehicle_type.flies:
         items.append(_item(CMD.NAV_TAKEOFF, home, far / 2, 0, up))
     items += [_item(CMD.NAV_WAYPOINT, home, far, 0, up), _item(CMD.NAV_WAYPOINT, home, far, far, up)]
-    if vehicle.kind is VehicleClass.PLANE:
+    if vehicle.vehicle_type is VehicleType.PLANE:
         items += [_item(CMD.NAV_WAYPOINT, home, -2 * far, 0, up / 2), _item(CMD.NAV_LAND, home, 0, 0, 0)]
-    elif vehicle.kind is VehicleClass.VTOL:
+    elif vehicle.vehicle_type is VehicleType.VTOL:
         items.append(_item(CMD.NAV_VTOL_LAND, home, 0, 0, 0))
-    elif vehicle.kind.flies:
+    elif vehicle.vehicle_type.flies:
         items.append(MissionItem(CMD.NAV_RETURN_TO_LAUNCH, frame=FRAME.MISSION))
     else:
         items.append(_item(CMD.NAV_WAYPOINT, home, 0, 0, up))
@@ -108,5 +107,5 @@ def mission(vehicle: Vehicle, home: Home) -> Plan:
 
 
 def _item(command: int, home: Home, north: float, east: float, up: float) -> MissionItem:
-    latitude, longitude = place(home, north, east)
+    latitude, longitude = offset_position(home, north, east)
     return MissionItem(command, param5=latitude, param6=longitude, param7=float(up))

@@ -17,71 +17,71 @@ if TYPE_CHECKING:
 
 needs_mavproxy = pytest.mark.skipif(find_spec("MAVProxy") is None, reason="MAVProxy is not installed")
 
-#: Longer than anything takes on a busy machine.
-PATIENCE = 60.0
-#: Datagrams get lost if it is busy, and it asks for some things once only.
-AGAIN = 8.0
-#: What it prints if something is wrong.
-COMPLAINTS = re.compile(
+#: Seconds for one answer, enough for a busy machine.
+TIMEOUT = 60.0
+#: Seconds until a line is sent again: MAVProxy loses datagrams when busy, and requests some things only once.
+RETRY_TIMEOUT = 8.0
+#: Words that MAVProxy prints with an error.
+ERROR_PATTERN = re.compile(
     r"traceback|error|exception|unknown|unable|failed|unsupported|denied|rejected|bad |bug|missing|usage:",
     re.IGNORECASE,
 )
 
 
 class Console:
-    """Its command line: says a line, waits for what it prints."""
+    """The command line of MAVProxy: send lines, wait for output."""
 
     def __init__(self, process: asyncio.subprocess.Process, directory: Path) -> None:
         self.directory = directory
-        #: All that it printed.
+        #: All output so far.
         self.printed = ""
         self._process = process
-        self._heard_up_to = 0
-        self._came = asyncio.Event()
+        self._position = 0
+        self._new_output = asyncio.Event()
 
-    def say(self, line: str) -> None:
+    def send_line(self, line: str) -> None:
         self._process.stdin.write(line.encode() + b"\n")
 
-    async def listen(self) -> None:
-        """Take in what it prints, so that it never waits for us."""
+    async def read_output(self) -> None:
+        """Read the output continuously, so that MAVProxy never blocks on a full pipe."""
         while more := await self._process.stdout.read(1 << 16):
             self.printed += more.decode(errors="replace")
-            self._came.set()
+            self._new_output.set()
         self.printed += "\n-- MAVProxy ended --"
-        self._came.set()
+        self._new_output.set()
 
-    async def hear(self, *wanted: str, within: float = PATIENCE) -> None:
-        """Wait for texts, one after the other; what comes after them is left for the next."""
+    async def wait_for_output(self, *wanted: str, within: float = TIMEOUT) -> None:
+        """Wait for texts in this order; output behind the last one is left for the next call."""
         for text in wanted:
             try:
                 async with asyncio.timeout(within):
-                    while (found := self.printed.find(text, self._heard_up_to)) < 0:
-                        self._came.clear()
-                        await self._came.wait()
+                    while (found := self.printed.find(text, self._position)) < 0:
+                        self._new_output.clear()
+                        await self._new_output.wait()
             except TimeoutError:
-                raise AssertionError(f"no {text!r} in: {self.printed[self._heard_up_to :]}") from None
-            self._heard_up_to = found + len(text)
+                raise AssertionError(f"no {text!r} in: {self.printed[self._position :]}") from None
+            self._position = found + len(text)
 
-    async def ask(self, line: str, *wanted: str) -> None:
-        """Say a line that may be said twice, until it is answered."""
+    async def send_until_answered(self, line: str, *wanted: str) -> None:
+        """Send a line, again if need be, until the wanted output comes; only for idempotent lines."""
         for left in (2, 1, 0):
-            self.say(line)
+            self.send_line(line)
             try:
-                return await self.hear(*wanted, within=AGAIN if left else PATIENCE)
+                return await self.wait_for_output(*wanted, within=RETRY_TIMEOUT if left else TIMEOUT)
             except AssertionError:
                 if not left:
                     raise
         raise AssertionError("not reached")
 
-    def complaints(self, *allowed: str) -> list[str]:
-        """The lines that say that something is wrong, without those with one of these texts in them."""
-        lines = (line for line in self.printed.splitlines() if COMPLAINTS.search(line))
+    def errors(self, *allowed: str) -> list[str]:
+        """Return the output lines that report an error, except those that contain an allowed text."""
+        lines = (line for line in self.printed.splitlines() if ERROR_PATTERN.search(line))
         return [line for line in lines if not any(text in line for text in allowed)]
 
 
 @asynccontextmanager
 async def mavproxy(port: int, directory: Path, *, modules: str | None = None):
-    """MAVProxy with its default modules, or those that are named."""
+    """Run MAVProxy with the given modules, or its default ones."""
     command = (
         *(sys.executable, "-W", "ignore", "-u", "-m", "MAVProxy.mavproxy"),
         *(f"--master=udpout:127.0.0.1:{port}", "--nowait"),
@@ -97,11 +97,11 @@ async def mavproxy(port: int, directory: Path, *, modules: str | None = None):
         env={**os.environ, "HOME": str(directory)},
     )
     console = Console(process, directory)
-    listening = asyncio.create_task(console.listen())
+    reading = asyncio.create_task(console.read_output())
     try:
         yield console
     finally:
         with suppress(ProcessLookupError):
             process.kill()
-        await listening
+        await reading
         await process.wait()

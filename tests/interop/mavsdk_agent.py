@@ -1,4 +1,4 @@
-"""MAVSDK in a process of its own, told what to do by lines of JSON: a crash in C++ must not end the tests.
+"""MAVSDK in a process of its own, controlled by lines of JSON: a crash in C++ must not end the tests.
 
 `python mavsdk_agent.py ROLE SYSTEM COMPONENT` with ROLE `client` or `server`. Each line is a JSON object, to
 add a connection, to wait for an autopilot, to call a method of a plugin, to call one with a callback:
@@ -8,9 +8,9 @@ add a connection, to wait for an autopilot, to call a method of a plugin, to cal
     {"id": 3, "plugin": "param", "method": "get_param_int", "arguments": ["P_1"]}
     {"id": 4, "plugin": "telemetry", "method": "subscribe_home", "arguments": [], "stream": true}
 
-and each is answered by `{"id": 1, "result": …}` or `{"id": 1, "error": "…"}`. What a callback hears comes as
-`{"stream": 4, "values": […]}`. Objects of MAVSDK go as their fields, with `"class"` where one is to be made;
-members of enums as their names. The end of the input ends the process.
+The reply is `{"id": 1, "result": …}` or `{"id": 1, "error": "…"}`. The arguments of a callback come as
+`{"stream": 4, "values": […]}`. MAVSDK's objects are sent as their fields, with
+`"class"` in arguments; enum members as their names. The end of the input ends the process.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ class Agent:
 
     def answer(self, request: dict) -> None:
         try:
-            reply = {"id": request["id"], "result": encode(self.carry_out(request))}
-        except Exception as error:  # noqa: BLE001 (it is told to the test)
+            reply = {"id": request["id"], "result": encode(self.execute(request))}
+        except Exception as error:  # noqa: BLE001 (reported to the test)
             reply = {"id": request["id"], "error": f"{type(error).__name__}: {error}"}
-        self.say(reply)
+        self.send(reply)
 
-    def carry_out(self, request: dict):
+    def execute(self, request: dict):
         if "connect" in request:
             return self.mavsdk.add_any_connection(request["connect"])
         if "discover" in request:
@@ -53,7 +53,7 @@ class Agent:
         arguments = [make(argument) for argument in request["arguments"]]
         if request.get("stream"):
             number = request["id"]
-            arguments.append(lambda *values: self.say({"stream": number, "values": encode(values[:-1])}))
+            arguments.append(lambda *values: self.send({"stream": number, "values": encode(values[:-1])}))
         return method(*arguments)
 
     def plugin(self, name: str):
@@ -62,7 +62,7 @@ class Agent:
             self.plugins[name] = getattr(import_module(f"mavsdk.plugins.{name}"), class_name)(self.owner)
         return self.plugins[name]
 
-    def say(self, reply: dict) -> None:
+    def send(self, reply: dict) -> None:
         with self._lock:
             self._replies.write(json.dumps(reply) + "\n")
             self._replies.flush()
@@ -105,7 +105,7 @@ def main() -> None:
     agent = Agent(role, int(system), int(component), replies)
     for line in sys.stdin:
         threading.Thread(target=agent.answer, args=(json.loads(line),), daemon=True).start()
-    os._exit(0)  # plugins may still have callbacks under way; the system takes back what is left
+    os._exit(0)  # plugins may still run callbacks; the operating system frees the rest
 
 
 if __name__ == "__main__":

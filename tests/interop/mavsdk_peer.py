@@ -1,4 +1,4 @@
-"""MAVSDK as a peer in a test: its plugins by name, in another process (see `mavsdk_agent`)."""
+"""MAVSDK as a test peer: its plugins by name, in another process (see `mavsdk_agent`)."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 AGENT = Path(__file__).with_name("mavsdk_agent.py")
-#: Longer than anything takes on a busy machine.
-PATIENCE = 40.0
+#: Seconds for one answer, enough for a busy machine.
+TIMEOUT = 40.0
 
 needs_mavsdk = pytest.mark.skipif(find_spec("mavsdk") is None, reason="mavsdk has no wheel for this platform")
 
@@ -24,31 +24,31 @@ class MavsdkError(Exception):
 
 
 class Stream:
-    """What a callback hears."""
+    """The values that a MAVSDK callback was called with."""
 
     def __init__(self) -> None:
-        self.heard: asyncio.Queue = asyncio.Queue()
+        self.values: asyncio.Queue = asyncio.Queue()
 
     async def get(self):
-        """The next that it hears: one value, or a tuple if it is called with several."""
-        async with asyncio.timeout(PATIENCE):
-            values = await self.heard.get()
+        """Return the next value, or a tuple if the callback takes several."""
+        async with asyncio.timeout(TIMEOUT):
+            values = await self.values.get()
         return values[0] if len(values) == 1 else tuple(values)
 
-    async def until(self, wanted):
-        """The first that `wanted` is true for."""
+    async def wait_for(self, wanted):
+        """Return the first value for which `wanted` is true."""
         heard: list = []
         try:
-            async with asyncio.timeout(PATIENCE):
+            async with asyncio.timeout(TIMEOUT):
                 while not wanted(value := await self.get()):
                     heard.append(value)
         except TimeoutError:
-            raise AssertionError(f"never heard; at last {heard[-5:]}") from None
+            raise AssertionError(f"no matching value; the last ones: {heard[-5:]}") from None
         return value
 
 
 class MavsdkPeer:
-    """Talks to the agent; `peer.call("param", "get_param_int", "NAME")`."""
+    """A client of the agent: `peer.call("param", "get_param_int", "NAME")`."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self._process = process
@@ -61,8 +61,8 @@ class MavsdkPeer:
         assert await self._ask(connect=url) == "SUCCESS"
 
     async def discover(self) -> None:
-        """Wait for the autopilot that client plugins are for."""
-        assert await self._ask(discover=PATIENCE), "no autopilot discovered"
+        """Wait for the autopilot that the client plugins use."""
+        assert await self._ask(discover=TIMEOUT), "no autopilot discovered"
 
     async def call(self, plugin: str, method: str, *arguments):
         return await self._ask(plugin=plugin, method=method, arguments=arguments)
@@ -81,7 +81,7 @@ class MavsdkPeer:
         self._answers[number] = answer = asyncio.get_running_loop().create_future()
         self._process.stdin.write(json.dumps({"id": number, **request}).encode() + b"\n")
         try:
-            async with asyncio.timeout(PATIENCE):
+            async with asyncio.timeout(TIMEOUT):
                 reply = await answer
         except TimeoutError:
             raise AssertionError(f"no answer to {request}") from None
@@ -93,7 +93,7 @@ class MavsdkPeer:
         async for line in self._process.stdout:
             reply = json.loads(line)
             if "stream" in reply:
-                self._streams[reply["stream"]].heard.put_nowait(reply["values"])
+                self._streams[reply["stream"]].values.put_nowait(reply["values"])
             elif not (answer := self._answers.pop(reply["id"])).done():
                 answer.set_result(reply)
         for answer in self._answers.values():
@@ -113,7 +113,7 @@ class MavsdkPeer:
 
 @asynccontextmanager
 async def mavsdk_peer(url: str, role: str = "client", system: int = 245, component: int = 190):
-    """MAVSDK while a block lasts: a `client` that knows the autopilot, or a `server`."""
+    """Run MAVSDK for the length of a block: a `client` that has discovered the autopilot, or a `server`."""
     command = (sys.executable, str(AGENT), role, str(system), str(component))
     pipe, nowhere = asyncio.subprocess.PIPE, asyncio.subprocess.DEVNULL
     process = await asyncio.create_subprocess_exec(
@@ -129,6 +129,6 @@ async def mavsdk_peer(url: str, role: str = "client", system: int = 245, compone
         await peer.close()
 
 
-def made(name: str, **fields):
-    """An object of a class of MAVSDK's plugins, such as `mission_raw.MissionItem`."""
+def mavsdk_object(name: str, **fields):
+    """Return the JSON form of an object of a MAVSDK plugin, such as `mission_raw.MissionItem`."""
     return {"class": name, **fields}

@@ -1,12 +1,11 @@
-"""A vehicle that MAVSDK's server plugins are, as far as they are one: the rest of it is here.
+"""A vehicle made of MAVSDK's server plugins.
 
-Its plugins answer for parameters, plans, files, arming, modes and taking off. What flies, and where it says
-that it is, a program that uses them has to add: this one rises when it is asked to, and tells of it five
-times a second.
+The plugins serve parameters, plans, files, arming, modes and takeoff. Flight and telemetry are up to the
+program: this one climbs after a takeoff command and publishes its position five times a second.
 
-MAVSDK 4.1 says that it is an autopilot of no firmware in particular, and Python cannot change that, so it has
-no modes by name. Its plugins do not answer NAV_LAND, NAV_RETURN_TO_LAUNCH, DO_REPOSITION, MISSION_START,
-standard modes, or any command that they do not know; a rate they accept, and publish as the program does.
+MAVSDK 4.1 announces MAV_AUTOPILOT_GENERIC, which Python cannot change, so the vehicle has no modes by name.
+The plugins do not answer NAV_LAND, NAV_RETURN_TO_LAUNCH, DO_REPOSITION, MISSION_START, standard modes or
+unknown commands. They accept every message rate and publish at the program's own.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.links import open_link
 from mavstack.vehicle import connect
-from tests.interop.mavsdk_peer import MavsdkError, made, mavsdk_peer
+from tests.interop.mavsdk_peer import MavsdkError, mavsdk_object, mavsdk_peer
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -28,56 +27,56 @@ if TYPE_CHECKING:
 
 LATITUDE, LONGITUDE = 47.3977415, 8.5455941
 INTERVAL = 0.2
-#: How far it rises from one telling to the next, in metres.
+#: Climb per interval, in metres.
 CLIMB = 2.0
 HEIGHT = 10.0
 _LANDED = common.MavLandedState
 
 
-class ServedVehicle:
-    """MAVSDK as a vehicle: `server` is its process, `height` where it is."""
+class MavsdkServerVehicle:
+    """A vehicle of MAVSDK's server plugins: `server` is the process, `height` the altitude in metres."""
 
     def __init__(self, server: MavsdkPeer) -> None:
         self.server = server
         self.height = 0.0
-        self.wanted = 0.0
-        #: What it told lately that it was asked.
-        self.asked: list[object] = []
+        self.target_height = 0.0
+        #: Takeoff requests, in the order received.
+        self.requests: list[object] = []
 
     async def call(self, plugin: str, method: str, *arguments):
         """Call a method of a plugin."""
         return await self.server.call(plugin, method, *arguments)
 
     async def allow(self, *, arming: bool = True, takeoff: bool = True) -> None:
-        """What it lets itself be told."""
+        """Allow or refuse arming and takeoff."""
         await self.call("action_server", "set_armable", arming, arming)
         await self.call("action_server", "set_disarmable", arming, arming)
         await self.call("action_server", "set_allow_takeoff", takeoff)
 
-    async def begin(self) -> Stream:
-        """Make the plugins that answer, one after the other; gives what tells of take-offs."""
+    async def start(self) -> Stream:
+        """Start the server plugins in turn; return the stream of takeoff requests."""
         await self.server.stream("mission_raw_server", "subscribe_clear_all")
-        await self._tell()
+        await self._publish()
         return await self.server.stream("action_server", "subscribe_takeoff")
 
     async def fly(self, takeoffs: Stream) -> None:
-        """Rise when it is asked to, and tell of it, until cancelled."""
+        """Climb after takeoff requests and publish telemetry, until cancelled."""
         while True:
-            while not takeoffs.heard.empty():
-                result, allowed = takeoffs.heard.get_nowait()
-                self.asked.append(("takeoff", result))
-                self.wanted = HEIGHT if allowed else self.wanted
-            self.height += max(-CLIMB, min(CLIMB, self.wanted - self.height))
-            await self._tell()
+            while not takeoffs.values.empty():
+                result, allowed = takeoffs.values.get_nowait()
+                self.requests.append(("takeoff", result))
+                self.target_height = HEIGHT if allowed else self.target_height
+            self.height += max(-CLIMB, min(CLIMB, self.target_height - self.height))
+            await self._publish()
             await asyncio.sleep(INTERVAL)
 
-    async def _tell(self) -> None:
+    async def _publish(self) -> None:
         for method, arguments in self._telemetry().items():
             await self.call("telemetry_server", f"publish_{method}", *arguments)
 
     def _telemetry(self) -> dict[str, list]:
         def kind(name: str, **fields):
-            return made(f"telemetry_server.{name}", **fields)
+            return mavsdk_object(f"telemetry_server.{name}", **fields)
 
         place = {"latitude_deg": LATITUDE, "longitude_deg": LONGITUDE}
         home = kind("Position", **place, absolute_altitude_m=0.0, relative_altitude_m=0.0)
@@ -104,17 +103,17 @@ class ServedVehicle:
 
 
 @asynccontextmanager
-async def served_vehicle(system: int = 1) -> AsyncIterator[tuple[Vehicle, ServedVehicle]]:
-    """Our view of the vehicle, and the vehicle itself, while a block lasts."""
+async def mavsdk_server_vehicle(system: int = 1) -> AsyncIterator[tuple[Vehicle, MavsdkServerVehicle]]:
+    """Yield the `Vehicle` of our API and the MAVSDK vehicle behind it."""
     link = open_link("udpin://127.0.0.1:0")
     async with (
         connect(link) as node,
         mavsdk_peer(f"udpout://127.0.0.1:{link.address[1]}", "server", system, 1) as server,
     ):
-        served = ServedVehicle(server)
-        flying = asyncio.create_task(served.fly(await served.begin()))
+        served = MavsdkServerVehicle(server)
+        flying = asyncio.create_task(served.fly(await served.start()))
         try:
-            yield await node.vehicle(), served
+            yield await node.wait_for_vehicle(), served
         finally:
             flying.cancel()
             with suppress(asyncio.CancelledError, MavsdkError):  # a test may have ended its process

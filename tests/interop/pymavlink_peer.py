@@ -1,4 +1,4 @@
-"""pymavlink as a peer in a test: it blocks, so what it does runs in a thread beside the event loop."""
+"""pymavlink as a test peer; it blocks, so it runs in a thread beside the event loop."""
 
 from __future__ import annotations
 
@@ -15,51 +15,51 @@ if TYPE_CHECKING:
 
     from mavstack.security import SigningKey
 
-#: Longer than anything takes on a busy machine.
-PATIENCE = 40.0
+#: Seconds for one answer, enough for a busy machine.
+TIMEOUT = 40.0
 
 Result = TypeVar("Result")
 
 
 def connection_to(port: int, key: SigningKey | None = None):
-    """A ground station of `mavutil` that has said that it is there, and signs if it has a key."""
+    """Return a `mavutil` ground station that has sent a heartbeat, and signs if there is a key."""
     if key is not None and not mavutil.mavlink20():
-        # At its first packet of version 2 it begins anew, without its key: so begin with version 2.
+        # At its first version 2 packet mavutil resets the connection and loses the key: start with version 2.
         os.environ["MAVLINK20"] = "1"
         mavutil.set_dialect(mavutil.current_dialect)
     connection = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=250)
     if key is not None:
         connection.setup_signing(key.secret_bytes())
-    say_hello(connection)
+    send_heartbeat(connection)
     return connection
 
 
-def say_hello(connection) -> None:
+def send_heartbeat(connection) -> None:
     gcs = mavutil.mavlink.MAV_TYPE_GCS, mavutil.mavlink.MAV_AUTOPILOT_INVALID
     connection.mav.heartbeat_send(*gcs, 0, 0, 0)
 
 
 def connected(port: int, key: SigningKey | None = None):
-    """The same, when it has heard the vehicle's heartbeat."""
+    """Return a ground station that has received the vehicle's heartbeat."""
     connection = connection_to(port, key)
-    assert connection.wait_heartbeat(timeout=PATIENCE), "no heartbeat"
+    assert connection.wait_heartbeat(timeout=TIMEOUT), "no heartbeat"
     return connection
 
 
 async def in_thread(port: int, work: Callable[[Any], Result], key: SigningKey | None = None) -> Result:
-    """What `work` gives, done with a connection of mavutil while our side runs."""
+    """Run `work` with a mavutil connection in a thread; return its result."""
 
-    def carry_out() -> Result:
+    def run() -> Result:
         with closing(connected(port, key)) as connection:
             return work(connection)
 
-    async with asyncio.timeout(2 * PATIENCE):
-        return await asyncio.to_thread(carry_out)
+    async with asyncio.timeout(2 * TIMEOUT):
+        return await asyncio.to_thread(run)
 
 
 def receive(connection, kind: str, wanted: Callable[[Any], bool] = lambda message: True):
-    """The next message of a kind that `wanted` is true for; the others are dropped."""
-    deadline = monotonic() + PATIENCE
+    """Return the next message of this type for which `wanted` is true; drop the others."""
+    deadline = monotonic() + TIMEOUT
     while (left := deadline - monotonic()) > 0:
         message = connection.recv_match(type=kind, blocking=True, timeout=left)
         if message is not None and wanted(message):

@@ -1,4 +1,4 @@
-"""A simulated vehicle that MAVSDK flies over UDP: both in one block, in time that goes faster than clocks."""
+"""A simulated vehicle that MAVSDK flies over UDP, faster than real time."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sim import Simulation
 from mavstack.sim.runner import Runner
-from tests.interop.mavsdk_peer import MavsdkError, made, mavsdk_peer
+from tests.interop.mavsdk_peer import MavsdkError, mavsdk_object, mavsdk_peer
 
-#: How much faster than the clock: a minute of flight in five seconds.
+#: Simulated seconds per real second: a minute of flight in five seconds.
 SPEED = 12.0
-#: No part of a flight takes longer, in simulated seconds.
-LONGEST = 240.0
+#: Timeout of one part of a flight, in simulated seconds.
+MAX_FLIGHT_TIME = 240.0
 POLL = 0.02
 
 
 class Flight:
-    """A vehicle and MAVSDK as its ground station."""
+    """A simulated vehicle and MAVSDK as its ground station."""
 
     def __init__(self, vehicle, ground, runner: Runner, running: asyncio.Task) -> None:
         self.vehicle, self.ground, self.runner = vehicle, ground, runner
@@ -34,25 +34,25 @@ class Flight:
             self.texts.append(text)
 
     async def call(self, plugin: str, method: str, *arguments):
-        """Call a method of a plugin."""
+        """Call a method of a MAVSDK plugin."""
         return await self.ground.call(plugin, method, *arguments)
 
-    async def does(self, plugin: str, method: str, *arguments) -> None:
-        """Call one that succeeds."""
+    async def call_ok(self, plugin: str, method: str, *arguments) -> None:
+        """Call a method and require success."""
         assert await self.ground.call(plugin, method, *arguments) == "SUCCESS"
 
-    async def refuses(self, why: str, plugin: str, method: str, *arguments) -> None:
-        """Call one that fails with this result."""
+    async def call_fails(self, why: str, plugin: str, method: str, *arguments) -> None:
+        """Call a method and require this failure."""
         with pytest.raises(MavsdkError, match=why):
             await self.ground.call(plugin, method, *arguments)
 
-    async def hears(self, name: str, *wanted):
-        """Wait until telemetry of this kind is as wanted, one after the other; gives the last."""
+    async def wait_for_telemetry(self, name: str, *wanted):
+        """Wait for telemetry values in this order; return the last one."""
         stream = await self.ground.stream("telemetry", f"subscribe_{name}")
-        return [await stream.until(each if callable(each) else each.__eq__) for each in wanted][-1]
+        return [await stream.wait_for(each if callable(each) else each.__eq__) for each in wanted][-1]
 
-    async def until(self, condition, within: float = LONGEST) -> None:
-        """Wait until something is so in the simulation."""
+    async def wait_until(self, condition, within: float = MAX_FLIGHT_TIME) -> None:
+        """Wait until a condition holds in the simulation."""
         end = self.vehicle.now + within
         while not condition():
             if self._running.done():
@@ -61,51 +61,51 @@ class Flight:
             await asyncio.sleep(POLL)
 
     async def fly(self, seconds: float) -> None:
-        """Let simulated time pass."""
+        """Let this many simulated seconds pass."""
         end = self.vehicle.now + seconds
-        await self.until(lambda: self.vehicle.now >= end)
+        await self.wait_until(lambda: self.vehicle.now >= end)
 
     @contextmanager
-    def by_the_clock(self):
-        """Plans are sent at the clock's pace: MAVSDK gives up if it is asked for an item too often."""
+    def real_time(self):
+        """Run at real time: MAVSDK ends a plan transfer if an item is requested too often."""
         speed, self.runner.speed = self.runner.speed, 1.0
         yield
         self.runner.speed = speed
 
     @property
     def state(self) -> str:
-        """What the vehicle is doing, for people."""
+        """The state of the vehicle, for failure messages."""
         autopilot, here = self.vehicle.autopilot, self.vehicle.body.truth
         return (
             f"{autopilot.mode.name}, {'armed' if autopilot.armed else 'disarmed'}, north {here.north:.1f}, "
-            f"east {here.east:.1f}, up {-here.down:.1f}; said {self.texts[-8:]}"
+            f"east {here.east:.1f}, up {-here.down:.1f}; status texts {self.texts[-8:]}"
         )
 
-    # Where it is
+    # Position
 
     @property
     def height(self) -> float:
-        """Above the ground, in metres."""
+        """The height above ground, in metres."""
         return -self.vehicle.body.truth.down
 
     @property
     def speed(self) -> float:
-        """Over ground."""
+        """The ground speed, in m/s."""
         return hypot(self.vehicle.body.truth.velocity_north, self.vehicle.body.truth.velocity_east)
 
     def distance(self, north: float = 0.0, east: float = 0.0) -> float:
-        """From a point over the ground, in metres."""
+        """Return the horizontal distance from a point, in metres."""
         here = self.vehicle.body.truth
         return hypot(here.north - north, here.east - east)
 
     def place(self, north: float, east: float, height: float = 0.0) -> tuple[float, float, float]:
-        """Degrees and metres above the sea of a point in metres from where it began."""
+        """Return latitude, longitude (degrees) and altitude (metres AMSL) of a point from the start."""
         return self.vehicle.body.frame.to_global(north, east, -height)
 
 
 @asynccontextmanager
-async def in_flight(kind: str, firmware: str, *, speed: float = SPEED, **parameters):
-    """A vehicle with some parameters of its own, and MAVSDK that has discovered it."""
+async def simulated_flight(kind: str, firmware: str, *, speed: float = SPEED, **parameters):
+    """Yield a simulated vehicle with these parameters, discovered by MAVSDK."""
     simulation = Simulation()
     vehicle = simulation.add(kind, firmware)
     for name, value in parameters.items():
@@ -120,9 +120,9 @@ async def in_flight(kind: str, firmware: str, *, speed: float = SPEED, **paramet
 
 
 def raw_items(flight: Flight, *items: tuple) -> list[dict]:
-    """A mission for MAVSDK: of each item the command, metres north, east and up, and perhaps param 1."""
+    """Return a MAVSDK mission from items of (command, north, east, up[, param1]), in metres."""
     return [
-        made(
+        mavsdk_object(
             "mission_raw.MissionItem",
             seq=seq,
             frame=int(common.MavFrame.GLOBAL_RELATIVE_ALT_INT),

@@ -1,4 +1,4 @@
-"""MAVProxy as a ground station, in a process of its own, against our servers."""
+"""MAVProxy as a ground station, against the service servers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ pytestmark = [pytest.mark.interop, needs_mavproxy]
 MODULES = "param,mode,arm,wp,cmdlong,ftp,link"
 
 
-async def test_it_controls_our_vehicle(tmp_path) -> None:
+@pytest.mark.smoke
+async def test_mavproxy_controls_a_vehicle(tmp_path) -> None:
     (tmp_path / "files").mkdir()
     (tmp_path / "files" / "hello.txt").write_bytes(b"hello there")
     async with (
@@ -26,27 +27,27 @@ async def test_it_controls_our_vehicle(tmp_path) -> None:
         mavproxy(port, tmp_path, modules=MODULES) as console,
     ):
         vehicle.mission.replace(Plan.of([MissionItem(common.MavCmd.NAV_WAYPOINT, param7=7.0)] * 25))
-        await console.hear("Detected vehicle 1:1")
-        await console.hear("Received 44 parameters")
+        await console.wait_for_output("Detected vehicle 1:1")
+        await console.wait_for_output("Received 44 parameters")
         async with vehicle.events(ParameterWritten) as written:
-            console.say("param set GAIN 0.5")
+            console.send_line("param set GAIN 0.5")
             await anext(written)
-        console.say("mode GUIDED")
-        await console.hear("Mode GUIDED")
-        console.say("arm throttle")
-        await console.hear("ARMED")
+        console.send_line("mode GUIDED")
+        await console.wait_for_output("Mode GUIDED")
+        console.send_line("arm throttle")
+        await console.wait_for_output("ARMED")
         assert vehicle.is_armed
         assert vehicle.modes.current.custom_mode == 4
         assert vehicle.parameters["GAIN"] == 0.5
-        console.say("wp save plan.txt")
-        await console.hear("Saved 25 waypoints")
+        console.send_line("wp save plan.txt")
+        await console.wait_for_output("Saved 25 waypoints")
         vehicle.mission.replace(Plan(common.MavMissionType.MISSION))
-        console.say("wp load plan.txt")
-        await console.hear("Loaded 25 waypoints")
-        await console.hear("TYPE_MISSION: ACCEPTED")
+        console.send_line("wp load plan.txt")
+        await console.wait_for_output("Loaded 25 waypoints")
+        await console.wait_for_output("TYPE_MISSION: ACCEPTED")
         assert len(vehicle.mission.plan(common.MavMissionType.MISSION)) == 25
-        console.say("ftp get hello.txt")
-        await console.hear("Wrote 11 bytes")
-        console.say("ftp list /")
-        await console.hear("Total size")  # by then it has closed the file
+        console.send_line("ftp get hello.txt")
+        await console.wait_for_output("Wrote 11 bytes")
+        console.send_line("ftp list /")
+        await console.wait_for_output("Total size")  # printed after the file is closed
         assert (tmp_path / "hello.txt").read_bytes() == b"hello there"

@@ -1,4 +1,4 @@
-"""MAVSDK as a ground station, its client plugins against our servers."""
+"""MAVSDK's client plugins against the service servers."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan, PlanType
-from tests.interop.mavsdk_peer import MavsdkError, made, mavsdk_peer, needs_mavsdk
+from tests.interop.mavsdk_peer import MavsdkError, mavsdk_object, mavsdk_peer, needs_mavsdk
 from tests.interop.vehicle import LATITUDE, LONGITUDE, vehicle_on_udp
 
 pytestmark = [pytest.mark.interop, needs_mavsdk]
 
-#: Of its `param.ProtocolVersion`.
+#: A value of `param.ProtocolVersion`.
 EXTENDED = 1
 PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
 
@@ -79,7 +79,7 @@ async def test_extended_parameters() -> None:
 
 
 def items(number: int, kind: int = PlanType.MISSION) -> list[dict]:
-    """A plan as MAVSDK has it."""
+    """Return a plan in MAVSDK's form."""
     commands = {
         PlanType.MISSION: common.MavCmd.NAV_WAYPOINT,
         PlanType.FENCE: common.MavCmd.NAV_FENCE_POLYGON_VERTEX_INCLUSION,
@@ -103,7 +103,7 @@ def items(number: int, kind: int = PlanType.MISSION) -> list[dict]:
 
 
 def raw(listed: list[dict]) -> list[dict]:
-    return [made("mission_raw.MissionItem", **item) for item in listed]
+    return [mavsdk_object("mission_raw.MissionItem", **item) for item in listed]
 
 
 async def test_a_mission_up_and_down() -> None:
@@ -126,10 +126,10 @@ async def test_a_mission_up_and_down() -> None:
         assert [without_nulls(item) for item in returned] == [without_nulls(item) for item in sent]
         assert await ground.call("mission_raw", "set_current_mission_item", 7) == "SUCCESS"
         assert vehicle.mission.current == 7
-        await progress.until(lambda heard: heard == {"current": 7, "total": 120})
+        await progress.wait_for(lambda heard: heard == {"current": 7, "total": 120})
         vehicle.mission.set_current(8)
-        vehicle.changed(vehicle.mission)
-        await progress.until(lambda heard: heard == {"current": 8, "total": 120})
+        vehicle.wake(vehicle.mission)
+        await progress.wait_for(lambda heard: heard == {"current": 8, "total": 120})
         assert await ground.call("mission_raw", "clear_mission") == "SUCCESS"
         assert len(vehicle.mission.plan(PlanType.MISSION)) == 0
         assert await ground.call("mission_raw", "download_mission") == []
@@ -139,13 +139,13 @@ def without_nulls(item: dict) -> dict:
     return {name: value for name, value in item.items() if value}
 
 
-async def test_upload_tells_its_progress_and_replaces_the_old_plan() -> None:
+async def test_upload_reports_progress_and_replaces_the_plan() -> None:
     async with ground_and_vehicle() as (ground, vehicle):
         old = Plan.of([MissionItem(common.MavCmd.NAV_TAKEOFF, param7=5.0)])
         vehicle.mission.replace(old)
-        plan = made("mission_raw.MissionPlan", mission_items=raw(items(30)))
+        plan = mavsdk_object("mission_raw.MissionPlan", mission_items=raw(items(30)))
         steps = await ground.stream("mission_raw", "upload_mission_with_progress_async", plan)
-        await steps.until(lambda heard: heard[0] == "SUCCESS")
+        await steps.wait_for(lambda heard: heard[0] == "SUCCESS")
         assert len(vehicle.mission.plan(PlanType.MISSION)) == 30
 
 
@@ -168,7 +168,7 @@ async def test_fence_and_rally_points(kind: int, up: str, down: str) -> None:
         assert [without_nulls(item) for item in returned] == [without_nulls(item) for item in sent]
 
 
-async def test_a_refused_mission_leaves_the_old_one() -> None:
+async def test_a_refused_mission_keeps_the_old_plan() -> None:
     async with ground_and_vehicle() as (ground, vehicle):
         vehicle.mission.limits[PlanType.MISSION] = 10
         with pytest.raises(MavsdkError, match="TOO_MANY_MISSION_ITEMS"):
@@ -186,19 +186,19 @@ async def test_log_files(tmp_path) -> None:
         ]
         for entry in entries:
             saved = tmp_path / f"{entry['id']}.bin"
-            entry_object = made("log_files.Entry", **entry)
+            entry_object = mavsdk_object("log_files.Entry", **entry)
             steps = await ground.stream("log_files", "download_log_file_async", entry_object, str(saved))
-            result, _ = await steps.until(lambda heard: heard[0] != "NEXT")
+            result, _ = await steps.wait_for(lambda heard: heard[0] != "NEXT")
             assert result == "SUCCESS"
             assert saved.read_bytes() == vehicle.logs.contents[entry["id"]]
-        async with vehicle.messages(common.LogErase) as erased:
+        async with vehicle.stream(common.LogErase) as erased:
             assert await ground.call("log_files", "erase_all_log_files") == "SUCCESS"
             await anext(erased)
         assert vehicle.logs.contents == {}
 
 
 async def test_telemetry() -> None:
-    # MAVSDK 4.1 divides VFR_HUD's throttle, which is in percent, by a hundred, and calls it a percentage.
+    # MAVSDK 4.1 divides the throttle of VFR_HUD, in percent, by 100 and still calls it a percentage.
     expected = {
         "position": {
             "latitude_deg": LATITUDE,
@@ -226,11 +226,11 @@ async def test_telemetry() -> None:
     async with ground_and_vehicle() as (ground, _):
         for name, wanted in expected.items():
             heard = await ground.stream("telemetry", f"subscribe_{name}")
-            await heard.until(partial(agrees, wanted))
+            await heard.wait_for(partial(agrees, wanted))
 
 
 def agrees(wanted, value) -> bool:
-    """Whether a value is as wanted, or has what is wanted, as close as float32 is."""
+    """Return whether a value, or its fields, equal the wanted ones within float32 precision."""
     if not isinstance(wanted, dict):
         return value == wanted
     return all(
@@ -243,18 +243,19 @@ async def test_health_texts_and_rates() -> None:
     async with ground_and_vehicle() as (ground, vehicle):
         texts = await ground.stream("telemetry", "subscribe_status_text")
         long = "A text of more than fifty letters goes in several chunks, and comes as one: " + "x" * 60
-        vehicle.say("Ready to fly", common.MavSeverity.WARNING)
-        vehicle.say(long, common.MavSeverity.CRITICAL)
-        assert await texts.until(lambda heard: heard["type"] == "CRITICAL") == {
+        vehicle.send_statustext("Ready to fly", common.MavSeverity.WARNING)
+        vehicle.send_statustext(long, common.MavSeverity.CRITICAL)
+        assert await texts.wait_for(lambda heard: heard["type"] == "CRITICAL") == {
             "type": "CRITICAL",
             "text": long,
         }
         health = await ground.stream("telemetry", "subscribe_health")
-        await health.until(lambda heard: heard["is_gyrometer_calibration_ok"])
+        await health.wait_for(lambda heard: heard["is_gyrometer_calibration_ok"])
         assert await ground.call("telemetry", "set_rate_position", 20.0) == "SUCCESS"
         assert vehicle.message_server.interval_of(common.GlobalPositionInt) == 50_000
 
 
+@pytest.mark.smoke
 async def test_actions() -> None:
     async with ground_and_vehicle() as (ground, vehicle):
         armed = await ground.stream("telemetry", "subscribe_armed")
@@ -263,20 +264,20 @@ async def test_actions() -> None:
         with pytest.raises(MavsdkError, match=r"COMMAND_DENIED"):
             await ground.call("action", "takeoff")
         assert await ground.call("action", "arm") == "SUCCESS"
-        await armed.until(lambda heard: heard)
+        await armed.wait_for(lambda heard: heard)
         assert vehicle.is_armed
         assert await ground.call("action", "get_takeoff_altitude") == 2.5
         assert await ground.call("action", "set_takeoff_altitude", 15.0) == "SUCCESS"
         assert vehicle.parameters["MIS_TAKEOFF_ALT"] == 15.0
         assert await ground.call("action", "takeoff") == "SUCCESS"
         assert len(vehicle.takeoffs) == 1
-        await landed.until(lambda heard: heard == "IN_AIR")
+        await landed.wait_for(lambda heard: heard == "IN_AIR")
         with pytest.raises(MavsdkError, match="COMMAND_DENIED"):
             await ground.call("action", "disarm")
         assert await ground.call("action", "return_to_launch") == "SUCCESS"
-        await modes.until(lambda heard: heard == "RETURN_TO_LAUNCH")
+        await modes.wait_for(lambda heard: heard == "RETURN_TO_LAUNCH")
         assert await ground.call("action", "land") == "SUCCESS"
-        await landed.until(lambda heard: heard == "ON_GROUND")
+        await landed.wait_for(lambda heard: heard == "ON_GROUND")
         assert await ground.call("action", "disarm") == "SUCCESS"
         assert not vehicle.is_armed
         assert await ground.call("action", "set_home", True, 0.0, 0.0, 0.0) == "SUCCESS"
@@ -288,12 +289,12 @@ async def test_a_shell() -> None:
     async with ground_and_vehicle() as (ground, _):
         received = await ground.stream("shell", "subscribe_receive")
         assert await ground.call("shell", "send", "ver all", 10) == "SUCCESS"
-        await received.until(lambda heard: "you said ver all" in heard["data"])
+        await received.wait_for(lambda heard: "you said ver all" in heard["data"])
 
 
 async def test_any_message_direct() -> None:
     async with ground_and_vehicle() as (ground, vehicle):
-        tune = made(
+        tune = mavsdk_object(
             "mavlink_direct.MavlinkMessage",
             message_name="PLAY_TUNE_V2",
             system_id=245,
@@ -302,7 +303,7 @@ async def test_any_message_direct() -> None:
             target_component_id=1,
             fields_json='{"target_system": 1, "target_component": 1, "format": 1, "tune": "MFT200L8<c"}',
         )
-        async with vehicle.messages(common.PlayTuneV2) as heard:
+        async with vehicle.stream(common.PlayTuneV2) as heard:
             assert await ground.call("mavlink_direct", "send_message", tune) == "SUCCESS"
             message = await anext(heard)
         assert (message.tune, message.format) == ("MFT200L8<c", 1)
@@ -325,15 +326,15 @@ async def test_files(tmp_path) -> None:
         ]
         for burst in (False, True):
             steps = await ground.stream("ftp", "download_async", "/logs/flight.ulg", str(local), burst)
-            assert (await steps.until(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
+            assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
             assert (local / "flight.ulg").read_bytes() == content
             (local / "flight.ulg").unlink()
         steps = await ground.stream("ftp", "download_async", "/empty.txt", str(local), True)
-        assert (await steps.until(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
+        assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
         assert (local / "empty.txt").read_bytes() == b""
         (local / "up.bin").write_bytes(content[::-1])
         steps = await ground.stream("ftp", "upload_async", str(local / "up.bin"), "/logs")
-        assert (await steps.until(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
+        assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
         assert (root / "logs" / "up.bin").read_bytes() == content[::-1]
         assert await ground.call("ftp", "are_files_identical", str(local / "up.bin"), "/logs/up.bin")
         assert not await ground.call("ftp", "are_files_identical", str(local / "up.bin"), "/logs/flight.ulg")

@@ -1,4 +1,4 @@
-"""MAVSDK as a vehicle, its server plugins against our clients."""
+"""MAVSDK's server plugins against the service clients."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from mavstack.errors import CommandDenied, CommandTimeout, FileDenied, FileTimeo
 from mavstack.links import open_link
 from mavstack.node import Node
 from mavstack.services.mission import MissionItem, Plan, PlanType
-from tests.interop.mavsdk_peer import made, mavsdk_peer, needs_mavsdk
+from tests.interop.mavsdk_peer import mavsdk_object, mavsdk_peer, needs_mavsdk
 
 pytestmark = [pytest.mark.interop, needs_mavsdk]
 
 
 @asynccontextmanager
 async def remote_and_server():
-    """MAVSDK's vehicle as our ground station sees it, and what makes the vehicle do things."""
+    """Yield the remote component and the MAVSDK server that is behind it."""
     link = open_link("udpin://127.0.0.1:0")
     async with (
         Node(link) as node,
         mavsdk_peer(f"udpout://127.0.0.1:{link.address[1]}", "server", 1, 1) as server,
     ):
-        yield await node.autopilot(), server
+        yield await node.wait_for_autopilot(), server
 
 
 async def test_it_is_found() -> None:
     async with remote_and_server() as (remote, server):
         assert remote.address == (1, 1)
         await server.call("action_server", "set_armable", True, False)
-        version = await remote.version()
+        version = await remote.get_version()
         assert version.can(common.MavProtocolCapability.MAVLINK2)
         assert (await remote.ping(1)).sent == 1
 
@@ -45,16 +45,16 @@ async def test_parameters() -> None:
         for number in range(60):
             await server.call("param_server", "provide_param_int", f"P_{number}", number)
         changes = await server.stream("param_server", "subscribe_changed_param_int")
-        assert (await remote.parameters.get("LARGE")).value == (1 << 31) - 1
-        fetched = await remote.parameters.fetch()
+        assert (await remote.params.get("LARGE")).value == (1 << 31) - 1
+        fetched = await remote.params.download()
         expected = {"LARGE": (1 << 31) - 1, "NEGATIVE": -7, "GAIN": -0.25, **{f"P_{n}": n for n in range(60)}}
         assert {name: parameter.value for name, parameter in fetched.items()} == expected
-        assert (await remote.parameters.set("NEGATIVE", -1_000_001)).value == -1_000_001
+        assert (await remote.params.set("NEGATIVE", -1_000_001)).value == -1_000_001
         assert await changes.get() == {"name": "NEGATIVE", "value": -1_000_001}
-        assert (await remote.parameters.set("GAIN", 0.5)).value == 0.5
+        assert (await remote.params.set("GAIN", 0.5)).value == 0.5
         assert await server.call("param_server", "retrieve_param_float", "GAIN") == 0.5
         with pytest.raises(ParameterDenied, match="DOES_NOT_EXIST"):
-            await remote.parameters.get("NOPE")
+            await remote.params.get("NOPE")
 
 
 def plan(number: int, kind: int = PlanType.MISSION) -> Plan:
@@ -99,9 +99,9 @@ async def test_the_current_item() -> None:
     async with remote_and_server() as (remote, server):
         changed = await server.stream("mission_raw_server", "subscribe_current_item_changed")
         await remote.mission.upload(plan(5))
-        await changed.until(lambda item: item["seq"] == 0)
+        await changed.wait_for(lambda item: item["seq"] == 0)
         await remote.mission.set_current(3)
-        await changed.until(lambda item: item["seq"] == 3)
+        await changed.wait_for(lambda item: item["seq"] == 3)
 
 
 async def test_files(tmp_path) -> None:
@@ -111,16 +111,16 @@ async def test_files(tmp_path) -> None:
     (tmp_path / "logs").mkdir()
     async with remote_and_server() as (remote, server):
         await server.call("ftp_server", "set_root_dir", str(tmp_path))
-        files = remote.files
+        files = remote.ftp
         listed = {entry.name: entry for entry in await files.list("/")}
         assert sorted(listed) == ["empty.txt", "flight.ulg", "logs"]
         assert listed["flight.ulg"].size == len(content)
-        assert await files.read("/flight.ulg") == content
-        assert await files.read("/empty.txt") == b""
-        assert await files.read("/flight.ulg", offset=1000, size=700) == content[1000:1700]
-        await files.write("/logs/up.bin", content[::-1])
+        assert await files.download("/flight.ulg") == content
+        assert await files.download("/empty.txt") == b""
+        assert await files.download("/flight.ulg", offset=1000, size=700) == content[1000:1700]
+        await files.upload("/logs/up.bin", content[::-1])
         assert (tmp_path / "logs" / "up.bin").read_bytes() == content[::-1]
-        await files.write("/logs/up.bin", b"shorter now")
+        await files.upload("/logs/up.bin", b"shorter now")
         assert (tmp_path / "logs" / "up.bin").read_bytes() == b"shorter now"
         await files.rename("/logs/up.bin", "/moved.bin")
         with pytest.raises(FileTimeout):  # MAVSDK 4.1 neither carries TRUNCATEFILE out nor refuses it
@@ -131,7 +131,7 @@ async def test_files(tmp_path) -> None:
             await files.make_directory("/new")
         await files.remove_directory("/new")
         with pytest.raises(FileDenied):
-            await files.read("/nothing")
+            await files.download("/nothing")
         assert sorted(each.name for each in tmp_path.iterdir()) == ["empty.txt", "flight.ulg", "logs"]
 
 
@@ -156,22 +156,22 @@ TELEMETRY = {
     common.GlobalPositionInt: (
         "publish_position",
         [
-            made(
+            mavsdk_object(
                 "telemetry_server.Position",
                 latitude_deg=47.3977415,
                 longitude_deg=8.5455941,
                 absolute_altitude_m=488.5,
                 relative_altitude_m=12.25,
             ),
-            made("telemetry_server.VelocityNed", north_m_s=1.5, east_m_s=-2.5, down_m_s=-0.5),
-            made("telemetry_server.Heading", heading_deg=90.0),
+            mavsdk_object("telemetry_server.VelocityNed", north_m_s=1.5, east_m_s=-2.5, down_m_s=-0.5),
+            mavsdk_object("telemetry_server.Heading", heading_deg=90.0),
         ],
         {"relative_alt": 12_250, "alt": 488_500, "vx": 150, "vy": -250, "vz": -50, "hdg": 9_000},
     ),
     common.BatteryStatus: (
         "publish_battery",
-        # What MAVSDK 4.1 calls a percentage is a fraction of one here.
-        [made("telemetry_server.Battery", voltage_v=12.4, remaining_percent=0.87)],
+        # MAVSDK 4.1 calls this a percentage, but it is a fraction.
+        [mavsdk_object("telemetry_server.Battery", voltage_v=12.4, remaining_percent=0.87)],
         {"battery_remaining": 87},
     ),
     common.ExtendedSysState: (
@@ -182,14 +182,16 @@ TELEMETRY = {
     common.Attitude: (
         "publish_attitude",
         [
-            made("telemetry_server.EulerAngle", roll_deg=90.0, pitch_deg=0.0, yaw_deg=-90.0),
-            made("telemetry_server.AngularVelocityBody", roll_rad_s=0.25, pitch_rad_s=0.5, yaw_rad_s=-0.5),
+            mavsdk_object("telemetry_server.EulerAngle", roll_deg=90.0, pitch_deg=0.0, yaw_deg=-90.0),
+            mavsdk_object(
+                "telemetry_server.AngularVelocityBody", roll_rad_s=0.25, pitch_rad_s=0.5, yaw_rad_s=-0.5
+            ),
         ],
         {"roll": 1.5707964, "yaw": -1.5707964, "rollspeed": 0.25},
     ),
     common.Statustext: (
         "publish_status_text",
-        [made("telemetry_server.StatusText", type=4, text="Ready to fly")],
+        [mavsdk_object("telemetry_server.StatusText", type=4, text="Ready to fly")],
         {"text": "Ready to fly"},
     ),
 }
@@ -198,16 +200,16 @@ TELEMETRY = {
 @pytest.mark.parametrize("kind", TELEMETRY, ids=lambda kind: kind.__name__)
 async def test_telemetry(kind: type) -> None:
     method, arguments, expected = TELEMETRY[kind]
-    async with remote_and_server() as (remote, server), remote.messages(kind) as heard:
+    async with remote_and_server() as (remote, server), remote.stream(kind) as heard:
         assert await server.call("telemetry_server", method, *arguments) == "SUCCESS"
         message = await anext(heard)
         assert {name: getattr(message, name) for name in expected} == pytest.approx(expected)
 
 
 async def test_a_mode() -> None:
-    async with remote_and_server() as (remote, server), remote.messages(common.Heartbeat) as beats:
+    async with remote_and_server() as (remote, server), remote.stream(common.Heartbeat) as beats:
         changes = await server.stream("action_server", "subscribe_flight_mode_change")
-        allowed = made("action_server.AllowableFlightModes", can_auto_rtl_mode=True)
+        allowed = mavsdk_object("action_server.AllowableFlightModes", can_auto_rtl_mode=True)
         await server.call("action_server", "set_allowable_flight_modes", allowed)
         custom = common.MavModeFlag.CUSTOM_MODE_ENABLED
         await remote.command(common.MavCmd.DO_SET_MODE, custom, 4, 5)
@@ -225,8 +227,8 @@ async def test_extended_parameters() -> None:
         await server.call("param_server", "provide_param_int", "COUNT", -5)
         await server.call("param_server", "provide_param_float", "GAIN", 0.25)
         changed = await server.stream("param_server", "subscribe_changed_param_custom")
-        parameters = remote.extended_parameters
-        fetched = await parameters.fetch()
+        parameters = remote.extended_params
+        fetched = await parameters.download()
         assert {name: parameter.value for name, parameter in fetched.items()} == {
             "CAMERA": "a text of its own",
             "COUNT": -5,
@@ -236,16 +238,16 @@ async def test_extended_parameters() -> None:
         assert await changed.get() == {"name": "CAMERA", "value": "another"}
 
 
-async def test_several_of_our_clients_at_once() -> None:
+async def test_concurrent_clients() -> None:
     async with remote_and_server() as (remote, server):
         await server.call("action_server", "set_disarmable", True, True)
         incoming = await server.stream("mission_raw_server", "subscribe_incoming_mission")
         for number in range(30):
             await server.call("param_server", "provide_param_int", f"P_{number}", number)
         fetched, _, version, _ = await asyncio.gather(
-            remote.parameters.fetch(),
+            remote.params.download(),
             remote.mission.upload(plan(50)),
-            remote.version(),
+            remote.get_version(),
             remote.command(common.MavCmd.COMPONENT_ARM_DISARM, 0),
         )
         assert len(fetched) == 30

@@ -1,4 +1,4 @@
-"""pymavlink's `mavutil`, `mavparm`, `mavwp` and `mavftp` as a ground station, against our servers."""
+"""pymavlink's `mavutil`, `mavparm`, `mavwp` and `mavftp` against the service servers."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ async def test_plans(plan: int, command: int) -> None:
         assert len(vehicle.mission.plan(plan)) == 0
 
 
-async def test_an_upload_of_old_items() -> None:
+async def test_an_upload_by_mission_request() -> None:
     def work(connection):
         loader = waypoints(
             connection,
@@ -175,6 +175,7 @@ async def test_an_upload_of_old_items() -> None:
         ]
 
 
+@pytest.mark.smoke
 async def test_commands() -> None:
     def work(connection):
         def ask(command: int, *params: float):
@@ -238,12 +239,12 @@ async def test_telemetry_texts_and_rates() -> None:
         def text(now: float) -> common.Statustext:
             return common.Statustext(text="hello there")
 
-        vehicle.provide(common.Statustext, text, interval=0.3)
+        vehicle.publish(common.Statustext, text, interval=0.3)
         assert await in_thread(port, work) == vehicle.capabilities
 
 
 def runner(connection):
-    """Runs commands of `mavftp`; most of them end by its waiting so long for nothing more to come."""
+    """Return a function that runs `mavftp` commands; most of them end by an idle timeout."""
     files = mavftp.MAVFTP(connection, 1, 1)
     files.ftp_settings.idle_detection_time = 2.0
 

@@ -1,4 +1,4 @@
-"""Signed links with pymavlink: its `mavutil` as a ground station, our node as the vehicle."""
+"""Signed links with pymavlink: `mavutil` as the ground station, a node as the vehicle."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from mavstack.node import Node
 from mavstack.security import SigningKey
 from mavstack.security.timestamps import timestamp_at
 from mavstack.services.signing_setup import KeySettled, SigningSetupServer
-from tests.interop.pymavlink_peer import PATIENCE, connection_to, in_thread, receive, say_hello
+from tests.interop.pymavlink_peer import connection_to, in_thread, receive, send_heartbeat
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.interop
 
@@ -25,7 +26,7 @@ SERVO, ACCEPTED = mavlink.MAV_CMD_DO_SET_SERVO, mavlink.MAV_RESULT_ACCEPTED
 
 @asynccontextmanager
 async def vehicle_with(key: SigningKey | None):
-    """A vehicle that sets a servo, and that anybody who is heard may give a key."""
+    """Yield a vehicle that sets a servo and accepts a signing key."""
     link = open_link("udpin://127.0.0.1:0")
     vehicle = Node(link, system=1, component=1, autopilot=common.MavAutopilot.PX4, signing=key)
     vehicle.on_command(SERVO)(lambda request: common.MavResult.ACCEPTED)
@@ -39,7 +40,7 @@ def set_servo(connection) -> int:
     return receive(connection, "COMMAND_ACK").result
 
 
-def assert_all_was_signed_well(connection) -> None:
+def assert_all_signed(connection) -> None:
     signing = connection.mav.signing
     assert signing.goodsig_count > 0
     assert (signing.badsig_count, signing.unsigned_count, signing.reject_count) == (0, 0, 0)
@@ -49,18 +50,18 @@ async def test_both_sign_with_one_key() -> None:
     def work(connection):
         for _ in range(3):
             assert set_servo(connection) == ACCEPTED
-        assert_all_was_signed_well(connection)
+        assert_all_signed(connection)
 
     async with vehicle_with(KEY) as (vehicle, port):
         async with vehicle.packets(system=250) as packets:
             await in_thread(port, work, KEY)
-            heard = packets.take()
+            heard = packets.drain()
         assert {packet.name for packet in heard} == {"HEARTBEAT", "COMMAND_LONG"}
         assert all(packet.signed for packet in heard)
 
 
 @pytest.mark.parametrize(("key", "counter"), [(None, "unsigned"), (OTHER, "forged")])
-async def test_without_the_key_it_is_not_heard(key: SigningKey | None, counter: str) -> None:
+async def test_packets_without_the_key_are_refused(key: SigningKey | None, counter: str) -> None:
     def work(port: int) -> None:
         with closing(connection_to(port, key)) as connection:
             for _ in range(5):
@@ -68,9 +69,7 @@ async def test_without_the_key_it_is_not_heard(key: SigningKey | None, counter: 
 
     async with vehicle_with(KEY) as (vehicle, port):
         await asyncio.to_thread(work, port)
-        async with asyncio.timeout(PATIENCE):
-            while not vehicle.engine.channels or refused(vehicle, counter) < 6:  # noqa: ASYNC110 (no event)
-                await asyncio.sleep(0.01)
+        await wait_until(lambda: vehicle.engine.channels and refused(vehicle, counter) >= 6)
         assert vehicle.components == {}
 
 
@@ -78,15 +77,15 @@ def refused(vehicle: Node, counter: str) -> int:
     return getattr(vehicle.engine.channels[0].signing.refusals, counter)
 
 
-async def test_it_gives_the_vehicle_a_key_and_takes_it_away() -> None:
+async def test_setup_and_removal_of_a_key() -> None:
     def send_key(connection, key: SigningKey | None) -> None:
         secret = list(key.secret_bytes()) if key else [0] * 32
         connection.mav.setup_signing_send(1, 1, secret, timestamp_at(time()) if key else 0)
 
     def settle(connection, *, signed: bool) -> None:
-        """When the vehicle speaks the new way, what a ground station sends every second ends the trial."""
+        """Confirm a key change: heartbeats of the ground station end the trial period of the new key."""
         receive(connection, "HEARTBEAT", lambda heartbeat: heartbeat.get_signed() == signed)
-        say_hello(connection)
+        send_heartbeat(connection)
         assert set_servo(connection) == ACCEPTED
 
     def work(connection):
@@ -94,12 +93,12 @@ async def test_it_gives_the_vehicle_a_key_and_takes_it_away() -> None:
         send_key(connection, KEY)
         connection.setup_signing(KEY.secret_bytes())
         settle(connection, signed=True)
-        assert_all_was_signed_well(connection)
+        assert_all_signed(connection)
         send_key(connection, None)
         connection.disable_signing()
         settle(connection, signed=False)
 
     async with vehicle_with(None) as (vehicle, port), vehicle.events(KeySettled) as settled:
         await in_thread(port, work)
-        assert [(event.key, event.changed) for event in settled.take()] == [(KEY, True), (None, True)]
+        assert [(event.key, event.changed) for event in settled.drain()] == [(KEY, True), (None, True)]
         assert vehicle.engine.channels[0].signing is None

@@ -1,4 +1,4 @@
-"""Scripts as people write them with pymavlink, against our simulated vehicles in a thread of their own."""
+"""Typical pymavlink scripts against simulated vehicles in a background thread."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 from pymavlink import mavftp, mavparm, mavutil, mavwp
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from mavstack.sim.background import Background
-from tests.interop.pymavlink_peer import PATIENCE, receive, say_hello
+from mavstack.sim.background import BackgroundSimulator
+from tests.interop.pymavlink_peer import TIMEOUT, receive, send_heartbeat
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,60 +22,60 @@ pytestmark = pytest.mark.interop
 SPEED = 6.0
 ACCEPTED = mavlink.MAV_RESULT_ACCEPTED
 MISSION = mavlink.MAV_MISSION_TYPE_MISSION
-#: POSITION_TARGET_TYPEMASK: all but positions, all but velocities.
+#: Values of POSITION_TARGET_TYPEMASK: positions only, velocities only.
 POSITIONS, VELOCITIES = 0b110111111000, 0b110111000111
 
 
 @contextmanager
 def script(kind: str, firmware: str = "ardupilot", **parameters):
-    """A vehicle, and a connection that has heard it, as the first lines of every script have it."""
-    simulated = Background(kind, firmware, speed=SPEED)
+    """Yield a simulated vehicle and a mavutil connection that has received its heartbeat."""
+    simulated = BackgroundSimulator(kind, firmware, speed=SPEED)
     for name, value in parameters.items():
         simulated.vehicle.parameters.set(name, value)
     with simulated, closing(mavutil.mavlink_connection(simulated.url)) as connection:
-        keep_patience(connection)
-        say_hello(connection)
-        assert connection.wait_heartbeat(timeout=PATIENCE) is not None
+        limit_waiting(connection)
+        send_heartbeat(connection)
+        assert connection.wait_heartbeat(timeout=TIMEOUT) is not None
         yield simulated.vehicle, connection
 
 
-def keep_patience(connection) -> None:
-    """Most of mavutil waits for ever: a script that does not get on ends with an error."""
-    end, usual = time.monotonic() + 3 * PATIENCE, connection.recv_match
+def limit_waiting(connection) -> None:
+    """Make `recv_match` fail instead of waiting for ever."""
+    end, receive_any = time.monotonic() + 3 * TIMEOUT, connection.recv_match
 
     def recv_match(condition=None, type=None, blocking=False, timeout=None):  # noqa: A002 (its name for it)
-        message = usual(condition, type, blocking, timeout or PATIENCE)
-        given_up = message is None and blocking and timeout is None
-        assert not given_up, f"no {type} with {condition}"
+        message = receive_any(condition, type, blocking, timeout or TIMEOUT)
+        timed_out = message is None and blocking and timeout is None
+        assert not timed_out, f"no {type} with {condition}"
         assert time.monotonic() < end, f"still waiting for {type} with {condition}"
         return message
 
     connection.recv_match = recv_match
 
 
-def acknowledged(connection, command: int) -> int:
-    """The result of a command; it may be in progress for a while."""
+def wait_for_ack(connection, command: int) -> int:
+    """Return the result of a command, after any IN_PROGRESS."""
     done = lambda ack: ack.command == command and ack.result != mavlink.MAV_RESULT_IN_PROGRESS  # noqa: E731
     return receive(connection, "COMMAND_ACK", done).result
 
 
-def order(connection, command: int, *params: float) -> int:
+def send_command(connection, command: int, *params: float) -> int:
     connection.mav.command_long_send(1, 1, command, 0, *(*params, *[0] * 7)[:7])
-    return acknowledged(connection, command)
+    return wait_for_ack(connection, command)
 
 
-def enters(connection, name: str) -> None:
+def set_mode(connection, name: str) -> None:
     connection.set_mode(name)
-    assert acknowledged(connection, mavlink.MAV_CMD_DO_SET_MODE) == ACCEPTED
+    assert wait_for_ack(connection, mavlink.MAV_CMD_DO_SET_MODE) == ACCEPTED
     receive(connection, "HEARTBEAT", lambda beat: mavutil.mode_string_v10(beat) == name)
     assert connection.flightmode == name
 
 
-def climbs_to(connection, metres: float) -> None:
+def wait_for_altitude(connection, metres: float) -> None:
     receive(connection, "GLOBAL_POSITION_INT", lambda here: abs(here.relative_alt / 1000 - metres) < 1)
 
 
-def comes_to(connection, north: float, east: float, within: float = 1.5) -> None:
+def wait_for_position(connection, north: float, east: float, within: float = 1.5) -> None:
     receive(connection, "LOCAL_POSITION_NED", lambda here: hypot(here.x - north, here.y - east) < within)
 
 
@@ -85,17 +85,17 @@ def place(vehicle, north: float, east: float) -> tuple[float, float]:
 
 def test_a_script_flies_a_copter() -> None:
     with script("copter") as (vehicle, connection):
-        looks_around(vehicle, connection)
-        changes_parameters(vehicle, connection)
-        changes_modes(vehicle, connection)
-        takes_off(vehicle, connection)
-        goes_by_setpoints(vehicle, connection)
-        goes_by_guided_waypoints(vehicle, connection)
-        goes_by_the_sticks(vehicle, connection)
-        goes_home(vehicle, connection)
+        check_telemetry(vehicle, connection)
+        check_parameters(vehicle, connection)
+        check_modes(vehicle, connection)
+        take_off(vehicle, connection)
+        fly_setpoints(vehicle, connection)
+        fly_guided_waypoints(vehicle, connection)
+        fly_by_rc_override(vehicle, connection)
+        return_to_launch(vehicle, connection)
 
 
-def looks_around(vehicle, connection) -> None:
+def check_telemetry(vehicle, connection) -> None:
     assert connection.target_system == 1
     assert connection.field("HEARTBEAT", "autopilot") == mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
     connection.wait_gps_fix()
@@ -103,12 +103,12 @@ def looks_around(vehicle, connection) -> None:
     assert (here.lat, here.lng) == pytest.approx(place(vehicle, 0, 0), abs=5e-5)
     assert here.alt == pytest.approx(488, abs=3)
     assert connection.location(relative_alt=True).alt == pytest.approx(0, abs=3)
-    assert connection.time_since("HEARTBEAT") < PATIENCE
+    assert connection.time_since("HEARTBEAT") < TIMEOUT
     connection.mav.request_data_stream_send(1, 1, mavlink.MAV_DATA_STREAM_EXTRA1, 10, 1)
     times = [receive(connection, "ATTITUDE").time_boot_ms for _ in range(12)][2:]
     assert (times[-1] - times[0]) / 9 == pytest.approx(100, abs=15)
     assert (
-        order(connection, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, mavlink.MAVLINK_MSG_ID_ATTITUDE, 5e5)
+        send_command(connection, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, mavlink.MAVLINK_MSG_ID_ATTITUDE, 5e5)
         == ACCEPTED
     )
     times = [receive(connection, "ATTITUDE").time_boot_ms for _ in range(6)][2:]
@@ -119,7 +119,7 @@ def looks_around(vehicle, connection) -> None:
     assert connection.packet_loss() < 50
 
 
-def changes_parameters(vehicle, connection) -> None:
+def check_parameters(vehicle, connection) -> None:
     connection.param_fetch_all()
     while len(connection.params) < len(vehicle.parameters):
         receive(connection, "PARAM_VALUE")
@@ -134,33 +134,33 @@ def changes_parameters(vehicle, connection) -> None:
     assert vehicle.parameters["RTL_ALT"] == 1500
 
 
-def changes_modes(vehicle, connection) -> None:
+def check_modes(vehicle, connection) -> None:
     modes = connection.mode_mapping()
     assert modes["GUIDED"] == 4
     for name in ("ALT_HOLD", "LOITER"):
-        enters(connection, name)
+        set_mode(connection, name)
     connection.set_mode_apm("STABILIZE")
     connection.recv_match(type="HEARTBEAT", blocking=True, condition="HEARTBEAT.custom_mode==0")
     connection.mav.set_mode_send(1, mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED, modes["GUIDED"])
     connection.recv_match(type="HEARTBEAT", blocking=True, condition="HEARTBEAT.custom_mode==4")
 
 
-def takes_off(vehicle, connection) -> None:
+def take_off(vehicle, connection) -> None:
     connection.arducopter_arm()
     connection.motors_armed_wait()
-    assert order(connection, mavlink.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 10) == ACCEPTED
-    climbs_to(connection, 10)
+    assert send_command(connection, mavlink.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 10) == ACCEPTED
+    wait_for_altitude(connection, 10)
     connection.recv_match(
         condition="VFR_HUD.climb<0.3 and GLOBAL_POSITION_INT.relative_alt>9000", blocking=True
     )
 
 
-def goes_by_setpoints(vehicle, connection) -> None:
+def fly_setpoints(vehicle, connection) -> None:
     local, none = mavlink.MAV_FRAME_LOCAL_NED, (0, 0, 0)
     send = connection.mav.set_position_target_local_ned_send
     send(0, 1, 1, local, POSITIONS, 12, -5, -14, *none, *none, 0, 0)
-    comes_to(connection, 12, -5)
-    climbs_to(connection, 14)
+    wait_for_position(connection, 12, -5)
+    wait_for_altitude(connection, 14)
     for _ in range(3):
         send(0, 1, 1, local, VELOCITIES, *none, -2, 1, 0, *none, 0, 0)
         moving = receive(connection, "LOCAL_POSITION_NED", lambda here: here.vx < -1.7)
@@ -170,7 +170,7 @@ def goes_by_setpoints(vehicle, connection) -> None:
         *(0, 1, 1, mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT, POSITIONS),
         *(round(latitude * 1e7), round(longitude * 1e7), 10, *none, *none, 0, 0),
     )
-    comes_to(connection, 0, 0)
+    wait_for_position(connection, 0, 0)
     half = radians(5)  # of ten degrees to the right
     aim = [cos(half), 0.087, 0, 0]
 
@@ -182,25 +182,25 @@ def goes_by_setpoints(vehicle, connection) -> None:
     assert vehicle.autopilot.armed
 
 
-def goes_by_guided_waypoints(vehicle, connection) -> None:
-    """DroneKit's `simple_goto`, and what takes its place."""
+def fly_guided_waypoints(vehicle, connection) -> None:
+    """DroneKit's `simple_goto` (a guided mission item), and DO_REPOSITION."""
     latitude, longitude = place(vehicle, 15, 5)
     frame, waypoint = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT, mavlink.MAV_CMD_NAV_WAYPOINT
     connection.mav.mission_item_send(1, 1, 0, frame, waypoint, 2, 0, 0, 0, 0, 0, latitude, longitude, 15)
     assert receive(connection, "MISSION_ACK").type == mavlink.MAV_MISSION_ACCEPTED
-    comes_to(connection, 15, 5)
+    wait_for_position(connection, 15, 5)
     latitude, longitude = place(vehicle, -5, 5)
     connection.mav.command_int_send(
         *(1, 1, mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT, mavlink.MAV_CMD_DO_REPOSITION, 0, 0, -1, 1, 0, 0),
         *(round(latitude * 1e7), round(longitude * 1e7), 12),
     )
-    assert acknowledged(connection, mavlink.MAV_CMD_DO_REPOSITION) == ACCEPTED
-    comes_to(connection, -5, 5)
-    assert order(connection, mavlink.MAV_CMD_CONDITION_YAW, 180, 60, 1, 0) == ACCEPTED
+    assert wait_for_ack(connection, mavlink.MAV_CMD_DO_REPOSITION) == ACCEPTED
+    wait_for_position(connection, -5, 5)
+    assert send_command(connection, mavlink.MAV_CMD_CONDITION_YAW, 180, 60, 1, 0) == ACCEPTED
     receive(connection, "VFR_HUD", lambda hud: abs(hud.heading - 180) < 5)
 
 
-def goes_by_the_sticks(vehicle, connection) -> None:
+def fly_by_rc_override(vehicle, connection) -> None:
     release = [0] * 8
     override = connection.mav.rc_channels_override_send
     override(1, 1, 1500, 1500, 1500, 1500, 0, 0, 0, 0)
@@ -215,25 +215,25 @@ def goes_by_the_sticks(vehicle, connection) -> None:
     receive(connection, "LOCAL_POSITION_NED", goes_on)
     override(1, 1, *release)
     connection.set_servo(9, 1800)
-    assert acknowledged(connection, mavlink.MAV_CMD_DO_SET_SERVO) == ACCEPTED
+    assert wait_for_ack(connection, mavlink.MAV_CMD_DO_SET_SERVO) == ACCEPTED
     receive(connection, "SERVO_OUTPUT_RAW", lambda servos: servos.servo9_raw == 1800)
 
 
-def goes_home(vehicle, connection) -> None:
+def return_to_launch(vehicle, connection) -> None:
     connection.set_mode_rtl()
     connection.motors_disarmed_wait()
     assert connection.flightmode == "RTL"
     here = vehicle.body.truth
     assert hypot(here.north, here.east) < 2
     connection.reboot_autopilot()
-    assert acknowledged(connection, mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN) == ACCEPTED
+    assert wait_for_ack(connection, mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN) == ACCEPTED
     receive(connection, "STATUSTEXT", lambda text: text.text == "ArduPilot Ready")
     receive(connection, "HEARTBEAT", lambda beat: beat.custom_mode == 0)
     assert vehicle.boots == 2
 
 
 def upload(connection, loader: mavwp.MAVWPLoader) -> int:
-    """As in every example of it: an item for each MISSION_REQUEST."""
+    """Upload as pymavlink's examples do: an item for each MISSION_REQUEST."""
     connection.waypoint_clear_all_send()
     assert receive(connection, "MISSION_ACK").type == mavlink.MAV_MISSION_ACCEPTED
     connection.waypoint_count_send(loader.count())
@@ -255,76 +255,76 @@ def test_a_script_flies_a_mission_with_a_copter(tmp_path) -> None:
         for point in ((20, 0), (20, 15)):
             loader.add_latlonalt(*place(vehicle, *point), 10)
         assert upload(connection, loader) == mavlink.MAV_MISSION_ACCEPTED
-        reads_it_back(connection, loader)
+        check_download(connection, loader)
         connection.wait_gps_fix()
         connection.set_mode("GUIDED")
         connection.arducopter_arm()
         connection.motors_armed_wait()
         connection.set_mode_auto()
-        assert acknowledged(connection, mavlink.MAV_CMD_MISSION_START) == ACCEPTED
+        assert wait_for_ack(connection, mavlink.MAV_CMD_MISSION_START) == ACCEPTED
         reached = [receive(connection, "MISSION_ITEM_REACHED").seq for _ in range(2)]
         assert reached in ([1, 2], [2, 3])
         connection.waypoint_set_current_send(2)
         receive(connection, "MISSION_CURRENT", lambda current: current.seq == 2)
         assert connection.waypoint_current() == 2
         receive(connection, "MISSION_CURRENT", lambda current: current.seq == 3)
-        comes_to(connection, 20, 15)
-        enters(connection, "LAND")
+        wait_for_position(connection, 20, 15)
+        set_mode(connection, "LAND")
         connection.motors_disarmed_wait()
-        fetches_files(vehicle, connection, tmp_path)
+        download_files(vehicle, connection, tmp_path)
 
 
-def reads_it_back(connection, loader: mavwp.MAVWPLoader) -> None:
+def check_download(connection, loader: mavwp.MAVWPLoader) -> None:
     connection.waypoint_request_list_send()
     assert receive(connection, "MISSION_COUNT").count == loader.count()
     for seq in range(1, loader.count()):
         connection.waypoint_request_send(seq)
-        item = connection.recv_match(type=["MISSION_ITEM"], blocking=True, timeout=PATIENCE)
+        item = connection.recv_match(type=["MISSION_ITEM"], blocking=True, timeout=TIMEOUT)
         wanted = loader.wp(seq)
         assert (item.seq, item.command, item.z) == (seq, wanted.command, wanted.z)
         assert (item.x, item.y) == pytest.approx((wanted.x, wanted.y), abs=1e-5)
 
 
-def fetches_files(vehicle, connection, directory: Path) -> None:
-    """By `mavftp`: the parameters, and the log of the flight."""
+def download_files(vehicle, connection, directory: Path) -> None:
+    """Download the parameters and the flight log by `mavftp`."""
     ftp = mavftp.MAVFTP(connection, target_system=1, target_component=1)
     assert ftp.cmd_list(["/APM/LOGS"]).error_code == mavftp.FtpError.Success
     assert "00000001.BIN" in [entry.name for entry in ftp.list_result]
     assert ftp.cmd_getparams([str(directory / "all.parm")]).error_code == mavftp.FtpError.Success
-    assert ftp.process_ftp_reply("getparams", timeout=PATIENCE).error_code == mavftp.FtpError.Success
+    assert ftp.process_ftp_reply("getparams", timeout=TIMEOUT).error_code == mavftp.FtpError.Success
     lines = (directory / "all.parm").read_text().splitlines()
     assert len(lines) == len(vehicle.parameters)
     assert (
         ftp.cmd_get(["/APM/LOGS/00000001.BIN", str(directory / "log.bin")]).error_code
         == mavftp.FtpError.Success
     )
-    assert ftp.process_ftp_reply("OpenFileRO", timeout=PATIENCE).error_code == mavftp.FtpError.Success
+    assert ftp.process_ftp_reply("OpenFileRO", timeout=TIMEOUT).error_code == mavftp.FtpError.Success
     store = vehicle.storage.logs
     assert (directory / "log.bin").read_bytes() == store.read(1, 0, store.logs()[0].size)
 
 
-def test_a_script_flies_the_other_firmware() -> None:
+def test_a_script_flies_px4() -> None:
     with script("copter", "px4", COM_DL_LOSS_T=60) as (vehicle, connection):
         assert connection.mode_mapping() == mavutil.px4_map
         connection.wait_gps_fix()
         connection.set_mode_px4("LOITER", 0, 0)
-        assert acknowledged(connection, mavlink.MAV_CMD_DO_SET_MODE) == ACCEPTED
+        assert wait_for_ack(connection, mavlink.MAV_CMD_DO_SET_MODE) == ACCEPTED
         connection.arducopter_arm()
         connection.motors_armed_wait()
-        enters(connection, "TAKEOFF")
-        climbs_to(connection, 2.5)
+        set_mode(connection, "TAKEOFF")
+        wait_for_altitude(connection, 2.5)
         receive(connection, "HEARTBEAT", lambda beat: mavutil.mode_string_v10(beat) == "LOITER")
-        flies_offboard(connection)
-        enters(connection, "POSCTL") if vehicle.autopilot.radio.present else enters(connection, "LOITER")
-        enters(connection, "RTL")
+        fly_offboard(connection)
+        set_mode(connection, "POSCTL") if vehicle.autopilot.radio.present else set_mode(connection, "LOITER")
+        set_mode(connection, "RTL")
         connection.motors_disarmed_wait()
         connection.param_fetch_one("MIS_TAKEOFF_ALT")
         assert receive(connection, "PARAM_VALUE").param_value == pytest.approx(2.5)
-        assert order(connection, mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == ACCEPTED
+        assert send_command(connection, mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == ACCEPTED
 
 
-def flies_offboard(connection) -> None:
-    """A stream of setpoints, begun before the mode, and kept up."""
+def fly_offboard(connection) -> None:
+    """Stream setpoints before entering offboard mode and while in it."""
 
     def send() -> None:
         connection.mav.set_position_target_local_ned_send(
@@ -336,7 +336,7 @@ def flies_offboard(connection) -> None:
         time.sleep(0.3 / SPEED)
     connection.set_mode("OFFBOARD")
     arrived = False
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + TIMEOUT
     while not arrived and time.monotonic() < deadline:
         send()
         here = connection.recv_match(type="LOCAL_POSITION_NED", blocking=True, timeout=0.3 / SPEED)
@@ -348,13 +348,13 @@ def flies_offboard(connection) -> None:
 def test_a_script_drives_a_rover() -> None:
     with script("rover") as (vehicle, connection):
         connection.wait_gps_fix()
-        enters(connection, "GUIDED")
+        set_mode(connection, "GUIDED")
         connection.arducopter_arm()
         connection.motors_armed_wait()
         send = connection.mav.set_position_target_local_ned_send
         send(0, 1, 1, mavlink.MAV_FRAME_LOCAL_NED, POSITIONS, 10, 10, 0, *[0] * 6, 0, 0)
-        comes_to(connection, 10, 10, within=2.5)
-        enters(connection, "HOLD")
+        wait_for_position(connection, 10, 10, within=2.5)
+        set_mode(connection, "HOLD")
         connection.arducopter_disarm()
         connection.motors_disarmed_wait()
         assert not vehicle.autopilot.armed

@@ -1,4 +1,4 @@
-"""Every type and firmware flies a mission by the API over real UDP that loses a tenth and takes 200 ms."""
+"""Every type and firmware flies a mission over real UDP with 10 % loss and 200 ms latency."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from tests.vehicle.world import ALL, World
 
 pytestmark = pytest.mark.interop
 
-#: Simulated seconds in a real one while they fly; to the vehicles the link is as much slower then.
+#: Simulated seconds per real second in flight; the link appears slower by the same factor.
 SPEED = 4.0
-#: What vehicles wait for our heartbeats, which come by the real clock.
+#: Timeouts of ground-station heartbeats, which come in real time.
 TIMEOUTS = {"FS_GCS_TIMEOUT", "FS_LONG_TIMEOUT", "FS_SHORT_TIMEOUT", "FS_TIMEOUT"}
 
 
-async def test_all_types_fly_over_a_bad_link() -> None:
+async def test_all_types_fly_over_a_lossy_link() -> None:
     simulation = Simulation(seed=6)
     for kind, firmware in ALL:
         vehicle = simulation.add(kind, firmware)
         whisper(vehicle)
         for name in TIMEOUTS:
-            patience = vehicle.parameters.get(name, None)
-            if patience is not None:
-                vehicle.parameters.set(name, patience * SPEED)
+            timeout = vehicle.parameters.get(name, None)
+            if timeout is not None:
+                vehicle.parameters.set(name, timeout * SPEED)
     simulation.advance(simulation.now + 30.0)
     for vehicle in simulation.vehicles:
         vehicle.data_to_send()
@@ -42,10 +42,10 @@ async def test_all_types_fly_over_a_bad_link() -> None:
             open_link(f"udpout://127.0.0.1:{link.address[1]}"), Impairment(loss=0.1, latency=0.2, seed=2)
         )
         async with connect(bad) as node:
-            made = World(simulation, node, None)
-            plans = [loaded(made, number + 1, triangle(*kind)) for number, kind in enumerate(ALL)]
+            mavsdk_object = World(simulation, node, None)
+            plans = [loaded(mavsdk_object, number + 1, triangle(*kind)) for number, kind in enumerate(ALL)]
             flights = await asyncio.gather(*plans)
-            runner.speed = SPEED  # vehicles would lose patience with an upload by a link so slow
-            for flight in await asyncio.gather(*(flown(made, flight) for flight in flights)):
+            runner.speed = SPEED  # at this speed an upload over the slow link would time out
+            for flight in await asyncio.gather(*(flown(mavsdk_object, flight) for flight in flights)):
                 check(flight)
         assert not running.done()

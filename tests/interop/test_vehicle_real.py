@@ -1,7 +1,7 @@
-"""The API and the commands fly an autopilot: real ones where one is named, else our own simulated ones.
+"""The vehicle API and the commands fly an autopilot: a real one if named, else simulated ones.
 
-Run against one that may be flown (see `autopilots`), in the order in which they stand here: logs are those of
-the flights before.
+The tests run in file order, since the logs are those of the flights before. A real autopilot (see
+`autopilots`) is armed and flown:
 
     unshare -n sh -c 'ip link set lo up; px4 … & sleep 5;
         MAVSTACK_AUTOPILOT=udpin://127.0.0.1:14550 pytest tests/interop/test_vehicle_real.py -v'
@@ -29,9 +29,16 @@ from mavstack.errors import (
 from mavstack.services.mission import MissionItem, Plan
 from mavstack.vehicle import connect
 from mavstack.vehicle.geography import distance
-from mavstack.vehicle.kinds import VehicleClass
+from mavstack.vehicle.vehicle_type import VehicleType
 from tests.interop import autopilots
-from tests.interop.autopilots import Autopilot, height, is_ardupilot, mission, place, reach
+from tests.interop.autopilots import (
+    Autopilot,
+    cruise_altitude,
+    is_ardupilot,
+    leg_length,
+    mission,
+    offset_position,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -40,11 +47,17 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.interop
 
-#: A parameter that may be changed at any time, the first of these that there is, and how it is changed.
-HARMLESS = {"MIS_TAKEOFF_ALT": 1.5, "RTL_ALT": 100, "ALT_HOLD_RTL": 100, "RTL_ALTITUDE": 5, "WP_RADIUS": 0.5,
-            "JS_GAIN_MAX": -0.125}  # fmt: skip
-#: What logs begin with.
-BEGINNINGS = {True: b"\xa3\x95", False: b"ULog\x01\x12\x35"}
+#: Parameters that may be changed at any time, with the change; the first one that exists is used.
+TEST_PARAMETERS = {
+    "MIS_TAKEOFF_ALT": 1.5,
+    "RTL_ALT": 100,
+    "ALT_HOLD_RTL": 100,
+    "RTL_ALTITUDE": 5,
+    "WP_RADIUS": 0.5,
+    "JS_GAIN_MAX": -0.125,
+}
+#: The first bytes of a log, by whether the firmware is ArduPilot.
+LOG_MAGIC = {True: b"\xa3\x95", False: b"ULog\x01\x12\x35"}
 
 
 @pytest.fixture(scope="module", params=["ardupilot", "px4", "real"])
@@ -52,40 +65,40 @@ def autopilot(request: pytest.FixtureRequest) -> Iterator[Autopilot]:
     url = autopilots.real()
     if request.param == "real":
         if url is None:
-            pytest.skip(f"{autopilots.VARIABLE} names no real autopilot")
+            pytest.skip(f"{autopilots.URL_VARIABLE} is not set")
         yield Autopilot(url, is_real=True)
     elif url is not None:
-        pytest.skip("a real one is flown")
+        pytest.skip("a real autopilot is used")
     else:
-        with autopilots.simulated(request.param) as made:
-            yield made
+        with autopilots.simulated(request.param) as mavsdk_object:
+            yield mavsdk_object
 
 
 @asynccontextmanager
-async def heard(autopilot: Autopilot) -> AsyncIterator[Vehicle]:
+async def connected(autopilot: Autopilot) -> AsyncIterator[Vehicle]:
     async with connect(autopilot.url) as node:
-        yield await node.vehicle(timeout=30)
+        yield await node.wait_for_vehicle(timeout=30)
 
 
 @asynccontextmanager
 async def ready(autopilot: Autopilot) -> AsyncIterator[Vehicle]:
-    async with heard(autopilot) as vehicle:
-        await become_healthy(vehicle)
+    async with connected(autopilot) as vehicle:
+        await wait_until_ready(vehicle)
         yield vehicle
 
 
-async def become_healthy(vehicle: Vehicle) -> None:
-    """ArduPilot before 4.0 does not say whether it is ready: then it is when it knows its home."""
-    if (await vehicle.component.version()).flight.major >= 4 or not is_ardupilot(vehicle):
-        assert (await vehicle.healthy(timeout=150)).ready
+async def wait_until_ready(vehicle: Vehicle) -> None:
+    """Wait until the vehicle can arm; ArduPilot before 4.0 does not report it, so wait for its home."""
+    if (await vehicle.component.get_version()).flight.major >= 4 or not is_ardupilot(vehicle):
+        assert (await vehicle.wait_until_ready(timeout=150)).ready
         return
     async with asyncio.timeout(150):
         while not (vehicle.gps and vehicle.gps.has_fix and vehicle.telemetry.heard_at(common.HomePosition)):
             await vehicle.telemetry.ask_for_home()
-            await vehicle.next(common.GpsRawInt)
+            await vehicle.wait_for_message(common.GpsRawInt)
 
 
-async def home_of(vehicle: Vehicle):
+async def get_home(vehicle: Vehicle):
     async with asyncio.timeout(30):
         while vehicle.home is None:
             await vehicle.telemetry.ask_for_home()
@@ -93,29 +106,29 @@ async def home_of(vehicle: Vehicle):
     return vehicle.home
 
 
-def away(vehicle: Vehicle, north: float, east: float) -> float:
+def distance_from(vehicle: Vehicle, north: float, east: float) -> float:
     here = vehicle.position
-    return distance(here.latitude, here.longitude, *place(vehicle.home, north, east))
+    return distance(here.latitude, here.longitude, *offset_position(vehicle.home, north, east))
 
 
-# What it is, and what it holds
+# Identity and services
 
 
 async def test_it_is_found(autopilot: Autopilot) -> None:
-    async with heard(autopilot) as vehicle:
+    async with connected(autopilot) as vehicle:
         assert vehicle.alive
-        assert not vehicle.has_clash
-        assert vehicle.kind is not VehicleClass.OTHER
-        version = await vehicle.component.version()
+        assert not vehicle.has_id_conflict
+        assert vehicle.vehicle_type is not VehicleType.OTHER
+        version = await vehicle.component.get_version()
         assert version.flight.major > 0
-        if not (autopilot.is_real and is_ardupilot(vehicle)):  # which does not answer PING
+        if not (autopilot.is_real and is_ardupilot(vehicle)):  # ArduPilot 4.1 does not answer PING
             assert (await vehicle.component.ping(2)).sent == 2
 
 
-async def test_it_becomes_healthy(autopilot: Autopilot) -> None:
-    async with heard(autopilot) as vehicle:
-        await become_healthy(vehicle)
-        assert vehicle.health().ready is not False
+async def test_it_becomes_ready(autopilot: Autopilot) -> None:
+    async with connected(autopilot) as vehicle:
+        await wait_until_ready(vehicle)
+        assert vehicle.health.ready is not False
 
 
 async def test_telemetry(autopilot: Autopilot) -> None:
@@ -123,37 +136,37 @@ async def test_telemetry(autopilot: Autopilot) -> None:
         async with vehicle.stream(common.Attitude, rate=5) as attitudes:
             for _ in range(3):
                 await anext(attitudes)
-        await vehicle.next(common.GlobalPositionInt)
-        await vehicle.next(common.GpsRawInt)
-        await vehicle.next(common.SysStatus)
-        await home_of(vehicle)
+        await vehicle.wait_for_message(common.GlobalPositionInt)
+        await vehicle.wait_for_message(common.GpsRawInt)
+        await vehicle.wait_for_message(common.SysStatus)
+        await get_home(vehicle)
         assert abs(vehicle.attitude.roll) < 20
         assert vehicle.gps.has_fix
-        assert away(vehicle, 0, 0) < 20
+        assert distance_from(vehicle, 0, 0) < 20
         assert vehicle.position.relative_altitude == pytest.approx(0, abs=3)
-        assert vehicle.battery.volts > 5
+        assert vehicle.battery.voltage > 5
         assert vehicle.armed is False
         assert vehicle.mode
 
 
 async def test_all_parameters_one_by_one_and_packed(autopilot: Autopilot) -> None:
-    async with heard(autopilot) as vehicle:
-        listed = dict(await vehicle.params.fetch(packed=False))
+    async with connected(autopilot) as vehicle:
+        listed = dict(await vehicle.params.download(packed=False))
         assert len(listed) > 300
-    async with heard(autopilot) as vehicle:
-        fetched = dict(await vehicle.params.fetch())
+    async with connected(autopilot) as vehicle:
+        fetched = dict(await vehicle.params.download())
         assert len(set(listed) ^ set(fetched)) < 5, set(listed) ^ set(fetched)
         both = set(listed) & set(fetched)
         moved = [
             name for name in both if fetched[name].value != pytest.approx(listed[name].value, nan_ok=True)
         ]
-        assert len(moved) < 5, moved  # counters, and what is learned in between
+        assert len(moved) < 5, moved  # counters and learned values
 
 
 async def test_a_parameter_is_set_and_restored(autopilot: Autopilot) -> None:
-    async with heard(autopilot) as vehicle:
-        name, before = await a_harmless_parameter(vehicle)
-        wanted = before + HARMLESS[name]
+    async with connected(autopilot) as vehicle:
+        name, before = await find_test_parameter(vehicle)
+        wanted = before + TEST_PARAMETERS[name]
         assert (await vehicle.params.set(name, wanted)).value == pytest.approx(wanted)
         assert (await vehicle.params.get(name)).value == pytest.approx(wanted)
         assert (await vehicle.params.set(name, before)).value == pytest.approx(before)
@@ -161,20 +174,20 @@ async def test_a_parameter_is_set_and_restored(autopilot: Autopilot) -> None:
             await vehicle.params.get("NO_SUCH_NAME", timeout=3)
 
 
-async def a_harmless_parameter(vehicle: Vehicle) -> tuple[str, float]:
-    for name in HARMLESS:
+async def find_test_parameter(vehicle: Vehicle) -> tuple[str, float]:
+    for name in TEST_PARAMETERS:
         try:
             return name, (await vehicle.params.get(name, timeout=3)).value
         except RemoteError:
             continue
-    raise AssertionError(f"none of {list(HARMLESS)}")
+    raise AssertionError(f"none of {list(TEST_PARAMETERS)}")
 
 
 async def test_modes(autopilot: Autopilot) -> None:
     async with ready(autopilot) as vehicle:
         names = {mode.name.upper() for mode in await vehicle.modes.list()}
         wanted = {"GUIDED", "AUTO", "MANUAL"} if is_ardupilot(vehicle) else {"MISSION", "RTL", "LAND"}
-        if vehicle.kind is VehicleClass.COPTER and is_ardupilot(vehicle):
+        if vehicle.vehicle_type is VehicleType.COPTER and is_ardupilot(vehicle):
             wanted = {"STABILIZE", "GUIDED", "AUTO", "RTL", "LAND"}
         assert wanted <= names
         before = vehicle.mode
@@ -187,10 +200,10 @@ async def test_modes(autopilot: Autopilot) -> None:
 
 async def test_a_mission_up_and_down(autopilot: Autopilot) -> None:
     async with ready(autopilot) as vehicle:
-        plan = mission(vehicle, await home_of(vehicle))
+        plan = mission(vehicle, await get_home(vehicle))
         await vehicle.mission.upload(plan)
         held = await vehicle.mission.download()
-        first = 1 if is_ardupilot(vehicle) else 0  # it puts its own home into the place of ours
+        first = 1 if is_ardupilot(vehicle) else 0  # ArduPilot replaces item 0 by its own home
         assert [item.command for item in held.items] == [item.command for item in plan.items]
         for ours, theirs in zip(plan.items[first:], held.items[first:], strict=True):
             if ours.param5:
@@ -198,9 +211,9 @@ async def test_a_mission_up_and_down(autopilot: Autopilot) -> None:
                 assert theirs.param7 == pytest.approx(ours.param7, abs=0.01)
 
 
-async def test_plans_that_are_refused_and_cleared(autopilot: Autopilot) -> None:
+async def test_refused_and_cleared_plans(autopilot: Autopilot) -> None:
     async with ready(autopilot) as vehicle:
-        plan = mission(vehicle, await home_of(vehicle))
+        plan = mission(vehicle, await get_home(vehicle))
         await vehicle.mission.upload(plan)
         nonsense = Plan.of([*plan.items, MissionItem(31_999, param5=1.0)])
         with pytest.raises(MissionDenied, match=r"UNSUPPORTED|ERROR"):
@@ -210,30 +223,30 @@ async def test_plans_that_are_refused_and_cleared(autopilot: Autopilot) -> None:
         assert len(await vehicle.mission.download()) <= (1 if is_ardupilot(vehicle) else 0)
 
 
-async def test_what_it_cannot_do_is_refused(autopilot: Autopilot) -> None:
+async def test_an_unknown_command_is_denied(autopilot: Autopilot) -> None:
     async with ready(autopilot) as vehicle:
         with pytest.raises(CommandDenied, match="UNSUPPORTED"):
             await vehicle.component.command(31_999)
 
 
 async def test_files(autopilot: Autopilot) -> None:
-    async with heard(autopilot) as vehicle:
-        if not (await vehicle.component.version()).can(common.MavProtocolCapability.FTP):
-            pytest.skip("it has no files")
+    async with connected(autopilot) as vehicle:
+        if not (await vehicle.component.get_version()).can(common.MavProtocolCapability.FTP):
+            pytest.skip("the vehicle has no FTP")
         await vehicle.ftp.list("/")
         with pytest.raises(FileDenied):
-            await vehicle.ftp.read("/no/such/file")
+            await vehicle.ftp.download("/no/such/file")
         if is_ardupilot(vehicle):
-            assert len(await vehicle.ftp.read("@PARAM/param.pck")) > 1000
-        folder = await a_folder_to_write_in(vehicle)
+            assert len(await vehicle.ftp.download("@PARAM/param.pck")) > 1000
+        folder = await find_writable_folder(vehicle)
         path, content = f"{folder}/mavstack.tmp", bytes(range(256)) * 20
-        await vehicle.ftp.write(path, content)
-        assert await vehicle.ftp.read(path) == content
+        await vehicle.ftp.upload(path, content)
+        assert await vehicle.ftp.download(path) == content
         await vehicle.ftp.remove(path)
         assert "mavstack.tmp" not in [entry.name for entry in await vehicle.ftp.list(folder)]
 
 
-async def a_folder_to_write_in(vehicle: Vehicle) -> str:
+async def find_writable_folder(vehicle: Vehicle) -> str:
     for folder in ("/fs/microsd", "/APM", "."):
         try:
             await vehicle.ftp.list(folder)
@@ -248,101 +261,101 @@ async def a_folder_to_write_in(vehicle: Vehicle) -> str:
 
 async def test_there_and_back(autopilot: Autopilot) -> None:
     async with ready(autopilot) as vehicle:
-        home, far, up = await home_of(vehicle), reach(vehicle), height(vehicle)
-        await go_up(vehicle, up)
-        near = 130 if vehicle.kind.circles else 4
-        await vehicle.goto(*place(home, far, 0), up + 3 if vehicle.kind.flies else None)
-        assert away(vehicle, far, 0) < near
-        if vehicle.kind is VehicleClass.COPTER:
-            await hover_about(vehicle, home)
-        await come_back(vehicle)
+        home, far, up = await get_home(vehicle), leg_length(vehicle), cruise_altitude(vehicle)
+        await take_off(vehicle, up)
+        near = 130 if vehicle.vehicle_type.circles else 4
+        await vehicle.goto(*offset_position(home, far, 0), up + 3 if vehicle.vehicle_type.flies else None)
+        assert distance_from(vehicle, far, 0) < near
+        if vehicle.vehicle_type is VehicleType.COPTER:
+            await fly_copter_maneuvers(vehicle, home)
+        await return_home(vehicle)
 
 
-async def go_up(vehicle: Vehicle, up: float) -> None:
-    """As the README does it; ArduPilot does not arm a plane in every mode."""
-    if vehicle.kind is VehicleClass.PLANE and is_ardupilot(vehicle):
+async def take_off(vehicle: Vehicle, up: float) -> None:
+    """Arm and take off; ArduPilot does not arm a plane in every mode."""
+    if vehicle.vehicle_type is VehicleType.PLANE and is_ardupilot(vehicle):
         await vehicle.set_mode("FBWA")
     await vehicle.arm()
     assert vehicle.armed
-    if vehicle.kind.flies:
+    if vehicle.vehicle_type.flies:
         await vehicle.takeoff(up)
         assert vehicle.position.relative_altitude == pytest.approx(up, abs=max(2, up / 10))
         assert vehicle.in_air is not False
 
 
-async def hover_about(vehicle: Vehicle, home) -> None:
+async def fly_copter_maneuvers(vehicle: Vehicle, home) -> None:
     await vehicle.set_speed(4)
     await vehicle.set_yaw(120)
     assert vehicle.position.heading == pytest.approx(120, abs=8)
     async with vehicle.guided() as guidance:
         guidance.velocity(east=3)
         async with asyncio.timeout(30):
-            while away(vehicle, reach(vehicle), 0) < 8:
-                await vehicle.next(common.GlobalPositionInt)
+            while distance_from(vehicle, leg_length(vehicle), 0) < 8:
+                await vehicle.wait_for_message(common.GlobalPositionInt)
     if is_ardupilot(vehicle):
-        # SITL's transmitter has its throttle closed; in CIRCLE a copter would sink by it, and crash.
-        await vehicle.next(common.RcChannels)
+        # SITL's transmitter has its throttle low: in CIRCLE a copter would sink and crash.
+        await vehicle.wait_for_message(common.RcChannels)
         with pytest.raises(ActionUnsupported, match="centre the stick"):
-            await vehicle.orbit(*place(home, 0, 0), height(vehicle), radius=15, speed=3)
+            await vehicle.orbit(*offset_position(home, 0, 0), cruise_altitude(vehicle), radius=15, speed=3)
         return
-    await vehicle.orbit(*place(home, 0, 0), height(vehicle), radius=15, speed=3)
-    assert away(vehicle, 0, 0) == pytest.approx(15, abs=6)
+    await vehicle.orbit(*offset_position(home, 0, 0), cruise_altitude(vehicle), radius=15, speed=3)
+    assert distance_from(vehicle, 0, 0) == pytest.approx(15, abs=6)
 
 
-async def come_back(vehicle: Vehicle) -> None:
-    if vehicle.kind is VehicleClass.SUB:
-        await vehicle.goto(*place(vehicle.home, 0, 0))
+async def return_home(vehicle: Vehicle) -> None:
+    if vehicle.vehicle_type is VehicleType.SUB:
+        await vehicle.goto(*offset_position(vehicle.home, 0, 0))
     else:
         await vehicle.rtl()
-        assert away(vehicle, 0, 0) < (150 if vehicle.kind.circles else 5)
-    if vehicle.kind is VehicleClass.PLANE and is_ardupilot(vehicle):
-        return  # it circles; the mission that comes next lands it
+        assert distance_from(vehicle, 0, 0) < (150 if vehicle.vehicle_type.circles else 5)
+    if vehicle.vehicle_type is VehicleType.PLANE and is_ardupilot(vehicle):
+        return  # it loiters; the mission of the next test lands it
     if vehicle.armed:
-        await vehicle.disarm(force=vehicle.kind is not VehicleClass.COPTER)
+        await vehicle.disarm(force=vehicle.vehicle_type is not VehicleType.COPTER)
     assert vehicle.armed is False
     await vehicle.firmware.become_armable()
 
 
 async def test_a_mission_is_flown(autopilot: Autopilot) -> None:
-    async with heard(autopilot) as vehicle:
+    async with connected(autopilot) as vehicle:
         if not vehicle.armed:
-            await become_healthy(vehicle)
-        home = await home_of(vehicle)
+            await wait_until_ready(vehicle)
+        home = await get_home(vehicle)
         plan = mission(vehicle, home)
         await vehicle.mission.upload(plan)
         reached: list[int] = []
-        async with vehicle.mission.items() as items:
+        async with vehicle.mission.reached_items() as items:
             await vehicle.mission.fly(timeout=600)
-            reached = [item.seq for item in items.take()]
-        # PX4 swallows the last one when the return that follows it is "reached" at once.
+            reached = [item.seq for item in items.drain()]
+        # PX4 does not report the last waypoint when the return behind it is reached immediately.
         corners = [seq for seq, item in enumerate(plan.items) if item.command == autopilots.CMD.NAV_WAYPOINT]
         assert set(corners[1 if is_ardupilot(vehicle) else 0 : -1]) <= set(reached), reached
         assert len(set(reached)) == len(reached), reached
-        if vehicle.kind.flies:
+        if vehicle.vehicle_type.flies:
             assert vehicle.armed is False
-        assert away(vehicle, 0, 0) < (200 if vehicle.kind is VehicleClass.PLANE else 6)
+        assert distance_from(vehicle, 0, 0) < (200 if vehicle.vehicle_type is VehicleType.PLANE else 6)
         if vehicle.armed:
             await vehicle.disarm()
-        if is_ardupilot(
-            vehicle
-        ):  # in AUTO it goes on with a mission, and does not let itself be given another
-            await vehicle.set_mode("MANUAL" if vehicle.kind is not VehicleClass.COPTER else "STABILIZE")
+        if is_ardupilot(vehicle):  # in AUTO the mission continues, and an upload is refused
+            await vehicle.set_mode(
+                "MANUAL" if vehicle.vehicle_type is not VehicleType.COPTER else "STABILIZE"
+            )
 
 
-# What it wrote down
+# Logs
 
 
 async def test_logs(autopilot: Autopilot) -> None:
-    async with heard(autopilot) as vehicle:
+    async with connected(autopilot) as vehicle:
         logs = await vehicle.logs.list(timeout=60)
         assert logs, "the flights before left no log"
         smallest = min((log for log in logs if log.size), key=lambda log: log.size)
         data = await vehicle.logs.download(smallest, timeout=300)
-        assert data.startswith(BEGINNINGS[is_ardupilot(vehicle)])
+        assert data.startswith(LOG_MAGIC[is_ardupilot(vehicle)])
         assert len(data) >= smallest.size * 0.9
 
 
-# The commands
+# Commands
 
 
 async def mav(autopilot: Autopilot, *words: str) -> str:
@@ -359,8 +372,8 @@ async def test_commands_list(autopilot: Autopilot) -> None:
     shown = json.loads(await mav(autopilot, "param", "list", "--json"))
     assert len(shown) > 300
     assert json.loads(await mav(autopilot, "log", "list", "--json"))
-    async with heard(autopilot) as vehicle:
-        if (await vehicle.component.version()).can(common.MavProtocolCapability.FTP):
+    async with connected(autopilot) as vehicle:
+        if (await vehicle.component.get_version()).can(common.MavProtocolCapability.FTP):
             has_files = True
         else:
             has_files = False
@@ -368,16 +381,16 @@ async def test_commands_list(autopilot: Autopilot) -> None:
         assert json.loads(await mav(autopilot, "ftp", "ls", "--json"))
 
 
-async def test_commands_give_and_get_a_mission(autopilot: Autopilot, tmp_path) -> None:
+async def test_commands_upload_and_download_a_mission(autopilot: Autopilot, tmp_path) -> None:
     async with ready(autopilot) as vehicle:
-        plan = mission(vehicle, await home_of(vehicle))
+        plan = mission(vehicle, await get_home(vehicle))
         await vehicle.mission.upload(plan)
     there, back = tmp_path / "there.waypoints", tmp_path / "back.plan"
     await mav(autopilot, "mission", "download", "--mission", str(there))
     await mav(autopilot, "mission", "clear", "--mission")
     await mav(autopilot, "mission", "upload", str(there), "--verify")
     await mav(autopilot, "mission", "download", "--mission", str(back))
-    async with heard(autopilot) as vehicle:
+    async with connected(autopilot) as vehicle:
         held = await vehicle.mission.download()
     assert [item.command for item in held.items] == [item.command for item in plan.items]
     assert json.loads(back.read_text())["mission"]["items"]

@@ -1,4 +1,4 @@
-"""A vehicle over UDP that peers can talk to: every service, telemetry, and commands that it carries out."""
+"""A vehicle on UDP for peers: every service, telemetry, and handlers of common commands."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LATITUDE, LONGITUDE = 47.3977415, 8.5455941
 
 
 class FlyingVehicle(Vehicle):
-    """Arms, takes off, lands, and says where it is."""
+    """A vehicle that arms, takes off, lands and publishes telemetry."""
 
     def __init__(self, link, *, root=None, autopilot: int = common.MavAutopilot.PX4) -> None:
         super().__init__(link, autopilot=autopilot)
@@ -47,7 +47,7 @@ class FlyingVehicle(Vehicle):
         version = AutopilotVersion(capabilities=self.capabilities, flight=FirmwareVersion(1, 16))
         provide_versions(self.message_server, version)
         for message, produce in telemetry(self).items():
-            self.provide(message, produce, interval=0.2)
+            self.publish(message, produce, interval=0.2)
 
     @property
     def is_bytewise(self) -> bool:
@@ -68,7 +68,7 @@ class FlyingVehicle(Vehicle):
             return RESULT.DENIED
         self.beacon.base_mode = ARMED if arm else common.MavModeFlag.CUSTOM_MODE_ENABLED
         self.beacon.soon(self.now())
-        self.changed(self.beacon)
+        self.wake(self.beacon)
         return RESULT.ACCEPTED
 
     def _take_off(self, request: CommandRequest) -> int:
@@ -88,7 +88,7 @@ class FlyingVehicle(Vehicle):
 
 
 def telemetry(vehicle: FlyingVehicle) -> dict:
-    """What it says of itself, by kind of message."""
+    """Return the producer of each telemetry message."""
     place = {"lat": round(LATITUDE * 1e7), "lon": round(LONGITUDE * 1e7)}
     return {
         common.GlobalPositionInt: lambda now: common.GlobalPositionInt(
@@ -120,7 +120,7 @@ def telemetry(vehicle: FlyingVehicle) -> dict:
 
 @asynccontextmanager
 async def vehicle_on_udp(**options):
-    """A vehicle that listens while a block lasts; gives it and its port."""
+    """Yield a vehicle on a UDP server link, and its port."""
     link = open_link("udpin://127.0.0.1:0")
     async with FlyingVehicle(link, **options) as vehicle:
         yield vehicle, link.address[1]

@@ -1,4 +1,4 @@
-"""A connection over real TCP whose server goes away and comes back."""
+"""A TCP connection whose server restarts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandTimeout
-from mavstack.sim.kinds import Firmware, VehicleType
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.runner import Runner
 from mavstack.sim.simulation import Simulation
 from mavstack.vehicle import VehicleEvent, VehicleLost, VehicleReturned, connect
@@ -23,15 +23,15 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
-async def test_a_server_goes_away_and_comes_back():
+async def test_a_server_restarts():
     simulation, port = Simulation(seed=3), free_port()
     simulation.add(VehicleType.COPTER, Firmware.ARDUPILOT)
     first = Runner(simulation)
     await first.connect(f"tcpin://127.0.0.1:{port}", simulation.vehicles)
     first.start()
     async with asyncio.timeout(60), connect(f"tcpout://127.0.0.1:{port}?retry=200ms") as node:
-        vehicle = await node.vehicle()
-        telemetry = node.messages(common.Heartbeat, system=1)
+        vehicle = await node.wait_for_vehicle()
+        telemetry = node.stream(common.Heartbeat, system=1)
         events = node.events(VehicleEvent)
         await first.close()
         lost = await anext(events)
@@ -39,7 +39,7 @@ async def test_a_server_goes_away_and_comes_back():
         assert f"its link tcpout 127.0.0.1:{port} is closed" in lost.reason
         with pytest.raises(CommandTimeout, match="1/1"):
             await vehicle.component.command(common.MavCmd.DO_SET_HOME, 1, timeout=2)
-        telemetry.take()
+        telemetry.drain()
         async with Runner(simulation) as second:
             await second.connect(f"tcpin://127.0.0.1:{port}", simulation.vehicles)
             second.start()
@@ -49,4 +49,4 @@ async def test_a_server_goes_away_and_comes_back():
             assert 1.0 < back.after < 60.0
             await anext(telemetry)
             assert (await vehicle.params.get("RTL_ALT")).value > 0
-        assert [type(event) for event in events.take() if not isinstance(event, VehicleLost)] == []
+        assert [type(event) for event in events.drain() if not isinstance(event, VehicleLost)] == []
