@@ -11,6 +11,7 @@ import pytest
 from mavstack.cli.main import main
 from mavstack.dialects import common
 from mavstack.wire import Encoder, encode
+from tests.cli.harness import CliHarness
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -36,6 +37,12 @@ def mav(capsys) -> Callable[..., Result]:
         return Result(code, captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture
+def simulate(monkeypatch) -> Callable[..., CliHarness]:
+    """Make simulated vehicles that are ready to arm, for the commands of a test."""
+    return lambda *kinds, ready=True: CliHarness(monkeypatch, *kinds, ready=ready)
 
 
 def stamped(packets: Iterable[bytes], step: int = 100_000) -> bytes:

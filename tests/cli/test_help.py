@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mavstack.cli.main import COMMANDS
+from mavstack.cli.registry import COMMANDS
 
 RECORDING = Path(__file__).parents[1] / "recordings" / "flight.tlog"
 OFFICIAL = Path(import_module("mavstack.dialects").__file__).parent / "definitions" / "minimal.xml"

@@ -7,7 +7,8 @@ import pytest
 
 import mavstack
 from mavstack.cli import main as main_module
-from mavstack.cli.main import COMMANDS, main
+from mavstack.cli.main import main
+from mavstack.cli.registry import COMMANDS
 from mavstack.errors import LinkError
 
 

@@ -1,87 +1,27 @@
-"""`mav`: finds the subcommand, runs it, and turns how it ended into an exit code.
+"""The entry point of `mav`: runs a command and turns its outcome into an exit code.
 
-A subcommand is a module with `EXAMPLES`, `add_arguments(parser)` and `run(arguments) -> int`; it is imported
-when it is asked for, so that `mav --help` loads none of them. Exit codes: 0 success, 1 a failure told in one
-line on stderr, 2 wrong usage, 130 ended by Ctrl-C. A reader that closes the pipe (`mav … | head`) has what
-it wanted: that is no failure.
+Exit codes: 0 success, 1 a failure told in one line on stderr, 2 wrong usage, 130 ended by Ctrl-C. A reader that
+closes the pipe (`mav … | head`) has read enough: that is no failure.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from contextlib import suppress
 from difflib import get_close_matches
-from importlib import import_module
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, cast
+from typing import TYPE_CHECKING, Final
 
 from mavstack import __version__
+from mavstack.cli.common.log_output import logging_to_outputs
 from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.registry import COMMANDS, command_parser, load_command
 from mavstack.errors import LinkURLError, MavstackError, UnknownDialectError
 
 if TYPE_CHECKING:
-    from argparse import Namespace
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
-INTERRUPTED = 130
-
-
-class Entry(NamedTuple):
-    """A subcommand: where it is, and one line about it."""
-
-    module: str
-    summary: str
-
-
-class Command(Protocol):
-    """What the module of a subcommand offers."""
-
-    EXAMPLES: str
-
-    def add_arguments(self, parser: ArgumentParser) -> None:
-        """Declare what follows the subcommand's name."""
-
-    def run(self, arguments: Namespace) -> int:
-        """Do it; the exit code."""
-
-
-COMMANDS: Final[Mapping[str, Entry]] = MappingProxyType(
-    {
-        "sim": Entry(
-            "mavstack.cli.sim.command", "simulated vehicles that any ground station or script can fly"
-        ),
-        "demo": Entry(
-            "mavstack.cli.demo.command", "a simulated fleet and its live picture, with no hardware"
-        ),
-        "watch": Entry(
-            "mavstack.cli.watch.command", "live messages of a link or a file: rates, values, link quality"
-        ),
-        "vehicle": Entry(
-            "mavstack.cli.vehicle.command", "one thing asked of a vehicle: arm, takeoff, goto, mode, info …"
-        ),
-        "param": Entry(
-            "mavstack.cli.param.command", "a vehicle's parameters: list, get, set, save, load, diff"
-        ),
-        "mission": Entry(
-            "mavstack.cli.mission.command",
-            "missions, fences, rally points: upload, download, show, convert, start",
-        ),
-        "ftp": Entry(
-            "mavstack.cli.ftp.command", "the files on a vehicle: ls, get, put, rm, mkdir, rename, crc"
-        ),
-        "log": Entry("mavstack.cli.log.command", "the logs on a vehicle: list, get, erase"),
-        "shell": Entry(
-            "mavstack.cli.shell.command",
-            "interactive console: mode, arm, takeoff, wp, param, fence, ftp, log …",
-        ),
-        "dialect": Entry(
-            "mavstack.cli.dialect.command", "list, show, check, compare and import message definitions"
-        ),
-        "doctor": Entry("mavstack.cli.doctor.command", "what is installed and working"),
-    }
-)
+EXIT_INTERRUPTED: Final = 130
 
 _HELP = """\
 Mavstack: the whole MAVLink system as one Python package.
@@ -90,7 +30,8 @@ usage: mav COMMAND …
 
 {commands}
 
-`mav COMMAND --help` tells more about one, with examples; `mav --version` tells the version.
+`mav COMMAND --help` shows the options of a command, with examples; `mav --version` shows the version.
+Every command takes -v (-vv: debug) for a log on stderr, and --log-file FILE.
 
 examples:
   mav demo
@@ -103,7 +44,14 @@ examples:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run `mav` with the given arguments, or those of the process; the exit code."""
+    """Run `mav`.
+
+    Args:
+        argv: The words after `mav`; None takes those of the process.
+
+    Returns:
+        The exit code.
+    """
     words = sys.argv[1:] if argv is None else list(argv)
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError):  # a captured stream may be anything
@@ -112,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         code = _dispatch(words)
         sys.stdout.flush()
     except KeyboardInterrupt:
-        code = INTERRUPTED
+        code = EXIT_INTERRUPTED
     except BrokenPipeError:
         _abandon_stdout()
         code = 0
@@ -140,21 +88,13 @@ def _dispatch(words: Sequence[str]) -> int:
 
 
 def _run(name: str, words: Sequence[str]) -> int:
-    entry = COMMANDS[name]
-    module = cast("Command", import_module(entry.module))
-    parser = ArgumentParser(
-        prog=f"mav {name}",
-        description=entry.summary[0].upper() + entry.summary[1:] + ".",
-        epilog=module.EXAMPLES,
-        formatter_class=RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    module.add_arguments(parser)
+    parser = command_parser(name)
     try:
         arguments = parser.parse_args(words)
-    except SystemExit as leaving:  # argparse has printed its help, or what is wrong
+    except SystemExit as leaving:  # argparse has printed its help or the problem
         return leaving.code if isinstance(leaving.code, int) else 0
-    return module.run(arguments)
+    with logging_to_outputs(arguments):
+        return load_command(name).run(arguments)
 
 
 def _help_text() -> str:
@@ -178,8 +118,8 @@ def _fail(words: Sequence[str], problem: str, code: int) -> int:
 
 
 def _abandon_stdout() -> None:
-    """Let the interpreter's last flush go nowhere: the reader is gone."""
+    """Redirect stdout to the null device: the interpreter flushes it at exit, and the reader is gone."""
     with suppress(OSError, ValueError, AttributeError):
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())
-        os.close(nowhere)
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, sys.stdout.fileno())
+        os.close(null)

@@ -8,15 +8,16 @@ import pytest
 
 from mavstack.cli.ftp.command import EXAMPLES
 from mavstack.services.ftp import file_crc32
-from tests.cli.simulated import Hangar, examples_of
+from mavstack.sim.vehicle_types import VehicleType
+from tests.cli.harness import CliHarness, examples_of
 
 LOG = "/APM/LOGS/00000001.BIN"
 
 
 @pytest.fixture
-def hangar(monkeypatch, tmp_path):
+def harness(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    return Hangar(monkeypatch)
+    return CliHarness(monkeypatch)
 
 
 def noise(size, seed=1):
@@ -26,19 +27,19 @@ def noise(size, seed=1):
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
 def test_the_examples_of_the_help(mav, monkeypatch, tmp_path, firmware):
     monkeypatch.chdir(tmp_path)
-    hangar = Hangar(monkeypatch, firmware)
+    harness = CliHarness(monkeypatch, (VehicleType.COPTER, firmware))
     (tmp_path / "patrol.lua").write_text("return 1\n")
-    hangar.put("/fs/microsd/log/2026-11-21/10_00_00.ulg", noise(100))
+    harness.put("/fs/microsd/log/2026-11-21/10_00_00.ulg", noise(100))
     top = {"ardupilot": "/APM", "px4": "/fs/microsd"}[firmware]
-    hangar.put(f"{top}/LOGS/00000001.BIN", noise(5000))
-    hangar.put(f"{top}/scripts/here.lua", b"return 2\n")
+    harness.put(f"{top}/LOGS/00000001.BIN", noise(5000))
+    harness.put(f"{top}/scripts/here.lua", b"return 2\n")
     for words in examples_of(EXAMPLES):
         result = mav(*(word.replace("/APM", top) for word in words))
         assert (result.code, result.err) == (0, ""), words
     assert (tmp_path / "00000001.BIN").read_bytes() == noise(5000)
     assert (tmp_path / "backup" / "here.lua").read_bytes() == b"return 2\n"
-    assert hangar.file(f"{top}/scripts/old.lua") is None
-    assert not hangar.has_directory(f"{top}/scripts/modules")
+    assert harness.file(f"{top}/scripts/old.lua") is None
+    assert not harness.has_directory(f"{top}/scripts/modules")
 
 
 def test_help_shows_the_examples_of_each_action(mav):
@@ -46,8 +47,8 @@ def test_help_shows_the_examples_of_each_action(mav):
         assert f"  mav ftp {action}" in mav("ftp", action, "--help").out
 
 
-def test_ls(mav, hangar):
-    hangar.put(LOG, noise(1500))
+def test_ls(mav, harness):
+    harness.put(LOG, noise(1500))
     assert mav("ftp", "ls", "/APM").out == "  LOGS/\n  TERRAIN/\n  scripts/\n"
     assert mav("ftp", "ls", "/APM/LOGS").out == "1.5 kB  00000001.BIN\n"
     assert mav("ftp", "ls", LOG).out == "1.5 kB  00000001.BIN\n"
@@ -72,7 +73,7 @@ def test_ls(mav, hangar):
         (["put", "missing", "/x"], "No such file"),
     ],
 )
-def test_what_the_vehicle_refuses_is_told_in_one_line(mav, hangar, tmp_path, words, problem):
+def test_what_the_vehicle_refuses_is_told_in_one_line(mav, harness, tmp_path, words, problem):
     (tmp_path / "x").write_text("x")
     result = mav("ftp", *words)
     assert (result.code, result.out) == (1, "")
@@ -82,14 +83,14 @@ def test_what_the_vehicle_refuses_is_told_in_one_line(mav, hangar, tmp_path, wor
 
 
 @pytest.mark.parametrize("words", [["get", "/APM"], ["rm", "/APM"], ["rm", "-r", "/"], ["get"], ["dance"]])
-def test_wrong_usage(mav, hangar, words):
+def test_wrong_usage(mav, harness, words):
     result = mav("ftp", *words)
     assert (result.code, result.out) == (2, "")
     assert result.err
 
 
-def test_get_to_a_file_a_directory_and_here(mav, hangar, tmp_path):
-    hangar.put(LOG, noise(3000))
+def test_get_to_a_file_a_directory_and_here(mav, harness, tmp_path):
+    harness.put(LOG, noise(3000))
     (tmp_path / "logs").mkdir()
     assert mav("ftp", "get", LOG).out == f"{LOG} -> 00000001.BIN (3.0 kB)\n"
     assert mav("ftp", "get", LOG, "logs").code == 0
@@ -100,40 +101,40 @@ def test_get_to_a_file_a_directory_and_here(mav, hangar, tmp_path):
         assert (tmp_path / path).read_bytes() == noise(3000)
 
 
-def test_a_virtual_file_and_an_empty_one(mav, hangar, tmp_path):
+def test_a_virtual_file_and_an_empty_one(mav, harness, tmp_path):
     assert mav("ftp", "get", "@SYS/uarts.txt").code == 0
     assert (tmp_path / "uarts.txt").read_text()
     assert mav("ftp", "get", "@PARAM/param.pck?withdefaults=1").code == 0
     assert (tmp_path / "param.pck").read_bytes()[:2] == b"\x1c\x67"
-    hangar.put("/APM/empty", b"")
+    harness.put("/APM/empty", b"")
     assert mav("ftp", "get", "/APM/empty").code == 0
     assert (tmp_path / "empty").read_bytes() == b""
 
 
-def test_get_a_tree(mav, hangar, tmp_path):
+def test_get_a_tree(mav, harness, tmp_path):
     files = {"a.lua": noise(10), "modules/b.lua": noise(20), "modules/deep/c.lua": noise(30)}
     for path, data in files.items():
-        hangar.put(f"/APM/scripts/{path}", data)
+        harness.put(f"/APM/scripts/{path}", data)
     assert mav("ftp", "get", "-r", "/APM/scripts").code == 0
     assert mav("ftp", "get", "-r", "/APM/scripts", "elsewhere").code == 0
     for path, data in files.items():
         assert (tmp_path / "scripts" / path).read_bytes() == data
         assert (tmp_path / "elsewhere" / path).read_bytes() == data
     assert mav("ftp", "rm", "-r", "/APM/scripts").code == 0
-    assert not hangar.has_directory("/APM/scripts")
+    assert not harness.has_directory("/APM/scripts")
 
 
-def test_put_is_compared(mav, hangar, tmp_path):
+def test_put_is_compared(mav, harness, tmp_path):
     (tmp_path / "x.lua").write_bytes(noise(9000))
     assert mav("ftp", "put", "x.lua", "/APM/scripts").out == "x.lua -> /APM/scripts/x.lua (9.0 kB)\n"
-    assert hangar.file("/APM/scripts/x.lua") == noise(9000)
+    assert harness.file("/APM/scripts/x.lua") == noise(9000)
     crc = json.loads(mav("ftp", "crc", "/APM/scripts/x.lua", "--json").out)["crc"]
     assert crc == file_crc32(noise(9000))
     assert mav("ftp", "crc", "/APM/scripts/x.lua").out == f"{crc:08x}  /APM/scripts/x.lua\n"
 
 
 @pytest.mark.parametrize("name", ["..", "../../evil", "a/b", "C:evil", "nul\x01", "trailing."])
-def test_names_that_would_lead_elsewhere(mav, hangar, tmp_path, monkeypatch, name):
+def test_names_that_would_lead_elsewhere(mav, harness, tmp_path, monkeypatch, name):
     from mavstack.cli.ftp import command as ftp
     from mavstack.services.ftp import Entry
 
@@ -152,13 +153,13 @@ def test_names_that_would_lead_elsewhere(mav, hangar, tmp_path, monkeypatch, nam
 
 
 def test_a_broken_download_leaves_the_old_file_and_goes_on_where_it_stopped(
-    mav, hangar, tmp_path, monkeypatch
+    mav, harness, tmp_path, monkeypatch
 ):
     data = noise(400_000)
-    hangar.put(LOG, data)
+    harness.put(LOG, data)
     target = tmp_path / "00000001.BIN"
     target.write_bytes(b"old")
-    cut = CutAfter(hangar, 200_000)
+    cut = CutAfter(harness, 200_000)
     result = mav("ftp", "get", LOG)
     assert result.code == 1
     assert re.search(r"; run it again to go on from [\d.]+ kB$", result.err)
@@ -176,9 +177,9 @@ def test_a_broken_download_leaves_the_old_file_and_goes_on_where_it_stopped(
 class CutAfter:
     """Cuts the vehicle's link when so much of a file was read from it."""
 
-    def __init__(self, hangar, size):
-        self.hangar, self.left, self.read_from = hangar, size, 1 << 40
-        store = hangar.vehicle.storage.files
+    def __init__(self, harness, size):
+        self.harness, self.left, self.read_from = harness, size, 1 << 40
+        store = harness.vehicle.storage.files
         opened = store.open_file
         store.open_file = lambda path, **options: self._watch(opened(path, **options))
 
@@ -190,7 +191,7 @@ class CutAfter:
                 self.left -= size
                 self.read_from = min(self.read_from, offset)
             if self.left < 0:
-                self.hangar.vehicle.cut(True)
+                self.harness.vehicle.cut(True)
             return read(offset, size)
 
         file.read = counted
@@ -198,11 +199,11 @@ class CutAfter:
 
     def mend(self):
         self.left, self.read_from = 1 << 40, 1 << 40
-        self.hangar.vehicle.cut(False)
+        self.harness.vehicle.cut(False)
 
 
-def test_what_was_kept_of_another_file_is_fetched_anew(mav, hangar, tmp_path):
-    hangar.put(LOG, noise(200_000, seed=2))
+def test_what_was_kept_of_another_file_is_fetched_anew(mav, harness, tmp_path):
+    harness.put(LOG, noise(200_000, seed=2))
     (tmp_path / ".00000001.BIN.part").write_bytes(noise(100_000, seed=3))
     assert mav("ftp", "get", LOG).code == 0
     assert (tmp_path / "00000001.BIN").read_bytes() == noise(200_000, seed=2)
@@ -211,6 +212,6 @@ def test_what_was_kept_of_another_file_is_fetched_anew(mav, hangar, tmp_path):
     assert (tmp_path / "00000001.BIN").read_bytes() == noise(200_000, seed=2)
 
 
-def test_a_download_that_is_refused_leaves_nothing(mav, hangar, tmp_path):
+def test_a_download_that_is_refused_leaves_nothing(mav, harness, tmp_path):
     assert mav("ftp", "get", "@PARAM/nope").code == 1
     assert list(tmp_path.iterdir()) == []

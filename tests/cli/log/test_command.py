@@ -12,7 +12,8 @@ from mavstack.cli.log.command import EXAMPLES, _ranges
 from mavstack.cli.log.files import match, name_for, time_text
 from mavstack.services.ftp import Entry
 from mavstack.services.log import LogEntry
-from tests.cli.simulated import Hangar, examples_of
+from mavstack.sim.vehicle_types import VehicleType
+from tests.cli.harness import CliHarness, examples_of
 
 TIME = 1_795_255_200  # 2026-11-21 10:00:00 UTC
 PATHS = {
@@ -26,16 +27,16 @@ def noise(size, seed=1):
 
 
 @pytest.fixture
-def hangar(monkeypatch, tmp_path):
+def harness(monkeypatch, tmp_path):
     return filled(monkeypatch, tmp_path)
 
 
 def filled(monkeypatch, tmp_path, firmware="ardupilot", sizes=(90_000, 2000)):
     monkeypatch.chdir(tmp_path)
-    hangar = Hangar(monkeypatch, firmware)
+    harness = CliHarness(monkeypatch, (VehicleType.COPTER, firmware))
     for path, size in zip(PATHS[firmware], sizes, strict=True):
-        hangar.put(path, noise(size, size))
-    return hangar
+        harness.put(path, noise(size, size))
+    return harness
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
@@ -73,7 +74,7 @@ def test_list(mav, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize(("via", "way"), [("auto", "ftp"), ("ftp", "ftp"), ("log", "log")])
-def test_the_way_it_comes(mav, hangar, tmp_path, via, way):
+def test_the_way_it_comes(mav, harness, tmp_path, via, way):
     told = json.loads(mav("log", "get", "1", "-o", "x.BIN", "--via", via, "--json").out)
     assert told == {"id": 1, "file": "x.BIN", "size": 90_000, "via": way}
     assert (tmp_path / "x.BIN").read_bytes() == noise(90_000, 90_000)
@@ -87,11 +88,11 @@ def test_logs_that_are_alike_come_by_their_numbers(mav, monkeypatch, tmp_path):
     assert result.err == "mav log: which file log 1 is cannot be told; fetch it with --via log\n"
 
 
-def test_without_ftp_they_come_by_their_numbers(mav, hangar, monkeypatch, tmp_path):
+def test_without_ftp_they_come_by_their_numbers(mav, harness, monkeypatch, tmp_path):
     def refused(path):
         raise PermissionError
 
-    monkeypatch.setattr(hangar.vehicle.storage.files, "list_directory", refused)
+    monkeypatch.setattr(harness.vehicle.storage.files, "list_directory", refused)
     assert json.loads(mav("log", "get", "last", "--json").out) == {
         "id": 2,
         "file": "00000002.BIN",
@@ -100,7 +101,7 @@ def test_without_ftp_they_come_by_their_numbers(mav, hangar, monkeypatch, tmp_pa
     }
 
 
-def test_what_is_here_already_stays(mav, hangar, tmp_path):
+def test_what_is_here_already_stays(mav, harness, tmp_path):
     assert mav("log", "get", "2").code == 0
     assert mav("log", "get", "2").out == "log 2 -> 00000002.BIN (is here already)\n"
     (tmp_path / "00000001.BIN").write_bytes(b"mine")
@@ -116,21 +117,21 @@ def test_what_is_here_already_stays(mav, hangar, tmp_path):
 @pytest.mark.parametrize(
     "words", [["get"], ["get", "first"], ["get", "-1"], ["get", "70000"], ["erase"], ["dance"]]
 )
-def test_wrong_usage(mav, hangar, monkeypatch, words):
+def test_wrong_usage(mav, harness, monkeypatch, words):
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: False))
     result = mav("log", *words)
     assert (result.code, result.out) == (2, "")
     assert result.err
 
 
-def test_no_such_log(mav, hangar):
+def test_no_such_log(mav, harness):
     result = mav("log", "get", "7")
     assert (result.code, result.err) == (1, "mav log: there is no log 7; there are 1-2\n")
     assert _ranges([1, 2, 3, 7, 9, 10]) == "1-3, 7, 9-10"
 
 
 @pytest.mark.parametrize(("answer", "left", "code"), [("y\n", 0, 0), ("n\n", 2, 1), ("", 2, 1), ("\n", 2, 1)])
-def test_erase_asks_on_a_terminal(mav, hangar, monkeypatch, answer, left, code):
+def test_erase_asks_on_a_terminal(mav, harness, monkeypatch, answer, left, code):
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: True, readline=lambda: answer))
     result = mav("log", "erase")
     assert result.code == code
@@ -138,18 +139,18 @@ def test_erase_asks_on_a_terminal(mav, hangar, monkeypatch, answer, left, code):
     assert len(json.loads(mav("log", "list", "--json").out)) == left
 
 
-def test_a_vehicle_that_falls_silent(mav, hangar, tmp_path):
-    store = hangar.vehicle.storage.files
+def test_a_vehicle_that_falls_silent(mav, harness, tmp_path):
+    store = harness.vehicle.storage.files
     opened = store.open_file
 
     def cut(path, **options):
-        hangar.vehicle.cut(True)
+        harness.vehicle.cut(True)
         return opened(path, **options)
 
     store.open_file = cut
     result = mav("log", "get", "1")
     assert (result.code, result.out) == (1, "")
-    assert result.err.startswith("mav log: reading /APM/LOGS/00000001.BIN asked of 1/1")
+    assert result.err.startswith("mav log: downloading /APM/LOGS/00000001.BIN from 1/1 failed")
     assert result.err.count("\n") == 1
     assert not (tmp_path / "00000001.BIN").exists()
 

@@ -10,6 +10,7 @@ import pytest
 
 from mavstack.cli.mission import command, show, transfer
 from mavstack.dialects import common
+from mavstack.files.plans import parse_plan, read_plan
 from mavstack.links import MemoryNetwork
 from mavstack.services import Address
 from mavstack.services.mission import MissionServer, Plan, PlanStore, PlanType
@@ -18,9 +19,8 @@ from mavstack.sim.scenarios import run_until
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
-from mavstack.vehicle.plan_files import parse_plan, read_plan
+from tests.files.plans.plans import FENCE, FLIGHT, RALLY, WAYPOINTS
 from tests.sim.whole_flights.fleet import whisper
-from tests.vehicle.plan_files.plans import FENCE, FLIGHT, RALLY, WAYPOINTS
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -55,7 +55,7 @@ class Field:
         self.simulation.advance(self.simulation.now + 20.0)
         self.vehicle.data_to_send()
 
-    def on_vehicle(self, arguments: Namespace, work: Work) -> int:
+    def run_on_vehicle(self, arguments: Namespace, work: Work) -> int:
         return run_virtually(self._run(arguments, work))
 
     async def _run(self, arguments: Namespace, work: Work) -> int:
@@ -70,22 +70,22 @@ class Field:
         return code
 
 
-def use(monkeypatch: pytest.MonkeyPatch, on_vehicle: Callable[[Namespace, Work], int]) -> None:
-    monkeypatch.setattr(transfer, "on_vehicle", on_vehicle)
-    monkeypatch.setattr(show, "on_vehicle", on_vehicle)
+def use(monkeypatch: pytest.MonkeyPatch, run_on_vehicle: Callable[[Namespace, Work], int]) -> None:
+    monkeypatch.setattr(transfer, "run_on_vehicle", run_on_vehicle)
+    monkeypatch.setattr(show, "run_on_vehicle", run_on_vehicle)
 
 
 @pytest.fixture(params=["ardupilot", "px4"])
 def field(request, monkeypatch) -> Field:
     here = Field(request.param)
-    use(monkeypatch, here.on_vehicle)
+    use(monkeypatch, here.run_on_vehicle)
     return here
 
 
 @pytest.fixture
 def copter(monkeypatch) -> Field:
     here = Field("ardupilot")
-    use(monkeypatch, here.on_vehicle)
+    use(monkeypatch, here.run_on_vehicle)
     return here
 
 
@@ -342,7 +342,7 @@ class Refuser:
     def __init__(self, refused: int | None, result: int, *, silent: bool = False) -> None:
         self.refused, self.result, self.silent = refused, result, silent
 
-    def on_vehicle(self, arguments: Namespace, work: Work) -> int:
+    def run_on_vehicle(self, arguments: Namespace, work: Work) -> int:
         return run_virtually(self._run(arguments, work))
 
     async def _run(self, arguments: Namespace, work: Work) -> int:
@@ -360,26 +360,26 @@ class Refuser:
 
 
 def test_a_fence_that_is_refused_keeps_the_mission_back(mav, monkeypatch):
-    use(monkeypatch, Refuser(PlanType.FENCE, _RESULT.NO_SPACE).on_vehicle)
+    use(monkeypatch, Refuser(PlanType.FENCE, _RESULT.NO_SPACE).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
     assert result.code == 1
     assert result.out == "rally points: not sent\nmission: not sent\n"
-    assert result.err.startswith("mav mission: uploading the fence asked of 1/1: NO_SPACE")
+    assert result.err.startswith("mav mission: uploading the fence to 1/1 failed: NO_SPACE")
     assert result.err.count("\n") == 1
 
 
 def test_a_refused_mission_is_told_after_what_was_given(mav, monkeypatch):
-    use(monkeypatch, Refuser(PlanType.MISSION, _RESULT.UNSUPPORTED).on_vehicle)
+    use(monkeypatch, Refuser(PlanType.MISSION, _RESULT.UNSUPPORTED).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
     assert (result.code, result.out) == (1, "fence: 6 items given\nrally points: 2 items given\n")
-    assert result.err.startswith("mav mission: uploading the mission asked of 1/1: UNSUPPORTED")
+    assert result.err.startswith("mav mission: uploading the mission to 1/1 failed: UNSUPPORTED")
 
 
 def test_clearing_that_is_refused(mav, monkeypatch):
-    use(monkeypatch, Refuser(PlanType.RALLY, _RESULT.DENIED).on_vehicle)
+    use(monkeypatch, Refuser(PlanType.RALLY, _RESULT.DENIED).run_on_vehicle)
     result = mav("mission", "clear", "--all")
     assert (result.code, result.out) == (1, "fence: cleared\nmission: not cleared\n")
-    assert result.err.startswith("mav mission: clearing the rally points asked of 1/1: DENIED")
+    assert result.err.startswith("mav mission: clearing the rally points on 1/1 failed: DENIED")
 
 
 @pytest.mark.parametrize(
@@ -392,10 +392,10 @@ def test_clearing_that_is_refused(mav, monkeypatch):
     ],
 )
 def test_a_vehicle_that_says_nothing(mav, monkeypatch, words, says):
-    use(monkeypatch, Refuser(None, 0, silent=True).on_vehicle)
+    use(monkeypatch, Refuser(None, 0, silent=True).run_on_vehicle)
     result = mav("mission", *words)
     assert result.code == 1
-    assert result.err.startswith(f"mav mission: {says} asked of 1/1")
+    assert result.err.startswith(f"mav mission: {says} 1/1 failed")
     assert "no answer" in result.err
     assert result.err.count("\n") == 1
 
@@ -419,7 +419,7 @@ def test_what_is_read_back_otherwise_is_told(mav, monkeypatch):
 
     kept = PlanStore.put
     monkeypatch.setattr(PlanStore, "put", rounded)
-    use(monkeypatch, Forgetful(None, 0).on_vehicle)
+    use(monkeypatch, Forgetful(None, 0).run_on_vehicle)
     result = mav("mission", "upload", "area.fen", "--verify")
     assert result.code == 1
     assert result.out == "fence: 5 items given\n"

@@ -6,18 +6,19 @@ import json
 import pytest
 
 from mavstack.cli.param.command import EXAMPLES
-from mavstack.vehicle.parameter_files import read_parameters
-from tests.cli.simulated import Hangar, examples_of
+from mavstack.files.parameters import read_parameters
+from mavstack.sim.vehicle_types import VehicleType
+from tests.cli.harness import CliHarness, examples_of
 
 
 @pytest.fixture
-def hangar(monkeypatch):
-    return Hangar(monkeypatch)
+def harness(monkeypatch):
+    return CliHarness(monkeypatch)
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
 def test_the_examples_of_the_help(mav, monkeypatch, tmp_path, firmware):
-    hangar = Hangar(monkeypatch, firmware)
+    harness = CliHarness(monkeypatch, (VehicleType.COPTER, firmware))
     monkeypatch.chdir(tmp_path)
     of_px4 = {
         "RTL*": "RTL*",
@@ -39,7 +40,7 @@ def test_the_examples_of_the_help(mav, monkeypatch, tmp_path, firmware):
         assert result.err == ""
     assert read_parameters("backup.param").by_name()
     wanted = {"ardupilot": ("RTL_ALT", 3000), "px4": ("RTL_RETURN_ALT", 45)}[firmware]
-    assert hangar.vehicle.parameters[wanted[0]] == wanted[1]
+    assert harness.vehicle.parameters[wanted[0]] == wanted[1]
 
 
 def test_help_shows_the_examples_of_each_action(mav):
@@ -49,30 +50,30 @@ def test_help_shows_the_examples_of_each_action(mav):
         assert f"  mav param {action}" in result.out
 
 
-def test_list(mav, hangar):
+def test_list(mav, harness):
     result = mav("param", "list", "rtl_alt", "RTL_CONE*")
     assert result.out == "RTL_ALT         1500  int32\nRTL_CONE_SLOPE     3  real32\n"
     everything = mav("param", "list", "--json")
-    assert len(json.loads(everything.out)) == len(hangar.vehicle.parameters)
+    assert len(json.loads(everything.out)) == len(harness.vehicle.parameters)
     assert json.loads(mav("param", "list", "RTL_ALT", "--json").out) == [
         {"name": "RTL_ALT", "value": 1500, "type": "INT32"}
     ]
 
 
-def test_no_such_parameter(mav, hangar):
+def test_no_such_parameter(mav, harness):
     result = mav("param", "list", "RTL_ATL")
     assert (result.code, result.out) == (1, "")
     assert result.err == "mav param: there is no parameter RTL_ATL; did you mean RTL_ALT?\n"
 
 
-def test_get_shows_what_it_can(mav, hangar):
+def test_get_shows_what_it_can(mav, harness):
     result = mav("param", "get", "rtl_alt", "NOPE")
     assert (result.code, result.out) == (1, "RTL_ALT  1500  int32\n")
-    assert result.err.startswith("mav param: parameter NOPE asked of 1/1")
+    assert result.err.startswith("mav param: reading parameter NOPE of 1/1 failed")
     assert result.err.count("\n") == 1
 
 
-def test_set(mav, hangar):
+def test_set(mav, harness):
     assert mav("param", "set", "rtl_alt", "3000").out == "RTL_ALT: 1500 -> 3000\n"
     assert mav("param", "set", "RTL_ALT", "3000").out == "RTL_ALT: 3000, as before\n"
     assert mav("param", "set", "FRAME_CLASS=2").out == "FRAME_CLASS: 1 -> 2; it counts after a reboot\n"
@@ -83,18 +84,18 @@ def test_set(mav, hangar):
         1,
         False,
     )
-    assert hangar.vehicle.parameters["RTL_ALT"] == 3000
+    assert harness.vehicle.parameters["RTL_ALT"] == 3000
 
 
-def test_a_refusal_and_what_comes_after_it(mav, hangar):
+def test_a_refusal_and_what_comes_after_it(mav, harness):
     result = mav("param", "set", "STAT_BOOTCNT=9", "RTL_ALT=2000")
     assert (result.code, result.out) == (1, "RTL_ALT: 1500 -> 2000\n")
-    assert result.err.startswith("mav param: STAT_BOOTCNT = 9 asked of 1/1")
+    assert result.err.startswith("mav param: setting parameter STAT_BOOTCNT to 9 on 1/1 failed")
     assert "READ_ONLY" in result.err
     assert result.err.count("\n") == 1
 
 
-def test_a_value_that_its_type_cannot_hold(mav, hangar):
+def test_a_value_that_its_type_cannot_hold(mav, harness):
     result = mav("param", "set", "FRAME_CLASS", "300")
     assert result.code == 1
     assert result.err == "mav param: FRAME_CLASS is of type INT8, which cannot hold 300\n"
@@ -134,25 +135,25 @@ def test_a_link_that_cannot_be_opened(mav):
     assert result.err.count("\n") == 1
 
 
-def test_nobody_there(mav, hangar):
+def test_nobody_there(mav, harness):
     result = mav("param", "list", "--system", "77", "--timeout", "3")
     assert result.code == 1
     assert "heartbeat of vehicle 77" in result.err
-    hangar.vehicle.cut(True)
+    harness.vehicle.cut(True)
     result = mav("param", "list", "--timeout", "3")
     assert result.code == 1
     assert "heartbeat asked of" in result.err
     assert result.err.count("\n") == 1
 
 
-def test_save_and_what_it_tells(mav, hangar, tmp_path):
+def test_save_and_what_it_tells(mav, harness, tmp_path):
     path = tmp_path / "a.params"
     assert mav("param", "save", path, "RTL*").out == f"8 parameters in {path}\n"
     told = json.loads(mav("param", "save", path, "--json").out)
     assert told == {
         "file": str(path),
         "format": "qgroundcontrol",
-        "parameters": len(hangar.vehicle.parameters),
+        "parameters": len(harness.vehicle.parameters),
     }
     text = path.read_text()
     assert text.startswith(
@@ -161,7 +162,7 @@ def test_save_and_what_it_tells(mav, hangar, tmp_path):
     assert mav("param", "save", "-", "RTL_ALT", "--format", "mission-planner").out.endswith("RTL_ALT,1500\n")
 
 
-def test_save_keeps_the_file_that_it_cannot_replace(mav, hangar, tmp_path):
+def test_save_keeps_the_file_that_it_cannot_replace(mav, harness, tmp_path):
     result = mav("param", "save", tmp_path / "nowhere" / "a.param")
     assert result.code == 1
     assert result.err.count("\n") == 1
@@ -176,16 +177,16 @@ FRAME_TYPE      0 -> 3        counts after a reboot
 """
 
 
-def test_load_tells_what_became_of_each(mav, hangar, tmp_path):
+def test_load_tells_what_became_of_each(mav, harness, tmp_path):
     path = tmp_path / "a.parm"
     path.write_text("RTL_ALT 3000\nSTAT_BOOTCNT 77\nFRAME_CLASS 300\nFOO_BAR 3\nRTL_SPEED 0\nFRAME_TYPE 3\n")
-    old = hangar.vehicle.parameters["FRAME_TYPE"]
+    old = harness.vehicle.parameters["FRAME_TYPE"]
     dry = mav("param", "load", path, "--dry-run")
     assert dry.code == 1
     assert dry.out.splitlines()[-1].startswith(
         "2 to be set, 1 unchanged, 1 skipped, 1 refused, 1 unknown; nothing"
     )
-    assert hangar.vehicle.parameters["RTL_ALT"] == 1500
+    assert harness.vehicle.parameters["RTL_ALT"] == 1500
     result = mav("param", "load", path)
     assert (result.code, result.err) == (1, "")
     expected = [line.split() for line in LOADED.replace("0 -> 3 ", f"{old} -> 3 ").splitlines()]
@@ -193,7 +194,7 @@ def test_load_tells_what_became_of_each(mav, hangar, tmp_path):
     assert [line.split() for line in lines[:-1]] == expected
     counts = "2 set, 1 unchanged, 1 skipped, 1 refused, 1 unknown"
     assert lines[-1] == f"{counts}; --all sets what was skipped too; reboot the vehicle"
-    assert hangar.vehicle.parameters["RTL_ALT"] == 3000
+    assert harness.vehicle.parameters["RTL_ALT"] == 3000
     again = mav("param", "load", path, "RTL*", "--json")
     told = json.loads(again.out)
     assert again.code == 0
@@ -203,15 +204,15 @@ def test_load_tells_what_became_of_each(mav, hangar, tmp_path):
     ]
 
 
-def test_load_what_belongs_to_the_vehicle_if_asked(mav, hangar, tmp_path):
+def test_load_what_belongs_to_the_vehicle_if_asked(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("COMPASS_OFS_X,12.5\n")
     assert "skipped" in mav("param", "load", path).out
     assert mav("param", "load", path, "--all").out.startswith("COMPASS_OFS_X  ")
-    assert hangar.vehicle.parameters["COMPASS_OFS_X"] == 12.5
+    assert harness.vehicle.parameters["COMPASS_OFS_X"] == 12.5
 
 
-def test_a_file_of_another_component(mav, hangar, tmp_path):
+def test_a_file_of_another_component(mav, harness, tmp_path):
     path = tmp_path / "camera.params"
     path.write_text("1\t100\tCAM_MODE\t1\t6\n")
     for action in ("load", "diff"):
@@ -229,7 +230,7 @@ def test_a_file_that_is_wrong_is_told_before_the_vehicle_is_asked(mav, monkeypat
     assert mav("param", "diff", tmp_path / "missing").code == 1
 
 
-def test_diff_with_the_vehicle(mav, hangar, tmp_path):
+def test_diff_with_the_vehicle(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     mav("param", "save", path)
     same = mav("param", "diff", path, "--exit-code")
@@ -247,10 +248,10 @@ def test_diff_with_the_vehicle(mav, hangar, tmp_path):
     assert told["different"] == [{"name": "RTL_ALT", "ours": 1500, "theirs": 1501}]
 
 
-def test_diff_with_a_part_of_the_vehicle(mav, hangar, tmp_path):
+def test_diff_with_a_part_of_the_vehicle(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("RTL_ALT,1500\n")
-    others = len(hangar.vehicle.parameters) - 1
+    others = len(harness.vehicle.parameters) - 1
     assert mav("param", "diff", path).out == f"1 the same, {others} only on the vehicle (--all shows them)\n"
     assert len(mav("param", "diff", path, "--all").out.splitlines()) == others + 2
 
@@ -270,29 +271,29 @@ def test_diff_of_two_files(mav, tmp_path):
     assert len(json.loads(mav("param", "diff", one, other, "--json", "--all").out)["different"]) == 3
 
 
-def test_watch_shows_what_others_set(mav, hangar):
+def test_watch_shows_what_others_set(mav, harness):
     async def other_station(remote):
         await asyncio.sleep(20)
-        await remote.parameters.set("RTL_ALT", 2222)
-        await remote.parameters.set("FRAME_TYPE", 3)
+        await remote.params.set("RTL_ALT", 2222)
+        await remote.params.set("FRAME_TYPE", 3)
 
-    hangar.meanwhile = other_station
+    harness.meanwhile = other_station
     result = mav("param", "watch", "RTL*", "--for", "60")
     assert (result.code, result.out, result.err) == (0, "RTL_ALT: 1500 -> 2222\n", "")
-    hangar.vehicle.parameters.set("RTL_ALT", 1500)
+    harness.vehicle.parameters.set("RTL_ALT", 1500)
     told = json.loads(mav("param", "watch", "RTL*", "--for", "60", "--json").out)
     assert told == {"name": "RTL_ALT", "value": 2222, "type": "INT32", "before": 1500}
 
 
-def cut_at(hangar, name):
+def cut_at(harness, name):
     """Cut the vehicle's link as soon as a parameter changes."""
-    hangar.vehicle.parameters.on_change(name, lambda value: hangar.vehicle.cut(True))
+    harness.vehicle.parameters.on_change(name, lambda value: harness.vehicle.cut(True))
 
 
-def test_a_vehicle_that_falls_silent_while_it_is_loaded(mav, hangar, tmp_path):
+def test_a_vehicle_that_falls_silent_while_it_is_loaded(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("".join(f"SERVO{number}_MIN,1099\n" for number in range(1, 17)))
-    cut_at(hangar, "SERVO3_MIN")
+    cut_at(harness, "SERVO3_MIN")
     result = mav("param", "load", path)
     assert (result.code, result.err) == (1, "")
     lines = result.out.splitlines()
@@ -302,10 +303,10 @@ def test_a_vehicle_that_falls_silent_while_it_is_loaded(mav, hangar, tmp_path):
     assert "untried" in lines[-1]
 
 
-def test_a_vehicle_that_falls_silent_while_it_is_set(mav, hangar):
-    cut_at(hangar, "RTL_ALT")
+def test_a_vehicle_that_falls_silent_while_it_is_set(mav, harness):
+    cut_at(harness, "RTL_ALT")
     result = mav("param", "set", "RTL_ALT=2000", "RTL_SPEED=5")
     assert (result.code, result.out) == (1, "RTL_ALT: 1500 -> 2000\n")
-    assert result.err.startswith("mav param: parameter RTL_SPEED asked of 1/1 ")
+    assert result.err.startswith("mav param: reading parameter RTL_SPEED of 1/1 failed ")
     assert result.err.endswith(" times: no answer\n")
     assert result.err.count("\n") == 1

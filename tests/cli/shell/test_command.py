@@ -12,13 +12,8 @@ from mavstack.cli.shell.command import EXAMPLES
 from mavstack.cli.shell.registry import COMMANDS
 from mavstack.links import MemoryNetwork
 from mavstack.node import forwarding
-from tests.cli.hangar import COPTER, PX4_COPTER, Hangar
+from tests.cli.harness import COPTER, PX4_COPTER
 from tests.vehicle.world import named
-
-
-@pytest.fixture
-def hangar(monkeypatch, mav):
-    return lambda *kinds, **how: Hangar(monkeypatch, mav, kinds or [COPTER], **how)
 
 
 @pytest.fixture
@@ -37,17 +32,17 @@ def pipe(monkeypatch):
 
 
 @pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
-def test_a_line(hangar, mav, kind):
-    here = hangar(kind)
+def test_a_line(simulate, mav, kind):
+    harness = simulate(kind)
     result = mav("shell", "--command", "arm throttle; takeoff 10")
     assert result.code == 0
     assert result.out == "armed\n"
     assert "found: quadrotor" in result.err
-    assert -here.simulated.body.truth.down == pytest.approx(10, abs=1.5)
+    assert -harness.vehicle.body.truth.down == pytest.approx(10, abs=1.5)
 
 
-def test_a_script(hangar, mav, tmp_path):
-    hangar()
+def test_a_script(simulate, mav, tmp_path):
+    simulate()
     (script := tmp_path / "flight.txt").write_text("mode guided\narm throttle # up\n\nbad\ndisarm\n")
     result = mav("shell", "--script", script)
     assert result.code == 1
@@ -58,35 +53,35 @@ def test_a_script(hangar, mav, tmp_path):
     assert result.out == "armed\ndisarmed\n"
 
 
-def test_a_pipe(hangar, mav, pipe):
-    hangar()
+def test_a_pipe(simulate, mav, pipe):
+    simulate()
     pipe("arm throttle\ndisarm\n")
     result = mav("shell")
     assert (result.code, result.out) == (0, "armed\ndisarmed\n")
 
 
-def test_nobody_there_fails(hangar, mav):
-    hangar()
+def test_nobody_there_fails(simulate, mav):
+    simulate()
     result = mav("shell", "--system", 9, "--timeout", 2, "--command", "info")
     assert result.code == 1
     assert result.err.splitlines()[-1].startswith("mav shell: the heartbeat of vehicle 9")
 
 
-def test_the_vehicle_that_is_meant(hangar, mav):
-    here = hangar(COPTER, PX4_COPTER)
+def test_the_vehicle_that_is_meant(simulate, mav):
+    harness = simulate(COPTER, PX4_COPTER)
     assert mav("shell", "--system", 2, "--command", "arm").code == 0
-    assert [vehicle.autopilot.armed for vehicle in here.simulation.vehicles] == [False, True]
+    assert [vehicle.autopilot.armed for vehicle in harness.simulation.vehicles] == [False, True]
 
 
-def test_a_script_that_is_not_there(hangar, mav, tmp_path):
-    hangar()
+def test_a_script_that_is_not_there(simulate, mav, tmp_path):
+    simulate()
     result = mav("shell", "--script", tmp_path / "none.txt")
     assert result.code == 1
     assert "No such file or directory" in result.err
 
 
-def test_an_output_is_forwarded_to(hangar, mav, monkeypatch):
-    hangar()
+def test_an_output_is_forwarded_to(simulate, mav, monkeypatch):
+    simulate()
     behind = MemoryNetwork()
     monkeypatch.setattr(forwarding, "open_link", lambda url: behind.link())
     station = behind.link()
@@ -110,12 +105,12 @@ def test_wrong_usage(mav, words):
     assert mav("shell", *words).code == 2
 
 
-def test_the_examples_of_the_command(hangar, mav, pipe, tmp_path, monkeypatch):
+def test_the_examples_of_the_command(simulate, mav, pipe, tmp_path, monkeypatch):
     """Each line but those that wait for somebody who types."""
     (tmp_path / "flight.txt").write_text("info\n")
     monkeypatch.chdir(tmp_path)
     for line in EXAMPLES.splitlines()[1:7]:
-        hangar()
+        simulate()
         before, bar, after = line.rpartition("|")
         if bar:
             pipe(shlex.split(before)[1] + "\n")
@@ -130,7 +125,7 @@ ELSEWHERE = {"wp set 2", "nsh ver all", "script"}
 
 
 @pytest.mark.parametrize("command", list(dict.fromkeys(COMMANDS.values())), ids=lambda command: command.name)
-def test_the_examples_of_each_command(hangar, mav, command, tmp_path, monkeypatch):
+def test_the_examples_of_each_command(simulate, mav, command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     before = {
         "guided": "mode guided; arm throttle; takeoff 10; ",
@@ -145,7 +140,7 @@ def test_the_examples_of_each_command(hangar, mav, command, tmp_path, monkeypatc
     lines = [example for example in command.examples if example not in ELSEWHERE]
     if not lines:
         pytest.skip("tried elsewhere")
-    hangar()
+    simulate()
     result = mav(
         "shell",
         "--command",

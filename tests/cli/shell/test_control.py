@@ -7,7 +7,7 @@ import asyncio
 import pytest
 
 from mavstack.cli.common.usage_error import UsageError
-from mavstack.cli.shell.console_command import AlreadyTold
+from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.registry import COMMANDS
 from mavstack.cli.shell.runner import run_line
 from mavstack.dialects import common
@@ -96,7 +96,7 @@ def test_a_script_runs_until_it_fails(tmp_path, capsys):
     script.write_text("# settings\nset limit 3\n\nset limit x; set limit 4\nset limit 5\n")
 
     async def scenario(session):
-        with pytest.raises(AlreadyTold):
+        with pytest.raises(AlreadyReported):
             await run_line(session, f"script {script}")
         assert session.settings.limit == 3
 
@@ -106,7 +106,7 @@ def test_a_script_runs_until_it_fails(tmp_path, capsys):
 
 def test_a_script_that_runs_itself_ends(tmp_path, capsys):
     (script := tmp_path / "a.txt").write_text(f"script {tmp_path / 'a.txt'}")
-    with pytest.raises(AlreadyTold):
+    with pytest.raises(AlreadyReported):
         alone(lambda session: run_line(session, f"script {script}"))
     assert capsys.readouterr().err.count("runs itself") == 1
 

@@ -10,6 +10,7 @@ from mavstack.cli.shell.interactive import interact, line_for
 from mavstack.cli.shell.plain_input import PlainLine
 from mavstack.cli.shell.state import history_file, state_directory
 from tests.cli.shell.shelled import COPTER, alone, in_shell
+from tests.waiting import wait_until
 
 
 class Typist:
@@ -116,9 +117,7 @@ def test_the_prompt_completes_and_remembers(tmp_path, monkeypatch):
             line = line_for(session)
             reading = asyncio.create_task(line.read())
             keys.send_text("arm thr\t")
-            async with asyncio.timeout(20):
-                while line._prompt.default_buffer.text != "arm throttle":  # noqa: ASYNC110
-                    await asyncio.sleep(0.01)
+            await wait_until(lambda: line._prompt.default_buffer.text == "arm throttle")
             keys.send_text("\n")
             assert await reading == "arm throttle"
             keys.send_text("\x1b[A\n")

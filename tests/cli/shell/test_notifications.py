@@ -62,7 +62,7 @@ def test_which_texts_are_shown():
 
 def test_of_several_vehicles_it_is_said_which():
     async def scenario(session, world):
-        await world.until(lambda: len(session.node.vehicles) == 2)
+        await world.wait_until(lambda: len(session.node.vehicles) == 2)
         line = News(session).line(StatusText(Address(2, 1), 4, "low battery", True))
         assert line == ("2: low battery", "yellow")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.cli.common.usage_error import UsageError
-from mavstack.cli.shell.console_command import AlreadyTold
+from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.runner import run_line
 from mavstack.errors import MavstackError
 from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell, type_lines
@@ -41,7 +41,7 @@ def test_parameters(kind, name, capsys, tmp_path):
 def test_fetching_all_parameters_counts_them(capsys):
     async def scenario(session, world):
         await run_line(session, "param fetch")
-        assert len(session.vehicle.params.known) > 100
+        assert len(session.vehicle.params.cached) > 100
 
     in_shell(COPTER, scenario)
     assert "parameters" in capsys.readouterr().out
@@ -157,7 +157,7 @@ def test_help_of_what_is_borrowed(name, capsys):
 
 
 def test_a_partial_failure_is_told_once(capsys):
-    with pytest.raises(AlreadyTold):
+    with pytest.raises(AlreadyReported):
         type_lines("param get RTL_ALT NO_SUCH_PARAM")
     captured = capsys.readouterr()
     assert "RTL_ALT" in captured.out

@@ -16,7 +16,7 @@ _CODES: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-def in_colour(text: str, colour: str, stream: TextIO | None = None) -> str:
+def colored(text: str, colour: str, stream: TextIO | None = None) -> str:
     """A text in a colour, if the stream (standard output) is a terminal."""
     out = sys.stdout if stream is None else stream
     if not colour or not out.isatty() or os.environ.get("NO_COLOR"):

@@ -1,91 +1,88 @@
-"""How commands reach a vehicle: `--url`, `--system`, `--timeout`, and what is done with it.
+"""The connection of a command to a vehicle: `--url`, `--system`, `--timeout`.
 
-The URL is taken from MAVSTACK_URL where it is not given, so that a session of commands names it once. A
-command waits for the vehicle's first heartbeat, does its work, and leaves; what fails is told in one line.
+The URL comes from MAVSTACK_URL if it is not given, so that a session of commands names it once. A command waits
+for the vehicle's first heartbeat, does its work, and closes the connection. A failure is told in one line.
 
-Where a vehicle is at hand already, as in `mav shell`, the same commands are parsed by `AtHand`: no connection
-is offered, and their work is handed over instead of being done on a connection of its own.
+Inside `mav shell` the vehicle of the session is used: `SessionParser` offers no connection, and a command hands
+its work over instead of connecting.
 """
 
 from __future__ import annotations
 
 import asyncio
 import os
-from argparse import ArgumentParser
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.options import seconds, system_id
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.session_parser import SessionParser
 from mavstack.vehicle import connect
 
 if TYPE_CHECKING:
-    from argparse import Namespace
+    from argparse import ArgumentParser, Namespace, _ActionsContainer
     from collections.abc import Awaitable, Callable
 
     from mavstack.vehicle import Connection, Vehicle
 
-DEFAULT_URL = "udpin://0.0.0.0:14550"
-#: How long to wait for a first heartbeat, in seconds.
-PATIENCE = 10.0
+DEFAULT_URL: Final = "udpin://0.0.0.0:14550"
+#: Seconds that a command waits for the first heartbeat of its vehicle.
+DEFAULT_HEARTBEAT_TIMEOUT: Final = 10.0
 
 
-class AtHand(ArgumentParser):
-    """Parses the words of a command for a vehicle that is at hand; `hand_over` is given the work.
-
-    What is wrong with the words is raised, and ends nothing but the command.
-    """
-
-    def error(self, message: str) -> NoReturn:
-        """Say what is wrong."""
-        raise UsageError(message)
-
-
-def add_connection(parser: ArgumentParser) -> None:
-    """Offer what says which vehicle is meant, and how long to wait for it."""
-    if isinstance(parser, AtHand):
+def add_connection_options(parser: ArgumentParser) -> None:
+    """Declare the options that select the vehicle; none in a session."""
+    if isinstance(parser, SessionParser):
         return
-    group = parser.add_argument_group("the vehicle")
+    group = parser.add_argument_group("vehicle")
     group.add_argument(
         "--url",
         action="append",
         metavar="URL",
-        help=f"where it is heard; may be given several times (default: $MAVSTACK_URL or {DEFAULT_URL})",
+        help=f"link to the vehicle; may be repeated (default: $MAVSTACK_URL or {DEFAULT_URL})",
     )
     group.add_argument(
-        "--system", type=system_id, metavar="ID", help="its system id (default: the first vehicle heard)"
+        "--system", type=system_id, metavar="ID", help="system id (default: the first vehicle heard)"
     )
+    add_heartbeat_timeout(group)
+
+
+def add_heartbeat_timeout(group: _ActionsContainer) -> None:
+    """Declare `--timeout`, the time to wait for the first heartbeat."""
     group.add_argument(
         "--timeout",
         type=seconds,
-        default=PATIENCE,
+        default=DEFAULT_HEARTBEAT_TIMEOUT,
         metavar="SECONDS",
-        help=f"how long to wait for its first heartbeat (default: {PATIENCE:g})",
+        help=f"wait this long for the vehicle's first heartbeat (default: {DEFAULT_HEARTBEAT_TIMEOUT:g})",
     )
 
 
-def urls_of(arguments: Namespace) -> list[str]:
-    """The URLs to connect to."""
+def connection_urls(arguments: Namespace) -> list[str]:
+    """Return the URLs to connect to."""
     return arguments.url or [os.environ.get("MAVSTACK_URL") or DEFAULT_URL]
 
 
-def on_vehicle(arguments: Namespace, work: Callable[[Vehicle], Awaitable[int]]) -> int:
-    """Connect, wait for the vehicle, do the work; the exit code that it gives."""
-    hand_over = getattr(arguments, "hand_over", None)
-    if hand_over is not None:
-        hand_over(work)
+def run_on_vehicle(arguments: Namespace, work: Callable[[Vehicle], Awaitable[int]]) -> int:
+    """Connect, wait for the vehicle, run the work and return its exit code.
+
+    In a session the work is handed to the session instead, and 0 is returned.
+    """
+    session_work = getattr(arguments, "session_work", None)
+    if session_work is not None:
+        session_work(work)
         return 0
 
-    async def whole(node: Connection) -> int:
-        return await work(await node.wait_for_vehicle(arguments.system, timeout=arguments.timeout))
+    async def connected(connection: Connection) -> int:
+        vehicle = await connection.wait_for_vehicle(arguments.system, timeout=arguments.timeout)
+        return await work(vehicle)
 
-    return on_connection(arguments, whole)
+    return run_on_connection(arguments, connected)
 
 
-def on_connection(arguments: Namespace, work: Callable[[Connection], Awaitable[int]]) -> int:
-    """Connect and do the work; the exit code that it gives."""
+def run_on_connection(arguments: Namespace, work: Callable[[Connection], Awaitable[int]]) -> int:
+    """Connect, run the work and return its exit code."""
 
-    async def whole() -> int:
-        async with connect(*urls_of(arguments)) as node:
-            return await work(node)
+    async def connected() -> int:
+        async with connect(*connection_urls(arguments)) as connection:
+            return await work(connection)
 
-    return asyncio.run(whole())
+    return asyncio.run(connected())

@@ -1,4 +1,4 @@
-"""How a command says that it was called in a way that makes no sense."""
+"""The error of a command line that makes no sense."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from mavstack.errors import LocalProtocolError
 
 
 class UsageError(LocalProtocolError):
-    """The command was called wrongly; the text says what would be right."""
+    """A command was called wrongly; the text says what is right."""

@@ -16,12 +16,12 @@ from mavstack.dialects import common
 from mavstack.errors import MavstackError
 from mavstack.services.mission import MissionItem, Plan
 from mavstack.sim.motion import LocalFrame
-from mavstack.sim.vehicle_types import FIELD, Firmware, Home, VehicleType
+from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
 if TYPE_CHECKING:
     from mavstack.node import Node, RemoteComponent
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD = common.MavCmd
 _T, _F = VehicleType, Firmware
@@ -55,12 +55,12 @@ FLIGHTS: Final = (
 )
 
 
-def populate(simulation: Simulation, field: Home = FIELD) -> list[Vehicle]:
+def populate(simulation: Simulation, field: Home = DEFAULT_HOME) -> list[SimulatedVehicle]:
     """Put the vehicles of all flights into a simulation."""
     return [simulation.add(flight.type, flight.firmware, home=home_of(flight, field)) for flight in FLIGHTS]
 
 
-def home_of(flight: Flight, field: Home = FIELD) -> Home:
+def home_of(flight: Flight, field: Home = DEFAULT_HOME) -> Home:
     """Where a flight begins."""
     frame = LocalFrame(field.latitude, field.longitude, field.altitude)
     latitude, longitude, _ = frame.to_global(*flight.place, 0.0)
@@ -95,15 +95,15 @@ def _item(command: int, latitude: float, longitude: float, height: float) -> Mis
     return MissionItem(int(command), param5=latitude, param6=longitude, param7=height)
 
 
-async def direct(ground: Node, vehicles: list[Vehicle]) -> None:
+async def direct(ground: Node, vehicles: list[SimulatedVehicle]) -> None:
     """Let all vehicles fly, for ever."""
     async with asyncio.TaskGroup() as group:
         for flight, vehicle in zip(FLIGHTS, vehicles, strict=True):
             group.create_task(_keep_flying(ground, flight, vehicle))
 
 
-async def _keep_flying(ground: Node, flight: Flight, vehicle: Vehicle) -> None:
-    remote = await ground.autopilot(vehicle.address.system)
+async def _keep_flying(ground: Node, flight: Flight, vehicle: SimulatedVehicle) -> None:
+    remote = await ground.wait_for_autopilot(vehicle.address.system)
     while True:
         try:
             await _start(remote, flight)
@@ -115,7 +115,7 @@ async def _keep_flying(ground: Node, flight: Flight, vehicle: Vehicle) -> None:
 
 
 async def _end_of_flight(remote: RemoteComponent) -> None:
-    async with remote.messages(common.Heartbeat) as heartbeats:
+    async with remote.stream(common.Heartbeat) as heartbeats:
         async for heartbeat in heartbeats:
             if not heartbeat.base_mode & common.MavModeFlag.SAFETY_ARMED:
                 return

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_connection, on_vehicle
+from mavstack.cli.common.connection import add_connection_options, run_on_vehicle
 from mavstack.cli.common.field_values import clean
 from mavstack.cli.common.transfer_progress import TransferProgress, size_text
 from mavstack.cli.common.usage_error import UsageError
@@ -83,7 +83,7 @@ def list_files(arguments: Namespace) -> int:
         _show(found, full_path=is_pattern(path), as_json=arguments.json)
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def get(arguments: Namespace) -> int:
@@ -106,7 +106,7 @@ def get(arguments: Namespace) -> int:
                 _tell(arguments, {"remote": found.path, "local": str(target), "size": size}, text)
         return 1 if failed else 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def put(arguments: Namespace) -> int:
@@ -119,12 +119,12 @@ def put(arguments: Namespace) -> int:
         if path.endswith("/") or await _is_directory(vehicle.ftp, path):
             path = join(path, local.name)
         with TransferProgress(f"{local} -> {path}") as progress:
-            await vehicle.ftp.write(path, data, progress=progress)
+            await vehicle.ftp.upload(path, data, progress=progress)
         text = f"{local} -> {path} ({size_text(len(data))})"
         _tell(arguments, {"local": str(local), "remote": path, "size": len(data)}, text)
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def remove(arguments: Namespace) -> int:
@@ -141,7 +141,7 @@ def remove(arguments: Namespace) -> int:
                 await _remove(vehicle.ftp, found, arguments)
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def make(arguments: Namespace) -> int:
@@ -153,7 +153,7 @@ def make(arguments: Namespace) -> int:
             _tell(arguments, {"made": path}, "")
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def rename(arguments: Namespace) -> int:
@@ -164,7 +164,7 @@ def rename(arguments: Namespace) -> int:
         _tell(arguments, {"from": arguments.path, "to": arguments.to}, "")
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def checksum(arguments: Namespace) -> int:
@@ -176,7 +176,7 @@ def checksum(arguments: Namespace) -> int:
             _tell(arguments, {"path": path, "crc": crc}, f"{crc:08x}  {path}")
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 async def _entries(files: Ftp, path: str) -> list[Found]:
@@ -282,5 +282,5 @@ def _action(actions: Actions, name: str, summary: str, run_it: Callable[[Namespa
     """An action with what all have in common."""
     parser = actions.add(name, summary, run_it)
     parser.add_argument("--json", action="store_true", help="for programs")
-    add_connection(parser)
+    add_connection_options(parser)
     return parser

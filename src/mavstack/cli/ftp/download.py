@@ -50,7 +50,7 @@ class Download:
         """Fetch it; gives how many bytes it has."""
         if self._size <= FIRST_PIECE:
             self._part.unlink(missing_ok=True)
-            data = await self._files.read(self._path, progress=self._progress)
+            data = await self._files.download(self._path, progress=self._progress)
             try:
                 self._part.write_bytes(data)
                 self._part.replace(self._target)
@@ -93,7 +93,7 @@ class Download:
 
         told(0, 0)
         try:
-            data = await self._files.read(self._path, offset=offset, size=size, progress=told)
+            data = await self._files.download(self._path, offset=offset, size=size, progress=told)
         except RemoteError as error:
             if offset == 0:
                 raise

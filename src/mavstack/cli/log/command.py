@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_connection, on_vehicle
+from mavstack.cli.common.connection import add_connection_options, run_on_vehicle
 from mavstack.cli.common.transfer_progress import TransferProgress, size_text
 from mavstack.cli.common.usage_error import UsageError
 from mavstack.cli.ftp.download import Download
@@ -78,7 +78,7 @@ def list_logs(arguments: Namespace) -> int:
             print("there are no logs", file=sys.stderr)
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def get(arguments: Namespace) -> int:
@@ -101,7 +101,7 @@ def get(arguments: Namespace) -> int:
                 print(f"mav log: {error}", file=sys.stderr)
         return 1 if failed else 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def erase(arguments: Namespace) -> int:
@@ -122,7 +122,7 @@ def erase(arguments: Namespace) -> int:
             print(f"{len(logs)} logs erased" + (f", {len(left)} left" if left else ""))
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def _chosen(logs: Sequence[LogEntry], which: Sequence[int | str]) -> list[LogEntry]:
@@ -245,5 +245,5 @@ def _action(actions: Actions, name: str, summary: str, run_it: Callable[[Namespa
     """An action with what all have in common."""
     parser = actions.add(name, summary, run_it)
     parser.add_argument("--json", action="store_true", help="for programs")
-    add_connection(parser)
+    add_connection_options(parser)
     return parser

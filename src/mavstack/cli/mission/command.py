@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_connection
+from mavstack.cli.common.connection import add_connection_options
 from mavstack.cli.mission.files import convert
 from mavstack.cli.mission.show import show
 from mavstack.cli.mission.transfer import clear, download, start, upload
+from mavstack.files.plans import FORMATS
 from mavstack.services.mission import PLAN_TYPES, PlanType
-from mavstack.vehicle.plan_files import FORMATS
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -45,24 +45,24 @@ def add_arguments(parser: ArgumentParser) -> None:
     _with_kinds(giving, "what the file holds")
     giving.add_argument("--verify", action="store_true", help="read it back, and compare")
     giving.add_argument("--force", action="store_true", help="send it, though something is wrong with it")
-    add_connection(giving)
+    add_connection_options(giving)
     getting = actions.add("download", "get what the vehicle has, into a file or to standard output", download)
     getting.add_argument("file", nargs="?", default="-", metavar="FILE", help="its suffix says the format")
     _with_kinds(getting, "all that the format can hold", all_too=True)
     _with_format(getting)
-    add_connection(getting)
+    add_connection_options(getting)
     clearing = actions.add("clear", "let the vehicle forget its plans", clear)
     _with_kinds(clearing, "the mission", all_too=True)
-    add_connection(clearing)
+    add_connection_options(clearing)
     starting = actions.add("start", "arm if need be, and fly the mission", start)
     starting.add_argument("--wait", action="store_true", help="until it has been flown")
-    add_connection(starting)
+    add_connection_options(starting)
     showing = actions.add("show", "show what a file holds, or what the vehicle has", show)
     showing.add_argument("file", nargs="?", metavar="FILE", help="without it the vehicle is asked")
     _with_kinds(showing, "all")
     showing.add_argument("--json", action="store_true", help="for programs; `upload` and `convert` read it")
     showing.add_argument("--no-map", dest="map", action="store_false", help="without the sketch")
-    add_connection(showing)
+    add_connection_options(showing)
     converting = actions.add("convert", "write what a file holds in another format", convert)
     converting.add_argument("input", metavar="IN", help="of any format that can be read; - is standard input")
     converting.add_argument("output", metavar="OUT", help="its suffix says the format; - is standard output")

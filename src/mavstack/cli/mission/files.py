@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.errors import PlanFileError
-from mavstack.vehicle.plan_files import check, format_of, format_plan, parse_plan, read_plan
-from mavstack.vehicle.plan_files.model import KINDS
+from mavstack.files.plans import check, format_of, format_plan, parse_plan, read_plan
+from mavstack.files.plans.model import KINDS
 
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Sequence
 
+    from mavstack.files.plans import PlanFile
     from mavstack.services.mission import PlanType
-    from mavstack.vehicle.plan_files import PlanFile
 
 STANDARD = "-"
 #: What is written to standard output, where nothing else is asked for.

@@ -10,22 +10,22 @@ import json
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from mavstack.cli.common.connection import on_vehicle
+from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.mission.files import read
 from mavstack.cli.mission.sketch import flown, sketch
 from mavstack.cli.mission.text import altitude_text, length_text, number, params_text, place_text
 from mavstack.cli.mission.transfer import fetch
+from mavstack.files.plans import areas_of, check, plan_json
+from mavstack.files.plans.model import CMD, KINDS
 from mavstack.vehicle.geography import distance
-from mavstack.vehicle.plan_files import areas_of, check, plan_json
-from mavstack.vehicle.plan_files.model import CMD, KINDS
 
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Sequence
 
+    from mavstack.files.plans import PlanFile
     from mavstack.services.mission import MissionItem
     from mavstack.vehicle import Vehicle
-    from mavstack.vehicle.plan_files import PlanFile
 
 _HEAD = ("#", "command", "place", "altitude", "distance", "params")
 _RIGHT = frozenset({0, 4})
@@ -44,7 +44,7 @@ def show(arguments: Namespace) -> int:
         _print(f"system {vehicle.system}", plan, arguments)
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def _print(name: str, plan: PlanFile, arguments: Namespace) -> None:

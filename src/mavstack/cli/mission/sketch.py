@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.character_map import Marked, draw_map
 from mavstack.cli.mission.text import goes_there
-from mavstack.vehicle.plan_files import areas_of
-from mavstack.vehicle.plan_files.model import CMD
+from mavstack.files.plans import areas_of
+from mavstack.files.plans.model import CMD
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mavstack.cli.common.character_map import Cell, Map, Place
-    from mavstack.vehicle.plan_files import PlanFile
+    from mavstack.files.plans import PlanFile
 
 COLUMNS = 64
 ROWS = 18

@@ -8,8 +8,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import Dialect, ardupilotmega
+from mavstack.files.plans.model import CMD, FRAME, params_of, plain_frame
 from mavstack.services.frames import GLOBAL_FRAMES
-from mavstack.vehicle.plan_files.model import CMD, FRAME, params_of, plain_frame
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -10,15 +10,15 @@ import sys
 from math import isnan
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.common.connection import on_vehicle
+from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.mission.files import STANDARD, chosen_of, judge, read, save
 from mavstack.dialects import common
 from mavstack.errors import MavstackError, MissionDenied, RemoteError, RemoteProtocolError
+from mavstack.files.plans import Home, PlanFile, Settings, format_of
+from mavstack.files.plans.model import KINDS, params_of
 from mavstack.services.mission import Plan, PlanType
 from mavstack.services.mission.server import NO_MISSION
-from mavstack.vehicle.plan_files import Home, PlanFile, Settings, format_of
-from mavstack.vehicle.plan_files.model import KINDS, params_of
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -52,7 +52,7 @@ def upload(arguments: Namespace) -> int:
             chosen, "not sent", lambda kind: _give(vehicle, plan, kind, verify=arguments.verify)
         )
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def download(arguments: Namespace) -> int:
@@ -69,7 +69,7 @@ def download(arguments: Namespace) -> int:
             print(f"{arguments.file}: {counts}")
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def clear(arguments: Namespace) -> int:
@@ -79,7 +79,7 @@ def clear(arguments: Namespace) -> int:
     async def work(vehicle: Vehicle) -> int:
         return await _each(chosen, "not cleared", lambda kind: _clear(vehicle, kind))
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def start(arguments: Namespace) -> int:
@@ -95,7 +95,7 @@ def start(arguments: Namespace) -> int:
             print("mission: started")
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 async def start_mission(vehicle: Vehicle) -> None:
@@ -109,7 +109,7 @@ async def start_mission(vehicle: Vehicle) -> None:
 async def _expect_mission(vehicle: Vehicle) -> None:
     """Raise if it says that it has no mission: it would be armed, and then have nothing to do."""
     try:
-        told = await vehicle.component.request(common.MissionCurrent, timeout=ASKING_PATIENCE)
+        told = await vehicle.component.request_message(common.MissionCurrent, timeout=ASKING_PATIENCE)
     except RemoteError:
         return
     if told.mission_state == common.MissionState.NO_MISSION or told.total == NO_MISSION:
@@ -177,7 +177,7 @@ async def _get(vehicle: Vehicle, kind: PlanType, *, strict: bool) -> Plan:
 
 async def _home(vehicle: Vehicle) -> Home | None:
     try:
-        told = await vehicle.component.request(common.HomePosition, timeout=ASKING_PATIENCE)
+        told = await vehicle.component.request_message(common.HomePosition, timeout=ASKING_PATIENCE)
     except RemoteError:
         return None
     return Home(told.latitude / 1e7, told.longitude / 1e7, told.altitude / 1e3)

@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_connection, on_vehicle
+from mavstack.cli.common.connection import add_connection_options, run_on_vehicle
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.diff import diff
@@ -24,8 +24,8 @@ from mavstack.cli.param.text import (
     print_json,
 )
 from mavstack.errors import RemoteError
-from mavstack.vehicle.parameter_files import FORMATS, needs_reboot, value_text
-from mavstack.vehicle.reasons import with_reasons
+from mavstack.files.parameters import FORMATS, needs_reboot, value_text
+from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -83,7 +83,7 @@ def list_all(arguments: Namespace) -> int:
         show([found[name] for name in sorted(found)], as_json=arguments.json)
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def get(arguments: Namespace) -> int:
@@ -101,7 +101,7 @@ def get(arguments: Namespace) -> int:
             show(found, as_json=arguments.json)
         return _told(failures)
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def set_some(arguments: Namespace) -> int:
@@ -119,7 +119,7 @@ def set_some(arguments: Namespace) -> int:
                 _show_set(before, after, as_json=arguments.json)
         return _told(failures)
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def watch(arguments: Namespace) -> int:
@@ -143,13 +143,13 @@ def watch(arguments: Namespace) -> int:
                 raise
             return 0
 
-    return on_vehicle(arguments, until_time_is_up)
+    return run_on_vehicle(arguments, until_time_is_up)
 
 
 async def fetched(vehicle: Vehicle) -> Mapping[str, Parameter]:
     """All parameters of a vehicle, with progress on a terminal."""
     with TransferProgress("fetching parameters", in_bytes=False) as progress:
-        return dict(await vehicle.params.fetch(progress=progress))
+        return dict(await vehicle.params.download(progress=progress))
 
 
 def show(parameters: list[Parameter], *, as_json: bool) -> None:
@@ -163,7 +163,7 @@ def show(parameters: list[Parameter], *, as_json: bool) -> None:
 async def _set(vehicle: Vehicle, name: str, value: Value) -> tuple[Parameter, Parameter]:
     """Set one: as it was, and as it is."""
     before = await vehicle.params.get(name)
-    return before, await with_reasons(vehicle, vehicle.params.set(name, value))
+    return before, await with_status_texts(vehicle, vehicle.params.set(name, value))
 
 
 def _show_set(before: Parameter, after: Parameter, *, as_json: bool) -> None:
@@ -197,7 +197,7 @@ def _action(actions: Actions, name: str, summary: str, run_it: Callable[[Namespa
     """An action with what all have in common."""
     parser = actions.add(name, summary, run_it)
     parser.add_argument("--json", action="store_true", help="for programs")
-    add_connection(parser)
+    add_connection_options(parser)
     return parser
 
 

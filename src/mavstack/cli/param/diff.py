@@ -5,18 +5,18 @@ from __future__ import annotations
 from operator import itemgetter
 from typing import TYPE_CHECKING, TypeAlias
 
-from mavstack.cli.common.colours import in_colour
-from mavstack.cli.common.connection import on_vehicle
+from mavstack.cli.common.colours import colored
+from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.common.usage_error import UsageError
 from mavstack.cli.param.text import columns, json_value, of_vehicle, print_json
-from mavstack.vehicle.parameter_files import Owner, compare, owner_of, read_parameters, value_text
+from mavstack.files.parameters import Owner, compare, owner_of, read_parameters, value_text
 
 if TYPE_CHECKING:
     from argparse import Namespace
 
+    from mavstack.files.parameters import AnyParameter, Comparison
     from mavstack.vehicle import Vehicle
-    from mavstack.vehicle.parameter_files import AnyParameter, Comparison
 
 #: A name, and what the one and the other has.
 Row: TypeAlias = "tuple[str, AnyParameter | None, AnyParameter | None]"
@@ -35,11 +35,11 @@ def diff(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> int:
         with TransferProgress("fetching parameters", in_bytes=False) as progress:
-            theirs = await vehicle.params.fetch(progress=progress)
+            theirs = await vehicle.params.download(progress=progress)
         found = compare(of_vehicle(ours, arguments.files[0], vehicle), theirs)
         return _shown(found, (arguments.files[0], "vehicle"), arguments, partial=not arguments.all)
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def _shown(found: Comparison, heads: tuple[str, str], arguments: Namespace, *, partial: bool = False) -> int:
@@ -66,7 +66,7 @@ def _print(rows: list[Row], heads: tuple[str, str]) -> None:
     head, *lines = columns([("", *heads), *cells], right=frozenset({1, 2}))
     print(head)
     for (_, ours, theirs), line in zip(rows, lines, strict=True):
-        print(in_colour(line, "red" if theirs is None else "green" if ours is None else "yellow"))
+        print(colored(line, "red" if theirs is None else "green" if ours is None else "yellow"))
 
 
 def _summary(found: Comparison, shown: int, *, partial: bool) -> str:

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.colours import in_colour
-from mavstack.cli.common.connection import on_vehicle
+from mavstack.cli.common.colours import colored
+from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.text import columns, json_value, matching, of_vehicle, print_json
-from mavstack.vehicle.parameter_files import Outcome, ParameterLoad, read_parameters, value_text
+from mavstack.files.parameters import Outcome, ParameterLoad, read_parameters, value_text
 
 if TYPE_CHECKING:
     from argparse import Namespace
 
+    from mavstack.files.parameters import Applied
     from mavstack.vehicle import Vehicle
-    from mavstack.vehicle.parameter_files import Applied
 
 _COLOURS = {Outcome.SET: "green", Outcome.SKIPPED: "grey", Outcome.UNCHANGED: "grey"}
 
@@ -37,7 +37,7 @@ def load(arguments: Namespace) -> int:
                     _show(task.results, arguments)
         return 0 if all(each.ok for each in task.results) else 1
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def _show(results: tuple[Applied, ...], arguments: Namespace) -> None:
@@ -48,7 +48,7 @@ def _show(results: tuple[Applied, ...], arguments: Namespace) -> None:
     if rows:
         lines = columns([row for _, row in rows])
         for (result, _), line in zip(rows, lines, strict=True):
-            print(in_colour(line, _COLOURS.get(result.outcome, "red")))
+            print(colored(line, _COLOURS.get(result.outcome, "red")))
     print(_summary(results, dry_run=arguments.dry_run))
 
 

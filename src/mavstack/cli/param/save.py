@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.connection import on_vehicle
+from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.identity import words
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.common.usage_error import UsageError
 from mavstack.cli.param.text import matching, print_json
 from mavstack.dialects import common
 from mavstack.errors import ParameterFileError, RemoteError
-from mavstack.vehicle.parameter_files import FORMATS, ParameterFile, format_for, write_parameters
+from mavstack.files.parameters import FORMATS, ParameterFile, format_for, write_parameters
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -29,7 +29,7 @@ def save(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> int:
         with TransferProgress("fetching parameters", in_bytes=False) as progress:
-            known = await vehicle.params.fetch(progress=progress)
+            known = await vehicle.params.download(progress=progress)
         found = matching(arguments.patterns, known)
         system, component = vehicle.address
         file = ParameterFile.of(
@@ -48,7 +48,7 @@ def save(arguments: Namespace) -> int:
             print(f"{len(found)} parameters in {arguments.file}")
         return 0
 
-    return on_vehicle(arguments, work)
+    return run_on_vehicle(arguments, work)
 
 
 def _format_name(arguments: Namespace) -> str:
@@ -72,7 +72,7 @@ async def _comments(vehicle: Vehicle) -> list[str]:
         lines.append(f"Stack: {stack or words(common.MavAutopilot(info.autopilot).name)}")
         lines.append(f"Vehicle: {words(getattr(info.type, 'name', str(int(info.type))))}")
     try:
-        version = await vehicle.component.version(timeout=_VERSION_PATIENCE)
+        version = await vehicle.component.get_version(timeout=_VERSION_PATIENCE)
     except RemoteError:
         return lines
     lines.append(f"Version: {version.flight}")

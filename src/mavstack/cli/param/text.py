@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 from mavstack.cli.common.field_values import clean
 from mavstack.cli.common.usage_error import UsageError
 from mavstack.errors import MavstackError, ParameterFileError
+from mavstack.files.parameters import read_number, value_text
 from mavstack.services.parameters.value import type_name
-from mavstack.vehicle.parameter_files import read_number, value_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from typing import TypeVar
 
+    from mavstack.files.parameters import AnyParameter, ParameterFile, StoredParameter
     from mavstack.services.parameters import Value
     from mavstack.vehicle import Vehicle
-    from mavstack.vehicle.parameter_files import AnyParameter, ParameterFile, StoredParameter
 
     Item = TypeVar("Item")
 

@@ -6,8 +6,8 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.connection import DEFAULT_URL, PATIENCE, urls_of
-from mavstack.cli.common.options import seconds, system_id
+from mavstack.cli.common.connection import DEFAULT_URL, add_heartbeat_timeout, connection_urls
+from mavstack.cli.common.options import system_id
 from mavstack.cli.common.stdin_lines import typed_lines
 from mavstack.cli.shell.control import script_lines
 from mavstack.cli.shell.interactive import interact, line_for
@@ -50,13 +50,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     what.add_argument("--script", metavar="FILE", help="run the lines of a file, and leave")
     what.add_argument("--command", metavar="LINE", help="run a line, and leave")
     add("--keep-going", action="store_true", help="do not end a script at the first command that fails")
-    add(
-        "--timeout",
-        type=seconds,
-        default=PATIENCE,
-        metavar="SECONDS",
-        help=f"how long to wait for a first heartbeat (default: {PATIENCE:g})",
-    )
+    add_heartbeat_timeout(parser)
 
 
 def run(arguments: Namespace) -> int:
@@ -65,7 +59,7 @@ def run(arguments: Namespace) -> int:
 
 
 async def _connected(arguments: Namespace) -> int:
-    async with connect(*urls_of(arguments)) as node:
+    async with connect(*connection_urls(arguments)) as node:
         return await run_shell(node, arguments)
 
 

@@ -89,7 +89,7 @@ def subcommands(known: Mapping[str, Completer | None]) -> Completer:
 async def parameters(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
     """Parameters that were heard of."""
     vehicle = session.chosen
-    return () if vehicle is None else tuple(vehicle.params.known)
+    return () if vehicle is None else tuple(vehicle.params.cached)
 
 
 async def modes(session: Session, _: Sequence[str], __: str) -> Iterable[str]:

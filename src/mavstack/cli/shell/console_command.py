@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     Completer: TypeAlias = Callable[[Session, Sequence[str], str], Awaitable[Iterable[str]]]
 
 
-class AlreadyTold(MavstackError):  # noqa: N818 (it says what happened)
+class AlreadyReported(MavstackError):  # noqa: N818 (it says what happened)
     """A command failed and has said so itself."""
 
 

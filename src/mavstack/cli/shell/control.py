@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.usage_error import UsageError
 from mavstack.cli.param.text import columns
 from mavstack.cli.shell import completion
-from mavstack.cli.shell.console_command import AlreadyTold, Command, expect, number_of
+from mavstack.cli.shell.console_command import AlreadyReported, Command, expect, number_of
 from mavstack.cli.shell.parsing import commands_of
 from mavstack.cli.shell.runner import DEEPEST, run_lines
 from mavstack.errors import MavstackError
@@ -70,7 +70,7 @@ async def script(session: Session, words: list[str]) -> None:
     session.depth += 1
     try:
         if not await run_lines(session, script_lines(words[0]), words[0]):
-            raise AlreadyTold(f"{words[0]} failed")
+            raise AlreadyReported(f"{words[0]} failed")
     finally:
         session.depth -= 1
 

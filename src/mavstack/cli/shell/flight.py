@@ -10,7 +10,7 @@ from mavstack.cli.shell.console_command import Command, expect, number_of
 from mavstack.cli.vehicle.flight_progress import FlightProgress, height_of, to_altitude, to_home, to_place
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
-from mavstack.vehicle.reasons import with_reasons
+from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
@@ -140,7 +140,7 @@ async def yaw(session: Session, words: list[str]) -> None:
     asked = session.vehicle.component.command(
         common.MavCmd.CONDITION_YAW, angle, more[0], direction, float(relative)
     )
-    await with_reasons(session.vehicle, asked)
+    await with_status_texts(session.vehicle, asked)
 
 
 async def home(session: Session, words: list[str]) -> None:
@@ -167,7 +167,7 @@ async def reboot(session: Session, words: list[str]) -> None:
         asked = session.vehicle.component.command(
             common.MavCmd.PREFLIGHT_REBOOT_SHUTDOWN, _REBOOT_TO_BOOTLOADER
         )
-        await with_reasons(session.vehicle, asked)
+        await with_status_texts(session.vehicle, asked)
         return
     expect(words, 0, 0, "reboot [bootloader]")
     session.remembered.clear()

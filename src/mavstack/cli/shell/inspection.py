@@ -89,7 +89,7 @@ async def ready(session: Session, words: list[str]) -> None:
 async def version(session: Session, words: list[str]) -> None:
     """`version`."""
     expect(words, 0, 0, "version")
-    told = await session.vehicle.component.version()
+    told = await session.vehicle.component.get_version()
     firmware = session.vehicle.component.info
     rows = [
         ("vehicle", firmware.kind if firmware else ""),

@@ -9,7 +9,7 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.colours import in_colour
+from mavstack.cli.common.colours import colored
 from mavstack.cli.common.field_values import clean
 from mavstack.links import LinkDown
 from mavstack.services.statustext import StatusText
@@ -82,4 +82,4 @@ class News:
 def announce(text: str, colour: str = "") -> None:
     """A line on stderr, in place of a progress line if there is one."""
     erase = _ERASE if sys.stderr.isatty() else ""
-    print(f"{erase}{in_colour(text, colour, sys.stderr)}", file=sys.stderr, flush=True)
+    print(f"{erase}{colored(text, colour, sys.stderr)}", file=sys.stderr, flush=True)

@@ -14,7 +14,7 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import MavstackError
 from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.services.manual_control import RELEASE
-from mavstack.vehicle.reasons import with_reasons
+from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from enum import IntEnum
@@ -52,7 +52,7 @@ async def command_long(session: Session, words: list[str]) -> None:
     command = entry_of(ardupilotmega.MavCmd, "MAV_CMD_", words[0], _LAST_COMMAND)
     params = [number_of(word, f"param {place}") for place, word in enumerate(words[1:], 1)]
     vehicle = session.vehicle
-    await with_reasons(vehicle, vehicle.component.command(command, *params))
+    await with_status_texts(vehicle, vehicle.component.command(command, *params))
     session.say("accepted")
 
 
@@ -68,7 +68,7 @@ async def command_int(session: Session, words: list[str]) -> None:
     place = [_place(word, scale) for word in words[8:10]]
     vehicle = session.vehicle
     asked = vehicle.component.command(command, *params, *place, number_of(words[10], "z"), frame=frame)
-    await with_reasons(vehicle, asked)
+    await with_status_texts(vehicle, asked)
     session.say("accepted")
 
 

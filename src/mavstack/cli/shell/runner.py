@@ -10,9 +10,9 @@ import sys
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.colours import in_colour
+from mavstack.cli.common.colours import colored
 from mavstack.cli.common.usage_error import UsageError
-from mavstack.cli.shell.console_command import AlreadyTold
+from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.parsing import commands_of
 from mavstack.errors import MavstackError
 from mavstack.services.modes import mode_names
@@ -85,12 +85,12 @@ async def _run_each(session: Session, line: str, where: str, *, keep_going: bool
 
 def tell_failure(error: MavstackError | OSError, where: str = "") -> None:
     """Say on stderr why a command failed, unless it has."""
-    if not isinstance(error, AlreadyTold):
+    if not isinstance(error, AlreadyReported):
         text = (
             f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else error
         )
         print(
-            in_colour(f"{where}{' '.join(str(text).split())}", "red", sys.stderr), file=sys.stderr, flush=True
+            colored(f"{where}{' '.join(str(text).split())}", "red", sys.stderr), file=sys.stderr, flush=True
         )
 
 

@@ -13,10 +13,10 @@ from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.common.usage_error import UsageError
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import Command, expect, whole_number_of
-from mavstack.cli.shell.subcommands import run_borrowed
+from mavstack.cli.shell.subcommands import run_subcommand
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
-from mavstack.vehicle.reasons import with_reasons
+from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -54,10 +54,10 @@ async def param(session: Session, words: list[str]) -> None:
     rest = words[1:]
     if verb == "fetch" and not rest:
         with TransferProgress("fetching parameters", in_bytes=False) as progress:
-            found = await session.vehicle.params.fetch(progress=progress)
+            found = await session.vehicle.params.download(progress=progress)
         session.say(f"{len(found)} parameters")
         return
-    await run_borrowed(session, "param", [{"show": "list", "fetch": "get"}.get(verb, verb), *rest])
+    await run_subcommand(session, "param", [{"show": "list", "fetch": "get"}.get(verb, verb), *rest])
 
 
 async def wp(session: Session, words: list[str]) -> None:
@@ -70,11 +70,11 @@ async def wp(session: Session, words: list[str]) -> None:
         expect(words, 2, 3, "wp set ITEM [reset]")
         reset = [word.lower() for word in words[2:]] == ["reset"]
         item = whole_number_of(words[1], "the item", _LAST_ITEM)
-        await session.vehicle.mission.set_current(item, reset=reset)
+        await session.vehicle.mission.set_current(item, restart=reset)
     elif verb == "pause":
         await session.vehicle.mission.pause()
     elif verb == "start":
-        await run_borrowed(session, "mission", words)
+        await run_subcommand(session, "mission", words)
     else:
         await _plan(session, verb, words[1:], "--mission")
 
@@ -86,7 +86,7 @@ async def fence(session: Session, words: list[str]) -> None:
         expect(words, 1, 1, f"fence {verb}")
         vehicle = session.vehicle
         asked = vehicle.component.command(common.MavCmd.DO_FENCE_ENABLE, float(verb == "enable"))
-        await with_reasons(vehicle, asked)
+        await with_status_texts(vehicle, asked)
         session.say(f"fence {verb}d")
     else:
         await _plan(session, verb, words[1:], "--fence")
@@ -99,7 +99,7 @@ async def rally(session: Session, words: list[str]) -> None:
 
 async def mission(session: Session, words: list[str]) -> None:
     """`mission upload flight.plan`: as `mav mission`, all plans of a file at once."""
-    await run_borrowed(session, "mission", words)
+    await run_subcommand(session, "mission", words)
 
 
 async def ftp(session: Session, words: list[str]) -> None:
@@ -112,7 +112,7 @@ async def ftp(session: Session, words: list[str]) -> None:
         for path in rest:
             await session.vehicle.ftp.remove_directory(path.rstrip("/"))
         return
-    await run_borrowed(session, "ftp", ["ls" if verb == "list" else verb, *rest])
+    await run_subcommand(session, "ftp", ["ls" if verb == "list" else verb, *rest])
 
 
 async def log(session: Session, words: list[str]) -> None:
@@ -120,13 +120,13 @@ async def log(session: Session, words: list[str]) -> None:
     verb = _verb(words, ("list", "download", "get", "erase"), "log")
     rest = words[1:]
     if verb in ("download", "get"):
-        await run_borrowed(session, "log", ["get", *_download_words(rest)])
+        await run_subcommand(session, "log", ["get", *_download_words(rest)])
     elif verb == "erase" and session.interactive and not rest:
         if not await session.confirm(f"erase all logs of vehicle {session.vehicle.system}?"):
             raise MavstackError("nothing was erased")
-        await run_borrowed(session, "log", ["erase", "--yes"])
+        await run_subcommand(session, "log", ["erase", "--yes"])
     else:
-        await run_borrowed(session, "log", [verb, *rest])
+        await run_subcommand(session, "log", [verb, *rest])
 
 
 def _download_words(words: Sequence[str]) -> list[str]:
@@ -143,9 +143,9 @@ def _is_log(word: str) -> bool:
 
 async def _plan(session: Session, verb: str, words: Sequence[str], kind: str) -> None:
     if verb in _HELP:
-        await run_borrowed(session, "mission", [verb])
+        await run_subcommand(session, "mission", [verb])
     else:
-        await run_borrowed(session, "mission", [*_PLANS[verb], *words, kind])
+        await run_subcommand(session, "mission", [*_PLANS[verb], *words, kind])
 
 
 def _say_progress(session: Session) -> None:

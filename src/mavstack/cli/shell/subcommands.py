@@ -1,43 +1,40 @@
-"""Commands of `mav` in the shell: the same words, options and output, for the vehicle that is at hand."""
+"""Commands of `mav` in the shell: the same words, options and output, on the session's vehicle."""
 
 from __future__ import annotations
 
 from argparse import RawDescriptionHelpFormatter
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any
 
-from mavstack.cli.common.connection import AtHand
-from mavstack.cli.shell.console_command import AlreadyTold
+from mavstack.cli.common.session_parser import SessionParser
+from mavstack.cli.registry import load_command
+from mavstack.cli.shell.console_command import AlreadyReported
 
 if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
     from collections.abc import Awaitable, Callable, Sequence
 
     from mavstack.cli.shell.session import Session
     from mavstack.vehicle import Vehicle
 
 
-class _Module(Protocol):
-    EXAMPLES: str
+async def run_subcommand(session: Session, name: str, words: Sequence[str]) -> None:
+    """Run `mav NAME WORDS…` on the vehicle of the session.
 
-    def add_arguments(self, parser: ArgumentParser) -> None: ...
-    def run(self, arguments: Namespace) -> int: ...
-
-
-async def run_borrowed(session: Session, name: str, words: Sequence[str]) -> None:
-    """Run `mav NAME WORDS…` on the vehicle of the session; raises what it raises."""
-    handed: list[Callable[[Vehicle], Awaitable[int]]] = []
-    module = cast("_Module", import_module(f"mavstack.cli.{name}.command"))
-    parser = AtHand(prog=name, formatter_class=RawDescriptionHelpFormatter, allow_abbrev=False)
+    Raises:
+        UsageError: The words are wrong.
+        MavstackError: The command failed.
+    """
+    parser = SessionParser(prog=name, formatter_class=RawDescriptionHelpFormatter, allow_abbrev=False)
+    module = load_command(name)
     module.add_arguments(parser)
-    defaults: dict[str, Any] = {"hand_over": handed.append}
+    work: list[Callable[[Vehicle], Awaitable[int]]] = []
+    defaults: dict[str, Any] = {"session_work": work.append}
     parser.set_defaults(**defaults)
     try:
         arguments = parser.parse_args(list(words))
     except SystemExit:  # argparse has printed its help
         return
     code = module.run(arguments)
-    for work in handed:
-        code = code or await work(session.vehicle)
+    for each in work:
+        code = code or await each(session.vehicle)
     if code:
-        raise AlreadyTold(f"{name} failed")
+        raise AlreadyReported(f"{name} failed")

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mavstack.sim.faults import FaultScript, TimedFault
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 Kind = TypeVar("Kind", VehicleType, Firmware)
 
@@ -131,7 +131,7 @@ def _today() -> float:
     return float(int(time()))
 
 
-async def _connect(runner: Runner, vehicles: Sequence[Vehicle], arguments: Namespace) -> list[Link]:
+async def _connect(runner: Runner, vehicles: Sequence[SimulatedVehicle], arguments: Namespace) -> list[Link]:
     from mavstack.sim.fleet import own_links
 
     urls = [_impaired(url, arguments) for url in arguments.out or DEFAULT_OUT]
@@ -180,7 +180,7 @@ class Teller:
         self._json = as_json
         self._began = 0.0
 
-    def begin(self, vehicles: Sequence[Vehicle], links: Sequence[Link]) -> None:
+    def begin(self, vehicles: Sequence[SimulatedVehicle], links: Sequence[Link]) -> None:
         """Say who is there, and where."""
         self._began = vehicles[0].now
         if self._json:
@@ -199,7 +199,7 @@ class Teller:
         print("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
         print("type a fault (gps off, battery 15, link off, reboot …), or Ctrl-C to end", flush=True)
 
-    def tell(self, vehicle: Vehicle, kind: str, text: str) -> None:
+    def tell(self, vehicle: SimulatedVehicle, kind: str, text: str) -> None:
         """A vehicle said or did something."""
         system, seconds_in = vehicle.address.system, vehicle.now - self._began
         if self._json:

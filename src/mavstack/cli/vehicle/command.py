@@ -8,7 +8,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_connection, on_connection
+from mavstack.cli.common.connection import add_connection_options, run_on_connection
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.usage_error import UsageError
 from mavstack.cli.vehicle.flight_progress import height_of, to_altitude, to_home, to_place
@@ -297,7 +297,7 @@ def say(arguments: Namespace) -> int:
         raise UsageError("an empty text tells nothing")
 
     async def work(vehicle: Vehicle) -> str:
-        vehicle.connection.say(arguments.text)
+        vehicle.connection.send_statustext(arguments.text)
         return "told"
 
     return carry_out(arguments, work)
@@ -309,7 +309,7 @@ def _each_in_turn(arguments: Namespace, show: Callable[[Vehicle], Any]) -> int:
             await show(vehicle)
         return 0
 
-    return on_connection(arguments, whole)
+    return run_on_connection(arguments, whole)
 
 
 def _waiting(arguments: Namespace) -> dict[str, Any]:
@@ -339,7 +339,7 @@ def _action(actions: Actions, name: str, summary: str, run_it: Callable[[Namespa
     parser = actions.add(name, summary, run_it)
     parser.add_argument("--json", action="store_true", help="for programs: an object for each vehicle")
     add_selection(parser)
-    add_connection(parser)
+    add_connection_options(parser)
     return parser
 
 

@@ -10,7 +10,7 @@ from textwrap import wrap
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.common.colours import in_colour
+from mavstack.cli.common.colours import colored
 from mavstack.cli.common.field_values import clean
 from mavstack.cli.common.identity import words
 from mavstack.cli.vehicle.flight_progress import to_home
@@ -60,7 +60,7 @@ def health_facts(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def _what(vehicle: Vehicle) -> dict[str, Any]:
-    kind = vehicle.type
+    kind = vehicle.mav_type
     return {
         "system": vehicle.system,
         "component": vehicle.address.component,
@@ -127,7 +127,7 @@ def page(facts: dict[str, Any]) -> list[str]:
         *_wrapped("can do", [name.lower() for name in facts["capabilities"] or ()]),
         ("board", _board_text(facts)),
     ]
-    lines = [in_colour(head, "bold")]
+    lines = [colored(head, "bold")]
     before = ""
     for name, text in rows:
         if text:
@@ -137,9 +137,9 @@ def page(facts: dict[str, Any]) -> list[str]:
 
 
 def _state_text(facts: dict[str, Any]) -> str:
-    armed = {True: in_colour("armed", "red"), False: "disarmed", None: ""}[facts["armed"]]
+    armed = {True: colored("armed", "red"), False: "disarmed", None: ""}[facts["armed"]]
     air = {True: "in the air", False: "on the ground", None: ""}[facts["in_air"]]
-    silent = "" if facts["alive"] else in_colour("silent", "red")
+    silent = "" if facts["alive"] else colored("silent", "red")
     return ", ".join(filter(None, (silent, facts["mode"], armed, air, facts["status"])))
 
 
@@ -169,7 +169,7 @@ def _home_text(facts: dict[str, Any]) -> str:
 
 
 def _battery_text(battery: dict[str, Any]) -> str:
-    units = (("volts", "{:.2f} V"), ("amperes", "{:.1f} A"), ("percent", "{:.0f} % left"))
+    units = (("voltage", "{:.2f} V"), ("current", "{:.1f} A"), ("remaining", "{:.0f} % left"))
     parts = [form.format(battery[key]) for key, form in units if battery[key] is not None]
     return ", ".join(parts) or "nothing is told of it"
 
@@ -188,11 +188,11 @@ def _gps_text(gps: dict[str, Any] | None) -> str:
 
 def _health_rows(health: dict[str, Any]) -> list[tuple[str, str]]:
     ready = {
-        True: in_colour("ready to arm", "green"),
-        False: in_colour("not ready to arm", "red"),
+        True: colored("ready to arm", "green"),
+        False: colored("not ready to arm", "red"),
         None: "it does not say whether it is ready to arm",
     }[health["ready"]]
-    return [("health", ready), *[("health", in_colour(text, "yellow")) for text in health["problems"]]]
+    return [("health", ready), *[("health", colored(text, "yellow")) for text in health["problems"]]]
 
 
 def _wrapped(name: str, texts: list[str]) -> list[tuple[str, str]]:
@@ -218,7 +218,7 @@ async def _heard(vehicle: Vehicle, kind: type[Message]) -> None:
 
 async def _version(vehicle: Vehicle) -> AutopilotVersion | None:
     try:
-        return await vehicle.component.version(timeout=PATIENCE)
+        return await vehicle.component.get_version(timeout=PATIENCE)
     except MavstackError:
         return None
 

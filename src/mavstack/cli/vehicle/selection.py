@@ -12,7 +12,7 @@ import sys
 from argparse import ArgumentTypeError
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.common.connection import on_connection
+from mavstack.cli.common.connection import run_on_connection
 from mavstack.cli.vehicle.flight_progress import FlightProgress
 from mavstack.errors import MavstackError
 from mavstack.vehicle import Group
@@ -68,7 +68,7 @@ def carry_out(
             outcomes.check()  # a defect is raised
         return 1 if outcomes.errors else 0
 
-    return on_connection(arguments, whole)
+    return run_on_connection(arguments, whole)
 
 
 def several(arguments: Namespace) -> bool:

@@ -1,0 +1,44 @@
+"""A logging handler for stderr that can hold its lines back while a display covers the terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from logging import Handler
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from logging import LogRecord
+
+#: Newest lines that are kept while lines are held back.
+MAX_HELD_LINES: Final = 1000
+
+
+class StderrHandler(Handler):
+    """Prints on the current `sys.stderr`, which a prompt or a test may have replaced."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._held: deque[str] | None = None
+
+    def emit(self, record: LogRecord) -> None:
+        """Print a record, or keep it until `release`."""
+        try:
+            line = self.format(record)
+            if self._held is None:
+                print(line, file=sys.stderr, flush=True)
+            else:
+                self._held.append(line)
+        except Exception:  # noqa: BLE001 (as in logging's own handlers)
+            self.handleError(record)
+
+    def hold(self) -> None:
+        """Keep lines from now on."""
+        self._held = deque(maxlen=MAX_HELD_LINES)
+
+    def release(self) -> None:
+        """Print the lines that were kept."""
+        held, self._held = self._held, None
+        for line in held or ():
+            print(line, file=sys.stderr)
+        sys.stderr.flush()

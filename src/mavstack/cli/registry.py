@@ -1,0 +1,91 @@
+"""The commands of `mav`: where each is defined, and its argument parser.
+
+A command is a module with `EXAMPLES`, `add_arguments(parser)` and `run(arguments) -> int`. It is imported when it
+is needed, so that `mav --help` loads none of them.
+"""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, RawDescriptionHelpFormatter, _SubParsersAction
+from importlib import import_module
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, cast
+
+from mavstack.cli.common.log_output import add_logging_options
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+    from collections.abc import Mapping
+
+
+class CommandEntry(NamedTuple):
+    """The module of a command, and one line about it."""
+
+    module: str
+    summary: str
+
+
+class CommandModule(Protocol):
+    """The functions and examples that the module of a command has."""
+
+    EXAMPLES: str
+
+    def add_arguments(self, parser: ArgumentParser) -> None:
+        """Declare the arguments that follow the name of the command."""
+
+    def run(self, arguments: Namespace) -> int:
+        """Run the command and return its exit code."""
+
+
+def _entry(name: str, summary: str) -> tuple[str, CommandEntry]:
+    return name, CommandEntry(f"mavstack.cli.{name}.command", summary)
+
+
+COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
+    dict(
+        [
+            _entry("sim", "simulated vehicles for any ground station, library or script"),
+            _entry("demo", "a simulated fleet with a live display, without hardware"),
+            _entry("watch", "messages of a link or a file: rates, values, link quality"),
+            _entry("vehicle", "act on a vehicle: arm, takeoff, goto, mode, info …"),
+            _entry("param", "parameters of a vehicle: list, get, set, save, load, diff"),
+            _entry("mission", "missions, fences, rally points: upload, download, show, convert, start"),
+            _entry("ftp", "files on a vehicle: ls, get, put, rm, mkdir, rename, crc"),
+            _entry("log", "logs on a vehicle: list, get, erase"),
+            _entry("shell", "interactive console: mode, arm, takeoff, wp, param, fence, ftp, log …"),
+            _entry("dialect", "list, show, check, compare and import message definitions"),
+            _entry("doctor", "check the installation"),
+        ]
+    )
+)
+
+
+def load_command(name: str) -> CommandModule:
+    """Import the module of a command."""
+    return cast("CommandModule", import_module(COMMANDS[name].module))
+
+
+def command_parser(name: str) -> ArgumentParser:
+    """Return the argument parser of a command; this imports the command's module."""
+    module, summary = load_command(name), COMMANDS[name].summary
+    parser = ArgumentParser(
+        prog=f"mav {name}",
+        description=summary[0].upper() + summary[1:] + ".",
+        epilog=module.EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    module.add_arguments(parser)
+    for each in (parser, *(action for _, _, action in actions_of(parser))):
+        add_logging_options(each)
+    return parser
+
+
+def actions_of(parser: ArgumentParser) -> list[tuple[str, str, ArgumentParser]]:
+    """Return the actions of a command: name, summary, parser."""
+    found: list[tuple[str, str, ArgumentParser]] = []
+    for action in parser._actions:
+        if isinstance(action, _SubParsersAction):
+            summaries = {each.dest: each.help or "" for each in action._get_subactions()}
+            found += [(name, summaries.get(name, ""), each) for name, each in action.choices.items()]
+    return found

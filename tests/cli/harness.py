@@ -1,0 +1,115 @@
+"""A harness that runs `mav` in this process against simulated vehicles, in virtual time.
+
+The simulation lives on from one command to the next, so what one command sets another finds.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import shlex
+from typing import TYPE_CHECKING
+
+from mavstack.cli.common import connection
+from mavstack.cli.shell import command as shell_command
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node
+from mavstack.sim.runner import Runner
+from mavstack.sim.scenarios import run_until
+from mavstack.sim.simulation import Simulation
+from mavstack.sim.vehicle_types import Firmware, VehicleType
+from mavstack.sim.virtual import run_virtually
+from mavstack.vehicle import connect
+from tests.sim.whole_flights.fleet import whisper
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Coroutine
+
+    import pytest
+
+    from mavstack.node import RemoteComponent
+    from mavstack.sim.vehicle import Vehicle
+
+COPTER, PX4_COPTER = (VehicleType.COPTER, Firmware.ARDUPILOT), (VehicleType.COPTER, Firmware.PX4)
+#: Seconds after the boot until a simulated vehicle has a position and can be armed.
+SETTLING_TIME = 15.0
+EXAMPLE = "  mav "
+
+
+class CliHarness:
+    """Simulated vehicles that every command of `mav` reaches, whatever URL it is given."""
+
+    def __init__(
+        self, monkeypatch: pytest.MonkeyPatch, *kinds: tuple[VehicleType, str], ready: bool = False
+    ) -> None:
+        """Make a vehicle of each kind (one ArduPilot copter by default), if wanted already able to arm."""
+        self.simulation = Simulation(seed=5)
+        for vehicle_type, firmware in kinds or [COPTER]:
+            whisper(self.simulation.add(vehicle_type, firmware))
+        if ready:
+            self._boot()
+        #: What another ground station does while a command runs.
+        self.meanwhile: Callable[[RemoteComponent], Awaitable[None]] | None = None
+        #: The URLs of the last connection.
+        self.urls: tuple[str, ...] = ()
+        self._network = MemoryNetwork()
+        monkeypatch.setattr(asyncio, "run", self._run)
+        monkeypatch.setattr(connection, "connect", self._connect)
+        monkeypatch.setattr(shell_command, "connect", self._connect)
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The first vehicle."""
+        return self.simulation.vehicles[0]
+
+    def put(self, path: str, data: bytes) -> None:
+        """Put a file onto the vehicle."""
+        self.vehicle.storage.store[path] = data
+
+    def file(self, path: str) -> bytes | None:
+        """A file of the vehicle, if it is there."""
+        store = self.vehicle.storage.store
+        return bytes(store[path]) if path in store else None
+
+    def has_directory(self, path: str) -> bool:
+        try:
+            self.vehicle.storage.store.list_directory(path)
+        except OSError:
+            return False
+        return True
+
+    def _boot(self) -> None:
+        for vehicle in self.simulation.vehicles:
+            run_until(self.simulation, lambda vehicle=vehicle: vehicle.autopilot.booted)
+        self.simulation.advance(self.simulation.now + SETTLING_TIME)
+        for vehicle in self.simulation.vehicles:
+            vehicle.data_to_send()
+
+    def _connect(self, *urls: str):
+        self.urls = urls
+        return connect(self._network.link())
+
+    def _run(self, work: Coroutine[None, None, int]) -> int:
+        return run_virtually(self._simulated(work))
+
+    async def _simulated(self, work: Coroutine[None, None, int]) -> int:
+        self._network = MemoryNetwork()
+        async with Runner(self.simulation) as runner:
+            await runner.connect(self._network.link(), self.simulation.vehicles)
+            running = runner.start()
+            code = await (work if self.meanwhile is None else self._with_other_station(work))
+        if running.done() and not running.cancelled():
+            running.result()
+        return code
+
+    async def _with_other_station(self, work: Coroutine[None, None, int]) -> int:
+        async with Node(self._network.link(), system=254) as other:
+            beside = asyncio.create_task(self.meanwhile(await other.wait_for_autopilot()))
+            code = await work
+            await beside
+        return code
+
+
+def examples_of(text: str) -> list[list[str]]:
+    """The commands that a help text shows, as words without `mav`."""
+    lines = [line.removeprefix(EXAMPLE) for line in text.splitlines() if line.startswith(EXAMPLE)]
+    return [shlex.split(line, comments=True) for line in lines]
