@@ -11,8 +11,9 @@ import pytest
 
 from mavstack.errors import LinkClosedError, LinkError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened
+from tests.waiting import wait_until
 
-PATIENCE = 20  # seconds after which a test that hangs fails
+TEST_TIMEOUT = 20  # seconds after which a test that hangs fails
 
 
 class Conformance:
@@ -20,7 +21,7 @@ class Conformance:
 
     datagrams = False  # whether chunks keep their bounds, and may be lost
     greeting = b""  # what the peer has to send first to become a channel
-    notices_hang_up = True  # whether the link learns that its peer is gone
+    detects_disconnect = True  # whether the link learns that its peer is on_closed
     small = "receive_queue=4096&send_queue=4096"
 
     def pair(self, query: str = ""):
@@ -28,8 +29,8 @@ class Conformance:
 
     @asynccontextmanager
     async def connected(self, query: str = ""):
-        async with asyncio.timeout(PATIENCE), self.pair(query) as (link, make_peer), link:
-            peer = await make_peer()
+        async with asyncio.timeout(TEST_TIMEOUT), self.pair(query) as (link, open_peer), link:
+            peer = await open_peer()
             if self.greeting:
                 await peer.send(self.greeting)
             event = await anext(link)
@@ -146,7 +147,7 @@ class Conformance:
             reading = asyncio.create_task(link.read(events.extend))
             for letter in (b"a", b"b"):
                 await peer.send(letter * 100)
-            await settle(lambda: sum(len(each.data) for each in events) == 200)
+            await wait_until(lambda: sum(len(each.data) for each in events) == 200)
             assert b"".join(event.data for event in events) == b"a" * 100 + b"b" * 100
             assert all(event.channel is channel for event in events)
             assert channel.counters.bytes_in >= 200
@@ -180,7 +181,7 @@ class Conformance:
             sending = asyncio.create_task(send_many(peer, total))
             if self.datagrams:
                 await sending
-                await settle(lambda: link.counters.chunks_in + link.counters.dropped_in >= total - waiting)
+                await wait_until(lambda: link.counters.chunks_in + link.counters.dropped_in >= total - waiting)
                 assert link.counters.dropped_in > 0
                 assert channel.counters.bytes_in < 8192
             else:
@@ -191,7 +192,7 @@ class Conformance:
                 assert channel.counters.dropped_in == 0
 
     async def test_a_peer_that_hangs_up_is_told(self):
-        if not self.notices_hang_up:
+        if not self.detects_disconnect:
             pytest.skip("has no connection")
         async with self.connected() as (link, channel, peer):
             await peer.close()
@@ -215,9 +216,3 @@ async def receive(link, count: int) -> bytes:
 async def send_many(peer, count: int) -> None:
     for _ in range(count):
         await peer.send(bytes(1000))
-
-
-async def settle(condition) -> None:
-    """Give the event loop turns until the condition holds; the test's timeout bounds it."""
-    while not condition():  # noqa: ASYNC110 - what it waits for has no event
-        await asyncio.sleep(0.001)

@@ -12,8 +12,9 @@ from mavstack.links import ChannelClosed, ChannelOpened, LinkDown, open_link
 from mavstack.links.connection import Backoff
 from mavstack.links.tcp import TcpClient
 from mavstack.sim.virtual import run_virtually
+from tests.waiting import wait_until
 
-from .conformance import Conformance, receive, settle
+from .conformance import Conformance, receive
 from .peers import Acceptor, StreamPeer, UdpPeer
 
 
@@ -121,7 +122,7 @@ def test_attempts_are_made_when_they_were_announced(monkeypatch):
 async def test_several_peers_and_no_more_than_allowed():
     async with open_link("tcpin://127.0.0.1:0", max_peers=2) as link:
         peers = [StreamPeer(*await asyncio.open_connection(*link.address)) for _ in range(3)]
-        await settle(lambda: len(link.channels) == 2)
+        await wait_until(lambda: len(link.channels) == 2)
         outcomes = [await peer.reader.read(1) for peer in peers if peer.reader.at_eof()] or [b""]
         assert outcomes == [b""]
         for channel in link.channels:
@@ -168,19 +169,19 @@ async def test_closing_while_nobody_reads_does_not_hang():
         peer = StreamPeer(*await asyncio.open_connection(*link.address))
         for _ in range(10):
             await peer.send(bytes(1000))
-        await settle(lambda: link.counters.bytes_in)
+        await wait_until(lambda: link.counters.bytes_in)
         await link.close()
         assert await peer.reader.read() == b""
         await peer.close()
 
 
 async def test_a_defect_in_a_task_comes_out_of_the_iteration(monkeypatch):
-    from mavstack.links.stream import StreamConnection
+    from mavstack.links.stream import StreamChannel
 
     async def broken(self, inbox):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(StreamConnection, "pump", broken)
+    monkeypatch.setattr(StreamChannel, "receive_all", broken)
     acceptor = Acceptor()
     port = await acceptor.listen_tcp()
     async with open_link(f"tcpout://127.0.0.1:{port}") as link:

@@ -10,15 +10,16 @@ import pytest
 from mavstack.errors import LinkError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, open_link
 from mavstack.links.udp import UdpLink
+from tests.waiting import wait_until
 
-from .conformance import Conformance, receive, settle
+from .conformance import Conformance, receive
 from .peers import UdpPeer
 
 
 class TestUdpin(Conformance):
     datagrams = True
     greeting = b"hello"
-    notices_hang_up = False
+    detects_disconnect = False
 
     @asynccontextmanager
     async def pair(self, query=""):
@@ -32,7 +33,7 @@ class TestUdpin(Conformance):
 
 class TestUdpout(Conformance):
     datagrams = True
-    notices_hang_up = False
+    detects_disconnect = False
 
     @asynccontextmanager
     async def pair(self, query=""):
@@ -59,9 +60,9 @@ async def test_a_reader_is_called_by_what_reads_the_socket_and_in_order():
         reading = asyncio.create_task(link.read(take))
         for number in range(10):
             await peer.send(bytes([number]))
-            await settle(lambda number=number: len(data) > number)
+            await wait_until(lambda number=number: len(data) > number)
         assert data == [bytes([number]) for number in range(10)]
-        assert callers[0] == "hand_over"  # the first came with the channel, by the queue
+        assert callers[0] == "run_reader"  # the first came with the channel, by the queue
         assert callers[-1] == "deliver"
         reading.cancel()
         await peer.close()
@@ -96,7 +97,7 @@ async def test_each_remote_address_is_a_channel():
         peers = [UdpPeer(link.address) for _ in range(4)]
         for number, peer in enumerate(peers):
             await peer.send(bytes([number]))
-        await settle(lambda: link.counters.dropped_in)
+        await wait_until(lambda: link.counters.dropped_in)
         assert [channel.peer for channel in link.channels] == [f"127.0.0.1:{p.port}" for p in peers[:3]]
         for channel in link.channels:
             channel.write(channel.peer.encode())
@@ -153,9 +154,9 @@ async def test_a_name_that_does_not_exist_is_told(monkeypatch):
 
 
 async def test_nobody_listening_does_not_end_a_udpout():
-    gone = UdpPeer()
-    port = gone.port
-    await gone.close()
+    on_closed = UdpPeer()
+    port = on_closed.port
+    await on_closed.close()
     async with open_link(f"udpout://127.0.0.1:{port}") as link:
         channel = (await anext(link)).channel
         for _ in range(10):
@@ -171,7 +172,7 @@ async def test_a_udpout_takes_nothing_from_strangers():
     async with open_link("udpout://127.0.0.2:14550") as link:
         stranger = UdpPeer(("127.0.0.1", link.address[1]))
         await stranger.send(b"I am your drone")
-        await settle(lambda: link.counters.dropped_in)
+        await wait_until(lambda: link.counters.dropped_in)
         assert link.counters.bytes_in == 0
         await stranger.close()
 

@@ -20,6 +20,7 @@ from mavstack.services.command import Command
 from mavstack.sim.motion.state import StateArray
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -145,8 +146,8 @@ class Flown:
         self.airspace.run(seconds)
         return self
 
-    def until(self, holds: Callable[[], bool], *, within: float = 60.0) -> Flown:
-        self.airspace.until(holds, within=within)
+    def run_until(self, holds: Callable[[], bool], *, timeout: float = 60.0) -> Flown:
+        self.airspace.run_until(holds, timeout=timeout)
         return self
 
     # The vehicle
@@ -241,11 +242,8 @@ class Airspace:
         for _ in range(round(seconds * 50)):
             self._step()
 
-    def until(self, holds: Callable[[], bool], *, within: float = 60.0) -> None:
-        end = self.simulation.now + within
-        while not holds():
-            assert self.simulation.now < end, f"not within {within} s"
-            self._step()
+    def run_until(self, holds: Callable[[], bool], *, timeout: float = 60.0) -> None:
+        step_until(holds, self._step, lambda: self.simulation.now, timeout=timeout)
 
     def _step(self) -> None:
         self.simulation.step()

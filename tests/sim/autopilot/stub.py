@@ -3,7 +3,7 @@
     flight = Flight(VehicleType.COPTER)
     flight.arm()
     flight.fly(Takeoff)
-    flight.until(lambda: flight.height > 9, within=30)
+    flight.run_until(lambda: flight.height > 9, timeout=30)
 
 It stands without services, telemetry, parameters and logs, so that rooms of the autopilot are tested alone
 and in virtual time. FlightParameters are attributes that a test sets: `flight.flight_parameters.return_altitude = 30`.
@@ -28,6 +28,7 @@ from mavstack.sim.autopilot.profile import FirmwareProfile
 from mavstack.sim.autopilot.radio import Sticks
 from mavstack.sim.motion import World
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -207,13 +208,9 @@ class Flight:
         for _ in range(round(seconds * RATE)):
             self.step()
 
-    def until(self, holds: Callable[[], bool], *, within: float) -> float:
-        """Let time pass until something holds; fails if it does not in time."""
-        begun = self.now
-        while not holds():
-            assert self.now - begun < within, f"not within {within} s: {self}"
-            self.step()
-        return self.now - begun
+    def run_until(self, holds: Callable[[], bool], *, timeout: float) -> float:
+        """Step until a condition is true; return the seconds that passed, or fail after `timeout`."""
+        return step_until(holds, self.step, lambda: self.now, timeout=timeout, description=lambda: self)
 
     # The vehicle
 
@@ -250,7 +247,7 @@ class Flight:
         self.arm()
         self.enter(TAKEOFF)
         self.autopilot.behaviour.altitude = height  # type: ignore[union-attr]
-        self.until(lambda: self.height > height - 2, within=90.0)
+        self.run_until(lambda: self.height > height - 2, timeout=90.0)
         self.run(5.0)
         return self
 

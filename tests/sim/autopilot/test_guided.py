@@ -145,8 +145,8 @@ def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
 def test_a_vtol_flies_far_on_its_wing_and_hovers_there() -> None:
     flight = guided(VehicleType.VTOL, 40.0, forward_beyond=200.0)
     flight.autopilot.guided.go_to((800.0, 0.0, -40.0))
-    flight.until(lambda: flight.body.transition == 1.0, within=20)
-    flight.until(lambda: flight.body.transition == 0.0, within=90)
+    flight.run_until(lambda: flight.body.transition == 1.0, timeout=20)
+    flight.run_until(lambda: flight.body.transition == 0.0, timeout=90)
     flight.run(40)
     assert flight.distance((800.0, 0.0)) < 2.0
     flight.autopilot.guided.go_to((750.0, 0.0, -40.0))
@@ -297,7 +297,7 @@ def test_on_the_ground_only_a_take_off_is_followed(kind: VehicleType) -> None:
     flight.run(4)
     assert flight.height == 0.0
     flight.autopilot.guided.take_off(30.0)
-    flight.until(lambda: flight.height > 25.0, within=60)
+    flight.run_until(lambda: flight.height > 25.0, timeout=60)
 
 
 def test_guided_takes_off_then_goes_on() -> None:
@@ -323,7 +323,7 @@ def test_flown_into_the_ground_it_stays_there_and_disarms() -> None:
         tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 1.0)))
         flight.run(0.5)
     assert flight.height == 0.0
-    flight.until(lambda: not flight.autopilot.armed, within=15)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=15)
 
 
 # A stream that must live

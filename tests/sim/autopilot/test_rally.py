@@ -71,5 +71,5 @@ def test_returning_to_one() -> None:
     flight.upload(point(40, 0), kind=PlanType.RALLY)
     flight.in_the_air(15)
     flight.enter(RETURN)
-    flight.until(lambda: not flight.autopilot.armed, within=120)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=120)
     assert flight.distance((40, 0)) < 3

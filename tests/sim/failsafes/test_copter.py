@@ -241,7 +241,7 @@ def test_only_the_station_of_sysid_mygcs_counts() -> None:
 
 def test_it_comes_home_and_is_disarmed() -> None:
     copter = airborne(FS_THR_ENABLE=1, RTL_ALT=0, RTL_LOIT_TIME=0)
-    copter.inject("radio off").until(lambda: not copter.armed, within=90)
+    copter.inject("radio off").run_until(lambda: not copter.armed, timeout=90)
     assert copter.autopilot.landed
     assert abs(copter.vehicle.body.truth.north) < 2
     assert copter.texts[-1] == "Disarming motors"

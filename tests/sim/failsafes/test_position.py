@@ -151,7 +151,7 @@ def test_a_px4_with_a_pilot_is_given_into_his_hands() -> None:
 
 def test_what_lands_without_a_position_comes_down_and_is_disarmed() -> None:
     copter = airborne().inject("gps off")
-    copter.until(lambda: not copter.armed, within=90)
+    copter.run_until(lambda: not copter.armed, timeout=90)
     assert copter.autopilot.landed
 
 
@@ -177,7 +177,7 @@ def test_while_it_jumps_the_estimate_does_not_fit() -> None:
 
 def test_a_quad_that_loses_a_motor_comes_down_and_a_copter_notices() -> None:
     copter = airborne().inject("motor 2 off")
-    copter.until(lambda: not copter.armed, within=30)
+    copter.run_until(lambda: not copter.armed, timeout=30)
     assert copter.texts.index("Potential Thrust Loss (2)") < copter.texts.index(copter.texts.first("Crash: "))
     assert copter.texts.first("Crash: Disarming: AngErr=")
     assert copter.autopilot.disarm_reason == "crash"
@@ -193,7 +193,7 @@ def test_without_the_crash_check_it_stays_armed() -> None:
 
 def test_a_gentle_landing_is_no_crash() -> None:
     copter = airborne(mode="LAND", LAND_SPEED=150)
-    copter.until(lambda: not copter.armed, within=60)
+    copter.run_until(lambda: not copter.armed, timeout=60)
     assert not copter.texts.first("Crash")
     assert not copter.texts.first("Potential")
 

@@ -241,7 +241,7 @@ def test_a_battery_that_was_low_when_it_was_armed_is_only_warned_of() -> None:
 
 def test_the_body_lands_and_is_disarmed() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0).inject("battery 4")
-    copter.until(lambda: not copter.armed, within=60)
+    copter.run_until(lambda: not copter.armed, timeout=60)
     assert copter.autopilot.landed
     assert copter.texts[-1] == "Disarmed by landing"
     assert not copter.critical

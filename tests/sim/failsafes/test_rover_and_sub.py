@@ -133,7 +133,7 @@ def test_sub_repeats_its_warning_every_half_minute() -> None:
 
 def test_sub_surfaces() -> None:
     sub = airborne("sub", mode="POSHOLD", BATT_FS_LOW_ACT=3, BATT_LOW_TIMER=1).inject("battery sag 4")
-    sub.until(lambda: sub.height > -0.5, within=60)
+    sub.run_until(lambda: sub.height > -0.5, timeout=60)
     assert sub.mode == "SURFACE"
 
 

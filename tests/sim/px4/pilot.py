@@ -2,13 +2,14 @@
 
     pilot = Pilot("copter")
     pilot.command(CMD.NAV_TAKEOFF, nan, ...)
-    pilot.until(lambda: pilot.height > 9)
+    pilot.run_until(lambda: pilot.height > 9)
 
 It speaks MAVLink in bytes, as any client would, and keeps what it heard.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from math import nan
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from mavstack.services.modes.names import px4_modes_of
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.telemetry import Link, use_link
 from mavstack.sim.vehicle_types import Firmware, VehicleType
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -70,14 +72,12 @@ class Pilot:
                 each()
         self._hear()
 
-    def until(
-        self, holds: Callable[[], bool], *, within: float = 60.0, each: Callable[[], object] | None = None
+    def run_until(
+        self, holds: Callable[[], bool], *, timeout: float = 60.0, each: Callable[[], object] | None = None
     ) -> None:
-        """Let time pass until something holds; fails if it does not in time."""
-        end = self.simulation.now + within
-        while not holds():
-            assert self.simulation.now < end, f"not within {within} s: {self}"
-            self.run(0.2, each)
+        """Step until a condition is true; fail after `timeout` seconds."""
+        step = partial(self.run, 0.2, each)
+        step_until(holds, step, lambda: self.simulation.now, timeout=timeout, description=lambda: self)
 
     # Talking
 
@@ -172,7 +172,7 @@ class Pilot:
         altitude = FIELD_ALTITUDE + height
         assert self.command(CMD.NAV_TAKEOFF, 0, 0, 0, nan, nan, nan, altitude) == RESULT.ACCEPTED
         self.arm()
-        self.until(lambda: self.mode == "Hold", within=90.0)
+        self.run_until(lambda: self.mode == "Hold", timeout=90.0)
         return self
 
     def __str__(self) -> str:

@@ -43,7 +43,7 @@ def test_disarming_in_the_air_is_denied_unless_forced() -> None:
     assert pilot.texts[-1] == "Disarming denied: not landed"
     assert pilot.command(CMD.COMPONENT_ARM_DISARM, 0, FORCE) == RESULT.ACCEPTED
     assert not pilot.autopilot.armed
-    pilot.until(lambda: pilot.height < 0.1, within=20)
+    pilot.run_until(lambda: pilot.height < 0.1, timeout=20)
 
 
 def test_a_number_that_is_no_order_is_told() -> None:
@@ -73,7 +73,7 @@ def test_nothing_is_armed_before_the_estimate_is_there() -> None:
 def test_a_fault_keeps_it_from_arming_and_is_told_when_it_arises(fault: str, reason: str) -> None:
     pilot = Pilot()
     pilot.vehicle.faults.inject(fault)
-    pilot.until(lambda: reason in pilot.texts, within=40)
+    pilot.run_until(lambda: reason in pilot.texts, timeout=40)
     assert pilot.heartbeat[2] in (common.MavState.UNINIT, common.MavState.STANDBY)
     pilot.texts.clear()
     assert pilot.command(CMD.COMPONENT_ARM_DISARM, 1) == RESULT.TEMPORARILY_REJECTED

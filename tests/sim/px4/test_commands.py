@@ -182,7 +182,7 @@ def test_a_landing_is_given_up() -> None:
     pilot.command(CMD.NAV_LAND)
     pilot.run(5.0)
     assert pilot.command(CMD.DO_GO_AROUND) == RESULT.ACCEPTED
-    pilot.until(lambda: pilot.height > 28)
+    pilot.run_until(lambda: pilot.height > 28)
     assert pilot.mode == "Hold"
 
 
@@ -192,9 +192,9 @@ def test_a_vtol_changes_over_and_back() -> None:
     pilot.in_the_air(50)
     assert pilot.command(CMD.DO_VTOL_TRANSITION, 9) == RESULT.DENIED
     assert pilot.command(CMD.DO_VTOL_TRANSITION, common.MavVtolState.FW) == RESULT.ACCEPTED
-    pilot.until(lambda: pilot.vehicle.body.transition > 0.98)
+    pilot.run_until(lambda: pilot.vehicle.body.transition > 0.98)
     assert pilot.command(CMD.DO_VTOL_TRANSITION, common.MavVtolState.MC) == RESULT.ACCEPTED
-    pilot.until(lambda: pilot.vehicle.body.transition < 0.02)
+    pilot.run_until(lambda: pilot.vehicle.body.transition < 0.02)
     assert abs(pilot.height - 50) < 10
 
 
@@ -203,7 +203,7 @@ def test_a_vtol_takes_off_to_fly_forward() -> None:
     altitude = FIELD_ALTITUDE + 60
     assert pilot.command(CMD.NAV_VTOL_TAKEOFF, 0, 0, 0, nan, nan, nan, altitude) == RESULT.ACCEPTED
     pilot.arm()
-    pilot.until(lambda: pilot.mode == "Hold")
+    pilot.run_until(lambda: pilot.mode == "Hold")
     assert pilot.vehicle.body.transition > 0.9
     pilot.run(10.0)
     assert abs(pilot.height - 60) < 12

@@ -44,7 +44,7 @@ def test_a_failure_is_a_fault_until_it_is_cleared(unit: int, kind: int) -> None:
 def test_one_motor_of_several() -> None:
     pilot = Pilot().in_the_air(20)
     assert pilot.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MOTOR, TYPE.OFF, 2) == RESULT.ACCEPTED
-    pilot.until(lambda: pilot.height < 0.5, within=30)
+    pilot.run_until(lambda: pilot.height < 0.5, timeout=30)
 
 
 def test_a_transmitter_that_is_not_there_cannot_fail() -> None:

@@ -36,7 +36,7 @@ def test_a_take_off_without_an_altitude_goes_by_its_parameter_and_ends_in_hold()
         "Takeoff detected",
     ]
     assert pilot.heartbeat[1] == (4, 2)
-    pilot.until(lambda: pilot.mode == "Hold")
+    pilot.run_until(lambda: pilot.mode == "Hold")
     pilot.run(3.0)
     assert pilot.height == pytest.approx(2.5, abs=0.7)
 
@@ -60,7 +60,7 @@ def test_landing_is_told_and_ends_disarmed_in_hold() -> None:
     pilot = Pilot().in_the_air(6)
     assert pilot.command(CMD.NAV_LAND) == RESULT.ACCEPTED
     assert pilot.texts[-1] == "Landing at current position"
-    pilot.until(lambda: not pilot.autopilot.armed)
+    pilot.run_until(lambda: not pilot.autopilot.armed)
     assert pilot.texts[-2:] == ["Landing detected", "Disarmed by landing"]
     assert pilot.mode == "Hold"
 
@@ -70,7 +70,7 @@ def test_after_a_landing_it_stays_armed_without_com_disarm_land() -> None:
     pilot.vehicle.parameters.set("COM_DISARM_LAND", -1.0)
     pilot.in_the_air(4)
     pilot.command(CMD.NAV_LAND)
-    pilot.until(lambda: "Landing detected" in pilot.texts)
+    pilot.run_until(lambda: "Landing detected" in pilot.texts)
     pilot.run(5.0)
     assert pilot.autopilot.armed
 
@@ -79,12 +79,12 @@ def test_coming_home_is_told_and_lands() -> None:
     pilot = Pilot().in_the_air(20)
     latitude, longitude = place(pilot, 60, 20)
     pilot.command(CMD.DO_REPOSITION, -1, 1, 0, nan, latitude, longitude, nan)
-    pilot.until(lambda: distance(pilot, 60, 20) < 3)
+    pilot.run_until(lambda: distance(pilot, 60, 20) < 3)
     assert pilot.command(CMD.NAV_RETURN_TO_LAUNCH) == RESULT.ACCEPTED
     pilot.run(0.5)
     assert pilot.texts[-2] == "Returning to launch"
     assert re.fullmatch(r"RTL: start return at 51[89] m \(3[01] m above destination\)", pilot.texts[-1])
-    pilot.until(lambda: not pilot.autopilot.armed, within=120)
+    pilot.run_until(lambda: not pilot.autopilot.armed, timeout=120)
     assert pilot.texts[-3:] == ["RTL: land at destination", "Landing detected", "Disarmed by landing"]
     assert distance(pilot, 0, 0) < 2
 
@@ -92,7 +92,7 @@ def test_coming_home_is_told_and_lands() -> None:
 def test_armed_again_at_once_after_landing_it_stays_armed() -> None:
     pilot = Pilot().in_the_air(5)
     pilot.command(CMD.NAV_LAND)
-    pilot.until(lambda: not pilot.autopilot.armed, within=60)
+    pilot.run_until(lambda: not pilot.autopilot.armed, timeout=60)
     assert pilot.vehicle.autopilot.arm() == []  # before anything looked at it disarmed
     pilot.run(3)
     assert pilot.autopilot.armed
@@ -118,7 +118,7 @@ def test_a_reposition_of_only_an_altitude_keeps_the_place() -> None:
     pilot = Pilot().in_the_air()
     latitude, longitude = place(pilot, 30, 0)
     pilot.command(CMD.DO_REPOSITION, -1, 1, 0, nan, latitude, longitude, nan)
-    pilot.until(lambda: distance(pilot, 30, 0) < 2)
+    pilot.run_until(lambda: distance(pilot, 30, 0) < 2)
     pilot.command(CMD.DO_REPOSITION, -1, 1, 0, nan, nan, nan, FIELD_ALTITUDE + 25)
     pilot.run(10.0)
     assert distance(pilot, 30, 0) < 2
@@ -205,7 +205,7 @@ def test_a_mission_that_lands_stays_in_its_mode_and_is_disarmed() -> None:
         "Executing Mission",
         "Climb to 10.0 meters above home",
     ]
-    pilot.until(lambda: not pilot.autopilot.armed, within=120)
+    pilot.run_until(lambda: not pilot.autopilot.armed, timeout=120)
     assert pilot.texts[-1] == "Disarmed by landing"
     assert "Mission finished, landed" in pilot.texts
     assert pilot.mode == "Mission"
@@ -218,7 +218,7 @@ def test_a_mission_that_ends_in_the_air_holds() -> None:
     pilot = Pilot()
     pilot.upload(items((CMD.NAV_TAKEOFF, 0, 0, 10), (CMD.NAV_WAYPOINT, 30, 0, 10)))
     pilot.command(CMD.MISSION_START, 0, 0)
-    pilot.until(lambda: pilot.mode == "Hold", within=90)
+    pilot.run_until(lambda: pilot.mode == "Hold", timeout=90)
     assert pilot.texts[-1] == "Mission finished, loitering"
 
 
@@ -248,9 +248,9 @@ def test_every_type_goes_where_it_is_told(kind: str) -> None:
     assert pilot.command(CMD.DO_REPOSITION, -1, 1, 0, nan, latitude, longitude, altitude) == RESULT.ACCEPTED
     near = 95.0 if kind == "plane" else 3.0
     pilot.run(15.0)
-    pilot.until(lambda: distance(pilot, 20, 12) < near, within=150)
+    pilot.run_until(lambda: distance(pilot, 20, 12) < near, timeout=150)
     if kind == "sub":
-        pilot.until(lambda: abs(pilot.height + 8) < 1, within=60)
+        pilot.run_until(lambda: abs(pilot.height + 8) < 1, timeout=60)
 
 
 @pytest.mark.parametrize("kind", ["copter", "plane", "sub"])
@@ -261,12 +261,12 @@ def test_without_its_position_it_descends(kind: str) -> None:
     else:
         pilot.in_the_air(20 if kind == "copter" else 40)
     pilot.vehicle.faults.inject("gps off")
-    pilot.until(lambda: pilot.mode == "Descend", within=60)
+    pilot.run_until(lambda: pilot.mode == "Descend", timeout=60)
     assert "Failsafe activated" in pilot.texts
     pilot.run(1.5)
     assert pilot.heartbeat[1:] == ((4, 20), int(common.MavState.CRITICAL))
     if kind != "sub":
-        pilot.until(lambda: not pilot.autopilot.armed, within=90)
+        pilot.run_until(lambda: not pilot.autopilot.armed, timeout=90)
         assert "Disarmed by landing" in pilot.texts
 
 
@@ -274,6 +274,6 @@ def test_a_landing_without_a_position_is_a_descent() -> None:
     pilot = Pilot().in_the_air(10)
     pilot.vehicle.parameters.set("COM_DISARM_LAND", 2.0)
     pilot.vehicle.faults.inject("gps off")
-    pilot.until(lambda: not pilot.autopilot.has_position, within=60)
+    pilot.run_until(lambda: not pilot.autopilot.has_position, timeout=60)
     assert pilot.command(CMD.NAV_LAND) == RESULT.ACCEPTED
     assert pilot.mode == "Descend"

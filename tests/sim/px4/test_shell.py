@@ -89,13 +89,13 @@ def test_commander_flies() -> None:
     assert "Preflight check: OK" in run(pilot, "commander check")
     assert run(pilot, "commander takeoff") == ""
     assert "Armed by internal command" in pilot.texts
-    pilot.until(lambda: pilot.mode == "Hold" and pilot.height > 1.5)
+    pilot.run_until(lambda: pilot.mode == "Hold" and pilot.height > 1.5)
     run(pilot, "commander disarm")
     assert pilot.texts[-1] == "Disarming denied: not landed"
     assert "currently not available" in run(pilot, "commander mode posctl")
     assert "unsupported" in run(pilot, "commander mode nothing")
     assert run(pilot, "commander land") == ""
-    pilot.until(lambda: not pilot.autopilot.armed)
+    pilot.run_until(lambda: not pilot.autopilot.armed)
     assert "Armed by internal command" in run(pilot, "dmesg")
     assert run(pilot, "commander arm") == ""
     assert pilot.autopilot.armed

@@ -19,6 +19,7 @@ from mavstack.sim.vehicle import SimulatedVehicle
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from mavstack.wire import Encoder, Packet, Parser
 from tests.sim.autopilot.stub import TAKEOFF, StubProfile, new_flight_parameters, usual_behaviours
+from tests.waiting import step_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -100,11 +101,8 @@ class Flight:
         for _ in range(round(seconds * RATE)):
             self.step()
 
-    def until(self, holds: Callable[[], bool], *, within: float) -> None:
-        begun = self.now
-        while not holds():
-            assert self.now - begun < within, f"not within {within} s"
-            self.step()
+    def run_until(self, holds: Callable[[], bool], *, timeout: float) -> None:
+        step_until(holds, self.step, lambda: self.now, timeout=timeout)
 
     def send(self, message: Message) -> None:
         """Let the peer send something."""
@@ -130,7 +128,7 @@ class Flight:
         self.run(seconds)
         return Counter(type(packet.message).__name__ for _, packet in self.packets)
 
-    def newest(self, kind: type[AnyMessage], *, within: float = 11.0) -> AnyMessage:
+    def newest(self, kind: type[AnyMessage], *, timeout: float = 11.0) -> AnyMessage:
         """The next message of a kind."""
         self.packets.clear()
         steps = 0
@@ -138,7 +136,7 @@ class Flight:
             for _, packet in self.packets:
                 if isinstance(packet.message, kind):
                     return packet.message
-            assert steps < within * RATE, f"no {kind.__name__} within {within} s"
+            assert steps < timeout * RATE, f"no {kind.__name__} within {timeout} s"
             self.packets.clear()
             self.step()
             steps += 1

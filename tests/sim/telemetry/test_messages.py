@@ -265,7 +265,7 @@ def test_a_vtols_state_is_what_it_flies_by():
     flight.body.fly_velocity(20.0, 0.0, 0.0)
     flight.run(0.2)
     assert _ask(flight, common.ExtendedSysState).vtol_state == state.TRANSITION_TO_FW
-    flight.until(lambda: flight.body.transition >= 1.0, within=40.0)
+    flight.run_until(lambda: flight.body.transition >= 1.0, timeout=40.0)
     assert _ask(flight, common.ExtendedSysState).vtol_state == state.FW
     flight.body.transition_to(False)
     flight.run(0.2)

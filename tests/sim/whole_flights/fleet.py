@@ -123,21 +123,21 @@ def fly_all(
 
 async def fly(here: Station, system: int, flight: Flight, with_log: bool) -> None:
     """One flight, from the first heartbeat to the last log."""
-    remote, journal = await here.node.autopilot(system), flight.journal
+    remote, journal = await here.node.wait_for_autopilot(system), flight.journal
     name = f"{flight.kind} of {flight.plan.firmware}"
-    await here.until(lambda: journal.ready, f"{name} ready", within=60)
+    await here.wait_until(lambda: journal.ready, f"{name} ready", timeout=60)
     await remote.mission.upload(flight.plan.items)
     flight.downloaded = (await remote.mission.download()).items
     await start(remote, flight)
     flight.began = here.now
     if flight.kind.flies:
-        await here.until(lambda: journal.armed, f"{name} armed", within=5)
-        await here.until(lambda: not journal.armed, f"{name} landed")
+        await here.wait_until(lambda: journal.armed, f"{name} armed", timeout=5)
+        await here.wait_until(lambda: not journal.armed, f"{name} landed")
     else:
         last = flight.plan.order[-1]
-        await here.until(lambda: any(seq == last for _, seq in journal.current), f"{name} at its last item")
+        await here.wait_until(lambda: any(seq == last for _, seq in journal.current), f"{name} at its last item")
         await asyncio.sleep(SETTING_OUT)
-        await here.until(lambda: at_rest(flight), f"{name} at rest", within=120)
+        await here.wait_until(lambda: at_rest(flight), f"{name} at rest", timeout=120)
         await remote.command(CMD.COMPONENT_ARM_DISARM, 0)
     flight.ended = here.now
     await asyncio.sleep(2.5)

@@ -76,8 +76,8 @@ class Pilot:
     def said(self, start: str) -> bool:
         return any(text.startswith(start) for text in self.journal.texts)
 
-    async def until(self, holds: Callable[[], bool], what: str, within: float = 60.0) -> None:
-        await self.here.until(holds, f"{what}; it is in {self.mode} at {self.truth[:3]}", within)
+    async def wait_until(self, holds: Callable[[], bool], what: str, timeout: float = 60.0) -> None:
+        await self.here.wait_until(holds, f"{what}; it is in {self.mode} at {self.truth[:3]}", timeout)
 
     async def wait(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
@@ -92,12 +92,12 @@ class Pilot:
         await self.remote.modes.set(names[-1] if self.px4 else names[0])
 
     async def take_off(self, height: float) -> None:
-        await self.until(lambda: self.journal.ready, "ready", 30)
+        await self.wait_until(lambda: self.journal.ready, "ready", 30)
         if self.px4:
             await self.command(CMD.NAV_TAKEOFF, nan, 0, 0, nan, nan, nan, DEFAULT_HOME.altitude + height)
             await self.command(CMD.COMPONENT_ARM_DISARM, 1)
         elif self.vehicle.type is VehicleType.PLANE:
-            await self.remote.parameters.set("TKOFF_ALT", height)
+            await self.remote.params.set("TKOFF_ALT", height)
             await self.set_mode("TAKEOFF")
             await self.command(CMD.COMPONENT_ARM_DISARM, 1)
         else:
@@ -105,7 +105,7 @@ class Pilot:
             await self.command(CMD.COMPONENT_ARM_DISARM, 1)
             await self.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, height)
         slow = inf if self.vehicle.type is VehicleType.PLANE else 0.5
-        await self.until(lambda: self.height > 0.9 * height and self.speed < slow, "up")
+        await self.wait_until(lambda: self.height > 0.9 * height and self.speed < slow, "up")
 
     async def go_to(self, north: float, east: float, height: float) -> None:
         """By DO_REPOSITION."""
@@ -157,7 +157,7 @@ def fly_scripts() -> dict[str, str]:
 
     async def fly(here: Station, each: Script, vehicle: SimulatedVehicle) -> None:
         try:
-            remote = await here.node.autopilot(vehicle.address.system)
+            remote = await here.node.wait_for_autopilot(vehicle.address.system)
             await each.fly(Pilot(here, remote, vehicle))
             outcomes[each.name] = ""
         except (Exception, pytest.fail.Exception):  # noqa: BLE001 (the test tells)

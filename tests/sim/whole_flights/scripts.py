@@ -40,7 +40,7 @@ async def it_does_not_leave_its_fence(pilot: Pilot) -> None:
     inclusion = CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION
     await pilot.remote.fence.upload([at(inclusion, *corner, first=len(corners)) for corner in corners])
     if not pilot.px4:
-        await pilot.remote.parameters.set("FENCE_ENABLE", 1)
+        await pilot.remote.params.set("FENCE_ENABLE", 1)
     await pilot.take_off(10)
     farthest = 0.0
     async with pilot.remote.setpoints(rate=10) as stream:
@@ -58,7 +58,7 @@ async def it_does_not_leave_its_fence(pilot: Pilot) -> None:
     else:
         assert pilot.said("Polygon fence breached")
         assert pilot.mode == "RTL"
-        await pilot.until(lambda: not pilot.journal.armed, "landed")
+        await pilot.wait_until(lambda: not pilot.journal.armed, "landed")
         assert pilot.away() < 2
         assert pilot.said("Fence breach cleared")
 
@@ -70,9 +70,9 @@ async def it_returns_to_the_nearest_rally_point(pilot: Pilot) -> None:
     assert (await pilot.remote.rally.download()).items == tuple(points)
     await pilot.take_off(10)
     await pilot.go_to(38, -6, 10)
-    await pilot.until(lambda: pilot.away(38, -6) < 2, "there")
+    await pilot.wait_until(lambda: pilot.away(38, -6) < 2, "there")
     await pilot.command(CMD.NAV_RETURN_TO_LAUNCH)
-    await pilot.until(lambda: not pilot.journal.armed, "landed", 120)
+    await pilot.wait_until(lambda: not pilot.journal.armed, "landed", 120)
     assert pilot.away(40, 10) < 1.5
     assert pilot.height < 0.2
 
@@ -81,7 +81,7 @@ async def it_returns_to_the_nearest_rally_point(pilot: Pilot) -> None:
 async def it_returns_home(pilot: Pilot) -> None:
     await pilot.take_off(8)
     await pilot.go_to(30, 25, 8)
-    await pilot.until(lambda: pilot.away(30, 25) < 1.5, "there")
+    await pilot.wait_until(lambda: pilot.away(30, 25) < 1.5, "there")
     await pilot.command(CMD.NAV_RETURN_TO_LAUNCH)
     highest = 0.0
     while pilot.journal.armed:
@@ -99,7 +99,7 @@ async def it_returns_home(pilot: Pilot) -> None:
 async def it_goes_where_it_is_told(pilot: Pilot) -> None:
     await pilot.take_off(10)
     await pilot.go_to(20, -15, 14)
-    await pilot.until(lambda: pilot.away(20, -15) < 0.8 and abs(pilot.height - 14) < 0.8, "there", 30)
+    await pilot.wait_until(lambda: pilot.away(20, -15) < 0.8 and abs(pilot.height - 14) < 0.8, "there", 30)
     await pilot.wait(5)
     assert pilot.away(20, -15) < 1.0
     assert pilot.speed < 0.3
@@ -109,15 +109,15 @@ async def it_goes_where_it_is_told(pilot: Pilot) -> None:
 async def a_wing_circles_where_it_is_told_and_at_home(pilot: Pilot) -> None:
     await pilot.take_off(50)
     await pilot.go_to(200, 150, 60)
-    await pilot.until(lambda: 40 < pilot.away(200, 150) < 90, "there")
+    await pilot.wait_until(lambda: 40 < pilot.away(200, 150) < 90, "there")
     await pilot.wait(10)
     for _ in range(100):
         await pilot.wait(0.2)
         assert 40 < pilot.away(200, 150) < 100
         assert abs(pilot.height - 60) < 6
     await pilot.command(CMD.NAV_RETURN_TO_LAUNCH)
-    await pilot.until(lambda: pilot.away() < 100, "home")
-    await pilot.until(lambda: abs(pilot.height - 100) < 8, "as high as it waits at home")
+    await pilot.wait_until(lambda: pilot.away() < 100, "home")
+    await pilot.wait_until(lambda: abs(pilot.height - 100) < 8, "as high as it waits at home")
     assert pilot.away() < 120
 
 
@@ -125,10 +125,10 @@ async def a_wing_circles_where_it_is_told_and_at_home(pilot: Pilot) -> None:
 @script("sub")
 async def it_goes_there_and_stays(pilot: Pilot) -> None:
     height = -5 if pilot.vehicle.type == "sub" else 0
-    await pilot.until(lambda: pilot.journal.ready, "ready", 30)
+    await pilot.wait_until(lambda: pilot.journal.ready, "ready", 30)
     await pilot.command(CMD.COMPONENT_ARM_DISARM, 1)
     await pilot.go_to(9, -6, height)
-    await pilot.until(lambda: pilot.away(9, -6) < 2 and abs(pilot.height - height) < 0.7, "there")
+    await pilot.wait_until(lambda: pilot.away(9, -6) < 2 and abs(pilot.height - height) < 0.7, "there")
     await pilot.wait(6)
     assert pilot.away(9, -6) < 2
     assert pilot.speed < 0.3
@@ -181,7 +181,7 @@ async def offboard_needs_its_stream(pilot: Pilot) -> None:
         await pilot.wait(2.0)
         assert pilot.mode == "OFFBOARD"
     ended = pilot.here.now
-    await pilot.until(lambda: pilot.mode != "OFFBOARD", "the stream has ended", 5)
+    await pilot.wait_until(lambda: pilot.mode != "OFFBOARD", "the stream has ended", 5)
     assert 0.8 < pilot.here.now - ended < 2.5
     assert pilot.mode == "RETURN"
     await pilot.wait(2.5)
@@ -265,7 +265,7 @@ async def sticks_fly_it_and_it_stops_when_let_go(pilot: Pilot) -> None:
 
 @script("rover")
 async def sticks_drive_it(pilot: Pilot) -> None:
-    await pilot.until(lambda: pilot.journal.ready, "ready", 30)
+    await pilot.wait_until(lambda: pilot.journal.ready, "ready", 30)
     async with pilot.remote.manual_control(rate=10) as sticks:
         sticks.set(ManualInput(0, 0, 0, 0))
         await pilot.wait(0.5)
@@ -286,18 +286,18 @@ async def sticks_drive_it(pilot: Pilot) -> None:
 async def it_flies_forward_and_hovers_again(pilot: Pilot) -> None:
     await pilot.take_off(30)
     if pilot.px4:
-        await pilot.until(lambda: pilot.mode == "HOLD", "done with taking off")
+        await pilot.wait_until(lambda: pilot.mode == "HOLD", "done with taking off")
     extended = common.ExtendedSysState
-    await pilot.remote.set_message_interval(extended, 5)
+    await pilot.remote.set_message_rate(extended, 5)
     vtol_state = lambda: pilot.journal.latest[extended].vtol_state  # noqa: E731
     await pilot.command(CMD.DO_VTOL_TRANSITION, VTOL.FW)
-    await pilot.until(lambda: vtol_state() == VTOL.FW, "forward", 30)
+    await pilot.wait_until(lambda: vtol_state() == VTOL.FW, "forward", 30)
     assert pilot.vehicle.body.airspeed > 13
     await pilot.wait(6)
     assert abs(pilot.height - 30) < 6
     await pilot.command(CMD.DO_VTOL_TRANSITION, VTOL.MC)
-    await pilot.until(lambda: vtol_state() == VTOL.MC, "hovering", 30)
-    await pilot.until(lambda: pilot.speed < 0.5, "standing still", 20)
+    await pilot.wait_until(lambda: vtol_state() == VTOL.MC, "hovering", 30)
+    await pilot.wait_until(lambda: pilot.speed < 0.5, "standing still", 20)
     await pilot.wait(3)
     assert pilot.speed < 0.5
     assert abs(pilot.height - 30) < 6
@@ -309,16 +309,16 @@ async def it_flies_forward_and_hovers_again(pilot: Pilot) -> None:
 @script("copter")
 async def it_sends_what_it_is_asked_for(pilot: Pilot) -> None:
     remote = pilot.remote
-    await pilot.until(lambda: pilot.journal.ready, "ready", 30)
+    await pilot.wait_until(lambda: pilot.journal.ready, "ready", 30)
     wanted = {common.Attitude: 20.0, common.VfrHud: 5.0, common.BatteryStatus: 2.0}
     for kind, rate in wanted.items():
-        await remote.set_message_interval(kind, rate)
+        await remote.set_message_rate(kind, rate)
     counted = await _count(pilot, 5.0, *wanted)
     for kind, rate in wanted.items():
         assert abs(counted[kind] - 5 * rate) <= 2, (kind, counted)
-        assert await remote.message_interval(kind) == Interval.hertz(rate)
-    await remote.set_message_interval(common.Attitude, OFF)
-    await remote.set_message_interval(common.VfrHud, DEFAULT)
+        assert await remote.get_message_interval(kind) == Interval.hertz(rate)
+    await remote.set_message_rate(common.Attitude, OFF)
+    await remote.set_message_rate(common.VfrHud, DEFAULT)
     counted = await _count(pilot, 5.0, *wanted)
     assert counted[common.Attitude] <= 1
     assert counted[common.VfrHud] < 25
@@ -327,7 +327,7 @@ async def it_sends_what_it_is_asked_for(pilot: Pilot) -> None:
 
 async def _count(pilot: Pilot, seconds: float, *kinds: type[Message]) -> Counter[type]:
     counted: Counter[type] = Counter()
-    async with pilot.remote.messages(*kinds) as messages:
+    async with pilot.remote.stream(*kinds) as messages:
         await pilot.wait(seconds)
         counted.update(type(message) for message in messages.take())
     return counted
@@ -347,8 +347,8 @@ async def a_reboot_in_the_air_brings_it_down(pilot: Pilot) -> None:
         pilot.vehicle.faults.inject("reboot")
     else:
         await pilot.command(reboot, 1, 0, 0, 0, 0, 20190226)
-    await pilot.until(lambda: pilot.vehicle.body.on_ground, "down", 10)
-    await pilot.until(lambda: pilot.journal.ready and not pilot.journal.armed, "back", 40)
+    await pilot.wait_until(lambda: pilot.vehicle.body.on_ground, "down", 10)
+    await pilot.wait_until(lambda: pilot.journal.ready and not pilot.journal.armed, "back", 40)
     assert pilot.vehicle.boots == 2
-    assert await pilot.remote.parameters.get("SYSID_THISMAV" if not pilot.px4 else "MAV_SYS_ID")
+    assert await pilot.remote.params.get("SYSID_THISMAV" if not pilot.px4 else "MAV_SYS_ID")
     await pilot.command(CMD.COMPONENT_ARM_DISARM, 1)

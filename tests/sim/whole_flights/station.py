@@ -6,12 +6,12 @@ what really happened, `Sample` by `Sample`, which no station could know.
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from mavstack.dialects import common
 from mavstack.services.statustext import StatusText
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -139,8 +139,5 @@ class Station:
             async for text in texts:
                 self.journal(text.source.system).texts.append(text.text)
 
-    async def until(self, holds: Callable[[], bool], what: str, within: float = LONGEST) -> None:
-        end = self.now + within
-        while not holds():
-            assert self.now < end, f"not within {within:g} s: {what}"
-            await asyncio.sleep(0.1)
+    async def wait_until(self, holds: Callable[[], bool], what: str, timeout: float = LONGEST) -> None:
+        await wait_until(holds, what, timeout=timeout, interval=0.1, now=lambda: self.now)

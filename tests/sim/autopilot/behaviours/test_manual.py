@@ -116,7 +116,7 @@ def test_lowered_to_the_ground_by_hand_it_rests() -> None:
     flight = by_hand(AltitudeHold, height=4.0)
     hold_sticks(flight, 8.0, throttle=0.0)
     assert flight.autopilot.landed
-    flight.until(lambda: not flight.autopilot.armed, within=12)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=12)
 
 
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])

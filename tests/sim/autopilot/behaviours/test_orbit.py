@@ -57,7 +57,7 @@ def test_it_stops_after_the_turns_that_were_asked() -> None:
     flight = Flight().in_the_air(15.0)
     orbit = Orbit(flight.autopilot, (10.0, 0.0, -15.0), 8.0, speed=4.0, turns=1.5)
     flight.fly(lambda autopilot: orbit)
-    flight.until(lambda: abs(orbit.turned) >= 1.5, within=60)
+    flight.run_until(lambda: abs(orbit.turned) >= 1.5, timeout=60)
     flight.run(6)
     assert flight.speed < 0.5
 

@@ -17,7 +17,7 @@ def away(kind: VehicleType, north: float, east: float, height: float, **flight_p
     flight = Flight(kind, **flight_parameters).in_the_air(height)
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((north, east, -height))
-    flight.until(lambda: flight.distance((north, east)) < 1.5, within=60)
+    flight.run_until(lambda: flight.distance((north, east)) < 1.5, timeout=60)
     flight.track.clear()
     return flight
 
@@ -26,7 +26,7 @@ def away(kind: VehicleType, north: float, east: float, height: float, **flight_p
 def test_it_climbs_comes_home_at_the_return_altitude_and_lands(kind: VehicleType) -> None:
     flight = away(kind, 60.0, 40.0, 10.0, return_altitude=25.0)
     flight.enter(RETURN)
-    flight.until(lambda: not flight.autopilot.armed, within=120)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=120)
     assert flight.distance() < 1.5
     between = [-down for north, east, down in flight.track if 5 < (north**2 + east**2) ** 0.5 < 60]
     assert between
@@ -36,7 +36,7 @@ def test_it_climbs_comes_home_at_the_return_altitude_and_lands(kind: VehicleType
 def test_what_is_higher_comes_home_as_high() -> None:
     flight = away(VehicleType.COPTER, 50.0, 0.0, 35.0, return_altitude=20.0)
     flight.enter(RETURN)
-    flight.until(lambda: flight.distance() < 3, within=30)
+    flight.run_until(lambda: flight.distance() < 3, timeout=30)
     assert flight.height == pytest.approx(35.0, abs=1.5)
 
 
@@ -44,7 +44,7 @@ def test_near_home_it_climbs_only_a_cone() -> None:
     flight = away(VehicleType.COPTER, 10.0, 0.0, 5.0, return_altitude=50.0, return_cone_slope=1.5)
     away_from_home = flight.distance()
     flight.enter(RETURN)
-    flight.until(lambda: not flight.autopilot.armed, within=120)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=120)
     assert max(-down for _, _, down in flight.track) == pytest.approx(1.5 * away_from_home, abs=1.5)
 
 
@@ -61,7 +61,7 @@ def test_a_rally_point_is_where_it_comes_back_to() -> None:
     flight = away(VehicleType.COPTER, 60.0, 0.0, 20.0)
     flight.autopilot.rally = SimpleNamespace(destination=lambda: (30.0, 20.0, 0.0))
     flight.enter(RETURN)
-    flight.until(lambda: not flight.autopilot.armed, within=120)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=120)
     assert flight.distance((30.0, 20.0)) < 1.5
 
 
@@ -69,7 +69,7 @@ def test_on_the_ground_it_just_disarms() -> None:
     flight = Flight()
     flight.arm()
     flight.enter(RETURN)
-    flight.until(lambda: not flight.autopilot.armed, within=5)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=5)
     assert flight.height < 0.1
 
 
@@ -77,7 +77,7 @@ def test_a_plane_circles_home_for_ever_if_that_is_wanted() -> None:
     flight = Flight(VehicleType.PLANE, return_loiter_time=inf, return_altitude=70.0).in_the_air(40.0)
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((700.0, 0.0, -40.0))
-    flight.until(lambda: flight.body.truth.north > 600, within=90)
+    flight.run_until(lambda: flight.body.truth.north > 600, timeout=90)
     flight.enter(RETURN)
     flight.run(90)
     for _ in range(30):
@@ -89,7 +89,7 @@ def test_a_plane_circles_home_for_ever_if_that_is_wanted() -> None:
 def test_a_plane_lands_at_home() -> None:
     flight = Flight(VehicleType.PLANE, return_loiter_time=5.0).in_the_air(50.0)
     flight.enter(RETURN)
-    flight.until(lambda: not flight.autopilot.armed, within=300)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=300)
     assert flight.distance() < 130.0
 
 
@@ -97,11 +97,11 @@ def test_a_vtol_comes_back_on_its_wing_and_lands_hovering() -> None:
     flight = Flight(VehicleType.VTOL).in_the_air(40.0)
     flight.fly(lambda autopilot: Hold(autopilot, forward=True))
     flight.autopilot.guided.go_to((500.0, 0.0, -40.0))
-    flight.until(lambda: flight.distance() > 400, within=60)
+    flight.run_until(lambda: flight.distance() > 400, timeout=60)
     flight.enter(RETURN)
     flight.run(5)
     assert flight.body.transition == 1.0
-    flight.until(lambda: not flight.autopilot.armed, within=240)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=240)
     assert flight.distance() < 2.0
 
 
@@ -110,8 +110,8 @@ def test_a_vtol_can_be_told_to_come_back_hovering() -> None:
     flight.fly(lambda autopilot: Hold(autopilot, forward=True))
     flight.run(20)
     flight.fly(lambda autopilot: ReturnToLaunch(autopilot, forward=False))
-    flight.until(lambda: flight.body.transition == 0.0, within=20)
-    flight.until(lambda: not flight.autopilot.armed, within=240)
+    flight.run_until(lambda: flight.body.transition == 0.0, timeout=20)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=240)
     assert flight.distance() < 2.0
 
 
@@ -121,7 +121,7 @@ def test_what_drives_comes_home_and_stays(kind: VehicleType) -> None:
     flight.arm()
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((30.0, 20.0, 0.0))
-    flight.until(lambda: flight.distance((30.0, 20.0)) < 3, within=60)
+    flight.run_until(lambda: flight.distance((30.0, 20.0)) < 3, timeout=60)
     flight.enter(RETURN)
     flight.run(45)
     assert flight.distance() < 3.0
@@ -134,11 +134,11 @@ def test_a_sub_comes_home_as_deep_as_it_is_and_surfaces() -> None:
     flight.arm()
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((20.0, 0.0, 5.0))
-    flight.until(lambda: flight.distance((20.0, 0.0)) < 2 and flight.body.truth.down > 4, within=90)
+    flight.run_until(lambda: flight.distance((20.0, 0.0)) < 2 and flight.body.truth.down > 4, timeout=90)
     flight.enter(RETURN)
-    flight.until(lambda: flight.distance() < 5, within=60)
+    flight.run_until(lambda: flight.distance() < 5, timeout=60)
     assert flight.body.truth.down == pytest.approx(5.0, abs=1.0)
-    flight.until(lambda: flight.body.truth.down < 0.5, within=60)
+    flight.run_until(lambda: flight.body.truth.down < 0.5, timeout=60)
 
 
 @pytest.mark.parametrize(

@@ -18,8 +18,8 @@ def test_it_rises_straight_to_its_altitude_and_stays(kind: VehicleType) -> None:
     flight = Flight(kind, takeoff_altitude=12.0)
     flight.arm()
     flight.enter(TAKEOFF)
-    flight.until(lambda: flight.autopilot.landed_state == LANDED.TAKEOFF, within=5)
-    flight.until(lambda: flight.autopilot.landed_state == LANDED.IN_AIR, within=20)
+    flight.run_until(lambda: flight.autopilot.landed_state == LANDED.TAKEOFF, timeout=5)
+    flight.run_until(lambda: flight.autopilot.landed_state == LANDED.IN_AIR, timeout=20)
     flight.run(10)
     assert flight.height == pytest.approx(12.0, abs=1.0)
     assert max(-down for _, _, down in flight.track) < 13.0
@@ -55,9 +55,9 @@ def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:
     flight.world.set_wind(speed=wind, direction=0.0)
     flight.arm()
     flight.fly(lambda autopilot: Takeoff(autopilot, 50.0))
-    flight.until(lambda: flight.autopilot.landed_state == LANDED.TAKEOFF, within=15)
+    flight.run_until(lambda: flight.autopilot.landed_state == LANDED.TAKEOFF, timeout=15)
     assert flight.body.truth.north > 5.0
-    flight.until(lambda: flight.height > 40.0, within=40)
+    flight.run_until(lambda: flight.height > 40.0, timeout=40)
     assert abs(flight.body.truth.east) < 60.0, "it climbs ahead"
     flight.run(60)
     assert flight.height == pytest.approx(50.0, abs=5.0)
@@ -90,7 +90,7 @@ def test_disarming_while_it_rises_lets_it_fall() -> None:
     flight = Flight()
     flight.arm()
     flight.enter(TAKEOFF)
-    flight.until(lambda: flight.height > 3, within=10)
+    flight.run_until(lambda: flight.height > 3, timeout=10)
     flight.autopilot.disarm("test")
-    flight.until(lambda: flight.body.on_ground, within=5)
+    flight.run_until(lambda: flight.body.on_ground, timeout=5)
     assert flight.autopilot.behaviour is None

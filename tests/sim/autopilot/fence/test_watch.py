@@ -78,9 +78,9 @@ def fenced(
     return flight
 
 
-def breach(flight: MissionFlight, behaviour: type[Behaviour] = Away, within: float = 60.0) -> None:
+def breach(flight: MissionFlight, behaviour: type[Behaviour] = Away, timeout: float = 60.0) -> None:
     flight.fly(behaviour)
-    flight.until(lambda: flight.autopilot.fence.breaches != Breach.NONE, within=within)
+    flight.run_until(lambda: flight.autopilot.fence.breaches != Breach.NONE, timeout=timeout)
     flight.run(0.3)
 
 
@@ -126,7 +126,7 @@ def test_the_lowest_altitude_counts_in_the_air_only() -> None:
     flight.run(1)
     assert not flight.autopilot.fence.breaches
     flight.enter(LAND)
-    flight.until(lambda: flight.autopilot.fence.breaches == Breach.LOW, within=20)
+    flight.run_until(lambda: flight.autopilot.fence.breaches == Breach.LOW, timeout=20)
     assert flight.autopilot.fence.status().breach_type == KINDS.MINALT
     assert flight.autopilot.fence.switch(2)
     flight.run(0.3)
@@ -230,7 +230,7 @@ def test_px4_without_an_action_does_not_look() -> None:
 def test_it_is_told_once_and_again_when_it_is_over() -> None:
     flight = fenced(*square(30))
     breach(flight)
-    flight.until(lambda: not flight.autopilot.fence.breaches, within=60)
+    flight.run_until(lambda: not flight.autopilot.fence.breaches, timeout=60)
     flight.run(0.3)
     assert flight.said == ["Polygon fence breached", "Fence breach cleared"]
     assert not flight.autopilot.failsafes
@@ -281,7 +281,7 @@ def test_to_the_return_point() -> None:
     point = item(CMD.NAV_FENCE_RETURN_POINT, at=(50.0, 60.0, 0.0), frame=FRAME.GLOBAL)
     flight = plane(*square(300), point, FENCE_RET_ALT=70)
     assert return_of(flight) == pytest.approx((50, 60, -70), abs=1.5)
-    flight.until(lambda: flight.distance((50, 60)) < 100, within=60)
+    flight.run_until(lambda: flight.distance((50, 60)) < 100, timeout=60)
 
 
 def test_to_the_middle() -> None:

@@ -3,7 +3,7 @@
     flight = MissionFlight(VehicleType.COPTER, Firmware.ARDUPILOT)
     flight.load(takeoff(20), waypoint(100, 0), item(CMD.NAV_LAND))
     flight.start()
-    flight.until(lambda: flight.mission.state == COMPLETE, within=120)
+    flight.run_until(lambda: flight.mission.state == COMPLETE, timeout=120)
 
 Places are metres north and east of where the vehicle begins, altitudes metres above it.
 """
@@ -134,13 +134,13 @@ class MissionFlight(Flight):
             self.arm()
         assert self.mission.start() is None, self.mission.refusal()
 
-    def ended(self, within: float = 300.0) -> None:
+    def ended(self, timeout: float = 300.0) -> None:
         """Until the mission is complete."""
-        self.until(lambda: self.mission.state == STATE.COMPLETE, within=within)
+        self.run_until(lambda: self.mission.state == STATE.COMPLETE, timeout=timeout)
 
-    def reach(self, seq: int, within: float = 120.0) -> None:
+    def reach(self, seq: int, timeout: float = 120.0) -> None:
         """Until an item is the current one."""
-        self.until(lambda: self.mission.sequence == seq, within=within)
+        self.run_until(lambda: self.mission.sequence == seq, timeout=timeout)
 
     @property
     def place(self) -> tuple[float, float]:

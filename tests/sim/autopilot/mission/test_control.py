@@ -99,14 +99,14 @@ def test_time_stands_still_in_a_pause() -> None:
     flight.mission.pause()
     flight.run(20)
     flight.mission.resume()
-    assert flight.until(lambda: flight.mission.sequence == 2, within=9) > 3
+    assert flight.run_until(lambda: flight.mission.sequence == 2, timeout=9) > 3
 
 
 def test_a_pause_during_the_takeoff() -> None:
     flight = MissionFlight()
     flight.load(takeoff(30), waypoint(20, 0, 30))
     flight.start()
-    flight.until(lambda: flight.height > 8, within=20)
+    flight.run_until(lambda: flight.height > 8, timeout=20)
     flight.mission.pause()
     flight.run(4)
     height = flight.height
@@ -131,7 +131,7 @@ def test_ardupilot_flies_on_at_the_same_number() -> None:
     flight.run(0.2)
     assert flight.said[-2:] == ["Auto mission changed, restarted command", "Mission: 2 WP"]
     assert flight.mission.sequence == 2
-    flight.until(lambda: flight.mission.sequence == 3, within=60)
+    flight.run_until(lambda: flight.mission.sequence == 3, timeout=60)
     assert flight.distance((0, -40)) < 5
 
 
@@ -151,7 +151,7 @@ def test_ardupilots_plane_flies_on_to_where_it_was_going() -> None:
     flight.start()
     flight.reach(2)
     flight.load(takeoff(40), waypoint(0, 400, 40), waypoint(-400, 400, 40))
-    flight.until(lambda: 2 in flight.reached, within=60)
+    flight.run_until(lambda: 2 in flight.reached, timeout=60)
     assert flight.distance((400, 0)) < 80
 
 
@@ -176,7 +176,7 @@ def test_ardupilot_keeps_the_mission_that_it_flies() -> None:
 def test_px4_holds_when_its_mission_is_gone() -> None:
     flight = flying(PX4)
     assert flight.clear() == RESULT.ACCEPTED
-    flight.until(lambda: flight.autopilot.mode.number == HOLD, within=2)
+    flight.run_until(lambda: flight.autopilot.mode.number == HOLD, timeout=2)
     assert flight.said[-1] == "No valid mission available, loitering"
     assert flight.mission.state == STATE.NO_MISSION
 
@@ -185,7 +185,7 @@ def test_a_shorter_mission_ends_it() -> None:
     flight = flying()
     flight.reach(4)
     flight.load(takeoff(10), waypoint(60, 0, 10))
-    flight.ended(within=5)
+    flight.ended(timeout=5)
     assert flight.said[-1] == "Auto mission changed but failed to restart command"
 
 

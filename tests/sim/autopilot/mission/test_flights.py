@@ -107,7 +107,7 @@ def test_px4s_copter_takes_off_by_itself() -> None:
     flight = MissionFlight(firmware=Firmware.PX4)
     flight.load(waypoint(30, 0, 15))
     flight.start()
-    flight.until(lambda: flight.height > 9, within=20)
+    flight.run_until(lambda: flight.height > 9, timeout=20)
     assert flight.distance() < 3
     flight.ended()
     assert flight.distance((30, 0)) < 5
@@ -119,7 +119,7 @@ def test_arming_begins_the_mission_in_its_mode() -> None:
     assert flight.mission.start() is None
     assert not flight.said
     flight.arm()
-    flight.until(lambda: flight.height > 9, within=20)
+    flight.run_until(lambda: flight.height > 9, timeout=20)
     assert flight.said[0] == "Executing Mission"
 
 
@@ -168,7 +168,7 @@ def test_ardupilots_copter_is_disarmed_when_its_mission_ends_on_the_ground() -> 
     flight = MissionFlight()
     flight.load(takeoff(8), item(CMD.NAV_LAND))
     flight.start()
-    flight.until(lambda: not flight.autopilot.armed, within=90)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=90)
     assert flight.reached == [1, 2]
 
 
@@ -176,7 +176,7 @@ def test_ardupilots_plane_returns() -> None:
     flight = MissionFlight(_T.PLANE)
     flight.load(takeoff(40), waypoint(300, 0, 40))
     flight.start()
-    flight.until(lambda: flight.autopilot.mode.number == RETURN, within=120)
+    flight.run_until(lambda: flight.autopilot.mode.number == RETURN, timeout=120)
     assert flight.said[-1] == "Mission complete, changing mode to RTL"
     assert flight.mission.state == STATE.COMPLETE
 
@@ -186,7 +186,7 @@ def test_ardupilots_wings_are_disarmed_where_they_landed(kind: VehicleType, reac
     flight = MissionFlight(kind, land_disarm_delay=3.0)
     flight.load(takeoff(30), item(CMD.NAV_LAND, at=(300.0, 0.0, 0.0)))
     flight.start()
-    flight.until(lambda: not flight.autopilot.armed, within=150)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=150)
     assert flight.autopilot.mode.number == MISSION
     assert flight.reached == reached
     assert abs(flight.height) < 0.3
@@ -206,7 +206,7 @@ def test_px4_stays_in_its_mission_and_disarms_after_a_landing() -> None:
     flight = MissionFlight(firmware=Firmware.PX4, land_disarm_delay=2.0, disarm_delay=60.0)
     flight.load(takeoff(8), item(CMD.NAV_LAND))
     flight.start()
-    flight.until(lambda: flight.said[-1:] == ["Mission finished, landed"], within=90)
+    flight.run_until(lambda: flight.said[-1:] == ["Mission finished, landed"], timeout=90)
     assert flight.autopilot.mode.number == MISSION
     assert flight.autopilot.armed
     flight.run(4)
@@ -217,7 +217,7 @@ def test_px4_holds_where_its_mission_ends_in_the_air() -> None:
     flight = MissionFlight(firmware=Firmware.PX4)
     flight.load(takeoff(8), waypoint(20, 0, 8))
     flight.start()
-    flight.until(lambda: flight.autopilot.mode.number == HOLD, within=90)
+    flight.run_until(lambda: flight.autopilot.mode.number == HOLD, timeout=90)
     assert flight.said[-1] == "Mission finished, loitering"
     flight.run(8)
     assert flight.distance((20, 0)) < 4

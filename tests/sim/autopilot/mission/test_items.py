@@ -55,7 +55,7 @@ def fly(
     flight = MissionFlight(kind, firmware, **flight_parameters)
     flight.load(takeoff(10), *items)
     flight.start()
-    flight.until(lambda: flight.first in flight.reached, within=60)
+    flight.run_until(lambda: flight.first in flight.reached, timeout=60)
     return flight
 
 
@@ -74,8 +74,8 @@ def do(*items: MissionItem, firmware: Firmware = ARDUPILOT) -> MissionFlight:
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_a_hold_time(firmware: Firmware) -> None:
     flight = fly(waypoint(10, 0, 10, param1=8), waypoint(20, 0, 10), firmware=firmware)
-    flight.until(lambda: flight.distance((10, 0)) < 2, within=30)
-    assert flight.until(lambda: flight.mission.sequence == flight.first + 2, within=12) > 7
+    flight.run_until(lambda: flight.distance((10, 0)) < 2, timeout=30)
+    assert flight.run_until(lambda: flight.mission.sequence == flight.first + 2, timeout=12) > 7
 
 
 def test_px4_takes_an_acceptance_radius() -> None:
@@ -100,7 +100,7 @@ def test_a_plane_passes_by_at_a_distance() -> None:
     flight = MissionFlight(PLANE)
     flight.load(takeoff(40), waypoint(400, 0, 40, param3=100), waypoint(400, 500, 40))
     flight.start()
-    flight.reach(3, within=90)
+    flight.reach(3, timeout=90)
     assert flight.distance((500, 0)) < 40
 
 
@@ -146,8 +146,8 @@ def test_loitering_without_end(firmware: Firmware) -> None:
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_loitering_for_a_time(firmware: Firmware) -> None:
     flight = fly(item(CMD.NAV_LOITER_TIME, 12, at=(10, 0, 10)), waypoint(0, 0, 10), firmware=firmware)
-    flight.until(lambda: flight.distance((10, 0)) < 2, within=30)
-    assert flight.until(lambda: flight.mission.sequence == flight.first + 2, within=16) > 11
+    flight.run_until(lambda: flight.distance((10, 0)) < 2, timeout=30)
+    assert flight.run_until(lambda: flight.mission.sequence == flight.first + 2, timeout=16) > 11
 
 
 def turned(flight: MissionFlight, centre: tuple[float, float], until: int) -> float:
@@ -167,7 +167,7 @@ def turned(flight: MissionFlight, centre: tuple[float, float], until: int) -> fl
 @pytest.mark.parametrize(("radius", "direction"), [(12.0, 1), (-12.0, -1)])
 def test_turns_of_a_copter(radius: float, direction: int) -> None:
     flight = fly(item(CMD.NAV_LOITER_TURNS, 2, 0, radius, at=(0, 0, 10)), waypoint(0, 0, 10))
-    flight.until(lambda: flight.distance() > 10, within=30)
+    flight.run_until(lambda: flight.distance() > 10, timeout=30)
     assert turned(flight, (0, 0), 3) * direction == pytest.approx(2, abs=0.35)
 
 
@@ -176,7 +176,7 @@ def test_turns_of_a_plane() -> None:
     flight.load(takeoff(40), item(CMD.NAV_LOITER_TURNS, 2, 0, 80, at=(300, 0, 40)), waypoint(0, 0, 40))
     flight.start()
     flight.reach(2)
-    flight.until(lambda: abs(flight.distance((300, 0)) - 80) < 15, within=60)
+    flight.run_until(lambda: abs(flight.distance((300, 0)) - 80) < 15, timeout=60)
     assert turned(flight, (300, 0), 3) == pytest.approx(2, abs=0.4)
 
 
@@ -185,7 +185,7 @@ def test_a_plane_circles_while_it_waits() -> None:
     flight.load(takeoff(40), item(CMD.NAV_LOITER_TIME, 30, 0, 70, at=(300, 0, 40)), waypoint(0, 0, 40))
     flight.start()
     flight.reach(1)
-    flight.until(lambda: abs(flight.distance((300, 0)) - 70) < 15, within=60)
+    flight.run_until(lambda: abs(flight.distance((300, 0)) - 70) < 15, timeout=60)
     begun = flight.now
     while flight.mission.sequence == 1:
         flight.run(0.5)
@@ -198,7 +198,7 @@ def test_loitering_to_an_altitude(kind: VehicleType) -> None:
     flight = MissionFlight(kind)
     flight.load(takeoff(20), item(CMD.NAV_LOITER_TO_ALT, 0, 60, at=(100, 0, 70)), waypoint(200, 0, 70))
     flight.start()
-    flight.reach(3, within=150)
+    flight.reach(3, timeout=150)
     assert flight.height == pytest.approx(70, abs=9)
     assert flight.distance((100, 0)) < 80
 
@@ -206,7 +206,7 @@ def test_loitering_to_an_altitude(kind: VehicleType) -> None:
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_a_delay(firmware: Firmware) -> None:
     flight = fly(item(CMD.NAV_DELAY, 8), waypoint(10, 0, 10), firmware=firmware)
-    assert flight.until(lambda: flight.mission.sequence == flight.first + 2, within=9) > 7
+    assert flight.run_until(lambda: flight.mission.sequence == flight.first + 2, timeout=9) > 7
 
 
 def test_a_delay_until_a_time_of_day() -> None:
@@ -215,7 +215,7 @@ def test_a_delay_until_a_time_of_day() -> None:
     hour, minute, second = later // 3600, later % 3600 // 60, later % 60 // 1
     flight.load(item(CMD.NAV_DELAY, -1, hour, minute, second), takeoff(10))
     flight.start()
-    assert flight.until(lambda: flight.mission.sequence == 2, within=32) == pytest.approx(30, abs=1.5)
+    assert flight.run_until(lambda: flight.mission.sequence == 2, timeout=32) == pytest.approx(30, abs=1.5)
     assert flight.height < 0.5
 
 
@@ -226,13 +226,13 @@ def test_climbing_on_the_way() -> None:
     flight = MissionFlight(PLANE)
     flight.load(takeoff(40), item(CMD.NAV_CONTINUE_AND_CHANGE_ALT, 1, at=(0, 0, 80)), waypoint(0, 0, 80))
     flight.start()
-    flight.reach(3, within=90)
+    flight.reach(3, timeout=90)
     assert flight.height > 70
 
 
 def test_a_landing_at_a_place_and_another_start() -> None:
     flight = fly(land(20, 0), takeoff(6), waypoint(0, 0, 6))
-    flight.reach(3, within=60)
+    flight.reach(3, timeout=60)
     assert flight.height < 0.3
     assert flight.distance((20, 0)) < 2.5
     flight.ended()
@@ -260,7 +260,7 @@ def test_taking_off_and_landing_is_told_by_the_landed_state() -> None:
 
 def test_returning_as_an_item() -> None:
     flight = fly(waypoint(30, 0, 10), item(CMD.NAV_RETURN_TO_LAUNCH))
-    flight.until(lambda: not flight.autopilot.armed, within=120)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=120)
     assert flight.distance() < 2.5
     assert flight.autopilot.mode.name == "MODE2"
 
@@ -270,7 +270,7 @@ def test_returning_by_the_mode_for_it(kind: VehicleType, firmware: Firmware) -> 
     flight = MissionFlight(kind, firmware)
     flight.load(waypoint(15, 0, 8), item(CMD.NAV_RETURN_TO_LAUNCH))
     flight.start()
-    flight.until(lambda: flight.autopilot.mode.number == RETURN, within=90)
+    flight.run_until(lambda: flight.autopilot.mode.number == RETURN, timeout=90)
 
 
 def test_a_mode_that_is_chosen_as_the_mission_ends_stays() -> None:
@@ -331,13 +331,13 @@ def test_waiting_for_an_altitude() -> None:
     flight.run(5)
     assert flight.mission.sequence == 1
     flight.body.place(0.0, 0.0, -60.0, 0.0)
-    flight.reach(2, within=2)
+    flight.reach(2, timeout=2)
 
 
 def test_placing_the_payload() -> None:
     flight = fly(item(CMD.DO_GRIPPER, 1, 1), item(CMD.NAV_PAYLOAD_PLACE, at=(10, 0, 0)), waypoint(0, 0, 10))
-    flight.until(lambda: flight.autopilot.payload.gripper_closed, within=5)
-    flight.until(lambda: not flight.autopilot.payload.gripper_closed, within=60)
+    flight.run_until(lambda: flight.autopilot.payload.gripper_closed, timeout=5)
+    flight.run_until(lambda: not flight.autopilot.payload.gripper_closed, timeout=60)
     assert flight.height < 2
     flight.reach(4)
     assert flight.height > 8
@@ -348,7 +348,7 @@ def test_being_guided_until_a_limit() -> None:
     flight.reach(3)
     flight.run(1)
     flight.vehicle.tell(SetpointReceived(GROUND, LocalSetpoint(position=(0.0, 40.0, -10.0))))
-    flight.reach(4, within=30)
+    flight.reach(4, timeout=30)
     assert flight.distance() == pytest.approx(15, abs=3)
 
 
@@ -371,7 +371,7 @@ def test_px4_waits_for_a_condition() -> None:
     flight = fly(item(CMD.CONDITION_DELAY, 4), waypoint(60, 0, 10), firmware=PX4)
     flight.run(3.5)
     assert flight.mission.sequence == 1
-    flight.reach(2, within=2)
+    flight.reach(2, timeout=2)
 
 
 def test_a_condition_of_distance() -> None:
@@ -381,7 +381,7 @@ def test_a_condition_of_distance() -> None:
         item(CMD.DO_SET_SERVO, 9, 1900),
         waypoint(90, 0, 10),
     )
-    flight.until(lambda: 9 in flight.autopilot.payload.servos, within=60)
+    flight.run_until(lambda: 9 in flight.autopilot.payload.servos, timeout=60)
     assert flight.distance((90, 0)) == pytest.approx(30, abs=3)
 
 
@@ -549,7 +549,7 @@ def test_sprayer_parachute_and_functions() -> None:
 
 def test_the_parachute_ends_the_flight() -> None:
     flight = fly(item(CMD.DO_PARACHUTE, 1), item(CMD.DO_PARACHUTE, 2), waypoint(50, 0, 10))
-    flight.until(lambda: not flight.autopilot.armed, within=10)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=10)
     assert flight.autopilot.payload.parachute_released
 
 
@@ -604,7 +604,7 @@ def test_px4_disarms_by_an_item() -> None:
     flight = MissionFlight(firmware=PX4, disarm_delay=inf, land_disarm_delay=inf)
     flight.load(takeoff(4), land(), item(CMD.COMPONENT_ARM_DISARM, 0))
     flight.start()
-    flight.until(lambda: not flight.autopilot.armed, within=60)
+    flight.run_until(lambda: not flight.autopilot.armed, timeout=60)
 
 
 # Marks
