@@ -37,17 +37,17 @@ async def _called(ear: Ear) -> None:
         hear(packet.message_id)
 
     async with connect(f"udpin://127.0.0.1:{ear.port}") as node:
-        await node.vehicle()
-        node.listen(take)
-        await node.wait()
+        await node.wait_for_vehicle()
+        node.add_packet_listener(take)
+        await node.serve_forever()
 
 
 async def _iterated(ear: Ear) -> None:
     """By a task that reads a subscription."""
     getters = _getters()
     async with connect(f"udpin://127.0.0.1:{ear.port}") as node:
-        await node.vehicle()
-        messages: Subscription[Message] = node.messages(keep_all=True)
+        await node.wait_for_vehicle()
+        messages: Subscription[Message] = node.stream(keep_all=True)
         async for message in messages:
             read = getters.get(type(message))
             if read is not None:

@@ -38,9 +38,9 @@ def telemetry(node: Node, rate: float) -> None:
         return common.GlobalPositionInt(lat=-353632610, lon=1491652300, alt=600_000, relative_alt=20_000)
 
     for kind, producer in ((common.Attitude, attitude), (common.GlobalPositionInt, position)):
-        node.provide(kind, producer, interval=1 / rate)
-    node.provide(common.SysStatus, lambda _: common.SysStatus(voltage_battery=12_000), interval=1 / rate)
-    node.provide(common.VfrHud, lambda _: common.VfrHud(airspeed=15, throttle=40), interval=1 / rate)
+        node.publish(kind, producer, interval=1 / rate)
+    node.publish(common.SysStatus, lambda _: common.SysStatus(voltage_battery=12_000), interval=1 / rate)
+    node.publish(common.VfrHud, lambda _: common.VfrHud(airspeed=15, throttle=40), interval=1 / rate)
 
 
 async def fly(port: int, condition: str) -> None:
@@ -65,7 +65,7 @@ async def fly(port: int, condition: str) -> None:
         node.serve(MissionServer(node.address))
         node.serve(FtpServer(node.address, MemoryStore({REMOTE_FILE: file_content()})))
         telemetry(node, rate=2.0 if condition == "c" else 10.0)
-        await node.wait()
+        await node.serve_forever()
 
 
 if __name__ == "__main__":

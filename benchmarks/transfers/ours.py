@@ -23,17 +23,17 @@ Task: TypeAlias = "Callable[[RemoteComponent, Job], Awaitable[Answer]]"
 
 
 async def _parameters(vehicle: RemoteComponent, _job: Job) -> Answer:
-    fetched = await vehicle.parameters.fetch()
+    fetched = await vehicle.params.download()
     return {"parameters": {name: float(parameter.value) for name, parameter in fetched.items()}}
 
 
 async def _listed(vehicle: RemoteComponent, _job: Job) -> Answer:
-    fetched = await vehicle.parameters.fetch(packed=False)
+    fetched = await vehicle.params.download(packed=False)
     return {"parameters": {name: float(parameter.value) for name, parameter in fetched.items()}}
 
 
 async def _file(vehicle: RemoteComponent, job: Job) -> Answer:
-    data = await vehicle.files.read(job["remote_file"])
+    data = await vehicle.ftp.download(job["remote_file"])
     (Path(job["folder"]) / Path(job["remote_file"]).name).write_bytes(data)
     return {}
 
@@ -65,7 +65,7 @@ async def _mission_down(vehicle: RemoteComponent, _job: Job) -> Answer:
 
 async def _timed(work: Task, job: Job) -> Answer:
     async with Node(f"udpout://127.0.0.1:{job['port']}") as node:
-        vehicle = await node.autopilot(timeout=HEARD_WITHIN)
+        vehicle = await node.wait_for_autopilot(timeout=HEARD_WITHIN)
         start = perf_counter()
         try:
             async with asyncio.timeout(job["limit"]):

@@ -58,7 +58,7 @@ def test_each_comes_to_its_own_result():
             results.check()
         assert isinstance(caught.value, MavstackError)
         assert caught.value.errors == {2: results[second]}
-        assert str(caught.value) == "work failed on 1 of 3 vehicles\n  2: arming: DENIED"
+        assert str(caught.value) == "work failed on 1 of 3 vehicles\n  2: arming failed: DENIED"
 
     with_group(3, scenario)
 
@@ -162,8 +162,8 @@ def test_those_who_fail_for_one_reason_share_a_line():
     error = GroupError("arming", errors, 50)
     assert str(error) == (
         "arming failed on 4 of 50 vehicles\n"
-        "  1, 2, 3: arming 6 times: no answer\n"
-        "  9: arming: DENIED (PreArm: GPS 1: bad fix)"
+        "  1, 2, 3: arming failed after 6 attempts: no answer\n"
+        "  9: arming failed: DENIED (PreArm: GPS 1: bad fix)"
     )
     again = pickle.loads(pickle.dumps(error))
     assert str(again) == str(error)
