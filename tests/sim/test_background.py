@@ -15,7 +15,7 @@ def test_a_script_meets_a_vehicle():
         BackgroundSimulator("rover", "px4", speed=5) as target,
         Node(target.url.replace(":", "://", 1)) as ground,
     ):
-        assert ground.autopilot().info.type == common.MavType.GROUND_ROVER
+        assert ground.wait_for_autopilot().info.type == common.MavType.GROUND_ROVER
 
 
 def test_a_flying_one_flies():

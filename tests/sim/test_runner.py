@@ -30,7 +30,7 @@ def test_a_command_is_answered_at_once():
     simulation.add()
 
     async def work(ground, _):
-        vehicle = await ground.autopilot()
+        vehicle = await ground.wait_for_autopilot()
         asked = ground.now()
         await vehicle.command(common.MavCmd.DO_SET_ROI_NONE)
         return ground.now() - asked
@@ -59,7 +59,7 @@ def test_a_log_is_sent_no_faster_than_peers_can_read_whatever_the_speed():
     vehicle.autopilot.disarm("enough")
 
     async def work(ground, runner):
-        peer, seconds = await ground.autopilot(), []
+        peer, seconds = await ground.wait_for_autopilot(), []
         for runner.speed in (1.0, 5.0):
             began = ground.now()
             await peer.logs.download(1)
@@ -122,10 +122,10 @@ def test_many_vehicles_on_one_link():
         simulation.add()
 
     async def work(ground, _):
-        remotes = [await ground.autopilot(system) for system in range(1, 6)]
+        remotes = [await ground.wait_for_autopilot(system) for system in range(1, 6)]
         await asyncio.sleep(3)
         await remotes[2].command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
-        values = await asyncio.gather(*(remote.parameters.get("SYSID_THISMAV") for remote in remotes))
+        values = await asyncio.gather(*(remote.params.get("SYSID_THISMAV") for remote in remotes))
         return [int(value.value) for value in values]
 
     assert run_virtually(both(simulation, work)) == [1, 2, 3, 4, 5]
@@ -139,7 +139,7 @@ def test_a_broadcast_reaches_all():
 
     async def work(ground, _):
         for system in (1, 2, 3):
-            await ground.autopilot(system)
+            await ground.wait_for_autopilot(system)
         await asyncio.sleep(3)
         ground.send(common.CommandLong(command=common.MavCmd.COMPONENT_ARM_DISARM, param1=1))
         await asyncio.sleep(0.1)
@@ -159,7 +159,7 @@ def test_a_peer_that_comes_late_and_goes():
             runner.start()
             for _ in range(2):
                 async with Node(network.link()) as ground:
-                    await ground.autopilot()
+                    await ground.wait_for_autopilot()
                     assert len(vehicle.ports) == 1
                 await asyncio.sleep(0.1)
                 assert not vehicle.ports
@@ -178,8 +178,8 @@ def test_it_speaks_over_two_links_at_once():
                 await runner.connect(network.link(), simulation.vehicles)
             runner.start()
             async with Node(first.link(), system=254) as one, Node(second.link(), system=253) as two:
-                await (await one.autopilot()).command(common.MavCmd.DO_SET_ROI_NONE)
-                await (await two.autopilot()).command(common.MavCmd.DO_SET_ROI_NONE)
+                await (await one.wait_for_autopilot()).command(common.MavCmd.DO_SET_ROI_NONE)
+                await (await two.wait_for_autopilot()).command(common.MavCmd.DO_SET_ROI_NONE)
                 assert len(vehicle.ports) == 2
 
     run_virtually(work())

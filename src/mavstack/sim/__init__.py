@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from mavstack.sim.background import BackgroundSimulator
     from mavstack.sim.faults import FaultScript
     from mavstack.sim.fleet import Fleet
+    from mavstack.sim.port import Port
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Port, SimulatedVehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
     from mavstack.sim.virtual import run_virtually
 
@@ -43,7 +44,7 @@ _LAZY_IMPORTS = {
     "Firmware": "vehicle_types",
     "Fleet": "fleet",
     "Home": "vehicle_types",
-    "Port": "vehicle",
+    "Port": "port",
     "Runner": "runner",
     "Simulation": "simulation",
     "SimulatedVehicle": "vehicle",

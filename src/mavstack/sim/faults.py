@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite, radians
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 from mavstack.errors import MavstackError
 from mavstack.sim.motion.airframes import AIRFRAMES
@@ -31,12 +31,26 @@ from mavstack.sim.motion.airframes import AIRFRAMES
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 _MOTORS = 16
 _PERCENT = 100.0
 _MOST_SYSTEMS = 255
+
+
+class FaultSimulation(Protocol):
+    """The simulation that a fault script runs in."""
+
+    #: Called before each step with the simulated seconds since the start.
+    before_step: list[Callable[[float], None]]
+
+    @property
+    def vehicles(self) -> Sequence[Vehicle]:
+        """The vehicles."""
+
+    @property
+    def elapsed(self) -> float:
+        """Simulated seconds since the start."""
 
 
 class FaultError(MavstackError, ValueError):
@@ -46,7 +60,7 @@ class FaultError(MavstackError, ValueError):
 class Faults:
     """The faults of one vehicle."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         #: What is wrong now, as it was injected, by what it is wrong with: "gps", "gps spoof", "motor 1".
         self.active: dict[str, str] = {}
@@ -55,12 +69,12 @@ class Faults:
         """Let something go wrong, or right again; raises FaultError if it is not understood."""
         Fault.parse(text).inject(self._vehicle)
 
-    def note(self, what: str, text: str | None) -> None:
+    def note(self, subject: str, text: str | None) -> None:
         """Remember what is wrong; None if it is right again."""
         if text is None:
-            self.active.pop(what, None)
+            self.active.pop(subject, None)
         else:
-            self.active[what] = text
+            self.active[subject] = text
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +108,7 @@ class Fault:
             return f"{self.kind} {self.words[0]}"
         return self.kind
 
-    def inject(self, vehicle: SimulatedVehicle) -> None:
+    def inject(self, vehicle: Vehicle) -> None:
         """Let it happen to a vehicle."""
         wrong = _KINDS[self.kind](self.words)(vehicle)
         vehicle.faults.note(self.what, self.text if wrong else None)
@@ -120,7 +134,7 @@ class TimedFault:
             raise FaultError(f"there is no system {system}")
         return cls(time, system, Fault.parse(rest if colon else text))
 
-    def inject(self, simulation: Simulation) -> None:
+    def inject(self, simulation: FaultSimulation) -> None:
         """Let it happen now."""
         for vehicle in simulation.vehicles:
             if self.system in (0, vehicle.address.system):
@@ -137,7 +151,9 @@ class FaultScript:
         )
         self._next = 0
 
-    def run_in(self, simulation: Simulation, told: Callable[[TimedFault], None] = lambda timed: None) -> None:
+    def run_in(
+        self, simulation: FaultSimulation, told: Callable[[TimedFault], None] = lambda timed: None
+    ) -> None:
         """Inject each fault when its time comes, counted from now; `told` hears of each."""
         begun = simulation.elapsed
 
@@ -147,7 +163,7 @@ class FaultScript:
 
         simulation.before_step.append(act)
 
-    def inject_due(self, simulation: Simulation, elapsed: float) -> list[TimedFault]:
+    def inject_due(self, simulation: FaultSimulation, elapsed: float) -> list[TimedFault]:
         """Inject what is due when so many seconds have passed; gives what was."""
         due = []
         while self._next < len(self.faults) and self.faults[self._next].time <= elapsed:
@@ -179,66 +195,66 @@ def _timed(number: int, line: str) -> TimedFault:
 # What each kind does: the words give a function of the vehicle, which gives whether something is wrong now.
 
 
-def _gps(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
+def _gps(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     if words[:1] == ("spoof",):
         north, east = _numbers("gps spoof NORTH EAST", words[1:], 2)
 
-        def spoof(vehicle: SimulatedVehicle) -> bool:
+        def spoof(vehicle: Vehicle) -> bool:
             vehicle.body.spoof_gps(north, east)
             return (north, east) != (0.0, 0.0)
 
         return spoof
     off = _is_off("gps off|on|spoof NORTH EAST", words)
 
-    def lose(vehicle: SimulatedVehicle) -> bool:
+    def lose(vehicle: Vehicle) -> bool:
         vehicle.body.fail_gps(off)
         return off
 
     return lose
 
 
-def _compass(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
+def _compass(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     (degrees,) = _numbers("compass DEGREES", words, 1)
 
-    def turn(vehicle: SimulatedVehicle) -> bool:
+    def turn(vehicle: Vehicle) -> bool:
         vehicle.body.offset_compass(radians(degrees))
         return degrees != 0
 
     return turn
 
 
-def _baro(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
+def _baro(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     (metres,) = _numbers("baro METRES", words, 1)
 
-    def drift(vehicle: SimulatedVehicle) -> bool:
+    def drift(vehicle: Vehicle) -> bool:
         vehicle.body.drift_barometer(metres)
         return metres != 0
 
     return drift
 
 
-def _motor(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
+def _motor(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     usage = "motor NUMBER off|on"
     (number,) = _numbers(usage, words[:1], 1)
     off = _is_off(usage, words[1:])
     if number != int(number) or not 1 <= number <= _MOTORS:
         raise FaultError(f"a motor's number is 1 to {_MOTORS}, not {words[0]}")
 
-    def stop(vehicle: SimulatedVehicle) -> bool:
+    def stop(vehicle: Vehicle) -> bool:
         vehicle.body.fail_motor(int(number), off)
         return off and number <= AIRFRAMES[vehicle.type].motors
 
     return stop
 
 
-def _battery(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
+def _battery(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     usage = "battery sag VOLTS, or battery PERCENT"
     if words[:1] == ("sag",):
         (volts,) = _numbers(usage, words[1:], 1)
         if volts < 0:
             raise FaultError(f"it sags by 0 V or more, not by {words[1]}")
 
-        def sag(vehicle: SimulatedVehicle) -> bool:
+        def sag(vehicle: Vehicle) -> bool:
             vehicle.body.sag_battery(volts)
             return volts != 0
 
@@ -247,45 +263,45 @@ def _battery(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
     if not 0 <= percent <= _PERCENT:
         raise FaultError(f"{words[0]} is no percentage")
 
-    def hold(vehicle: SimulatedVehicle) -> bool:
+    def hold(vehicle: Vehicle) -> bool:
         vehicle.body.recharge(percent / _PERCENT)
         return False
 
     return hold
 
 
-def _radio(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
+def _radio(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     off = _is_off("radio off|on", words)
 
-    def switch(vehicle: SimulatedVehicle) -> bool:
+    def switch(vehicle: Vehicle) -> bool:
         vehicle.autopilot.radio.switch(not off)
         return off and vehicle.autopilot.radio.fitted
 
     return switch
 
 
-def _link(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
+def _link(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     off = _is_off("link off|on", words)
 
-    def cut(vehicle: SimulatedVehicle) -> bool:
+    def cut(vehicle: Vehicle) -> bool:
         vehicle.cut(off)
         return off
 
     return cut
 
 
-def _reboot(words: Sequence[str]) -> Callable[[SimulatedVehicle], bool]:
+def _reboot(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     if words:
         raise FaultError("reboot stands alone")
 
-    def reboot(vehicle: SimulatedVehicle) -> bool:
+    def reboot(vehicle: Vehicle) -> bool:
         vehicle.reboot()
         return False
 
     return reboot
 
 
-_KINDS: Final[dict[str, Callable[[Sequence[str]], Callable[[SimulatedVehicle], bool]]]] = {
+_KINDS: Final[dict[str, Callable[[Sequence[str]], Callable[[Vehicle], bool]]]] = {
     "gps": _gps,
     "compass": _compass,
     "baro": _baro,

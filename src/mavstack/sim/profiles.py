@@ -9,7 +9,7 @@ from mavstack.sim.px4 import Px4Profile
 from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.profile import FirmwareProfile
+    from mavstack.sim.autopilot.interfaces import FirmwareProfile
     from mavstack.sim.vehicle_types import VehicleType
 
 

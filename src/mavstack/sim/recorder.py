@@ -16,7 +16,7 @@ from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.vehicle_types import Home
 
 #: How long a log goes on after disarming, in seconds.
@@ -43,7 +43,7 @@ _WITH_AIRSPEED = (VehicleType.PLANE, VehicleType.VTOL)
 class Recorder:
     """Keeps the log of one vehicle."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         self._logs = vehicle.storage.logs
         self._boots = 0

@@ -31,8 +31,9 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.links import LinkEvent
+    from mavstack.sim.port import Port
     from mavstack.sim.simulation import Simulation
-    from mavstack.sim.vehicle import Port, SimulatedVehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 #: Simulated time is given up beyond so many seconds behind: the machine slept, or is too slow.
 MOST_LAG = 0.5

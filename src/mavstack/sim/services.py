@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mavstack.node.engine import Engine
 from mavstack.services.command import CommandServer
 from mavstack.services.ftp import FtpServer
-from mavstack.services.heartbeat import Beacon, Discovery
+from mavstack.services.heartbeat import Discovery, HeartbeatSender
 from mavstack.services.log import LogServer
 from mavstack.services.manual_control import ManualControlReceiver
 from mavstack.services.message_request import MessageServer
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem, Plan
     from mavstack.services.modes import AvailableMode
-    from mavstack.sim.vehicle import Port, SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.port import Port
 
 
 #: How long the firmwares wait for an item of a plan, in seconds.
@@ -38,12 +39,12 @@ _ASK_AGAIN = {Firmware.ARDUPILOT: 1.0, Firmware.PX4: 0.25}
 class Services:
     """What lives on one vehicle's engine."""
 
-    def __init__(self, vehicle: SimulatedVehicle, dialect: HasCoreDialect) -> None:
+    def __init__(self, vehicle: Vehicle, dialect: HasCoreDialect) -> None:
         self._vehicle = vehicle
         local, profile = vehicle.address, vehicle.profile
         self.engine = engine = Engine(local, dialect)
         autopilot = vehicle.firmware.mav_autopilot
-        self.beacon = engine.add(Beacon(local, vehicle.type.mav_type, autopilot))
+        self.beacon = engine.add(HeartbeatSender(local, vehicle.type.mav_type, autopilot))
         self.discovery = engine.add(Discovery(local))
         self.commands = engine.add(CommandServer(local))
         self.messages = engine.add(MessageServer(local, self.commands))
@@ -85,7 +86,7 @@ class Services:
         vehicle.on(ParameterWritten, vehicle.parameters.written)
 
     def port_of(self, state: ChannelState) -> Port | None:
-        """Whose channel this is; None if it was closed meanwhile."""
+        """Return the port of a channel; None if it was closed meanwhile."""
         return next((port for port in self._vehicle.ports if port.state is state), None)
 
     def refresh_heartbeat(self) -> None:
@@ -94,7 +95,7 @@ class Services:
         fields = (autopilot.base_mode, autopilot.mode.number, autopilot.system_status)
         if (beacon.base_mode, beacon.custom_mode, beacon.system_status) != fields:
             beacon.base_mode, beacon.custom_mode, beacon.system_status = fields
-            beacon.soon(self._vehicle.now)
+            beacon.send_now(self._vehicle.now)
             self.engine.touch(beacon)
 
     def send(self, message: Message, target: Address | None = None) -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from mavstack.sim.vehicle import Port
+    from mavstack.sim.port import Port
 
 #: Steps a second.
 RATE = 50.0

@@ -15,13 +15,14 @@ A reboot makes the services and the autopilot anew; ports, parameters, plans, fi
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import Dialect, common
 from mavstack.services.mission import PlanStore
-from mavstack.sim.autopilot.autopilot import TICK, Autopilot
+from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
+from mavstack.sim.autopilot.state import TICK
 from mavstack.sim.faults import Faults
+from mavstack.sim.port import Port
 from mavstack.sim.recorder import Recorder
 from mavstack.sim.services import Services
 from mavstack.sim.storage import Storage
@@ -30,10 +31,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from mavstack.node.channel_state import ChannelState
     from mavstack.services import Address, Event, Service
-    from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.autopilot.profile import FirmwareProfile
+    from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode
     from mavstack.sim.motion import Body
     from mavstack.sim.parameters import Parameters
     from mavstack.sim.vehicle_types import Firmware, VehicleType
@@ -44,24 +43,6 @@ AnyEvent = TypeVar("AnyEvent", bound="Event")
 #: How long nothing is heard of a vehicle that reboots, in seconds.
 REBOOT_SILENCE = 1.0
 LARGEST_ID = 255
-
-
-@dataclass(eq=False, slots=True)
-class Port:
-    """Where a vehicle meets a peer; `state` is its engine's view of it, and another one after a reboot."""
-
-    name: str
-    options: dict[str, Any] = field(default_factory=dict)
-    state: ChannelState | None = None
-
-    def limit(self, bandwidth: float | None, bulk_rate: float | None) -> None:
-        """Say anew what the link carries, as in `SimulatedVehicle.open_port`; what was learned of a radio stays."""
-        self.options |= {"bandwidth": bandwidth, "bulk_rate": bulk_rate}
-        if self.state is not None:
-            pacer = self.state.pacer
-            pacer.bulk_rate = bulk_rate
-            if not pacer.learned:
-                pacer.bandwidth = bandwidth
 
 
 class SimulatedVehicle:
@@ -109,7 +90,7 @@ class SimulatedVehicle:
         self.engine = self.services.engine
         self.modes, self.commands = self.services.modes, self.services.commands
         self.messages, self.mission = self.services.messages, self.services.mission
-        self.autopilot = Autopilot(self, self.profile)
+        self.autopilot = SimulatedAutopilot(self, self.profile)
         self.profile.register(self)
         self.profile.provide(self)
         self.profile.booted(self)
@@ -130,7 +111,7 @@ class SimulatedVehicle:
         port = Port(name, {"signing": signing, "bandwidth": bandwidth, "bulk_rate": bulk_rate})
         self.ports.append(port)
         self._connect(port)
-        self.services.beacon.soon(self.now)
+        self.services.beacon.send_now(self.now)
         self.touch(self.services.beacon)
         return port
 
@@ -217,7 +198,12 @@ class SimulatedVehicle:
             self._last_words += self._to_send
         self._to_send = []
 
-    # For the rooms behind it
+    # For the parts of the vehicle
+
+    def add_listener(self, listener: Callable[[SimulatedVehicle, str, str], None]) -> None:
+        """Call `listener(vehicle, kind, text)` on each event; adding it again has no effect."""
+        if listener not in self.listeners:
+            self.listeners.append(listener)
 
     def on(self, kind: type[AnyEvent], reaction: Callable[[AnyEvent], None]) -> None:
         """Call `reaction` with each event of a class out of the services."""

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from random import Random
 
     from mavstack.dialects import Message
-    from mavstack.sim.vehicle import Port, SimulatedVehicle
+    from mavstack.sim.port import Port
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 ALL = Dialect.load("all")
 EVERY_KIND = [(kind, firmware) for kind in VehicleType for firmware in Firmware]

@@ -96,7 +96,7 @@ def test_a_runner_that_is_closed_leaves_no_ports():
                 await runner.connect(network.link(), simulation.vehicles)
                 runner.start()
                 async with Node(network.link()) as ground:
-                    await ground.autopilot(system=1)
+                    await ground.wait_for_autopilot(system=1)
                     assert ports_of(simulation) == 2
             assert ports_of(simulation) == 0
 
@@ -167,7 +167,7 @@ def test_a_flood_of_garbage_stops_nobody():
                     channel.write(random.choice([random.randbytes(300), b"\xfd" * 280, heartbeat, b"\0"]))
                 await asyncio.sleep(0)
             async with Node(url, system=254) as ground:
-                vehicle = await ground.autopilot(system=2)
+                vehicle = await ground.wait_for_autopilot(system=2)
                 await vehicle.command(common.MavCmd.DO_SET_ROI_NONE)
             await flood.close()
 
@@ -188,7 +188,7 @@ def test_a_peer_that_never_reads():
             await asyncio.sleep(20)
             assert link.counters.dropped_out > 100
             async with Node(network.link()) as ground:
-                vehicle = await ground.autopilot()
+                vehicle = await ground.wait_for_autopilot()
                 await vehicle.command(common.MavCmd.DO_SET_ROI_NONE)
             await deaf.close()
             await asyncio.sleep(1)

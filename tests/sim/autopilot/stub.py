@@ -21,11 +21,11 @@ from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.mission import PlanStore
 from mavstack.services.modes import AvailableMode
-from mavstack.sim.autopilot.autopilot import TICK, Autopilot
+from mavstack.sim.autopilot.autopilot import SimulatedAutopilot
 from mavstack.sim.autopilot.flight_parameters import FlightParameters
-from mavstack.sim.autopilot.mode import Mode
-from mavstack.sim.autopilot.profile import FirmwareProfile
+from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode
 from mavstack.sim.autopilot.radio import Sticks
+from mavstack.sim.autopilot.state import TICK
 from mavstack.sim.motion import World
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from tests.waiting import step_until
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
     from mavstack.services import Event
     from mavstack.sim.autopilot.behaviour import Behaviour
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 START = 1_700_000_000.0
 RATE = 50.0
@@ -183,7 +184,7 @@ class Flight:
         behaviours = usual_behaviours() | {OTHER: self._make_other} | (modes or {})
         self.profile = StubProfile(self.flight_parameters, behaviours)
         self.vehicle: Any = StubVehicle(self.body, kind, self.profile)
-        self.autopilot = Autopilot(self.vehicle, self.profile)
+        self.autopilot = SimulatedAutopilot(self.vehicle, self.profile)
         self.vehicle.autopilot = self.autopilot
         self.autopilot.radio = self.radio = StubRadio()
         self._steps = 0

@@ -1,4 +1,4 @@
-"""Flying bodies in tests: a home, steps by the second, and what was seen on the way."""
+"""Helpers for motion tests: worlds, steps by the second, and recorded motion."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ if TYPE_CHECKING:
     from mavstack.sim.motion import Body, Motion
     from mavstack.sim.vehicle_types import VehicleType
 
-DEFAULT_HOME = Home(47.4, 8.5, 488.0, 90.0)
-Place = tuple[float, float, float]
+HOME = Home(47.4, 8.5, 488.0, 90.0)
+Position = tuple[float, float, float]
 
 
-def alone(kind: VehicleType, *, wind: float = 0.0, seed: int = 1) -> tuple[World, Body]:
-    """A world with one body, and wind from the west with gusts."""
+def single_body(vehicle_type: VehicleType, *, wind: float = 0.0, seed: int = 1) -> tuple[World, Body]:
+    """Return a world with one body, and wind in m/s from the west with gusts."""
     world = World(seed=seed)
     world.set_wind(wind, 270.0, 0.2)
-    return world, world.add(kind, DEFAULT_HOME)
+    return world, world.add(vehicle_type, HOME)
 
 
-def together(kind: VehicleType, count: int, *, wind: float = 0.0) -> tuple[World, list[Body]]:
-    """A world with several bodies of a type."""
+def several_bodies(vehicle_type: VehicleType, count: int, *, wind: float = 0.0) -> tuple[World, list[Body]]:
+    """Return a world with several bodies of one type."""
     world = World(seed=1)
     world.set_wind(wind, 270.0, 0.2)
-    return world, [world.add(kind, DEFAULT_HOME) for _ in range(count)]
+    return world, [world.add(vehicle_type, HOME) for _ in range(count)]
 
 
-def fly(world: World, seconds: float, until: Callable[[], bool] | None = None) -> float:
-    """Step for some seconds, or until something is so; give how long it took."""
+def step_for(world: World, seconds: float, until: Callable[[], bool] | None = None) -> float:
+    """Step for some seconds or until a condition holds; return the seconds it took."""
     begin = world.time
     for _ in range(round(seconds * world.rate)):
         world.step()
@@ -42,13 +42,13 @@ def fly(world: World, seconds: float, until: Callable[[], bool] | None = None) -
     return world.time - begin
 
 
-def watch(world: World, body: Body, seconds: float) -> list[Motion]:
-    """Step for some seconds; give the truth of every step."""
-    return watch_all(world, [body], seconds)[0]
+def record(world: World, body: Body, seconds: float) -> list[Motion]:
+    """Step for some seconds; return the true motion of every step."""
+    return record_all(world, [body], seconds)[0]
 
 
-def watch_all(world: World, bodies: list[Body], seconds: float) -> list[list[Motion]]:
-    """Step for some seconds; give each body's truth of every step."""
+def record_all(world: World, bodies: list[Body], seconds: float) -> list[list[Motion]]:
+    """Step for some seconds; return each body's true motion of every step."""
     seen: list[list[Motion]] = [[] for _ in bodies]
     for _ in range(round(seconds * world.rate)):
         world.step()
@@ -57,21 +57,21 @@ def watch_all(world: World, bodies: list[Body], seconds: float) -> list[list[Mot
     return seen
 
 
-def away(motion: Motion, north: float, east: float) -> float:
-    """Horizontal distance from a point."""
+def horizontal_distance(motion: Motion, north: float, east: float) -> float:
+    """Return the horizontal distance to a point."""
     return math.hypot(motion.north - north, motion.east - east)
 
 
-def apart(motion: Motion, place: Place) -> float:
-    """Distance from a point."""
+def distance_to(motion: Motion, place: Position) -> float:
+    """Return the distance to a point."""
     return math.dist(motion[:3], place)
 
 
 def speed(motion: Motion) -> float:
-    """How fast it moves."""
+    """Return the speed in m/s."""
     return math.hypot(motion.velocity_north, motion.velocity_east, motion.velocity_down)
 
 
-def turned(angle: float) -> float:
-    """An angle within a turn, without its sign."""
+def absolute_angle(angle: float) -> float:
+    """Return the magnitude of an angle within one turn."""
     return abs(math.remainder(angle, math.tau))

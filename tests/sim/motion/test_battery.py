@@ -3,17 +3,17 @@ from __future__ import annotations
 import pytest
 
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.motion.flights import alone, fly
+from tests.sim.motion.flights import single_body, step_for
 
 
-def test_hovering_takes_what_a_quad_takes():
-    world, body = alone(VehicleType.COPTER)
+def test_hover_current_voltage_and_consumption():
+    world, body = single_body(VehicleType.COPTER)
     full = body.battery
     assert full.voltage == pytest.approx(16.8)
     assert (full.cells, full.capacity, full.remaining) == (4, 5200, 1.0)
     body.place(0, 0, -20, 0)
     body.go_to(0, 0, -20)
-    fly(world, 30)
+    step_for(world, 30)
     used = body.battery
     assert 8 < used.current < 16
     assert 15.5 < used.voltage < 16.7
@@ -22,30 +22,30 @@ def test_hovering_takes_what_a_quad_takes():
     assert used.temperature > full.temperature
 
 
-def test_climbing_takes_more_than_hovering_and_stopped_nearly_nothing():
-    world, body = alone(VehicleType.COPTER)
-    fly(world, 1)
+def test_climbing_draws_more_than_hovering_and_stopped_almost_nothing():
+    world, body = single_body(VehicleType.COPTER)
+    step_for(world, 1)
     assert body.battery.current < 1
     body.go_to(0, 0, -100, climb=6)
-    fly(world, 4)
+    step_for(world, 4)
     climbing = body.battery
     body.go_to(*body.estimate[:3])
-    fly(world, 6)
+    step_for(world, 6)
     assert climbing.current > body.battery.current
     assert climbing.voltage < body.battery.voltage
 
 
-def test_empty_it_comes_down():
-    world, body = alone(VehicleType.COPTER)
+def test_empty_battery_brings_it_down():
+    world, body = single_body(VehicleType.COPTER)
     body.place(0, 0, -20, 0)
     body.go_to(0, 0, -20)
-    fly(world, 3)
+    step_for(world, 3)
     body.recharge(0.004)
-    fly(world, 25)
+    step_for(world, 25)
     assert body.battery.remaining < 0.003
     assert body.on_ground
     body.recharge()
     assert body.battery.remaining == 1.0
     body.go_to(0, 0, -10)
-    fly(world, 10)
+    step_for(world, 10)
     assert body.truth.down < -8

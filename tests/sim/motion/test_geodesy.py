@@ -14,7 +14,7 @@ METRES = st.floats(-50_000, 50_000)
 
 
 def earth(latitude: float, longitude: float, height: float = 0.0) -> tuple[float, float, float]:
-    """Earth-centred coordinates, for chords that owe nothing to the code under test."""
+    """Return Earth-centred coordinates, computed independently of the code under test."""
     axis, squared = 6378137.0, 6.69437999014e-3
     sine, cosine = math.sin(math.radians(latitude)), math.cos(math.radians(latitude))
     across = axis / math.sqrt(1 - squared * sine * sine)
@@ -27,13 +27,13 @@ def earth(latitude: float, longitude: float, height: float = 0.0) -> tuple[float
 
 
 @given(LATITUDES, LONGITUDES, METRES, METRES, st.floats(-1000, 1000))
-def test_there_and_back(latitude, longitude, north, east, down):
+def test_global_and_local_round_trip(latitude, longitude, north, east, down):
     frame = LocalFrame(latitude, longitude, 100)
     assert frame.to_local(*frame.to_global(north, east, down)) == pytest.approx((north, east, down), abs=1e-3)
 
 
 @given(LATITUDES, LONGITUDES, METRES, METRES)
-def test_distances_are_those_of_the_ellipsoid(latitude, longitude, north, east):
+def test_distances_match_the_ellipsoid(latitude, longitude, north, east):
     frame = LocalFrame(latitude, longitude, 0)
     there = frame.to_global(north, east, 0)
     chord = math.dist(earth(latitude, longitude), earth(there[0], there[1]))
@@ -49,11 +49,11 @@ def test_across_the_date_line():
 
 
 @pytest.mark.parametrize("latitude", [90.0, -90.0])
-def test_a_pole_breaks_nothing(latitude):
+def test_poles_give_finite_results(latitude):
     frame = LocalFrame(latitude, 0, 0)
     assert all(math.isfinite(value) for value in frame.to_global(100, 100, 0))
     assert all(math.isfinite(value) for value in frame.to_local(latitude, 10, 0))
 
 
-def test_says_where_it_is():
+def test_repr():
     assert repr(LocalFrame(1.5, 2.5, 3.5)) == "LocalFrame(1.5, 2.5, 3.5)"

@@ -6,12 +6,12 @@ import pytest
 
 from mavstack.sim.motion import World
 from mavstack.sim.vehicle_types import Home, VehicleType
-from tests.sim.motion.flights import alone, fly, turned
+from tests.sim.motion.flights import absolute_angle, single_body, step_for
 
 
-def test_at_rest_gravity_and_nothing_else():
-    world, body = alone(VehicleType.COPTER)
-    fly(world, 1)
+def test_readings_at_rest():
+    world, body = single_body(VehicleType.COPTER)
+    step_for(world, 1)
     readings = body.sensors
     assert readings[:3] == pytest.approx((0, 0, 0), abs=0.02)
     assert readings[3:6] == pytest.approx((0, 0, -9.81), abs=0.4)
@@ -19,7 +19,7 @@ def test_at_rest_gravity_and_nothing_else():
     assert readings.temperature == pytest.approx(11.8, abs=0.5)
     assert readings.gps_latitude == pytest.approx(47.4, abs=1e-4)
     assert readings.gps_altitude == pytest.approx(488, abs=5)
-    assert turned(readings.heading - math.pi / 2) < 0.08
+    assert absolute_angle(readings.heading - math.pi / 2) < 0.08
     assert math.isnan(readings.distance)
 
 
@@ -34,10 +34,10 @@ def test_magnetic_field_points_north_and_down():
 
 
 def test_rangefinder_pitot_and_barometer_in_flight():
-    world, body = alone(VehicleType.PLANE)
+    world, body = single_body(VehicleType.PLANE)
     body.place(0, 0, -30, 0)
     body.fly_velocity(18, 0, 0)
-    fly(world, 6)
+    step_for(world, 6)
     readings = body.sensors
     assert readings.distance == pytest.approx(-body.truth.down, abs=1.5)
     assert readings.differential_pressure == pytest.approx(0.00613 * body.airspeed**2, abs=0.2)
@@ -46,10 +46,10 @@ def test_rangefinder_pitot_and_barometer_in_flight():
     assert readings.pressure - body.sensors.pressure > 20
 
 
-def test_gps_lags_and_comes_five_times_a_second():
-    world, body = alone(VehicleType.ROVER)
+def test_gps_lags_and_reports_at_five_hertz():
+    world, body = single_body(VehicleType.ROVER)
     body.fly_velocity(0, 4, 0)
-    fly(world, 5)
+    step_for(world, 5)
     places = []
     for _ in range(100):
         world.step()
@@ -59,9 +59,9 @@ def test_gps_lags_and_comes_five_times_a_second():
     assert east < body.estimate.east + 0.2
 
 
-def test_reading_changes_nothing():
-    quiet, silent = alone(VehicleType.COPTER)
-    loud, watched = alone(VehicleType.COPTER)
+def test_reading_sensors_does_not_change_the_motion():
+    quiet, silent = single_body(VehicleType.COPTER)
+    loud, watched = single_body(VehicleType.COPTER)
     for body in (silent, watched):
         body.go_to(10, 0, -10)
     for _ in range(100):
@@ -72,19 +72,19 @@ def test_reading_changes_nothing():
     assert silent.sensors == watched.sensors
 
 
-def test_falling_is_weightless():
-    world, body = alone(VehicleType.COPTER)
+def test_free_fall_is_weightless():
+    world, body = single_body(VehicleType.COPTER)
     body.place(0, 0, -50, 0)
     body.stop()
-    fly(world, 0.3)
+    step_for(world, 0.3)
     assert abs(body.sensors.acceleration_z) < 1.0
 
 
-@pytest.mark.parametrize("kind", list(VehicleType))
-def test_sixteen_servos(kind):
-    world, body = alone(kind)
+@pytest.mark.parametrize("vehicle_type", list(VehicleType))
+def test_sixteen_servo_outputs(vehicle_type):
+    world, body = single_body(vehicle_type)
     body.go_to(20, 0, 0)
-    fly(world, 1)
+    step_for(world, 1)
     assert len(body.servos) == 16
     assert all(pulse == 0 or 1000 <= pulse <= 2000 for pulse in body.servos)
     assert any(body.servos)

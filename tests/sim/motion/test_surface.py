@@ -6,26 +6,34 @@ import pytest
 
 from mavstack.sim.motion import World
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.motion.flights import DEFAULT_HOME, alone, away, fly, speed, turned, watch_all
+from tests.sim.motion.flights import (
+    HOME,
+    absolute_angle,
+    horizontal_distance,
+    record_all,
+    single_body,
+    speed,
+    step_for,
+)
 
 ROVER, BOAT = VehicleType.ROVER, VehicleType.BOAT
 
 
 @pytest.fixture(params=[0.0, 8.0])
 def pair(request):
-    """A rover and a boat, and the wind."""
+    """Return a world with a rover and a boat, and wind."""
     world = World(seed=1)
     world.set_wind(request.param, 270.0, 0.2)
-    return world, [world.add(kind, DEFAULT_HOME) for kind in (ROVER, BOAT)]
+    return world, [world.add(vehicle_type, HOME) for vehicle_type in (ROVER, BOAT)]
 
 
 def test_go_to_a_point_and_hold_there(pair):
     world, bodies = pair
     for body in bodies:
         body.go_to(30, 20, 0)
-    fly(world, 35)
-    for seen, bound in zip(watch_all(world, bodies, 15), (1.6, 3.2), strict=True):
-        assert all(away(m, 30, 20) < bound for m in seen)
+    step_for(world, 35)
+    for seen, bound in zip(record_all(world, bodies, 15), (1.6, 3.2), strict=True):
+        assert all(horizontal_distance(m, 30, 20) < bound for m in seen)
         assert all(m.down == 0.0 for m in seen)
 
 
@@ -33,8 +41,8 @@ def test_follow_a_line(pair):
     world, bodies = pair
     for body in bodies:
         body.go_to(60, 5, 0, start=(0, 5, 0))
-    fly(world, 12)
-    for seen in watch_all(world, bodies, 15):
+    step_for(world, 12)
+    for seen in record_all(world, bodies, 15):
         assert all(abs(m.east - 5) < 1.8 for m in seen if m.north < 58)
 
 
@@ -42,9 +50,9 @@ def test_circle(pair):
     world, bodies = pair
     for body in bodies:
         body.circle(0, 0, 0, -10)
-    fly(world, 35)
-    for seen in watch_all(world, bodies, 15):
-        assert all(abs(away(m, 0, 0) - 10) < 3 for m in seen)
+    step_for(world, 35)
+    for seen in record_all(world, bodies, 15):
+        assert all(abs(horizontal_distance(m, 0, 0) - 10) < 3 for m in seen)
         assert all(m.north * m.velocity_east < m.east * m.velocity_north for m in seen)
 
 
@@ -52,73 +60,73 @@ def test_speed_and_heading_of_a_velocity(pair):
     world, bodies = pair
     for body in bodies:
         body.fly_velocity(0, 2, 0)
-    fly(world, 12)
+    step_for(world, 12)
     for body in bodies:
         assert abs(body.truth.velocity_east - 2) < 0.3
-        assert turned(body.truth.yaw - math.pi / 2) < 0.2
+        assert absolute_angle(body.truth.yaw - math.pi / 2) < 0.2
         body.fly_velocity(0, 100, 0)
-    fly(world, 10)
+    step_for(world, 10)
     for body, most in zip(bodies, (5.2, 3.3), strict=True):
         assert 0.75 * most < speed(body.truth) < most
 
 
 def test_rover_stops():
-    world, body = alone(ROVER)
+    world, body = single_body(ROVER)
     body.fly_velocity(4, 0, 0)
-    fly(world, 6)
+    step_for(world, 6)
     assert speed(body.truth) > 3.5
     body.go_to(*body.estimate[:3])
-    assert fly(world, 10, lambda: speed(body.truth) < 0.05) < 6
+    assert step_for(world, 10, lambda: speed(body.truth) < 0.05) < 6
     body.fly_velocity(4, 0, 0)
-    fly(world, 6)
+    step_for(world, 6)
     body.stop()
-    fly(world, 8)
+    step_for(world, 8)
     assert speed(body.truth) < 0.05
 
 
 def test_sticks_drive_both_ways():
-    world, body = alone(ROVER)
+    world, body = single_body(ROVER)
     body.sticks(0, 0, -0.5, 0)
-    fly(world, 3)
+    step_for(world, 3)
     assert body.truth.velocity_east < -1
     body.sticks(0.8, 0, 0.4, 0)
-    fly(world, 1)
+    step_for(world, 1)
     assert body.truth.yaw_rate > 1
     assert body.servos[0] != body.servos[2]
 
 
 def test_attitude_gives_heading_and_throttle():
-    world, body = alone(ROVER)
+    world, body = single_body(ROVER)
     body.hold_attitude(0, 0, 0.0, 0.3)
-    fly(world, 6)
-    assert turned(body.truth.yaw) < 0.1
+    step_for(world, 6)
+    assert absolute_angle(body.truth.yaw) < 0.1
     assert body.truth.velocity_north > 1
     body.hold_rates(0, 0, 0.7, 0.0)
-    fly(world, 2)
+    step_for(world, 2)
     assert abs(body.truth.yaw_rate - 0.7) < 0.1
 
 
 def test_wheels_do_not_slip_but_a_hull_drifts_with_the_wind():
-    rovers, rover = alone(ROVER, wind=8.0)
-    boats, boat = alone(BOAT, wind=8.0)
-    fly(rovers, 20)
-    fly(boats, 20)
-    assert away(rover.truth, 0, 0) < 0.01
+    rovers, rover = single_body(ROVER, wind=8.0)
+    boats, boat = single_body(BOAT, wind=8.0)
+    step_for(rovers, 20)
+    step_for(boats, 20)
+    assert horizontal_distance(rover.truth, 0, 0) < 0.01
     assert 0.5 < boat.truth.east < 15
 
 
-def test_what_drives_does_not_mind_the_altitude_of_a_point(pair):
+def test_surface_vehicles_ignore_altitude(pair):
     world, bodies = pair
     for body in bodies:
         body.go_to(30, 20, -15, start=(0, 0, -15))
-    fly(world, 35)
+    step_for(world, 35)
     for body, bound in zip(bodies, (1.6, 3.2), strict=True):
-        assert away(body.truth, 30, 20) < bound
+        assert horizontal_distance(body.truth, 30, 20) < bound
 
 
-def test_speeding_up_stays_near_the_speed_told(pair):
+def test_speed_stays_near_the_demand_while_accelerating(pair):
     world, bodies = pair
     for body in bodies:
         body.go_to(60, 0, 0, speed=2.4)
-    for seen in watch_all(world, bodies, 15):
+    for seen in record_all(world, bodies, 15):
         assert 2.2 < max(speed(m) for m in seen) < 2.8

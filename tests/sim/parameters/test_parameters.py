@@ -33,14 +33,14 @@ class Flight:
 
     def run(self, operation, limit=60.0):
         self.ground.engine.touch(self.client)
-        assert self.network.run(lambda: operation.done, limit=limit)
+        assert self.network.run(lambda: operation.done, timeout=limit)
         for event in self.vehicle.events_of(ParameterWritten):
             self.parameters.written(event)
         self.vehicle.events.clear()
         return operation.result()
 
     def heard(self) -> list[tuple[str, float]]:
-        self.network.run(limit=1.0)
+        self.network.run(timeout=1.0)
         messages = [packet.message for packet in self.ground.heard]
         return [(m.param_id, m.param_value) for m in messages if isinstance(m, common.ParamValue)]
 

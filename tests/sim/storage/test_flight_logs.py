@@ -368,7 +368,7 @@ class Ends:
 
     def run(self, client, operation):
         self.ground.engine.touch(client)
-        assert self.network.run(lambda: operation.done, limit=2000)
+        assert self.network.run(lambda: operation.done, timeout=2000)
         return operation
 
 

@@ -237,7 +237,7 @@ def test_over_the_network(vehicle) -> None:
 
     def run(operation):
         ground.engine.touch(client)
-        assert network.run(lambda: operation.done, limit=600)
+        assert network.run(lambda: operation.done, timeout=600)
         return operation.result()
 
     assert unpack(run(client.read_file("@PARAM/param.pck?withdefaults=1", network.now))).whole

@@ -15,7 +15,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.parameters import Parameters
 
 Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"

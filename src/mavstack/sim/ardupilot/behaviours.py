@@ -13,7 +13,7 @@ from mavstack.sim.autopilot.behaviours.steps import go_there
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 #: RTL_AUTOLAND: by the mission's landing sequence when home is reached, or at once.

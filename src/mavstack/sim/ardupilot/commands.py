@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _INFO = common.MavSeverity.INFO
@@ -264,7 +264,7 @@ class ArdupilotSystem(CommandGroup):
         return _RESULT.ACCEPTED
 
 
-def origin_of(vehicle: SimulatedVehicle) -> common.GpsGlobalOrigin:
+def origin_of(vehicle: Vehicle) -> common.GpsGlobalOrigin:
     """GPS_GLOBAL_ORIGIN: where the local frame begins."""
     latitude, longitude, altitude = vehicle.body.frame.to_global(0.0, 0.0, 0.0)
     return common.GpsGlobalOrigin(
@@ -285,7 +285,7 @@ _MOVEMENTS: dict[VehicleType, type[ArdupilotMovement]] = {
 }
 
 
-def groups_of(vehicle: SimulatedVehicle) -> Iterator[CommandGroup]:
+def groups_of(vehicle: Vehicle) -> Iterator[CommandGroup]:
     """All groups of commands of a vehicle's firmware."""
     yield ArdupilotArming(vehicle)
     yield ArdupilotHome(vehicle)
@@ -296,7 +296,7 @@ def groups_of(vehicle: SimulatedVehicle) -> Iterator[CommandGroup]:
     yield _MOVEMENTS[vehicle.type](vehicle)
 
 
-def register_commands(vehicle: SimulatedVehicle) -> None:
+def register_commands(vehicle: Vehicle) -> None:
     """Take the commands of a vehicle's firmware, and no others that the services would take."""
     for command in _NOT_HERE:
         vehicle.commands.support(command, lambda _: _RESULT.UNSUPPORTED)

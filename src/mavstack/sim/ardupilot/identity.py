@@ -12,7 +12,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 VERSION: Final = FirmwareVersion(4, 6, 3)
 #: The letters of the commit, as the firmware tells them; nobody's, since this is no build of theirs.
@@ -64,7 +64,7 @@ def firmware_name(type: VehicleType) -> str:  # noqa: A002 (HEARTBEAT's name for
     return _FIRMWARES[type]
 
 
-def version_of(vehicle: SimulatedVehicle) -> AutopilotVersion:
+def version_of(vehicle: Vehicle) -> AutopilotVersion:
     """What AUTOPILOT_VERSION says."""
     serial = _SERIAL + bytes([vehicle.address.system])
     return AutopilotVersion(
@@ -78,7 +78,7 @@ def version_of(vehicle: SimulatedVehicle) -> AutopilotVersion:
     )
 
 
-def banner_of(vehicle: SimulatedVehicle) -> Iterator[str]:
+def banner_of(vehicle: Vehicle) -> Iterator[str]:
     """What the firmware says after it started, or when it is asked for it."""
     yield f"{firmware_name(vehicle.type)} V{VERSION} ({GIT_HASH})"
     yield f"Mavstack simulation, board {vehicle.address.system:03d}"

@@ -17,7 +17,7 @@ from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.wire import Packet
 
 _RESULT = common.MavMissionResult
@@ -31,7 +31,7 @@ class ArdupilotMessages(Service):
 
     handles = message_ids(common.ParamRequestList, common.SetHomePosition, common.CommandAck)
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         super().__init__(vehicle.address)
         self._vehicle = vehicle
         self._banner_at = float("-inf")
@@ -61,7 +61,7 @@ class ArdupilotMessages(Service):
         autopilot.home_locked = True
 
 
-def guided_item(vehicle: SimulatedVehicle, item: MissionItem, *, altitude_only: bool) -> int:
+def guided_item(vehicle: Vehicle, item: MissionItem, *, altitude_only: bool) -> int:
     """Go where a mission item says, in GUIDED: MAV_MISSION_RESULT."""
     autopilot = vehicle.autopilot
     if autopilot.mode.number != autopilot.profile.guided or not isfinite(item.param7):

@@ -13,7 +13,7 @@ from mavstack.sim.ardupilot.switches import HIGH, LOW, MIDDLE, use_auxiliary_fun
 
 if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 #: Pulses in microseconds: the flight mode's positions end here, those of the others begin and end there.
 _ENDS: Final = (1230, 1360, 1490, 1620, 1749)

@@ -34,14 +34,14 @@ from mavstack.sim.autopilot.behaviours import (
     Stop,
 )
 from mavstack.sim.autopilot.behaviours.mission import Mission
-from mavstack.sim.autopilot.mode import Mode
+from mavstack.sim.autopilot.interfaces import Mode
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _COPTER, _PLANE = ardupilotmega.CopterMode, ardupilotmega.PlaneMode
 _ROVER, _SUB = ardupilotmega.RoverMode, ardupilotmega.SubMode

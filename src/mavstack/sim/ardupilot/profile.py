@@ -18,7 +18,7 @@ from mavstack.sim.ardupilot.modes import BLOCKABLE, MODES, ROLES
 from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
-from mavstack.sim.autopilot.profile import FirmwareProfile
+from mavstack.sim.autopilot.interfaces import FirmwareProfile
 from mavstack.sim.telemetry import provide_ardupilot
 from mavstack.sim.vehicle_types import VehicleType
 
@@ -28,9 +28,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
     from mavstack.sim.ardupilot.base_flight_parameters import ArdupilotFlightParameters
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
 
 _ALTITUDE_ONLY = 3
 _WITH_NOSE = frozenset({VehicleType.COPTER, VehicleType.SUB})
@@ -50,13 +48,13 @@ class ArdupilotProfile(FirmwareProfile):
         self.mission, self.return_to_launch = roles.mission, roles.return_to_launch
         self.land, self.takeoff_mode = roles.land, roles.take_off
 
-    def flight_parameters(self, vehicle: SimulatedVehicle) -> ArdupilotFlightParameters:
+    def flight_parameters(self, vehicle: Vehicle) -> ArdupilotFlightParameters:
         """From its parameters."""
         return flight_parameters_of(vehicle)
 
     # At boot
 
-    def register(self, vehicle: SimulatedVehicle) -> None:
+    def register(self, vehicle: Vehicle) -> None:
         """Commands, watches, and what the parameters say about the body."""
         autopilot = vehicle.autopilot
         register_commands(vehicle)
@@ -72,12 +70,12 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
 
-    def provide(self, vehicle: SimulatedVehicle) -> None:
+    def provide(self, vehicle: Vehicle) -> None:
         """Telemetry and versions."""
         provide_ardupilot(vehicle)
         provide_versions(vehicle.messages, version_of(vehicle))
 
-    def booted(self, vehicle: SimulatedVehicle) -> None:
+    def booted(self, vehicle: Vehicle) -> None:
         """The rest is said as things settle (`BootTexts`)."""
         vehicle.say("Initialising ArduPilot", common.MavSeverity.INFO)
 
@@ -99,7 +97,7 @@ class ArdupilotProfile(FirmwareProfile):
         """The motors were disarmed: the mission begins anew."""
         autopilot.vehicle.say(disarmed_text(self.type), common.MavSeverity.INFO)
         autopilot.mission.reset()
-        autopilot.mission.restore(autopilot.mission.rules.first)
+        autopilot.mission.restore(autopilot.mission.first)
 
     # Modes
 
@@ -143,23 +141,23 @@ class ArdupilotProfile(FirmwareProfile):
 
     # Who counts
 
-    def may_steer(self, vehicle: SimulatedVehicle, source: Address) -> bool:
+    def may_steer(self, vehicle: Vehicle, source: Address) -> bool:
         """Only the ground station of SYSID_MYGCS."""
         return source.system == int(vehicle.parameters.get("SYSID_MYGCS", 255))
 
-    def is_ground(self, vehicle: SimulatedVehicle, source: Address) -> bool:
+    def is_ground(self, vehicle: Vehicle, source: Address) -> bool:
         """The same."""
         return self.may_steer(vehicle, source)
 
     # What is told at once
 
-    def home_changed(self, vehicle: SimulatedVehicle) -> None:
+    def home_changed(self, vehicle: Vehicle) -> None:
         """HOME_POSITION and GPS_GLOBAL_ORIGIN, to everybody."""
         message = home_position(vehicle)
         if message is not None:
             vehicle.services.send(message)
             vehicle.services.send(origin_of(vehicle))
 
-    def guided_items(self, vehicle: SimulatedVehicle) -> Callable[[MissionItem, int], int]:
+    def guided_items(self, vehicle: Vehicle) -> Callable[[MissionItem, int], int]:
         """The older way of saying where to go: `current` = 2, or 3 for the altitude alone."""
         return lambda item, current: guided_item(vehicle, item, altitude_only=current == _ALTITUDE_ONLY)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import ardupilotmega, common
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _POSITIONS: Final = (
     "level",

@@ -22,7 +22,7 @@ from mavstack.sim.motion.battery import CELL_VOLTAGE
 
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 _METRES_OF_DEGREE: Final = 111_195.0
 _NEWER, _OLDER = "SIM_GPS1_GLTCH_", "SIM_GPS_GLITCH_"
@@ -31,7 +31,7 @@ _NEWER, _OLDER = "SIM_GPS1_GLTCH_", "SIM_GPS_GLITCH_"
 class SimulationParameters:
     """Lets them act on one vehicle."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
         self._parameters = vehicle.parameters
         watch, inject = self._parameters.on_change, vehicle.faults.inject

@@ -16,7 +16,7 @@ from mavstack.sim.ardupilot.base_flight_parameters import (
 )
 
 if TYPE_CHECKING:
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 
 class PlaneFlightParameters(ArdupilotFlightParameters):
@@ -106,7 +106,7 @@ class QuadplaneFlightParameters(PlaneFlightParameters):
 
     limits: ClassVar[Limits] = PlaneFlightParameters.limits
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         super().__init__(vehicle.parameters)
         self._vehicle = vehicle
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import degrees, inf, sqrt
 from types import GeneratorType
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem
@@ -27,13 +27,10 @@ if TYPE_CHECKING:
 
     from mavstack.services import Address
     from mavstack.services.modes import AvailableMode
-    from mavstack.sim.autopilot.behaviour import Behaviour
-    from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.autopilot.profile import FirmwareProfile
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.control import RunningBehaviour
+    from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode, Vehicle
+    from mavstack.sim.autopilot.state import Watch
 
-#: Between two looks at the vehicle, in seconds.
-TICK = 0.1
 #: From power to readiness: sensors settle and the first position is found.
 BOOT_TIME = 2.0
 #: Slower than this in all directions on the ground is at rest.
@@ -46,24 +43,21 @@ _CUSTOM, _ARMED = int(common.MavModeFlag.CUSTOM_MODE_ENABLED), int(common.MavMod
 _LANDED = common.MavLandedState
 
 
-class Watch(Protocol):
-    """Something that is looked at on each tick: a failsafe, the fence."""
-
-    def tick(self, now: float) -> None:
-        """Look, and act."""
-
-
-class Autopilot:
+class SimulatedAutopilot:
     """Flies one vehicle."""
 
-    def __init__(self, vehicle: SimulatedVehicle, profile: FirmwareProfile) -> None:
+    def __init__(self, vehicle: Vehicle, profile: FirmwareProfile) -> None:
         self.vehicle = vehicle
         self.body = vehicle.body
         self.profile = profile
         self.flight_parameters = profile.flight_parameters(vehicle)
         self.maneuvers = maneuvers_of(self)
         self.guided = GuidedTarget(self)
-        self.radio = RadioControl(vehicle, transmitter=profile.transmitter)
+        self.radio = RadioControl(
+            vehicle,
+            transmitter=profile.transmitter,
+            may_steer=lambda source: profile.may_steer(vehicle, source),
+        )
         self.now = self.booted_at = vehicle.now
         self.armed = False
         self.armed_at = self.disarmed_at = -inf
@@ -83,7 +77,7 @@ class Autopilot:
         self._modes: dict[int, Mode] = {mode.number: mode for mode in profile.modes}
         self.mode: Mode = self._modes[profile.initial]
         self.mode_reason = "initialised"
-        self._behaviour: Behaviour | None = None
+        self._behaviour: RunningBehaviour | None = None
         self._script: Iterator[None] | None = None
         self._at_rest_since: float | None = vehicle.now
         self.landed = True
@@ -93,7 +87,7 @@ class Autopilot:
     # What it is doing
 
     @property
-    def behaviour(self) -> Behaviour | None:
+    def behaviour(self) -> RunningBehaviour | None:
         """What the mode does now; None while disarmed."""
         return self._behaviour
 

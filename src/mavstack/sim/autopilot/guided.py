@@ -20,8 +20,8 @@ from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
 
 if TYPE_CHECKING:
     from mavstack.services.setpoints import Setpoint
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.behaviour import Behaviour
+    from mavstack.sim.autopilot.control import RunningBehaviour
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 _F = common.MavFrame
@@ -40,7 +40,7 @@ class GuidedTarget:
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
-        self.aim: Behaviour | None = None
+        self.aim: RunningBehaviour | None = None
         self._streamed: GuidedCommand | None = None
         self._heard_at: deque[float] = deque(maxlen=2)
         autopilot.vehicle.on(SetpointReceived, self._received)

@@ -8,14 +8,15 @@ Points are local metres: north, east, down.
 from __future__ import annotations
 
 from math import atan2, copysign, cos, hypot, isfinite, sin
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.flight_parameters import FlightParameters
+    from mavstack.sim.motion import Body
 
 Point: TypeAlias = tuple[float, float, float]
 
@@ -28,13 +29,32 @@ _AHEAD = 2000.0
 _BRAKING = 0.6
 
 
+class ManeuverVehicle(Protocol):
+    """The vehicle that maneuvers move."""
+
+    type: VehicleType
+
+
+class ManeuverHost(Protocol):
+    """The autopilot whose vehicle the maneuvers move."""
+
+    body: Body
+    flight_parameters: FlightParameters
+    #: The point that the vehicle flies to or circles, in local metres; for telemetry.
+    target: Point | None
+
+    @property
+    def vehicle(self) -> ManeuverVehicle:
+        """The vehicle of the autopilot."""
+
+
 class Maneuvers:
     """What stops at its target: copter, sub, VTOL in hover."""
 
     #: Whether it needs a circle to stay somewhere.
     circles = False
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: ManeuverHost) -> None:
         self.autopilot = autopilot
         self.body = autopilot.body
         #: The speed that a command or a mission item chose; None: the usual one.
@@ -170,7 +190,7 @@ class WingManeuvers(Maneuvers):
 
     circles = True
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: ManeuverHost) -> None:
         super().__init__(autopilot)
         self._start: Point | None = None
 
@@ -265,6 +285,6 @@ _MANEUVERS: dict[VehicleType, type[Maneuvers]] = {
 }
 
 
-def maneuvers_of(autopilot: Autopilot) -> Maneuvers:
+def maneuvers_of(autopilot: ManeuverHost) -> Maneuvers:
     """How the autopilot's type of vehicle is handled."""
     return _MANEUVERS.get(autopilot.vehicle.type, Maneuvers)(autopilot)

@@ -15,8 +15,8 @@ from mavstack.dialects import common
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
+    from mavstack.sim.autopilot.state import AutopilotState
 
 SERVOS = 16
 RELAYS = 6
@@ -56,7 +56,7 @@ class _Trigger:
 class Payload:
     """The payload of one vehicle; one of its autopilot's watches."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: AutopilotState) -> None:
         self._autopilot = autopilot
         #: PWM that commands gave, by the servo's number, beginning at 1.
         self.servos: dict[int, int] = {}

@@ -18,9 +18,11 @@ from mavstack.services.manual_control import (
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack.services import Address
     from mavstack.services.manual_control import ManualInput
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.state import VehicleState
 
 CHANNELS = 18
 #: Pulses in microseconds.
@@ -41,8 +43,11 @@ class Sticks(NamedTuple):
 class RadioControl:
     """What one vehicle hears of its pilot."""
 
-    def __init__(self, vehicle: SimulatedVehicle, *, transmitter: bool) -> None:
+    def __init__(
+        self, vehicle: VehicleState, *, transmitter: bool, may_steer: Callable[[Address], bool]
+    ) -> None:
         self._vehicle = vehicle
+        self._may_steer = may_steer
         self._hovers_at_middle = vehicle.type is VehicleType.SUB or vehicle.type.on_surface
         # ArduPilot's channel 2 is low for a stick that is pushed, PX4's is high.
         self._pulled = 1.0 if vehicle.firmware is Firmware.ARDUPILOT else -1.0
@@ -119,7 +124,7 @@ class RadioControl:
         return Sticks(roll, -pitch, throttle, yaw)
 
     def _override(self, event: OverrideReceived) -> None:
-        if not self._vehicle.profile.may_steer(self._vehicle, event.source):
+        if not self._may_steer(event.source):
             return
         if event.channels:
             self._overridden[event.source] = dict(event.channels)
@@ -128,7 +133,7 @@ class RadioControl:
             self._release(event.source)
 
     def _take(self, event: ManualInputReceived) -> None:
-        if self._vehicle.profile.may_steer(self._vehicle, event.source):
+        if self._may_steer(event.source):
             self._inputs[event.source] = event.input
             self._heard()
 

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.services.mission import PlanReplaced, PlanType
+from mavstack.sim.autopilot.mission.item_checks import check_position
 from mavstack.sim.autopilot.mission.places import place_of
-from mavstack.sim.autopilot.mission.rules import bad_place
 from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
+    from mavstack.sim.autopilot.state import AutopilotState
 
 _RESULT = common.MavMissionResult
 _KILOMETRE = 1000.0
@@ -30,7 +30,7 @@ _TERRAIN = frozenset({common.MavFrame.GLOBAL_TERRAIN_ALT, common.MavFrame.GLOBAL
 class RallyPoints:
     """The rally points of one vehicle."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: AutopilotState) -> None:
         self._autopilot = autopilot
         autopilot.vehicle.on(PlanReplaced, self._plan_replaced)
 
@@ -88,4 +88,4 @@ def check_rally_item(item: MissionItem, firmware: Firmware) -> int:
     frames = GLOBAL_FRAMES - _TERRAIN if firmware is Firmware.PX4 else GLOBAL_FRAMES
     if item.frame not in frames:
         return _RESULT.UNSUPPORTED_FRAME
-    return bad_place(item, highest=_HIGHEST)
+    return check_position(item, highest=_HIGHEST)

@@ -1,4 +1,4 @@
-"""How bodies move: truth, sensors, estimate and inner loops; no MAVLink."""
+"""Vehicle motion without MAVLink: true motion, sensors, state estimate and inner control loops."""
 
 from mavstack.sim.motion.body import Body
 from mavstack.sim.motion.geodesy import LocalFrame

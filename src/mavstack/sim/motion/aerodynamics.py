@@ -1,9 +1,10 @@
-"""Wings: lift, drag and side force by the angle of the air, and what the air does to the attitude.
+"""Aerodynamics of a wing: lift, drag and side force by the angle of attack, and moments of the airflow.
 
-With u, v, w the airspeed along the body's axes, the angle of attack is atan2(w, u). Up to the stall the
-lift coefficient is linear in it; beyond, it goes over to that of a flat plate, sin(2 alpha), and the drag
-gains 1.2 sin(alpha)^2. A slipping body is pushed back sideways and turned into the wind. Surfaces have the
-authority of the dynamic pressure: below the stall the nose falls into the airflow, whatever is commanded.
+With u, v, w the airspeed along the body axes, the angle of attack is atan2(w, u). Up to the stall the lift
+coefficient is linear in the angle of attack; beyond the stall it changes over to that of a flat plate, sin(2
+alpha), and the drag gains 1.2 sin(alpha)^2. A sideslip is pushed back sideways and turns the body into the
+wind. The authority of control surfaces is proportional to the dynamic pressure: below the stall speed the
+nose falls into the airflow, whatever is commanded.
 """
 
 from __future__ import annotations
@@ -21,20 +22,20 @@ if TYPE_CHECKING:
 LIFT_AT_ZERO = 0.2
 LIFT_SLOPE = 4.6
 STALL_ANGLE = 0.24
-#: The lift coefficient at the stall, and how far beyond it the flat plate has taken over.
+#: The lift coefficient at the stall, and the angle in radians from there to a fully stalled wing.
 MAX_LIFT = LIFT_AT_ZERO + LIFT_SLOPE * STALL_ANGLE
 STALL_WIDTH = 0.12
 DRAG_AT_ZERO = 0.04
 INDUCED_DRAG = 0.066
 PLATE_LIFT, PLATE_DRAG = 1.0, 1.3
 SIDE_SLOPE = 0.6
-#: How fast the nose follows the air, in 1/s, at full dynamic pressure.
+#: Rates in 1/s at which the nose follows the airflow at full dynamic pressure.
 WEATHERCOCK = 2.0
 NOSE_DROP = 2.5
 
 
 def apply_wing(state: StateArray) -> None:
-    """Add the wing's forces, and set authority and the air's own turning."""
+    """Add the wing's forces, and set the control authority and the turning moments of the air."""
     relative = state.velocity - state.air
     u, v, w = (_component(relative, axis) for axis in (state.forward, state.right, state.below))
     speed = np.maximum(state.airspeed, 0.1)
@@ -59,11 +60,12 @@ def apply_wing(state: StateArray) -> None:
 
 
 def _component(vector: Array, axis: Array) -> Array:
+    """Return the component of a vector along an axis."""
     return np.asarray(vector[0] * axis[0] + vector[1] * axis[1] + vector[2] * axis[2])
 
 
 def _apply_air_moments(state: StateArray, attack: Array, stalled: Array, slip: Array) -> None:
-    """Set the authority of the surfaces and what the air turns by itself."""
+    """Set the authority of the control surfaces and the turning moments of the airflow."""
     stall_pressure = GRAVITY / (state.wing * MAX_LIFT)
     flow = np.minimum(state.airspeed * state.airspeed / stall_pressure, 1.0)
     authority = flow * (1.0 - 0.8 * stalled)
@@ -71,12 +73,12 @@ def _apply_air_moments(state: StateArray, attack: Array, stalled: Array, slip: A
     trim = (GRAVITY / np.maximum(state.wing * 324.0, 1e-3) - LIFT_AT_ZERO) * (1 / LIFT_SLOPE)
     state.rate_disturbance[0] = 0.0
     state.rate_disturbance[1] = (1.0 - authority) * NOSE_DROP * (trim - attack) * flow
-    # wheels hold it on its way against the wind
+    # on the ground the wheels keep the heading against the wind
     state.rate_disturbance[2] = WEATHERCOCK * slip * flow * (state.on_ground == 0.0)
 
 
 def apply_drive(state: StateArray, wanted: Array) -> None:
-    """Spin the driving motor towards the share wanted, and let it pull."""
+    """Bring the driving motor towards the demanded share of thrust, and add its force."""
     aim = clip(wanted, 0.0, 1.0) * thrust_factor(state) * state.drive_left
     state.drive_thrust += (aim - state.drive_thrust) * state.drive_response
     fade = clip(1.0 - state.airspeed / state.drive_speed, 0.0, 1.0)

@@ -1,13 +1,13 @@
-"""The figures of each type's airframe, such as one could buy it.
+"""Airframe constants of each vehicle type, close to vehicles that are on the market.
 
 - copter: a quad of 1.5 kg on 4 cells, hovering at half its thrust;
 - plane: a foam wing of 1.2 m, 1.5 kg, that stalls at 10 m/s and cruises at 18;
 - vtol: a quadplane of 5 kg with four lifting motors and a pusher;
 - rover: a skid-steered cart; boat: differential thrust, drifting with the wind;
-- sub: six degrees of freedom in water, a little lighter than it.
+- sub: six degrees of freedom in water, slightly buoyant.
 
-Forces are per mass (m/s2), so that masses never appear. A wing is given by rho S / 2 m: its lift is
-wing x airspeed squared x lift coefficient.
+Forces are per mass (m/s2), so that the mass appears nowhere. A wing is given by rho S / 2 m: its lift is wing
+x airspeed squared x lift coefficient.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from mavstack.sim.vehicle_types import VehicleType
 
 @dataclass(frozen=True, slots=True)
 class Airframe:
-    """What a type of vehicle can do, and what it weighs on its battery."""
+    """Performance limits, force coefficients, control gains and battery of a vehicle type."""
 
-    # limits an autopilot's parameters may set
+    # limits that an autopilot's parameters may set
     speed: float
     climb: float
     sink: float
@@ -33,7 +33,7 @@ class Airframe:
     airspeed_cruise: float = 0.0
     airspeed_min: float = 0.0
     airspeed_max: float = 0.0
-    # what no demand goes beyond
+    # maxima that no demand exceeds
     top_speed: float = 20.0
     top_climb: float = 8.0
     # forces: drag in air, lifting motors at full thrust, driving motor at full thrust and standstill
@@ -56,7 +56,7 @@ class Airframe:
     yaw_rate: float = 2.0
     rate_lag: float = 0.05
     angular_acceleration: float = 60.0
-    # surroundings: how deep and how high it gets, and what it rests on
+    # surroundings: lowest and highest position (metres down), friction and pitch at rest
     floor: float = 0.0
     ceiling: float = -1e6
     friction: float = 6.0
@@ -221,7 +221,7 @@ AIRFRAMES: dict[VehicleType, Airframe] = {
     ),
 }
 
-#: For each limit the least and the most it may be set to, so that no parameter breaks a loop.
+#: The minimum and maximum of each limit, so that no parameter value makes a control loop unstable.
 LIMIT_RANGES: dict[str, tuple[float, float]] = {
     "speed": (0.1, 60.0),
     "climb": (0.1, 20.0),
@@ -237,15 +237,18 @@ LIMIT_RANGES: dict[str, tuple[float, float]] = {
 
 
 def limit_range(vehicle_type: VehicleType, name: str) -> tuple[float, float]:
-    """Give the least and the most of a limit: a wing's airspeeds stay above its stall and within its drag."""
+    """Return the minimum and maximum of a limit.
+
+    The airspeed limits of a wing stay above its stall speed and below the speed that its drag allows.
+    """
     low, high = LIMIT_RANGES[name]
-    figure = AIRFRAMES[vehicle_type]
-    slow, fast = figure.airspeed_min, figure.airspeed_max
+    airframe = AIRFRAMES[vehicle_type]
+    slow, fast = airframe.airspeed_min, airframe.airspeed_max
     match name:
         case "speed" if vehicle_type is VehicleType.PLANE:
             return slow, fast
         case "speed":
-            return low, figure.top_speed
+            return low, airframe.top_speed
         case "airspeed_min" if fast:
             return 0.95 * slow, 0.7 * fast
         case "airspeed_cruise" | "airspeed_max" if fast:

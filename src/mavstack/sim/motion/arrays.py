@@ -1,10 +1,10 @@
-"""Named rows of one array, and the few vector operations the rest is written in.
+"""Named rows of one array, and vector operations on rows.
 
-All numbers of all bodies are one array (fields, bodies) of float64. A field of a body is an element of a
-row, so that every line of physics is a numpy operation on whole rows. `Rows` gives the rows names: its
-subclass annotates each as `Scalar` (one row) or `Vector` (three rows, north east down or roll pitch yaw),
-and an instance holds them as views. Bodies of one type are neighbours, so those of a type are a slice:
-`part` gives the same names over some of the columns, again as views, with nothing copied.
+All numbers of all bodies are one float64 array of shape (fields, bodies), so that every line of physics is a
+numpy operation on whole rows. `Rows` names the rows: a subclass annotates each name as `Scalar` (one row) or
+`Vector` (three rows: north, east, down, or roll, pitch, yaw), and an instance holds the rows as views. Bodies
+of one vehicle type are neighbouring columns, so a type is a slice: `select` returns the same names over some
+of the columns, again as views, without copying.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ Quad = Annotated[Array, 4]
 class Rows:
     """Views of the rows of `data`, by name."""
 
-    #: For each name its first row, and how many it has.
+    #: The first row and the number of rows of each name.
     ROWS: ClassVar[dict[str, tuple[int, int]]] = {}
-    #: How many rows there are.
+    #: Number of rows.
     ROW_COUNT: ClassVar[int] = 0
 
     def __init_subclass__(cls) -> None:
@@ -42,44 +42,44 @@ class Rows:
             setattr(self, name, data[first] if count == 1 else data[first : first + count])
 
     def select(self, columns: slice) -> Self:
-        """Give the same rows of some bodies."""
+        """Return views of the same rows for some of the columns."""
         return type(self)(self.data[:, columns])
 
     @property
     def count(self) -> int:
-        """How many bodies there are."""
+        """Number of bodies (columns)."""
         return int(self.data.shape[1])
 
 
 def clip(values: Array, low: Array | float, high: Array | float) -> Array:
-    """Keep `values` within bounds (as numpy's clip, several times faster on short rows)."""
+    """Limit `values` to a range (like `numpy.clip`, several times faster on short rows)."""
     return np.minimum(np.maximum(values, low), high)
 
 
 def wrap_angle(angle: Array) -> Array:
-    """Bring an angle into -pi..pi."""
+    """Return angles in radians wrapped to -pi..pi."""
     return angle - np.rint(angle * (0.5 / np.pi)) * (2 * np.pi)
 
 
 def dot(a: Array, b: Array) -> Array:
-    """Multiply two rows of vectors."""
+    """Return the dot products of two rows of vectors."""
     product: Array = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return product
 
 
 def sqrt(values: Array) -> Array:
-    """Take square roots."""
+    """Return square roots."""
     roots: Array = np.sqrt(values)
     return roots
 
 
 def length(vector: Array) -> Array:
-    """Measure vectors of three rows."""
+    """Return the lengths of vectors of three rows."""
     return sqrt(dot(vector, vector))
 
 
 def horizontal_length(vector: Array) -> Array:
-    """Measure the horizontal part of vectors."""
+    """Return the lengths of the horizontal parts of vectors."""
     return sqrt(vector[0] * vector[0] + vector[1] * vector[1])
 
 
@@ -91,8 +91,9 @@ def limit_length(vector: Array, limit: Array | float) -> Array:
 
 
 def approach_speed(distance: Array, gain: Array, deceleration: Array) -> Array:
-    """Say how fast to go at `distance` from where to stop.
+    """Return the speed at `distance` metres before a stopping point.
 
-    Near it is gain x distance; far off the square root of a constant deceleration; smooth in between.
+    Near the point the speed is gain x distance; far from it, the square root of a constant deceleration; with
+    a smooth transition.
     """
     return deceleration / gain * (sqrt(1.0 + 2.0 * gain * gain * distance / deceleration) - 1.0)

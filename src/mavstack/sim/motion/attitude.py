@@ -1,16 +1,16 @@
-"""How bodies integrate_rates: from a wanted attitude to rates, and from rates to the attitude.
+"""Attitude dynamics: from an attitude setpoint to body rates, and from body rates to the attitude.
 
-An error of an angle asks for a rate in proportion, within the airframe's limit. Rates of the Euler angles
-become body rates by the kinematics
+An angle error demands a rate in proportion, within the airframe's limit. Rates of the Euler angles become
+body rates by the kinematics
 
     p = roll' - yaw' sin(pitch)
     q = pitch' cos(roll) + yaw' sin(roll) cos(pitch)
     r = -pitch' sin(roll) + yaw' cos(roll) cos(pitch)
 
 which the body follows with a first-order lag and a limited angular acceleration, as far as its surfaces or
-motors have authority; `push` is what air or a dead motor adds. The same kinematics turned round move the
-Euler angles. Past the vertical the angles of the same attitude on the other side are taken, so that loops
-and flips are flown through; very near it, where yaw and roll are the same thing, their rates are bounded.
+motors have authority; `rate_disturbance` is added by the airflow or by a failed motor. The inverse kinematics
+integrate the Euler angles. Past the vertical the equivalent angles on the other side are used, so that loops
+and flips work; very near the vertical, where yaw and roll coincide, their rates are bounded.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
 MIN_COSINE = 0.05
-#: Nothing turns faster than this, in rad/s, whatever is broken.
+#: Maximum body rate in rad/s, even with failed motors.
 MAX_RATE = 12.0
 
 
 def yaw_rate_command(state: StateArray) -> Array:
-    """Give the yaw rate that a demand's heading or rate asks for."""
+    """Return the yaw rate (rad/s) that the demanded heading or rate needs."""
     heading = state.yaw_demand
     centre = state.yaw_mode == YawMode.CENTRE
     if centre.any():
@@ -44,7 +44,7 @@ def yaw_rate_command(state: StateArray) -> Array:
 
 
 def update_rates(state: StateArray, step: float) -> None:
-    """Let loops and air change the body rates."""
+    """Change the body rates by control loops and airflow for one step."""
     gain, limit = state.attitude_gain, state.rate_limit
     roll_rate = clip(gain * (state.roll_setpoint - state.attitude_estimate[0]), -limit[0], limit[0])
     pitch_rate = clip(gain * (state.pitch_setpoint - state.attitude_estimate[1]), -limit[1], limit[1])
@@ -66,7 +66,7 @@ def update_rates(state: StateArray, step: float) -> None:
 
 
 def integrate_rates(state: StateArray, step: float) -> None:
-    """Move the Euler angles by a step of the body rates."""
+    """Integrate the body rates into the Euler angles for one step."""
     attitude = state.attitude
     sin_roll, cos_roll = state.sines[0], state.cosines[0]
     cos_pitch = np.maximum(state.cosines[1], MIN_COSINE)
@@ -85,7 +85,7 @@ def integrate_rates(state: StateArray, step: float) -> None:
 
 
 def update_axes(state: StateArray) -> None:
-    """Work out sines, cosines and the body's axes (forward, right, below) from the attitude."""
+    """Compute sines, cosines and the body axes (forward, right, below) from the attitude."""
     np.sin(state.attitude, out=state.sines)
     np.cos(state.attitude, out=state.cosines)
     sin_roll, sin_pitch, sin_yaw = state.sines

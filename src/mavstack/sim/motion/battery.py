@@ -1,8 +1,8 @@
-"""Battery: an open-circuit voltage that falls with the charge, behind an inner resistance.
+"""Battery: an open-circuit voltage that falls with the charge, in series with an internal resistance.
 
-Power is what the electronics, the lifting motors (as thrust to the power 3/2, from momentum theory) and the
-driving motor take. Its current is the power over the voltage; the voltage is the open-circuit one less the
-current times the resistance. Empty, the last percent takes the motors' thrust with it.
+Power is drawn by the electronics, the lifting motors (thrust to the power 3/2, from momentum theory) and the
+driving motor. The current is the power divided by the voltage; the voltage is the open-circuit voltage minus
+current times resistance. In the last percent of charge the motors lose their thrust.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from mavstack.sim.motion.arrays import clip
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Volts of one lithium-polymer cell by the share of its charge.
+#: Open-circuit volts of one lithium-polymer cell by its state of charge.
 CHARGE = np.array([0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0])
 CELL_VOLTAGE = np.array([2.8, 3.2, 3.4, 3.55, 3.65, 3.74, 3.85, 4.0, 4.08, 4.2])
 NOMINAL_CELL_VOLTAGE = 3.8
 GRAVITY = 9.80665
 AMBIENT = 25.0
-#: Below this share motors lose thrust, down to none.
+#: State of charge below which motors lose thrust, down to zero.
 LAST_CHARGE = 0.01
 
 
 def discharge(state: StateArray, step: float) -> None:
-    """Take a step's charge out of every battery."""
+    """Draw the charge of one step from every battery."""
     lift = np.maximum(state.lift_share, 0.0)
     drive = np.abs(state.drive_thrust)
     state.power[:] = (
@@ -45,6 +45,6 @@ def discharge(state: StateArray, step: float) -> None:
 
 
 def thrust_factor(state: StateArray) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Say which share of its thrust a motor has at the battery's present voltage."""
+    """Return the share of its thrust that a motor reaches at the present battery voltage."""
     volts = state.voltage / (state.cells * NOMINAL_CELL_VOLTAGE)
     return clip(volts, 0.0, 1.1) * np.minimum(state.remaining * (1 / LAST_CHARGE), 1.0)

@@ -1,7 +1,7 @@
-"""What can be read of a body.
+"""Readable state of a body.
 
-Reading copies the published part of the body's column once a step; everything read in that step comes from
-this copy, and each vehicle_type of value is put together at most once a step.
+Reading copies the published part of the body's column once per step; everything read in that step comes from
+this copy, and each value object is built at most once per step.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mavstack.sim.motion.state import PUBLISHED, StateArray
 from mavstack.sim.vehicle_types import Home, VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.motion.world import World
+    from mavstack.sim.motion.interfaces import BodyWorld
 
 _FIRST = {name: first for name, (first, _) in StateArray.ROWS.items()}
 _ESTIMATE = _FIRST["position_estimate"]
@@ -36,14 +36,14 @@ _LIMITS = slice(_FIRST["speed"], _FIRST["speed"] + len(Limits._fields))
 
 
 class BodyReader:
-    """One body of a world, as it can be read."""
+    """Read access to one body of a world."""
 
-    def __init__(self, world: World, vehicle_type: VehicleType, home: Home, number: int) -> None:
+    def __init__(self, world: BodyWorld, vehicle_type: VehicleType, home: Home, number: int) -> None:
         self.type = vehicle_type
         self.home = home
         self.number = number
         self.frame = LocalFrame(home.latitude, home.longitude, home.altitude)
-        #: Where its numbers are; the world moves them when it grows.
+        #: The body's column in the state array; the world changes it when bodies are added.
         self.column = 0
         self._world = world
         self._tick = -1
@@ -52,6 +52,7 @@ class BodyReader:
         self._estimate: Motion | None = None
 
     def _read(self) -> list[float]:
+        """Return the published part of the column, copied once per step."""
         if self._tick != self._world.tick:
             self._values = self._world.state.data[:PUBLISHED, self.column].tolist()
             self._truth = self._estimate = None
@@ -59,13 +60,13 @@ class BodyReader:
         return self._values
 
     def _invalidate(self) -> None:
-        """Read anew: something was set between steps."""
+        """Discard the values of this step after a row was set between steps."""
         self._tick = -1
         self._world.sensors.invalidate()
 
     @property
     def truth(self) -> Motion:
-        """Where it really is."""
+        """True motion: metres, m/s, m/s2 and radians in the local frame (north, east, down)."""
         values = self._read()
         if self._truth is None:
             self._truth = Motion._make(values[:15])
@@ -73,26 +74,26 @@ class BodyReader:
 
     @property
     def estimate(self) -> Motion:
-        """Where its autopilot believes it is."""
+        """Motion as the autopilot estimates it, in the units of `truth`."""
         values = self._read()
         if self._estimate is None:
-            place, turned = values[_ESTIMATE : _ESTIMATE + 6], values[_ESTIMATE + 6 : _ESTIMATE + 9]
-            self._estimate = Motion(*place, *values[6:9], *turned, *values[12:15])
+            position, attitude = values[_ESTIMATE : _ESTIMATE + 6], values[_ESTIMATE + 6 : _ESTIMATE + 9]
+            self._estimate = Motion(*position, *values[6:9], *attitude, *values[12:15])
         return self._estimate
 
     @property
     def health(self) -> EstimateHealth:
-        """How good the estimate is."""
+        """Health of the estimate."""
         return estimate.assess(self._read())
 
     @property
     def airspeed(self) -> float:
-        """Speed through the air in m/s."""
+        """Airspeed in m/s."""
         return self._read()[_AIRSPEED]
 
     @property
     def wind(self) -> Wind:
-        """The air's velocity here."""
+        """Velocity of the air at the body in m/s."""
         return Wind._make(self._read()[_AIR : _AIR + 3])
 
     @property
@@ -102,24 +103,27 @@ class BodyReader:
 
     @property
     def on_ground(self) -> bool:
-        """Whether it rests: on ground or water, a sub on the bottom or afloat."""
+        """True if the body rests on ground or water; for a sub, on the bottom or afloat."""
         return self._read()[_GROUND] > 0.0
 
     @property
     def transition(self) -> float:
-        """VTOL: 0 in hover, 1 on its wing; 0 for copters and all that never fly, 1 for planes."""
+        """Transition of a VTOL: 0 in hover, 1 on its wing.
+
+        Planes are always 1; all other types 0.
+        """
         return 1.0 if self.type is VehicleType.PLANE else self._read()[_TRANSITION]
 
     @property
     def flies_forward(self) -> bool:
-        """Whether it flies on a wing, or is told to."""
+        """True if the body flies on a wing, or a VTOL is told to."""
         if self.type is VehicleType.VTOL:
             return bool(self._world.state.forward_requested[self.column] > 0.0)
         return self.type is VehicleType.PLANE
 
     @property
     def running(self) -> bool:
-        """Whether motors may turn."""
+        """True if motors may turn."""
         return self._read()[_RUNNING] > 0.0
 
     @property
@@ -132,17 +136,17 @@ class BodyReader:
 
     @property
     def battery(self) -> BatteryState:
-        """The state of the battery."""
+        """State of the battery."""
         values = self._read()
         return BatteryState._make((*values[_BATTERY], values[_CAPACITY], int(values[_CELLS])))
 
     @property
     def sensors(self) -> SensorReadings:
-        """What the sensors read in this step."""
+        """Sensor readings of this step."""
         world = self._world
         return readings(world.sensor_values(self.column), self._read(), self.frame)
 
     @property
     def limits(self) -> Limits:
-        """Its limits of the moment; `set_limit` changes one."""
+        """Present limits; `set_limit` changes one."""
         return Limits._make(self._read()[_LIMITS])

@@ -1,24 +1,24 @@
-"""What an autopilot may demand of a body, made safe.
+"""Demands that an autopilot may make of a body, made safe.
 
-`Mode` says which demand is flown; its numbers are in the rows `target`, `start`, `along`, `pace`, `radius`,
-`stick` and the `yaw_` rows of `StateArray`, written once when demanded. Whatever the numbers were, those written
-are finite and within what an airframe could mean: a loop never meets a NaN.
+`Mode` selects which demand is flown; its numbers are the rows `target` to `stick` of `StateArray`, written
+once per demand. Numbers from outside are made finite and clipped to the range that an airframe could mean, so
+that no control loop ever meets a NaN.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
-#: Beyond this many metres from the origin nothing is a place to go to.
+#: Positions further than this many metres from the origin are clipped.
 MAX_DISTANCE = 1e6
-#: A line shorter than this has no direction; one horizontally shorter than this gives no heading.
+#: Minimum length in metres of a line that has a direction, and of a horizontal line that has a heading.
 MIN_LINE = 0.01
 MIN_HEADING_LINE = 3.0
 
 
 class Mode:
-    """Which demand is flown; LINE to CIRCLE are those that guide a velocity (plain floats, as rows hold)."""
+    """The demand that is flown; LINE to CIRCLE guide a velocity (plain floats, as rows hold)."""
 
     STOP: Final = 0.0
     IDLE: Final = 1.0
@@ -32,22 +32,51 @@ class Mode:
 
 
 class YawMode:
-    """What `yaw_demand` is: a heading to hold, a rate to turn at; or the heading to the circle's centre."""
+    """The meaning of `yaw_demand`: a heading, a turn rate, or looking at the circle's centre."""
 
     HOLD: Final = 0.0
     RATE: Final = 1.0
     CENTRE: Final = 2.0
 
 
+class Demand(NamedTuple):
+    """One demand: its mode, and the numbers that the mode uses (metres, m/s, radians; see `StateArray`)."""
+
+    mode: float
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    direction: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    length: float = 0.0
+    #: Horizontal speed, climb rate, sink rate and airspeed; None for the body's limits.
+    speeds: tuple[float, float, float, float] | None = None
+    radius: float = 0.0
+    yaw: tuple[float, float] = (YawMode.RATE, 0.0)
+    stick: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+    def rows(self, speeds: tuple[float, float, float, float]) -> tuple[float, ...]:
+        """Return the values of the demand's rows, in the order of `StateArray`."""
+        return (
+            self.mode,
+            *self.target,
+            *self.start,
+            *self.direction,
+            self.length,
+            *speeds,
+            self.radius,
+            *self.yaw,
+            *self.stick,
+        )
+
+
 def finite(value: float | None, default: float, low: float, high: float) -> float:
-    """Give `value` within bounds; `default` for None and for what is no number."""
+    """Return `value` clipped to a range; `default` for None and NaN."""
     if value is None or value != value:
         return default
     return min(max(value, low), high)
 
 
 def angle(value: float | None, default: float) -> float:
-    """Give an angle within a turn; `default` for None and for what is no finite number."""
+    """Return an angle within one turn; `default` for None and for a number that is not finite."""
     if value is None or not math.isfinite(value):
         return default
     return math.remainder(value, math.tau)
@@ -56,7 +85,7 @@ def angle(value: float | None, default: float) -> float:
 def line(
     start: tuple[float, float, float], target: tuple[float, float, float]
 ) -> tuple[tuple[float, float, float], float]:
-    """Give the direction of the line from `start` to `target`, and its length."""
+    """Return the direction of the line from `start` to `target`, and its length in metres."""
     north, east, down = (end - begin for begin, end in zip(start, target, strict=True))
     size = math.sqrt(north * north + east * east + down * down)
     if size < MIN_LINE:

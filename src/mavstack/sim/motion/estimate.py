@@ -1,9 +1,10 @@
-"""What the autopilot believes: the truth with the errors its sensors leave.
+"""State estimate of the autopilot: the true motion plus the errors of its sensors.
 
-Horizontally the place follows the GPS receiver, its slow wander and whatever it is spoofed to, with a lag;
-vertically the barometer and its drift; the heading the compass. Without GPS the error grows as that of dead
-reckoning does: an unknown bias of the acceleration integrates into velocity and place, until the estimate
-no longer calls its place good. Control flies by this estimate, so what deceives it moves the body.
+Horizontally the estimated position follows the GPS receiver, its slow drift and any spoofed offset, with a
+lag; vertically the barometer and its drift; the heading follows the compass. Without GPS the error grows like
+that of dead reckoning: an unknown acceleration bias integrates into velocity and position until the estimate
+no longer reports its position as good. Control flies by this estimate, so a deceived sensor really moves the
+body.
 """
 
 from __future__ import annotations
@@ -20,22 +21,22 @@ from mavstack.sim.motion.state import StateArray
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: Time constants in seconds: of the place following the GPS, of the heading following the compass.
+#: Time constants in seconds: position following the GPS, heading following the compass.
 POSITION_LAG, HEADING_LAG = 1.5, 2.0
-#: Deviations: GPS place horizontal and vertical, velocity, roll and pitch, yaw, barometer.
+#: Standard deviations: GPS position horizontal and vertical, velocity, roll and pitch, yaw, barometer.
 GPS_DEVIATION, GPS_HEIGHT_DEVIATION, VELOCITY_DEVIATION = 0.35, 0.7, 0.04
 TILT_DEVIATION, YAW_DEVIATION, BARO_DEVIATION = 0.003, 0.01, 0.12
-#: Seconds of dead reckoning after which velocity, and place, are no longer called good.
+#: Seconds of dead reckoning after which velocity and position are no longer reported as good.
 VELOCITY_TIMEOUT, POSITION_TIMEOUT = 10.0, 5.0
-#: The errors at which a test ratio is 1: of place, height, velocity and heading.
+#: The errors at which a test ratio is 1: position, height, velocity and heading.
 POSITION_GATE, HEIGHT_GATE, VELOCITY_GATE, HEADING_GATE = 5.0, 10.0, 2.0, 0.5
-#: The largest error of the acceleration dead reckoning integrates, in m/s2.
+#: Acceleration bias that dead reckoning integrates, in m/s2.
 DRIFT_BIAS = 0.05
 _DEVIATIONS = np.array([TILT_DEVIATION, TILT_DEVIATION, YAW_DEVIATION])[:, None]
 
 
 def update(state: StateArray, step: float) -> None:
-    """Follow the truth and the errors for a step."""
+    """Update the estimate for one step."""
     wander, lost, error = state.wander, state.gps_lost, state.position_error
     drift = state.drift_velocity
     good = 1.0 - lost
@@ -54,7 +55,7 @@ def update(state: StateArray, step: float) -> None:
 
 
 def update_gps(state: StateArray, tick: int, period: int) -> None:
-    """Let GPS receivers whose turn it is report what they measured one period ago."""
+    """Let the GPS receivers that are due report the measurement of one period ago."""
     ready = (state.gps_phase == tick % period) & (state.gps_lost == 0.0)
     if not ready.any():
         return
@@ -66,7 +67,7 @@ def update_gps(state: StateArray, tick: int, period: int) -> None:
 
 
 _ERROR, _DRIFT = StateArray.ROWS["position_error"][0], StateArray.ROWS["drift_velocity"][0]
-_SPOOF, _TURN, _BARO = (
+_SPOOF, _COMPASS, _BARO = (
     StateArray.ROWS["spoof"][0],
     StateArray.ROWS["compass_offset"][0],
     StateArray.ROWS["baro_drift"][0],
@@ -75,14 +76,14 @@ _LOST, _LOST_TIME = StateArray.ROWS["gps_lost"][0], StateArray.ROWS["gps_lost_ti
 
 
 def assess(column: Sequence[float]) -> EstimateHealth:
-    """Judge the estimate of one body, of its readable column."""
+    """Return the health of one body's estimate, given its readable column."""
     gps_lost_time, lost = column[_LOST_TIME], column[_LOST] > 0.0
     missed = math.hypot(column[_SPOOF] - column[_ERROR], column[_SPOOF + 1] - column[_ERROR + 1])
-    place = 0.05 + (gps_lost_time / POSITION_TIMEOUT if lost else missed / POSITION_GATE)
+    position = 0.05 + (gps_lost_time / POSITION_TIMEOUT if lost else missed / POSITION_GATE)
     drifted = math.hypot(column[_DRIFT], column[_DRIFT + 1])
     velocity = 0.04 + (gps_lost_time / VELOCITY_TIMEOUT if lost else drifted / VELOCITY_GATE)
     height = 0.03 + abs(column[_BARO]) / HEIGHT_GATE
-    heading = 0.02 + abs(column[_TURN]) / HEADING_GATE
+    heading = 0.02 + abs(column[_COMPASS]) / HEADING_GATE
     return EstimateHealth(
         attitude=True,
         heading=heading < 2.0,
@@ -90,7 +91,7 @@ def assess(column: Sequence[float]) -> EstimateHealth:
         horizontal=not lost or gps_lost_time < POSITION_TIMEOUT,
         vertical=True,
         velocity_variance=velocity,
-        position_variance=place,
+        position_variance=position,
         height_variance=height,
         compass_variance=heading,
     )

@@ -1,7 +1,8 @@
-"""What dead motors leave of a body.
+"""Effect of failed motors on a body.
 
-A quad without one motor can no longer balance its yaw: it must nearly stop the opposite one too, spins the
-way the surplus pair pushes it, leans to the dead corner and comes down. Two dead ones leave next to nothing.
+A quad without one motor can no longer balance its yaw: it must nearly stop the opposite motor too, spins the
+way the surplus pair turns it, leans to the failed corner and comes down. With two failed motors almost no
+lift is left.
 """
 
 from __future__ import annotations
@@ -11,17 +12,17 @@ from typing import NamedTuple
 from mavstack.sim.motion.airframes import AIRFRAMES
 from mavstack.sim.vehicle_types import VehicleType
 
-#: Share of the full lift a quad keeps with so many motors dead.
+#: Share of the full lift that a quad keeps, by the number of failed motors.
 LIFT_LEFT = (1.0, 0.42, 0.15, 0.0, 0.0)
-#: How fast one dead motor of a quad lets it spin, and lean, in rad/s.
+#: Rates in rad/s at which a quad with one failed motor spins and leans.
 SPIN, LEAN = 8.0, 0.6
-#: Where each motor sits: right or left, front or rear; and where its loss spins the body.
+#: Roll and pitch direction to each motor's corner, and the direction in which its failure spins the body.
 MOTOR_POSITIONS = {1: (1.0, -1.0, -1.0), 2: (-1.0, 1.0, -1.0), 3: (-1.0, -1.0, 1.0), 4: (1.0, 1.0, 1.0)}
 PUSHER = 5
 
 
 class MotorFailure(NamedTuple):
-    """Shares of lift and drive left, the spin, and the lean in roll and pitch."""
+    """Shares of lift and drive left, the spin rate, and the lean rates in roll and pitch."""
 
     lift: float
     drive: float
@@ -29,17 +30,17 @@ class MotorFailure(NamedTuple):
     lean: tuple[float, float]
 
 
-def motor_failure(vehicle_type: VehicleType, dead: set[int]) -> MotorFailure:
-    """Say what the dead motors do to a body of a type."""
+def motor_failure(vehicle_type: VehicleType, failed: set[int]) -> MotorFailure:
+    """Return the effect of failed motors on a vehicle type."""
     if vehicle_type in (VehicleType.COPTER, VehicleType.VTOL):
-        return _quad(dead)
-    left = 1.0 - len(dead) / AIRFRAMES[vehicle_type].motors
+        return _quad(failed)
+    left = 1.0 - len(failed) / AIRFRAMES[vehicle_type].motors
     return MotorFailure(left, left, 0.0, (0.0, 0.0))
 
 
-def _quad(dead: set[int]) -> MotorFailure:
-    corners = [MOTOR_POSITIONS[number] for number in sorted(dead) if number in MOTOR_POSITIONS]
+def _quad(failed: set[int]) -> MotorFailure:
+    corners = [MOTOR_POSITIONS[number] for number in sorted(failed) if number in MOTOR_POSITIONS]
     lift = LIFT_LEFT[len(corners)]
     roll, pitch, spin = (sum(corner[axis] for corner in corners) for axis in range(3))
     way = max(-1.0, min(1.0, spin))
-    return MotorFailure(lift, 0.0 if PUSHER in dead else 1.0, SPIN * way, (LEAN * roll, LEAN * pitch))
+    return MotorFailure(lift, 0.0 if PUSHER in failed else 1.0, SPIN * way, (LEAN * roll, LEAN * pitch))

@@ -1,26 +1,26 @@
-"""From latitude and longitude to metres around an origin, and back.
+"""Conversion from latitude and longitude to metres around an origin, and back.
 
-On the WGS 84 ellipsoid a small step north is M(latitude) and a small step east N(latitude) cos(latitude)
-metres per radian. Over a distance both are taken at the latitude half way, which leaves errors of some
-1e-5 of the distance at 50 km: the local plane is rolled onto the Earth, so that `down` stays the height
-above the surface, however far away. Back again, the latitude half way is found by iteration.
+On the WGS 84 ellipsoid a small step north is M(latitude) metres per radian, and a small step east N(latitude)
+cos(latitude). Over a distance both are taken at the mean latitude, which leaves errors of about 1e-5 of the
+distance at 50 km: the local plane is rolled onto the Earth, so that `down` stays the height above the surface
+at any distance. The way back finds the mean latitude by iteration.
 """
 
 from __future__ import annotations
 
 import math
 
-#: WGS 84: half of the longer axis in metres, and the square of the eccentricity.
+#: WGS 84: semi-major axis in metres, and square of the eccentricity.
 SEMI_MAJOR_AXIS = 6378137.0
 ECCENTRICITY_SQUARED = 6.69437999014e-3
-#: East of a pole is nowhere; the cosine of the latitude is kept above this.
+#: Lower bound of the cosine of the latitude: at a pole, east is undefined.
 MIN_COSINE = 1e-6
-#: An iteration that moves the latitude by less, in degrees, is the last: a tenth of a millimetre.
+#: The iteration ends when the latitude changes by less than this, in degrees (a tenth of a millimetre).
 LATITUDE_TOLERANCE = 1e-9
 
 
 def radii_of_curvature(latitude: float) -> tuple[float, float]:
-    """Give metres per radian going north, and going east, at a latitude in radians."""
+    """Return metres per radian northwards and eastwards at a latitude in radians."""
     sine = math.sin(latitude)
     shrink = 1.0 - ECCENTRICITY_SQUARED * sine * sine
     across = SEMI_MAJOR_AXIS / math.sqrt(shrink)
@@ -28,7 +28,13 @@ def radii_of_curvature(latitude: float) -> tuple[float, float]:
 
 
 class LocalFrame:
-    """North, east, down in metres around an origin in degrees and metres above mean sea level."""
+    """North, east, down in metres around an origin.
+
+    Args:
+        latitude: Origin in degrees.
+        longitude: Origin in degrees.
+        altitude: Origin in metres above mean sea level.
+    """
 
     __slots__ = ("_along", "altitude", "latitude", "longitude")
 
@@ -39,7 +45,7 @@ class LocalFrame:
         self._along, _ = radii_of_curvature(math.radians(latitude))
 
     def to_local(self, latitude: float, longitude: float, altitude: float) -> tuple[float, float, float]:
-        """Give (north, east, down) of a place."""
+        """Return (north, east, down) in metres of a position in degrees and metres of altitude."""
         along, across = radii_of_curvature(math.radians(0.5 * (latitude + self.latitude)))
         east = math.remainder(longitude - self.longitude, 360.0)
         return (
@@ -49,7 +55,7 @@ class LocalFrame:
         )
 
     def to_global(self, north: float, east: float, down: float) -> tuple[float, float, float]:
-        """Give (latitude, longitude, altitude) of a place."""
+        """Return (latitude, longitude, altitude) of a local position in degrees and metres."""
         latitude, across = self.latitude + math.degrees(north / self._along), 1.0
         for _ in range(3):
             before = latitude

@@ -1,9 +1,9 @@
-"""Moving, and not moving through the ground.
+"""Integration of forces, and contact with the ground.
 
-Velocities are integrated from forces (trapezoidal for the place), then bounded by what a body rests on and
-what it cannot rise above: the ground at down = 0 for what flies; ground or water for rovers and boats, which
-stay at 0; the surface and the bottom for a sub. Resting on legs or wheels there is friction, more with the
-brakes on, no slipping sideways, and the attitude settles to what the undercarriage allows.
+Velocities are integrated from forces (positions by the trapezoidal rule), then bounded by the surface below
+and above the body: the ground at down = 0 for aircraft; ground or water for rovers and boats, which stay at
+0; the surface and the bottom for a sub. A body resting on legs or wheels has friction, more with the brakes
+on, does not slip sideways, and its attitude settles to that of the undercarriage.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from mavstack.sim.motion.demands import Mode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: How many times stronger the friction is with brakes, or with motors stopped.
+#: Factor of the friction with brakes on, or with motors stopped.
 BRAKE_FACTOR = 8.0
-#: Share of a misfit of attitude that goes in a step on the ground.
+#: Share of the attitude error that is removed in one step on the ground.
 LEVELING_SHARE = 0.2
 
 
 def integrate(state: StateArray, step: float) -> None:
-    """Integrate a step of the forces, and stop what touches."""
+    """Integrate the forces for one step, and stop bodies at the ground."""
     before = state.velocity.copy()
     state.velocity += state.force * step
     state.velocity[2] += GRAVITY * step
@@ -43,7 +43,7 @@ def integrate(state: StateArray, step: float) -> None:
 
 
 def _apply_friction(state: StateArray, resting: Mask, step: float) -> None:
-    """Let friction and the undercarriage hold what rests."""
+    """Apply friction and the undercarriage to resting bodies."""
     braked = (state.mode == Mode.STOP) | (state.mode == Mode.ROLL_OUT)
     friction = state.friction * np.where(braked, BRAKE_FACTOR, 1.0) * step
     ahead, aside = dot(state.velocity, state.forward), dot(state.velocity, state.right)

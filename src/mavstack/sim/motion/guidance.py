@@ -1,9 +1,9 @@
-"""From a demand to a velocity, for all that can stop: VTOL in hover, copter, sub, rover, boat.
+"""Guidance from a demand to a velocity, for all bodies that can stop (all but wings).
 
-Along a line the speed towards its end is that of a constant deceleration (`approach_speed`), and its error
-sideways is closed the same way, so that a body joins the line, follows it and stops at its end. On a circle
-it is the tangent's, plus what closes the error of the radius. What is wanted is then approached no faster
-than the acceleration allowed; this change is known ahead to the velocity loop.
+Along a line the speed towards its end is that of a constant deceleration (`approach_speed`), and the lateral
+error is closed the same way, so that a body joins the line, follows it and stops at its end. On a circle the
+velocity is the tangential one plus a correction of the radius error. The velocity command follows this
+setpoint no faster than the allowed acceleration; the change is fed forward to the velocity loop.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from mavstack.sim.motion.demands import Mode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Share of the acceleration allowed that braking and circling are planned with; the rest is for errors.
+#: Share of the allowed acceleration used to plan braking and circling; the rest is for errors.
 PLANNED_SHARE = 0.6
-#: Beyond this distance there is nothing faster to plan.
+#: Distance in metres from which the planned speed no longer grows.
 MAX_DISTANCE = 1e5
 
 
 def update_velocity_command(state: StateArray, step: float) -> None:
-    """Find the velocity each body wants, and move its command towards it."""
+    """Compute each body's velocity setpoint, and move its velocity command towards it."""
     free = (state.mode < Mode.LINE) | (state.mode > Mode.CIRCLE) | (state.transition >= 1.0)
     wanted = state.velocity_setpoint
     for mode, find in (
@@ -56,7 +56,7 @@ def update_velocity_command(state: StateArray, step: float) -> None:
 
 
 def _line_velocity(state: StateArray) -> Array:
-    """Follow the line to its end."""
+    """Return the velocity that follows the line to its end."""
     position, along = state.position_estimate, state.line_direction
     done = clip(dot(position - state.start, along), 0.0, state.line_length)
     off = state.start + along * done - position
@@ -72,7 +72,7 @@ def _line_velocity(state: StateArray) -> Array:
 
 
 def _correction(off: Array, state: StateArray, deceleration: Array) -> Array:
-    """Give the velocity that takes away the error `off`."""
+    """Return the velocity that closes the position error `off`."""
     gain = state.position_gain
     speed, climb, sink, _ = state.speeds
     distance = np.minimum(horizontal_length(off), MAX_DISTANCE)
@@ -87,11 +87,12 @@ def _correction(off: Array, state: StateArray, deceleration: Array) -> Array:
 
 
 def _demanded_velocity(state: StateArray) -> Array:
+    """Return the demanded velocity."""
     return state.target
 
 
 def _circle_velocity(state: StateArray) -> Array:
-    """Follow the circle around the target."""
+    """Return the velocity that follows the circle around the target."""
     spoke = state.position_estimate - state.target
     distance = horizontal_length(spoke)
     outward = spoke[:2] / np.maximum(distance, 1e-6)
@@ -103,7 +104,7 @@ def _circle_velocity(state: StateArray) -> Array:
         state.speeds[0],
     )
     inward = np.copysign(closing, error)
-    # sideways only as fast as the circle can be held, and less while it is still far away
+    # tangentially only as fast as the circle can be held, and slower while the circle is still far away
     tangential = np.minimum(state.speeds[0], np.sqrt(deceleration * radius)) / (1.0 + np.abs(error) * 0.2)
     tangential = np.copysign(tangential, state.radius)
     wanted = _correction(-spoke, state, deceleration)
@@ -113,7 +114,7 @@ def _circle_velocity(state: StateArray) -> Array:
 
 
 def _limit_speed(wanted: Array, state: StateArray) -> Array:
-    """Go no faster than told, whatever has to be done at once: along the way and towards it."""
+    """Limit the sum of tracking and correction to the demanded speeds."""
     speed, climb, sink, _ = state.speeds
     wanted[:2] = limit_length(wanted[:2], speed)
     wanted[2] = clip(wanted[2], -climb, sink)

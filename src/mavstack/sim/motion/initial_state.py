@@ -1,4 +1,4 @@
-"""A body's first column: at rest at its home, battery full, everything whole."""
+"""Initial column of a body: at rest at its home, battery full, no faults."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.sim.motion.arrays import Array
     from mavstack.sim.vehicle_types import Home
 
-#: FlightParameters of an airframe that are rows of the same name.
+#: Fields of an airframe that are rows of the same name.
 COPIED = (
     "speed",
     "climb",
@@ -53,7 +53,7 @@ COPIED = (
 
 
 def initial_column(airframe: Airframe, home: Home, wander: Array, step: float, phase: int) -> Array:
-    """Give all numbers of a new body."""
+    """Return all numbers of a new body."""
     one = StateArray(np.zeros((StateArray.ROW_COUNT, 1)))
     for name in COPIED:
         one.data[StateArray.ROWS[name][0]] = getattr(airframe, name)
@@ -65,7 +65,7 @@ def initial_column(airframe: Airframe, home: Home, wander: Array, step: float, p
         (one.rate_response, airframe.rate_lag),
     ):
         response[:] = -math.expm1(-step / lag)
-    one.pace[:, 0] = airframe.speed, airframe.climb, airframe.sink, airframe.airspeed_cruise
+    one.speeds[:, 0] = airframe.speed, airframe.climb, airframe.sink, airframe.airspeed_cruise
     one.lift_left[:] = one.drive_left[:] = one.remaining[:] = one.authority[:] = one.on_ground[:] = 1.0
     one.voltage[:] = CELL_VOLTAGE[-1] * airframe.cells
     one.temperature[:] = AMBIENT
@@ -75,7 +75,7 @@ def initial_column(airframe: Airframe, home: Home, wander: Array, step: float, p
 
 
 def _initialize_estimate(one: StateArray, home: Home, wander: Array) -> None:
-    """Set attitude and estimate, and which way dead reckoning will drift."""
+    """Set attitude and estimate, and the direction in which dead reckoning will drift."""
     one.wander[:, 0] = wander
     yaw = math.remainder(math.radians(home.heading), math.tau)
     one.attitude[2] = one.attitude_estimate[2] = one.yaw_demand[:] = yaw

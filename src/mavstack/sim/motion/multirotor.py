@@ -1,8 +1,8 @@
-"""Copters, and VTOLs in hover: thrust along the body's vertical axis, leaned to where it is wanted.
+"""Copters, and VTOLs in hover: thrust along the body's vertical axis, tilted for horizontal acceleration.
 
-The velocity loop (proportional and integral, with the command's change known ahead) wants an acceleration;
-with gravity it is the thrust vector wanted, whose direction gives roll and pitch and whose length the
-thrust. The vertical comes first: horizontally no more is asked than the tilt allowed gives.
+The velocity loop (proportional and integral, with the command's change fed forward) yields an acceleration
+setpoint. Together with gravity it is the thrust vector, whose direction gives roll and pitch and whose length
+the lift. Vertical control comes first: the horizontal part is limited to what the allowed tilt gives.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from mavstack.sim.motion.demands import Mode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Share of the full thrust the velocity loop leaves unused, for the attitude.
+#: Share of the full thrust that the velocity loop may use; the rest is for the attitude.
 MAX_LIFT_SHARE = 0.95
-#: The velocity loop never falls faster than this leaves (m/s2 upwards wanted).
+#: Minimum upward acceleration in m/s2, which bounds how fast the velocity loop lets the body fall.
 MIN_UPWARD = 2.0
-#: The most the integral part holds against, in m/s2.
+#: Maximum of the integral part, in m/s2.
 MAX_INTEGRAL = 4.0
 
 
 class AttitudeCommand(NamedTuple):
-    """The attitude a loop wants, the rate it turns at, and its thrust (lift in m/s2, or a share of drive)."""
+    """Roll, pitch (rad), yaw rate (rad/s) and thrust (lift in m/s2, or a share of the drive)."""
 
     roll: Array
     pitch: Array
@@ -37,7 +37,7 @@ class AttitudeCommand(NamedTuple):
 
 
 def acceleration_setpoint(state: StateArray, step: float) -> Array:
-    """Run the velocity loop."""
+    """Run the velocity loop and return its acceleration (m/s2)."""
     error = state.velocity_command - state.velocity_estimate
     grounded = state.on_ground > 0.0
     state.integral += error * (state.integral_gain * step)
@@ -53,7 +53,7 @@ def acceleration_setpoint(state: StateArray, step: float) -> Array:
 
 
 def control(state: StateArray, step: float) -> AttitudeCommand:
-    """Say which attitude and lift the demand needs."""
+    """Return the attitude and lift that the demand needs."""
     wanted = acceleration_setpoint(state, step)
     upward = np.maximum(GRAVITY - wanted[2], MIN_UPWARD)
     tilt = state.tilt * (1.0 - 0.8 * state.transition)
@@ -69,7 +69,7 @@ def control(state: StateArray, step: float) -> AttitudeCommand:
 
 
 def _apply_direct_demands(state: StateArray, command: AttitudeCommand) -> AttitudeCommand:
-    """Replace what the loops want where the demand says it directly."""
+    """Replace the loops' outputs where the demand sets them directly."""
     direct = (state.mode < Mode.LINE) | (state.mode > Mode.CIRCLE)
     if not direct.any():
         return command
@@ -85,7 +85,7 @@ def _apply_direct_demands(state: StateArray, command: AttitudeCommand) -> Attitu
 
 
 def apply_motor_failures(state: StateArray) -> None:
-    """Let dead motors take authority away, spin the body and lean it."""
+    """Reduce the authority, spin and lean by failed motors."""
     whole = state.lift_left
     state.authority[:] = 0.3 + 0.7 * whole
     state.rate_disturbance[:] = state.lean
@@ -95,7 +95,7 @@ def apply_motor_failures(state: StateArray) -> None:
 
 
 def apply_lift(state: StateArray, wanted: Array) -> None:
-    """Spin the lifting motors towards the lift wanted, and let them pull."""
+    """Bring the lifting motors towards the demanded lift, and add their force."""
     most = state.lift * state.lift_left * thrust_factor(state)
     aim = np.minimum(clip(wanted, 0.0, state.lift) * thrust_factor(state), most)
     state.lift_thrust += (aim - state.lift_thrust) * state.lift_response

@@ -1,10 +1,11 @@
-"""Random numbers that belong to one body, whatever else flies.
+"""Random numbers of one body that do not depend on other bodies.
 
-One table of normal numbers is made from the world's seed. Each row of each body walks through it from a
-place of its own, drawn from the seed and the body's number, one entry a step. So a step costs one look-up,
-a body's noise is a function of seed, body and time, and adding or reading bodies disturbs no other's.
+One table of normal numbers is made from the world's seed. Each row of each body walks through the table from
+its own offset, drawn from the seed and the body's number, one entry per step. A step costs one look-up, a
+body's noise is a function of seed, body and time, and adding or reading bodies does not change the noise of
+others.
 
-`wander` are slow noises of variance one, each white noise filtered by a first-order lag of its time
+`wander` holds slow noises of variance one, each white noise filtered by a first-order lag of its time
 constant: w' = a w + sqrt(1 - a^2) n with a = exp(-dt / T).
 """
 
@@ -17,19 +18,19 @@ import numpy as np
 if TYPE_CHECKING:
     from mavstack.sim.motion.arrays import Array
 
-#: Entries of the table: three quarters of an hour at 50 Hz; a power of two, so that a mask wraps an index.
+#: Entries of the table: 45 minutes at 50 Hz; a power of two, so that a mask wraps an index.
 TABLE = 1 << 17
 
 #: Time constants in seconds of the slow noises, in the order of the rows of `StateArray.wander`:
 #: gusts, GPS position, estimated velocity, estimated attitude, barometer.
 TIME_CONSTANTS = (3.0, 3.0, 2.0, 40.0, 40.0, 60.0, 3.0, 3.0, 3.0, 8.0, 8.0, 20.0, 60.0)
 WANDERS = len(TIME_CONSTANTS)
-#: White noises of the sensors, in the order `sensors` uses them.
+#: Number of the sensors' white noises, in the order in which `sensors` uses them.
 WHITES = 15
 
 
 class Noise:
-    """White and slow noise for all bodies."""
+    """White and slow noise of all bodies."""
 
     def __init__(self, seed: int, step: float) -> None:
         self._seed = seed
@@ -40,19 +41,19 @@ class Noise:
         self._gain = np.sqrt(1.0 - decay * decay)[:, None]
 
     def insert(self, column: int, number: int) -> Array:
-        """Make room for a body at `column`; give what its slow noises start from."""
+        """Insert a body at `column`, and return the initial values of its slow noises."""
         own = np.random.default_rng([self._seed, number])
         offsets = own.integers(0, TABLE, WANDERS + WHITES)
         self._offsets = np.insert(self._offsets, column, offsets, axis=1)
         return own.standard_normal(WANDERS)
 
     def wander(self, wander: Array, tick: int) -> None:
-        """Move the slow noises on by a step."""
+        """Advance the slow noises by one step."""
         fresh = self._table.take((self._offsets[:WANDERS] + tick) & (TABLE - 1))
         wander *= self._decay
         fresh *= self._gain
         wander += fresh
 
     def white(self, tick: int) -> Array:
-        """Give a step's white noises, a row each."""
+        """Return the white noises of a step, one row each."""
         return self._table.take((self._offsets[WANDERS:] + tick) & (TABLE - 1))

@@ -1,4 +1,4 @@
-"""What can be read of a body: plain values of plain floats."""
+"""Values that can be read of a body: named tuples of plain floats."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Motion(NamedTuple):
-    """Place, speed and attitude: metres from the origin of the body's frame, radians."""
+    """Position, velocity, acceleration, attitude and body rates: metres from the frame's origin, radians."""
 
     north: float
     east: float
@@ -26,7 +26,7 @@ class Motion(NamedTuple):
 
 
 class Wind(NamedTuple):
-    """The air's velocity where a body is, in m/s."""
+    """Velocity of the air at a body, in m/s."""
 
     north: float
     east: float
@@ -34,7 +34,7 @@ class Wind(NamedTuple):
 
 
 class BatteryState(NamedTuple):
-    """Volts, amperes, mAh, share of the capacity left, degrees Celsius."""
+    """Volts, amperes, mAh, state of charge (0 to 1), degrees Celsius, capacity in mAh, cells."""
 
     voltage: float
     current: float
@@ -46,7 +46,7 @@ class BatteryState(NamedTuple):
 
 
 class SensorReadings(NamedTuple):
-    """What the sensors say: rad/s, m/s2 (specific force, body axes), gauss, hPa, degrees, metres."""
+    """Sensor readings: rad/s, m/s2 (specific force, body axes), gauss, hPa, degrees, metres."""
 
     gyro_x: float
     gyro_y: float
@@ -75,7 +75,7 @@ class SensorReadings(NamedTuple):
 
 
 class EstimateHealth(NamedTuple):
-    """Which parts of the estimate can be relied on, and how badly the sensors fit it (1 is the gate)."""
+    """Parts of the estimate that are reliable, and the sensors' test ratios (1 is the gate)."""
 
     attitude: bool
     heading: bool
@@ -89,7 +89,7 @@ class EstimateHealth(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """The figures of a body that an autopilot's parameters set: m/s, m/s2, radians, rad/s, metres."""
+    """Limits of a body that an autopilot's parameters set: m/s, m/s2, radians, rad/s, metres."""
 
     speed: float
     climb: float

@@ -1,9 +1,10 @@
-"""What the sensors of a body read.
+"""Sensor readings of a body.
 
-Inertial, magnetic and pressure sensors read the truth in the body's axes, with white noise and the faults
-set; they are worked out for all bodies when the first of them is asked in a step, so that nobody asking
-costs nothing and the noise, a function of seed and time (see `noise`), is the same whoever asks. The Earth's
-magnetic_field is that of an axial dipole, the air the standard atmosphere. GPS reports come from `estimate.receive`.
+Inertial, magnetic and pressure sensors read the true motion in body axes, with white noise and the faults
+that are set. They are computed for all bodies when the first reading of a step is requested, so that unread
+sensors cost nothing, and the noise, a function of seed and time (see `noise`), does not depend on the reader.
+The Earth's magnetic field is that of an axial dipole, the air the standard atmosphere. GPS reports come from
+`estimate.update_gps`.
 """
 
 from __future__ import annotations
@@ -26,19 +27,19 @@ if TYPE_CHECKING:
 
 GYRO_DEVIATION, ACCELERATION_DEVIATION, MAGNETIC_DEVIATION = 0.003, 0.05, 0.002
 PRESSURE_DEVIATION, DISTANCE_DEVIATION, HEADING_DEVIATION = 0.015, 0.02, 0.01
-#: An accelerometer reads no more than this, in m/s2.
+#: Full scale of an accelerometer, in m/s2.
 FULL_SCALE = 16 * GRAVITY
-#: What a rangefinder looking down can measure, in metres.
+#: Range of the downward rangefinder in metres.
 MIN_RANGE, MAX_RANGE = 0.15, 40.0
 #: Standard atmosphere: sea level hPa, kelvin, lapse in K/m, exponent; and density in kg/m3.
 SEA_LEVEL, KELVIN, LAPSE, EXPONENT, DENSITY = 1013.25, 288.15, 0.0065, 5.2559, 1.225
-#: Water's pressure, in hPa a metre.
+#: Water pressure in hPa per metre of depth.
 WATER = 98.0
-#: Gauss of the dipole's magnetic_field at the equator.
+#: Magnetic field of the dipole at the equator, in gauss.
 EQUATOR_FIELD = 0.31
 NO_FIX, FIX_3D = 1, 3
 UNKNOWN_ERROR = 99.99
-#: GPS_FIX_TYPE, satellites, and the errors it expects, horizontal and vertical.
+#: GPS_FIX_TYPE, satellites, and expected horizontal and vertical errors in metres.
 GOOD_FIX = (FIX_3D, 14, 0.8, 1.3)
 _GPS, _LOST, _BARO = (
     StateArray.ROWS["gps"][0],
@@ -49,13 +50,13 @@ _ROW_COUNT = 15
 
 
 def magnetic_field(latitude: float) -> tuple[float, float]:
-    """Give the Earth's magnetic_field at a latitude in degrees: gauss northwards and downwards."""
+    """Return the Earth's magnetic field at a latitude in degrees: gauss northwards and downwards."""
     angle = math.radians(latitude)
     return EQUATOR_FIELD * math.cos(angle), 2.0 * EQUATOR_FIELD * math.sin(angle)
 
 
 class Sensors:
-    """The white-noise sensors of all bodies, worked out once a step if asked."""
+    """The white-noise sensors of all bodies, computed once per step on demand."""
 
     def __init__(self, noise: Noise) -> None:
         self._noise = noise
@@ -63,11 +64,11 @@ class Sensors:
         self._values = np.zeros((_ROW_COUNT, 0))
 
     def invalidate(self) -> None:
-        """Work out anew at the next question: something was set between steps."""
+        """Discard the readings of this step after a row was set between steps."""
         self._tick = -1
 
     def column(self, state: StateArray, origins: Array, tick: int, column: int) -> list[float]:
-        """Give what one body's sensors read in this step."""
+        """Return the sensor values of one body in this step."""
         if self._tick != tick:
             self._values = _measure(state, origins, self._noise.white(tick))
             self._tick = tick
@@ -76,7 +77,10 @@ class Sensors:
 
 
 def _measure(state: StateArray, origins: Array, white: Array) -> Array:
-    """Read all sensors of all bodies; `origins` are north, down (gauss) and height of each origin."""
+    """Return all sensor values of all bodies.
+
+    `origins` has north and down (gauss) and altitude (m) of each origin.
+    """
     out = np.empty_like(white)
     np.multiply(white[:3], GYRO_DEVIATION, out=out[:3])
     out[:3] += state.rates
@@ -101,7 +105,7 @@ def _measure(state: StateArray, origins: Array, white: Array) -> Array:
 
 
 def _air(state: StateArray, origin: Array, white: Array, out: Array) -> None:
-    """Read pressures and temperature."""
+    """Write pressures and temperature."""
     height = clip(origin - np.minimum(state.position[2], 0.0) - state.baro_drift, -1000.0, 40_000.0)
     kelvin = KELVIN - LAPSE * np.minimum(height, 11_000.0)
     out[9] = SEA_LEVEL * (1.0 - (LAPSE / KELVIN) * height) ** EXPONENT + PRESSURE_DEVIATION * white[9]
@@ -111,7 +115,7 @@ def _air(state: StateArray, origin: Array, white: Array, out: Array) -> None:
 
 
 def readings(values: Sequence[float], column: Sequence[float], frame: LocalFrame) -> SensorReadings:
-    """Put one body's readings together."""
+    """Build one body's readings."""
     lost = column[_LOST] > 0.0
     north, east, down, *velocity = column[_GPS : _GPS + 6]
     fix = (NO_FIX, 0, UNKNOWN_ERROR, UNKNOWN_ERROR) if lost else GOOD_FIX

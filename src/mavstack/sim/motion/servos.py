@@ -1,7 +1,7 @@
-"""PWM outputs in microseconds as an autopilot of each type would wire them.
+"""PWM outputs in microseconds, in the usual wiring of each vehicle type.
 
-Motors idle at 1000 and are full at 2000; surfaces and motors that reverse rest at 1500. An output nobody
-uses is 0. Worked out when read, from thrust and turning of the moment.
+Motors idle at 1000 and reach full thrust at 2000; control surfaces and reversible motors rest at 1500. An
+unused output is 0. Outputs are computed when read, from the present thrust and turning.
 """
 
 from __future__ import annotations
@@ -10,22 +10,23 @@ from mavstack.sim.motion.airframes import AIRFRAMES
 from mavstack.sim.vehicle_types import VehicleType
 
 OUTPUTS = 16
-#: How each lifting motor_pulse of an X quad helps roll, pitch and yaw.
+#: Contribution of each lifting motor of an X quad to roll, pitch and yaw.
 QUAD_MIX = ((-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0), (-1.0, -1.0, -1.0))
 MIX_GAIN = 0.08
 
 
 def motor_pulse(share: float) -> float:
-    """Pulse of a motor_pulse that turns one way."""
+    """Return the pulse of a motor that turns one way."""
     return 1000.0 + 1000.0 * min(max(share, 0.0), 1.0)
 
 
 def surface_pulse(deflection: float) -> float:
-    """Pulse of what goes both ways."""
+    """Return the pulse of a surface or reversible motor."""
     return 1500.0 + 400.0 * min(max(deflection, -1.0), 1.0)
 
 
 def _quad(turning: tuple[float, float, float], lift: float, running: bool) -> list[float]:
+    """Return the pulses of four lifting motors."""
     if not running:
         return [1000.0] * 4
     mixes = (sum(a * b for a, b in zip(mix, turning, strict=True)) for mix in QUAD_MIX)
@@ -33,6 +34,7 @@ def _quad(turning: tuple[float, float, float], lift: float, running: bool) -> li
 
 
 def _wing(turning: tuple[float, float, float], drive: float) -> list[float]:
+    """Return the pulses of aileron, elevator, throttle and rudder."""
     return [
         surface_pulse(turning[0]),
         surface_pulse(turning[1]),
@@ -44,7 +46,15 @@ def _wing(turning: tuple[float, float, float], drive: float) -> list[float]:
 def outputs(
     vehicle_type: VehicleType, turning: tuple[float, float, float], lift: float, drive: float, running: bool
 ) -> tuple[int, ...]:
-    """Give all outputs; `turning` is -1..1 about roll, pitch and yaw."""
+    """Return all outputs in microseconds.
+
+    Args:
+        vehicle_type: Selects the wiring.
+        turning: Roll, pitch and yaw control, each -1 to 1.
+        lift: Share of the full lift.
+        drive: Share of the full drive.
+        running: True if motors may turn.
+    """
     match vehicle_type:
         case VehicleType.COPTER:
             pulses = _quad(turning, lift, running)

@@ -1,9 +1,9 @@
 """All numbers of all bodies, by name (see `arrays`).
 
-`StateArray` is cut into what a reader of a body may ask (first, so that one short copy of a column holds it),
-what only the step knows, what is demanded, faults, and the figures of the airframe and its limits.
+`StateArray` has sections: the rows that a body's readers may see (first, so that one short copy of a column
+holds them), internal rows of the step, the demand, faults, and the constants of the airframe with its limits.
 Vectors are north, east, down in metres, or roll, pitch, yaw in radians; thrusts are in m/s2 or, where named
-so, shares of the full one.
+so, shares of the full thrust.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ Wanders = Annotated[Array, WANDERS]
 class StateArray(Rows):
     """Every row."""
 
-    # --- read by `Body`: the truth, in the order of `Motion`
+    # --- readable by `Body`: true motion, in the order of `Motion`
     position: Vector
     velocity: Vector
     acceleration: Vector
     attitude: Vector
     rates: Vector
-    # the estimate; accelerations and rates are known as they are
+    # the estimate; accelerations and rates are known exactly
     position_estimate: Vector
     velocity_estimate: Vector
     attitude_estimate: Vector
@@ -50,7 +50,7 @@ class StateArray(Rows):
     consumed: Scalar
     remaining: Scalar
     temperature: Scalar
-    # the GPS receiver's last report: place and velocity; and the one it is still working on
+    # last report of the GPS receiver: position and velocity
     gps: Gps
     # faults
     gps_lost: Scalar
@@ -76,7 +76,7 @@ class StateArray(Rows):
     cells: Scalar
     capacity: Scalar
 
-    # --- known to the step only
+    # --- internal to the step
     gps_pending: Gps
     gps_phase: Scalar
     wander: Wanders
@@ -103,7 +103,7 @@ class StateArray(Rows):
     rate_disturbance: Vector
     thrust: Vector
 
-    # --- demanded
+    # --- the demand, in the order of `Demand`
     mode: Scalar
     target: Vector
     start: Vector
@@ -116,7 +116,7 @@ class StateArray(Rows):
     stick: Quad
     forward_requested: Scalar
 
-    # --- figures of the airframe
+    # --- constants of the airframe
     drag_linear: Scalar
     drag_quadratic: Scalar
     lift: Scalar
@@ -143,5 +143,5 @@ class StateArray(Rows):
     resistance: Scalar
 
 
-#: How many rows from the first on a reader may ask.
+#: Number of rows, from the first, that readers may see.
 PUBLISHED = StateArray.ROWS["gps_pending"][0]

@@ -1,7 +1,7 @@
-"""Submarines: thrusters along every axis, water that drags, a little buoyancy.
+"""Submarines: thrusters along every axis, drag of the water, slight buoyancy.
 
-The velocity loop of the multirotor wants an acceleration; thrusters give it in any direction, after a lag,
-as far as they are strong. Nothing needs to lean. At the surface there is no buoyancy left to rise with.
+The velocity loop of the multirotor yields an acceleration; thrusters produce it in any direction, after a
+lag, within their strength. No tilt is needed. At the surface no buoyancy is left.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from mavstack.sim.motion.multirotor import AttitudeCommand, acceleration_setpoin
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Drag of the hull per mass: in proportion to speed (1/s) and to its square (1/m).
+#: Drag of the hull per mass: proportional to speed (1/s) and to its square (1/m).
 DRAG, DRAG_SQUARED = 0.15, 0.42
-#: Upward, in m/s2.
+#: Buoyancy in m/s2.
 BUOYANCY = 0.06
-#: Sticks and attitude demands lean this far at most.
+#: Maximum roll and pitch of attitude demands, in radians.
 MAX_LEAN = 0.8
 
 
 def control(state: StateArray, step: float) -> tuple[AttitudeCommand, Array]:
-    """Give the attitude wanted, and the acceleration wanted of the thrusters."""
+    """Return the attitude command, and the acceleration that the thrusters should produce."""
     wanted = acceleration_setpoint(state, step)
     wanted[:2] = limit_length(wanted[:2], state.lift)
     wanted[2] += BUOYANCY
@@ -43,7 +43,7 @@ def control(state: StateArray, step: float) -> tuple[AttitudeCommand, Array]:
 
 
 def _apply_direct_demands(state: StateArray) -> Array:
-    """Give the acceleration that sticks or a vertical thrust (0.5: none) ask for."""
+    """Return the acceleration of stick positions or of a vertical thrust (0.5 is none)."""
     mode, stick = state.mode, state.stick
     sticks = mode == Mode.STICKS
     held = (mode == Mode.ATTITUDE) | (mode == Mode.RATES)
@@ -54,7 +54,7 @@ def _apply_direct_demands(state: StateArray) -> Array:
 
 
 def apply_forces(state: StateArray, wanted: Array) -> None:
-    """Let thrusters, water and buoyancy act."""
+    """Add the forces of thrusters, water and buoyancy."""
     most = state.lift
     aim = np.minimum(np.maximum(wanted, -most), most) * (thrust_factor(state) * state.lift_left)
     state.thrust += (aim - state.thrust) * state.lift_response

@@ -1,8 +1,8 @@
-"""Rovers and boats: turned to where the velocity wanted points, and driven along their heading.
+"""Rovers and boats: turned towards the velocity setpoint, and driven along their heading.
 
-Both can turn on the spot, so that every point is reached: the more the heading is off, the slower they go.
-A motor pulls drive x (throttle - speed / drive_speed), as an electric one does. Wheels hardly slip
-sideways; a hull does, and the wind pushes it, so that a boat goes back to its place again and again.
+Both can turn on the spot, so that every point can be reached: the larger the heading error, the slower they
+drive. A motor pulls drive x (throttle - speed / drive_speed), like an electric one. Wheels hardly slip
+sideways; a hull does and is pushed by the wind, so that a boat returns to its position repeatedly.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from mavstack.sim.motion.demands import Mode, YawMode
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: How near the end of a line is there, and how far it may drift before it goes back, in seconds of its
-#: position gain: a hull is given more.
+#: Distance to the end of a line that counts as arrived, and distance after which a drifting vehicle returns;
+#: both in m/s and divided by the position gain, which is lower for a hull.
 ARRIVAL_TIME, RETURN_TIME = 0.28, 0.8
 STANDSTILL = 0.02
 SPEED_GAIN = 1.5
-#: Of the throttle.
+#: Throttle from which a motor counts as saturated.
 SATURATED = 0.95
 #: Sideways drag in 1/s: wheels and hull.
 WHEEL_DRAG, HULL_DRAG = 12.0, 1.0
 
 
 def control(state: StateArray, step: float) -> tuple[Array, Array]:
-    """Give the yaw rate and the throttle (-1..1) wanted."""
+    """Return the demanded yaw rate (rad/s) and throttle (-1 to 1)."""
     wanted, yaw = state.velocity_setpoint, state.attitude_estimate[2]
     size = np.sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1])
     off = state.target[:2] - state.position_estimate[:2]
@@ -49,7 +49,7 @@ def control(state: StateArray, step: float) -> tuple[Array, Array]:
 
 
 def _throttle(state: StateArray, speed: Array, step: float) -> Array:
-    """Hold a speed along the heading, approached no faster than allowed."""
+    """Hold a speed along the heading, within the allowed acceleration."""
     most = state.acceleration_limit * step
     now = dot(state.velocity_estimate, state.forward)
     guided = (state.mode >= Mode.LINE) & (state.mode <= Mode.CIRCLE)
@@ -59,7 +59,7 @@ def _throttle(state: StateArray, speed: Array, step: float) -> Array:
     np.copyto(command, now, where=~guided)
     error = command - now
     moving = guided & (command > STANDSTILL)
-    # a motor that gives all it has, or is still speeding up, tells nothing about drag and slope
+    # a saturated motor, or one that still accelerates, says nothing about drag and slope
     learnt = error * (0.4 * step) * ((np.abs(change) < most) & (np.abs(state.drive_thrust) < SATURATED))
     state.speed_integral[:] = clip(state.speed_integral + learnt, -0.5, 0.5) * moving
     ahead = (SPEED_GAIN * error + clip(change, -most, most) / step * guided) / state.drive
@@ -67,7 +67,7 @@ def _throttle(state: StateArray, speed: Array, step: float) -> Array:
 
 
 def _apply_direct_demands(state: StateArray, turn: Array, throttle: Array) -> tuple[Array, Array]:
-    """Replace what the loops want where the demand says it directly."""
+    """Replace the loops' outputs where the demand sets them directly."""
     mode, stick, limit = state.mode, state.stick, state.turn_rate
     sticks, rates = (mode == Mode.STICKS), (mode == Mode.RATES)
     off = (mode < Mode.LINE) | (mode == Mode.ROLL_OUT)
@@ -78,7 +78,7 @@ def _apply_direct_demands(state: StateArray, turn: Array, throttle: Array) -> tu
 
 
 def apply_forces(state: StateArray, turn: Array, throttle: Array, grip: float, step: float) -> None:
-    """Turn, and add the forces of motor, ground or water."""
+    """Turn the body, and add the forces of motor, ground or water."""
     state.rates[2] += clip(
         (turn * state.drive_left - state.rates[2]) * state.rate_response,
         -state.angular_acceleration * step,

@@ -1,8 +1,8 @@
-"""Quadplanes: between hover and wing.
+"""Quadplanes: blending between hover and forward flight.
 
-`transition` goes from 0 (hover) to 1 (wing-borne) with the airspeed. On the way forward the pusher is at
-full power, the wings are level and the lifting motors carry what the wing does not yet; they come back on
-whenever a wing-borne body is too slow. On the way back the pusher stops and the hover loops take over, with
+`transition` goes from 0 (hover) to 1 (wing-borne) with the airspeed. In the forward transition the pusher is
+at full power, the wings are level and the lifting motors carry the rest of the weight; they also help a
+wing-borne body that is too slow. In the back transition the pusher stops and the hover loops take over, with
 little tilt while the wing still lifts.
 """
 
@@ -20,21 +20,21 @@ from mavstack.sim.motion.multirotor import AttitudeCommand
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Airspeed from which the wing begins to count, and the margin over the least airspeed at which it is all.
+#: Airspeed from which the wing carries weight, and factor on the minimum airspeed at which it carries all.
 MIN_LIFT_AIRSPEED = 5.0
 AIRSPEED_MARGIN = 1.05
-#: Below this share of the least airspeed a wing-borne body is helped by its lifting motors.
+#: Share of the minimum airspeed below which lifting motors help a wing-borne body.
 ASSIST_SHARE = 0.85
 TRANSITION_TIME = 1.5
 LEVEL_PITCH = 0.05
-#: Braking, the nose rises only this much (rad) for each m/s2 the wing lifts less than the weight.
+#: Pitch (rad) allowed while braking, per m/s2 that the wing lifts less than the weight.
 PITCH_PER_LIFT = 0.05
-#: The pusher waits until the nose is this near its heading, unless already this far on the wing.
+#: Heading error (rad) up to which the pusher starts, and the transition from which it runs regardless.
 MAX_HEADING_ERROR, COMMITTED_SHARE = 0.4, 0.3
 
 
 def update_transition(state: StateArray, step: float) -> None:
-    """Move the transition on, as airspeed allows."""
+    """Advance the transition as the airspeed allows."""
     full = state.airspeed_min * AIRSPEED_MARGIN
     carried = clip((state.airspeed - MIN_LIFT_AIRSPEED) / (full - MIN_LIFT_AIRSPEED), 0.0, 1.0)
     forward = state.forward_requested > 0.0
@@ -47,7 +47,7 @@ def update_transition(state: StateArray, step: float) -> None:
 
 
 def blend(state: StateArray, hover: AttitudeCommand, wing: AttitudeCommand) -> tuple[AttitudeCommand, Array]:
-    """Mix what both loops want; give the attitude with the lift, and the pusher's share."""
+    """Blend both controllers; return the attitude command with the lift, and the pusher's share."""
     share = state.transition
     guided = (state.mode >= Mode.LINE) & (state.mode <= Mode.CIRCLE)
     forward = (state.forward_requested > 0.0) & guided
@@ -73,7 +73,7 @@ def blend(state: StateArray, hover: AttitudeCommand, wing: AttitudeCommand) -> t
 
 
 def share_authority(state: StateArray, authority: Array, push: Array) -> None:
-    """Let surfaces, of which authority and push are given, and lifting motors turn the body together."""
+    """Combine the authority of control surfaces (given) and lifting motors."""
     motors = np.minimum(state.lift_thrust * 0.2, 1.0) * state.authority
     state.authority[:] = np.maximum(authority, motors)
     state.rate_disturbance += push * (1.0 - motors)

@@ -1,8 +1,8 @@
 """Wind: one mean for the world, gusts for each body.
 
-The mean is less near the ground: half of it at the surface, all of it from 10 m up. Gusts are first-order
-filtered noise whose deviation is the turbulence's share of the mean speed, half as strong vertically, none
-into the ground.
+The mean is lower near the ground: half at the surface, full from 10 m up. Gusts are first-order filtered
+noise whose standard deviation is the turbulence's share of the mean speed, half as strong vertically, and
+zero vertically at the ground.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import numpy as np
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Wind stronger than this is no weather.
+#: Maximum wind speed in m/s.
 MAX_WIND = 60.0
 
 
 class WindModel:
-    """The mean wind, and how gusty it is."""
+    """Mean wind and gusts."""
 
     def __init__(self) -> None:
         self.north = 0.0
@@ -28,7 +28,13 @@ class WindModel:
         self.gusts = 0.0
 
     def set(self, speed: float, direction: float, turbulence: float) -> None:
-        """Let it update at `speed` m/s from `direction` in degrees, its gusts a share of that speed."""
+        """Set the mean wind.
+
+        Args:
+            speed: m/s.
+            direction: Where the wind comes from, in degrees.
+            turbulence: Standard deviation of the gusts as a share of the speed.
+        """
         speed = min(max(speed, 0.0), MAX_WIND) if math.isfinite(speed) else 0.0
         bearing = math.radians(direction) if math.isfinite(direction) else 0.0
         share = min(max(turbulence, 0.0), 1.0) if math.isfinite(turbulence) else 0.0
@@ -37,7 +43,7 @@ class WindModel:
         self.gusts = speed * share
 
     def update(self, state: StateArray) -> None:
-        """Move the air around each body."""
+        """Compute the air velocity at each body."""
         if not (self.north or self.east):
             state.air.fill(0.0)
             return

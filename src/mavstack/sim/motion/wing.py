@@ -1,10 +1,10 @@
-"""Flying on a wing: course by bank, height by the angle of climb, airspeed by the throttle.
+"""Forward flight: course by bank, height by climb angle, airspeed by throttle.
 
-A course is wanted that brings the body back to its line (or circle) over some seconds of flight, and the
-bank is that of the lateral acceleration which turns the course there, with what the circle itself needs
-known ahead. Height asks for a climb rate, and that for a climb angle and the pitch which with the lift
-needed gives it; the throttle is what drag, climb and the airspeed's error need. Speed comes before height:
-near the least airspeed the climb angle is clip, so that without thrust a wing glides and does not stall.
+The commanded course returns the body to its line (or circle) over some seconds of flight; the bank follows
+from the lateral acceleration that turns the course, with the acceleration of the circle fed forward. A height
+error yields a climb rate, the climb rate a climb angle, and that the pitch which produces it with the lift
+needed; the throttle covers drag, climb and airspeed error. Speed has priority over height: near the minimum
+airspeed the climb angle is bounded, so that without thrust a wing glides and does not stall.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from mavstack.sim.motion.multirotor import AttitudeCommand
 if TYPE_CHECKING:
     from mavstack.sim.motion.state import StateArray
 
-#: Seconds of flight in which a line is joined, and how fast a course error is turned away (1/s).
+#: Seconds of flight in which a line is joined, and gain of the course error (1/s).
 JOIN_TIME = 3.0
 COURSE_GAIN = 0.9
 HEIGHT_GAIN = 0.4
 MAX_CLIMB_ANGLE = 0.45
-#: A line whose direction is less horizontal than this has no course: the present one is kept.
+#: A line with a smaller horizontal part has no course: the present heading is kept.
 MIN_HORIZONTAL = 0.02
-#: The climb angle allowed AIRSPEED_MARGIN m/s below the least airspeed, and how much more each m/s above it allows.
+#: Climb angle allowed AIRSPEED_MARGIN m/s below the minimum airspeed, and its increase for each m/s more.
 GLIDE_ANGLE = -0.14
 ANGLE_PER_SPEED = 0.2
 AIRSPEED_MARGIN = 1.0
-#: A turn never needs more than this share of the most lift; some bank is always allowed.
+#: Share of the maximum lift that a turn may use; MIN_BANK is always allowed.
 MAX_LIFT_SHARE, MIN_BANK = 0.9, 0.2
 
 
 def control(state: StateArray, step: float) -> AttitudeCommand:
-    """Say which attitude and throttle the demand needs."""
+    """Return the attitude and throttle that the demand needs."""
     ground_speed = np.maximum(horizontal_length(state.velocity_estimate), 0.1)
     course, ahead, climb, airspeed = _path_targets(state, ground_speed)
     rolling = state.on_ground > 0.0
@@ -57,7 +57,7 @@ def control(state: StateArray, step: float) -> AttitudeCommand:
 
 
 def _max_bank(state: StateArray) -> Array:
-    """Give the bank at which the turn's load leaves a margin to the stall."""
+    """Return the bank at which the load of the turn leaves a margin to the stall."""
     needed = GRAVITY / (
         MAX_LIFT_SHARE * MAX_LIFT * state.wing * np.maximum(state.airspeed * state.airspeed, 1.0)
     )
@@ -65,7 +65,7 @@ def _max_bank(state: StateArray) -> Array:
 
 
 def _path_targets(state: StateArray, ground_speed: Array) -> tuple[Array, Array, Array, Array]:
-    """Give course, lateral acceleration ahead, climb rate and airspeed wanted."""
+    """Return course, lateral acceleration feed-forward, climb rate and airspeed."""
     position, target, along = state.position_estimate, state.target, state.line_direction
     _, most_climb, most_sink, speed = state.speeds
     # a line
@@ -98,7 +98,7 @@ def _path_targets(state: StateArray, ground_speed: Array) -> tuple[Array, Array,
 
 
 def _circle_course(state: StateArray, ground_speed: Array, joining: Array) -> tuple[Array, Array]:
-    """Give the course that joins and follows the circle, and the acceleration it bends with."""
+    """Return the course that joins and follows the circle, and the lateral acceleration on it."""
     spoke = state.position_estimate[:2] - state.target[:2]
     distance = np.maximum(np.sqrt(spoke[0] * spoke[0] + spoke[1] * spoke[1]), 1.0)
     way = np.copysign(1.0, state.radius)
@@ -110,7 +110,7 @@ def _circle_course(state: StateArray, ground_speed: Array, joining: Array) -> tu
 
 
 def _climb_control(state: StateArray, climb: Array, airspeed: Array, step: float) -> tuple[Array, Array]:
-    """Give pitch and throttle for a climb rate and an airspeed."""
+    """Return pitch and throttle for a climb rate and an airspeed."""
     speed = np.maximum(state.airspeed, 3.0)
     wanted = clip(climb / speed, -MAX_CLIMB_ANGLE, MAX_CLIMB_ANGLE)
     angle = np.minimum(wanted, GLIDE_ANGLE + ANGLE_PER_SPEED * (speed - state.airspeed_min + AIRSPEED_MARGIN))
@@ -132,7 +132,7 @@ def _climb_control(state: StateArray, climb: Array, airspeed: Array, step: float
 
 
 def _yaw_rate(state: StateArray, course: Array, rolling: Mask) -> Array:
-    """Give the yaw rate of a coordinated turn; on the ground that of the steered wheel."""
+    """Return the yaw rate of a coordinated turn; on the ground that of the steered wheel."""
     speed = np.maximum(state.airspeed, 6.0)
     banked = GRAVITY * np.tan(clip(state.attitude_estimate[0], -1.2, 1.2)) / speed
     steered = clip(wrap_angle(course - state.attitude_estimate[2]), -0.6, 0.6)
@@ -141,7 +141,7 @@ def _yaw_rate(state: StateArray, course: Array, rolling: Mask) -> Array:
 
 
 def _apply_direct_demands(state: StateArray, command: AttitudeCommand) -> AttitudeCommand:
-    """Replace what the loops want where the demand says it directly."""
+    """Replace the loops' outputs where the demand sets them directly."""
     mode, stick = state.mode, state.stick
     if ((mode >= Mode.LINE) & (mode <= Mode.CIRCLE)).all():
         return command

@@ -1,13 +1,13 @@
 """All bodies of a simulation, and the step that moves them.
 
-Columns are kept in the order of ORDER: each type is a slice, and so are those that share a law. Wings are
-plane and vtol; vtol and copter have lifting motors; from vtol on all can stop and share the guidance; what
-leans is everything but rover and boat. A step is
+Columns are kept in the order of ORDER: each vehicle type is a slice, and so are the types that share a
+control law. Wings are plane and vtol; vtol and copter have lifting motors; all types from vtol on can stop
+and share the guidance; plane, vtol, copter and sub have attitude dynamics. A step is
 
-    noise and wind -> guidance -> loops -> air, surfaces, motors -> rates, attitude -> place -> battery,
+    noise and wind -> guidance -> loops -> air, surfaces, motors -> rates, attitude -> position -> battery,
     sensors and estimate
 
-with loops that see the estimate of the step before. Only the laws of types present are run.
+where the loops use the estimate of the previous step. Only the laws of present types are run.
 """
 
 from __future__ import annotations
@@ -45,16 +45,24 @@ ORDER = (
     VehicleType.ROVER,
     VehicleType.BOAT,
 )
-#: GPS receivers report so many times a second.
+#: GPS reports per second.
 GPS_RATE = 5.0
 
 
 class World:
-    """Bodies, wind and time."""
+    """Bodies, wind and time.
+
+    Args:
+        seed: Seed of all noise.
+        rate: Steps per second, 10 to 1000.
+
+    Raises:
+        ValueError: The rate is out of range.
+    """
 
     def __init__(self, seed: int = 1, rate: float = 50.0) -> None:
         if not 10.0 <= rate <= 1000.0:
-            raise ValueError(f"a world steps 10 to 1000 times a second, not {rate}")
+            raise ValueError(f"the rate of a world must be 10 to 1000 Hz, got {rate}")
         self.rate = rate
         self.step_length = 1.0 / rate
         self.tick = 0
@@ -74,7 +82,7 @@ class World:
     # --- bodies
 
     def add(self, vehicle_type: VehicleType, home: Home) -> Body:
-        """Put a body of a type at its home, on the ground or afloat."""
+        """Add a body of a type at its home, on the ground or afloat."""
         vehicle_type = VehicleType(vehicle_type)
         body = Body(self, vehicle_type, home, len(self.bodies))
         place = ORDER.index(vehicle_type)
@@ -95,7 +103,7 @@ class World:
         return body
 
     def _bind(self, data: Array) -> None:
-        """Make the views of the slices of all types and laws."""
+        """Create the views of the slices of all types and laws."""
         self.state = StateArray(np.ascontiguousarray(data))
         counts = [sum(1 for body in self.bodies if body.type is vehicle_type) for vehicle_type in ORDER]
         ends = np.cumsum([0, *counts]).tolist()
@@ -113,7 +121,7 @@ class World:
         return self.state.select(slice(column, column + 1))
 
     def place(self, column: int, place: tuple[float, float, float], yaw: float) -> None:
-        """Put one body somewhere, at rest and level, its estimate with it."""
+        """Move one body and its estimate to a position, at rest and level."""
         state = self.state
         for name in ("velocity", "acceleration", "rates", "velocity_command", "integral", "thrust"):
             getattr(state, name)[:, column] = 0.0
@@ -128,17 +136,23 @@ class World:
         attitude.update_axes(self._column(column))
 
     def set_wind(self, speed: float, direction: float = 0.0, turbulence: float = 0.0) -> None:
-        """Let the wind blow at `speed` m/s from `direction` in degrees, with gusts a share of it."""
+        """Set the mean wind.
+
+        Args:
+            speed: m/s.
+            direction: Where the wind comes from, in degrees.
+            turbulence: Standard deviation of the gusts as a share of the speed.
+        """
         self.wind.set(speed, direction, turbulence)
 
     def sensor_values(self, column: int) -> list[float]:
-        """Give what the white-noise sensors of a column read."""
+        """Return the values of a column's white-noise sensors."""
         return self.sensors.column(self.state, self._origins, self.tick, column)
 
     # --- a step
 
     def step(self) -> None:
-        """Move every body on by a step."""
+        """Advance every body by one step."""
         self.tick += 1
         if not self.bodies:
             return
@@ -168,7 +182,7 @@ class World:
         estimate.update(state, step)
 
     def _fly(self, step: float) -> None:
-        """Run what has wings or lifting motors."""
+        """Run bodies with wings or lifting motors."""
         planes, vtols, copters = self._planes.count, self._vtols.count, self._copters.count
         if vtols:
             vtol.update_transition(self._vtols, step)
@@ -201,7 +215,7 @@ class World:
             aerodynamics.apply_drive(self._wings, push)
 
     def _drive(self, step: float) -> None:
-        """Run what stays on the surface."""
+        """Run bodies on the surface."""
         turn, throttle = surface.control(self._surface, step)
         rovers = self._rovers.count
         for part, grip, rows in (
@@ -212,7 +226,7 @@ class World:
                 surface.apply_forces(part, turn[rows], throttle[rows], grip, step)
 
     def _record_outputs(self) -> None:
-        """Keep what the actuators did, for readers."""
+        """Record the actuators' outputs for readers."""
         state = self.state
         np.divide(state.rates, state.rate_limit, out=state.controls)
         np.divide(state.lift_thrust, np.maximum(state.lift, 1.0), out=state.lift_share)
@@ -220,6 +234,7 @@ class World:
 
 
 def _store_command(part: StateArray, command: multirotor.AttitudeCommand) -> None:
+    """Write an attitude command to its rows."""
     part.roll_setpoint[:] = command.roll
     part.pitch_setpoint[:] = command.pitch
     part.yaw_rate_setpoint[:] = command.turn

@@ -16,7 +16,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.px4.state import Px4State
 
 Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"
@@ -108,7 +108,7 @@ def _mode(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _has_mission(autopilot: Autopilot) -> bool:
-    return autopilot.mission.rules.valid(autopilot.mission)
+    return autopilot.mission.valid()
 
 
 def _mission(autopilot: Autopilot) -> Iterator[str]:

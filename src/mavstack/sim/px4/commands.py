@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.command import CommandRequest
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
@@ -50,7 +50,7 @@ class Px4Arming(ArmingCommands):
 
     refusal = _RESULT.TEMPORARILY_REJECTED
 
-    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 
@@ -158,7 +158,7 @@ class Px4Home(HomeCommands):
 class Px4Mission(MissionCommands):
     """MISSION_START, which arms, and DO_LAND_START."""
 
-    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 
@@ -168,7 +168,7 @@ class Px4Mission(MissionCommands):
     def start(self, request: CommandRequest) -> common.MavResult:
         """MISSION_START: from item param 1, or where it was."""
         mission = self.autopilot.mission
-        if not mission.rules.valid(mission):
+        if not mission.valid():
             self.vehicle.say("Mission start denied! No valid mission", _CRITICAL)
             return _RESULT.DENIED
         first = request.command.param1
@@ -195,7 +195,7 @@ class Px4Mission(MissionCommands):
         return _RESULT.ACCEPTED
 
 
-def groups_of(vehicle: SimulatedVehicle, state: Px4State) -> Iterator[CommandGroup]:
+def groups_of(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
     """All groups of commands of a vehicle."""
     yield Px4Arming(vehicle, state)
     yield ModeCommands(vehicle)
@@ -206,7 +206,7 @@ def groups_of(vehicle: SimulatedVehicle, state: Px4State) -> Iterator[CommandGro
     yield FailureCommands(vehicle)
 
 
-def register_commands(vehicle: SimulatedVehicle, state: Px4State) -> None:
+def register_commands(vehicle: Vehicle, state: Px4State) -> None:
     """Take all commands of a vehicle."""
     for group in groups_of(vehicle, state):
         take(vehicle, group.handlers())

@@ -27,7 +27,7 @@ from mavstack.sim.px4.failsafe_actions import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _INFO: Final = common.MavSeverity.INFO
 #: COM_RC_IN_MODE: sticks are not looked at.

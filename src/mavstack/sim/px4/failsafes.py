@@ -17,7 +17,7 @@ from mavstack.sim.px4.failsafe_checks import Px4Checks
 from mavstack.sim.px4.offboard import SETPOINTS_LOST
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _CRITICAL, _WARNING = common.MavSeverity.CRITICAL, common.MavSeverity.WARNING
 _EMERGENCY: Final = common.MavSeverity.EMERGENCY

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _UNIT, _TYPE = common.FailureUnit, common.FailureType
@@ -89,7 +89,7 @@ class FailureCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
 
-def faults_of(vehicle: SimulatedVehicle, unit: int, kind: int, instance: int) -> tuple[str, ...]:
+def faults_of(vehicle: Vehicle, unit: int, kind: int, instance: int) -> tuple[str, ...]:
     """The faults that a failure means; none if it is not supported."""
     if unit in _TURNING and kind in _MOTORS:
         motors = AIRFRAMES[vehicle.type].motors
@@ -100,7 +100,7 @@ def faults_of(vehicle: SimulatedVehicle, unit: int, kind: int, instance: int) ->
     return _FAULTS.get((unit, kind), ())
 
 
-def inject(vehicle: SimulatedVehicle, unit: int, kind: int, instance: int) -> None:
+def inject(vehicle: Vehicle, unit: int, kind: int, instance: int) -> None:
     """Let it happen, and say so; a link is cut when that has been said."""
     name = next(name for name, number in UNITS.items() if number == unit)
     word = next(word for word, number in TYPES.items() if number == kind)
@@ -114,6 +114,6 @@ def inject(vehicle: SimulatedVehicle, unit: int, kind: int, instance: int) -> No
         _inject_all(vehicle, faults)
 
 
-def _inject_all(vehicle: SimulatedVehicle, faults: tuple[str, ...]) -> None:
+def _inject_all(vehicle: Vehicle, faults: tuple[str, ...]) -> None:
     for fault in faults:
         vehicle.faults.inject(fault)

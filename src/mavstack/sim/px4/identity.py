@@ -8,7 +8,7 @@ from mavstack.dialects import common
 from mavstack.services.version import AutopilotVersion, FirmwareVersion
 
 if TYPE_CHECKING:
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 VERSION: Final = FirmwareVersion(1, 16, 0)
 OPERATING_SYSTEM: Final = FirmwareVersion(6, 6, 0)
@@ -36,7 +36,7 @@ CAPABILITIES: Final = int(
 )
 
 
-def version_of(vehicle: SimulatedVehicle) -> AutopilotVersion:
+def version_of(vehicle: Vehicle) -> AutopilotVersion:
     """What AUTOPILOT_VERSION says."""
     serial = _SERIAL + bytes([vehicle.address.system])
     commit = bytes.fromhex(GIT_HASH)[::-1]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from mavstack.sim.px4.state import BY_INACTION, BY_LANDING
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.px4.state import Px4State
 
 

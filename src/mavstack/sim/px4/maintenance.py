@@ -14,8 +14,8 @@ from mavstack.sim.autopilot.commands import Handlers, MaintenanceCommands, Outco
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.sim.autopilot.commands.tasks import Script
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _FUNCTION = common.ActuatorOutputFunction
@@ -34,7 +34,7 @@ _STEP = 0.2
 class Px4MaintenanceCommands(MaintenanceCommands):
     """With PX4's answers and words."""
 
-    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 

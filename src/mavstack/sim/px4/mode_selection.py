@@ -23,9 +23,7 @@ from mavstack.sim.px4.modes import (
 )
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
 
 _FLAGS = common.MavModeFlag
 #: Main modes that have sub modes.
@@ -44,7 +42,7 @@ def refusal_of(autopilot: Autopilot, mode: Mode) -> str | None:
     return None if _may_enter(autopilot, mode) else unavailable(mode.name)
 
 
-def choose_mode(vehicle: SimulatedVehicle, wanted: int) -> str | None:
+def choose_mode(vehicle: Vehicle, wanted: int) -> str | None:
     """Enter a mode as somebody wants it; gives what is said if it cannot be."""
     autopilot = vehicle.autopilot
     if wanted == LAND and autopilot.armed and not autopilot.has_position:

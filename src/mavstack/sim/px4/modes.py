@@ -25,7 +25,7 @@ from mavstack.sim.autopilot.behaviours import (
     Stabilize,
 )
 from mavstack.sim.autopilot.behaviours.mission import Mission
-from mavstack.sim.autopilot.mode import Mode
+from mavstack.sim.autopilot.interfaces import Mode
 from mavstack.sim.px4.descend import Descend, Nothing
 from mavstack.sim.px4.orbit import orbit_behaviour
 from mavstack.sim.px4.returning import Px4Return
@@ -35,8 +35,8 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.px4.state import Px4State
 
 Make: TypeAlias = "Callable[[Autopilot], Behaviour]"

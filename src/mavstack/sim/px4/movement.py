@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.services.command import Command, CommandRequest
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
@@ -47,7 +47,7 @@ _FASTEST: Final = 1000.0
 class Px4Movement(MovementCommands):
     """With PX4's answers and words."""
 
-    def __init__(self, vehicle: SimulatedVehicle, state: Px4State) -> None:
+    def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
         super().__init__(vehicle)
         self._state = state
 

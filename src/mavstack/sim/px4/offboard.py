@@ -13,7 +13,7 @@ from mavstack.dialects import common
 from mavstack.sim.px4.modes import ALTITUDE, DESCEND, HOLD, LAND, POSITION, RETURN, STABILIZED
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _CRITICAL = common.MavSeverity.CRITICAL
 #: Why such a mode was entered.

@@ -12,8 +12,8 @@ from mavstack.sim.autopilot.commands import number, whole
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command
-    from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.behaviour import Behaviour
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 _YAW = common.OrbitYawBehaviour

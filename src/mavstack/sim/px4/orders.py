@@ -10,8 +10,8 @@ from mavstack.sim.px4.modes import LAND, ORBIT, RETURN, TAKEOFF
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 _CRITICAL = common.MavSeverity.CRITICAL
 #: A VTOL does not go over to its wing in these.
@@ -19,7 +19,7 @@ _HOVERING_MODES: Final = frozenset({TAKEOFF, LAND, RETURN, ORBIT})
 NOT_LANDED: Final = "Disarming denied: not landed"
 
 
-def arm(vehicle: SimulatedVehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
+def arm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
     """Arm, or say why not; whether it is armed."""
     if state.calibrating:
         vehicle.say("Arming denied: calibrating", _CRITICAL)
@@ -33,7 +33,7 @@ def arm(vehicle: SimulatedVehicle, state: Px4State, reason: str, *, force: bool 
     return not problems
 
 
-def disarm(vehicle: SimulatedVehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
+def disarm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
     """Disarm, in the air only if it is forced, or say why not; whether it is disarmed."""
     autopilot = vehicle.autopilot
     if autopilot.armed and not force and vehicle.type.flies and not autopilot.landed:
@@ -45,7 +45,7 @@ def disarm(vehicle: SimulatedVehicle, state: Px4State, reason: str, *, force: bo
     return True
 
 
-def change_over(vehicle: SimulatedVehicle, forward: bool) -> bool:
+def change_over(vehicle: Vehicle, forward: bool) -> bool:
     """Have a VTOL fly on its wing or hover, in the air; whether it may now."""
     autopilot = vehicle.autopilot
     denied = forward and autopilot.mode.number in _HOVERING_MODES

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.modes import ModeChanged
 from mavstack.services.version import provide_versions
-from mavstack.sim.autopilot.profile import FirmwareProfile
+from mavstack.sim.autopilot.interfaces import FirmwareProfile
 from mavstack.sim.px4 import modes
 from mavstack.sim.px4.checks import PreflightWatch, problems_of
 from mavstack.sim.px4.commands import register_commands
@@ -24,9 +24,7 @@ from mavstack.sim.telemetry import provide_px4
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.mode import Mode
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
     from mavstack.sim.vehicle_types import VehicleType
 
 #: How PX4 calls the reasons for disarming that rooms shared by both firmwares give.
@@ -50,7 +48,7 @@ class Px4Profile(FirmwareProfile):
         self.journal = Journal()
         self.land = modes.LAND if type.flies else modes.HOLD
 
-    def flight_parameters(self, vehicle: SimulatedVehicle) -> Px4FlightParameters:
+    def flight_parameters(self, vehicle: Vehicle) -> Px4FlightParameters:
         """From the parameters; the limits of the body follow them until the next boot."""
         flight_parameters = flight_parameters_of(vehicle)
         flight_parameters.follow(vehicle.body)
@@ -70,7 +68,7 @@ class Px4Profile(FirmwareProfile):
             return common.MavState.CALIBRATING
         return common.MavState.STANDBY if self.state.healthy else common.MavState.UNINIT
 
-    def register(self, vehicle: SimulatedVehicle) -> None:
+    def register(self, vehicle: Vehicle) -> None:
         """Commands and watches of a new boot."""
         self.state.forget(self.hold)
         autopilot = vehicle.autopilot
@@ -83,7 +81,7 @@ class Px4Profile(FirmwareProfile):
         self.journal.begin(vehicle)
         Console(vehicle, self.state, self.journal)
 
-    def provide(self, vehicle: SimulatedVehicle) -> None:
+    def provide(self, vehicle: Vehicle) -> None:
         """Streams at PX4's rates, and the versions."""
         provide_px4(vehicle)
         provide_versions(vehicle.messages, version_of(vehicle))
@@ -122,7 +120,7 @@ class Px4Profile(FirmwareProfile):
             autopilot.enter(modes.TAKEOFF, "commanded", commanded=True)
         autopilot.arm()
 
-    def _mode_changed(self, vehicle: SimulatedVehicle, event: ModeChanged) -> None:
+    def _mode_changed(self, vehicle: Vehicle, event: ModeChanged) -> None:
         """Remember where to be after disarming: where one may arm, and does not take off."""
         number = event.mode.custom_mode
         if number == vehicle.modes.intended.custom_mode:

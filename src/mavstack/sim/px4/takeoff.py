@@ -15,7 +15,7 @@ from mavstack.sim.autopilot.behaviours.steps import wait
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.px4.state import Px4State
 
 

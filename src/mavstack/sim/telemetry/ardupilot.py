@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from mavstack.services.message_request.server import Producer
     from mavstack.services.parameters import Value
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.telemetry.producers import Kind
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 _GROUP = dialect.MavDataStream
 _ALL, _WINGED = frozenset(VehicleType), frozenset({VehicleType.PLANE, VehicleType.VTOL})
@@ -79,7 +79,7 @@ USUAL_RATE = 4.0
 _PREFIXES = ("SR0_", "MAV1_")
 
 
-def provide_ardupilot(vehicle: SimulatedVehicle) -> None:
+def provide_ardupilot(vehicle: Vehicle) -> None:
     """Let a vehicle send what ArduPilot sends."""
     producers = {
         kind: produce
@@ -99,7 +99,7 @@ def provide_ardupilot(vehicle: SimulatedVehicle) -> None:
     vehicle.messages.data_streams = data_streams
 
 
-def _rate(vehicle: SimulatedVehicle, ending: str) -> tuple[float, str | None]:
+def _rate(vehicle: Vehicle, ending: str) -> tuple[float, str | None]:
     """A group's rate, and the parameter that it comes from."""
     for prefix in _PREFIXES:
         if prefix + ending in vehicle.parameters:
@@ -107,7 +107,7 @@ def _rate(vehicle: SimulatedVehicle, ending: str) -> tuple[float, str | None]:
     return USUAL_RATE, None
 
 
-def _follow(vehicle: SimulatedVehicle, kinds: tuple[Kind, ...]) -> Callable[[Value], None]:
+def _follow(vehicle: Vehicle, kinds: tuple[Kind, ...]) -> Callable[[Value], None]:
     def follow(rate: Value) -> None:
         change_rates(vehicle, dict.fromkeys(kinds, float(rate)))
 

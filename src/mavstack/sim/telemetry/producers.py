@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.services.message_request.server import Producer
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 Kind: TypeAlias = "type[Message]"
 Rates: TypeAlias = "Mapping[Kind, float]"
@@ -31,7 +31,7 @@ _GOLDEN = 0.6180339887498949
 class Producers:
     """One boot's producers, by what they look at."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self.view = view = View(vehicle)
         self.motion = MotionMessages(view)
         self.sensors = SensorMessages(view)
@@ -39,7 +39,7 @@ class Producers:
         self.control = ControlMessages(view)
 
 
-def provide_all(vehicle: SimulatedVehicle, producers: Mapping[Kind, Producer], rates: Rates) -> None:
+def provide_all(vehicle: Vehicle, producers: Mapping[Kind, Producer], rates: Rates) -> None:
     """Give a vehicle's server each producer, at its rate in hertz; those without one wait to be asked."""
     first = vehicle.now + SPREAD * (vehicle.address.system * _GOLDEN % 1.0)
     for kind, produce in producers.items():
@@ -47,7 +47,7 @@ def provide_all(vehicle: SimulatedVehicle, producers: Mapping[Kind, Producer], r
     vehicle.touch(vehicle.messages)
 
 
-def change_rates(vehicle: SimulatedVehicle, rates: Rates) -> None:
+def change_rates(vehicle: Vehicle, rates: Rates) -> None:
     """Send kinds of messages at other rates from now on."""
     for kind, rate in rates.items():
         vehicle.messages.set_interval(kind, interval_of(rate), vehicle.now)

@@ -22,8 +22,8 @@ from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.message_request.server import Producer
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.telemetry.producers import Kind
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 
 class Link(StrEnum):
@@ -82,7 +82,7 @@ _MODES = {0: Link.GROUND, 2: Link.ONBOARD, 7: Link.MINIMAL}
 _MODE = "MAV_0_MODE"
 
 
-def provide_px4(vehicle: SimulatedVehicle, link: Link | str | None = None) -> None:
+def provide_px4(vehicle: Vehicle, link: Link | str | None = None) -> None:
     """Let a vehicle send what PX4 sends over a link; if none is given, MAV_0_MODE says which."""
     if link is None:
         link = _MODES.get(int(vehicle.parameters.get(_MODE, 0)), Link.GROUND)
@@ -90,12 +90,12 @@ def provide_px4(vehicle: SimulatedVehicle, link: Link | str | None = None) -> No
     provide_all(vehicle, px4_producers(Producers(vehicle)), rates_of(vehicle, Link(link)))
 
 
-def use_link(vehicle: SimulatedVehicle, link: Link | str) -> None:
+def use_link(vehicle: Vehicle, link: Link | str) -> None:
     """Send at another kind of link's rates from now on, until the next boot."""
     change_rates(vehicle, rates_of(vehicle, Link(link)))
 
 
-def rates_of(vehicle: SimulatedVehicle, link: Link) -> dict[Kind, float]:
+def rates_of(vehicle: Vehicle, link: Link) -> dict[Kind, float]:
     """The rates of a kind of link."""
     column = tuple(Link).index(link)
     rates = {kind: each[column] for kind, *each in RATES}

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.motion import Body, EstimateHealth, SensorReadings
-    from mavstack.sim.vehicle import SimulatedVehicle
     from mavstack.sim.vehicle_types import Home
 
 #: For so long the answer of the arming checks is believed.
@@ -33,7 +33,7 @@ class Place(NamedTuple):
 class View:
     """One vehicle as telemetry sees it."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self.vehicle = vehicle
         self.autopilot = vehicle.autopilot
         self.body: Body = vehicle.body

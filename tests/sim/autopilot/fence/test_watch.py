@@ -11,7 +11,7 @@ from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, PlanType
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.fence.ardupilot import names_of
-from mavstack.sim.autopilot.fence.rules import Breach
+from mavstack.sim.autopilot.fence.limits import Breach
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.autopilot.mission.stand import CMD, FRAME, MissionFlight, item
 from tests.sim.autopilot.stub import GUIDED, HOLD, LAND, OTHER, RETURN, TAKEOFF

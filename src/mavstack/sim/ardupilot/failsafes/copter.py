@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _MODE: Final = ardupilotmega.CopterMode
 #: Actions, as BATT_FS_LOW_ACT numbers them.

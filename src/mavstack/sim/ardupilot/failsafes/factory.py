@@ -15,7 +15,7 @@ from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import FirmwareFailsafes, ModeFailure
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _ESTIMATE_CHECKED: Final = frozenset(
     {VehicleType.COPTER, VehicleType.VTOL, VehicleType.ROVER, VehicleType.BOAT}

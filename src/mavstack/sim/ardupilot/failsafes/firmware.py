@@ -10,8 +10,7 @@ from mavstack.sim.autopilot.failsafes import Failsafe, ground_silence, nothing, 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.mode import Mode
+    from mavstack.sim.autopilot.interfaces import Autopilot, Mode
 
 #: Why a mode cannot be entered, as the firmware says it; None if it can be.
 ModeFailure: TypeAlias = "Callable[[Autopilot, Mode], str | None]"

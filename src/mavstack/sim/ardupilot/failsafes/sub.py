@@ -10,7 +10,7 @@ from mavstack.sim.autopilot.failsafes import ground_silence
 
 if TYPE_CHECKING:
     from mavstack.sim.ardupilot.failsafes.firmware import ModeFailure
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _MODE: Final = ardupilotmega.SubMode
 #: FS_GCS_ENABLE; FS_PILOT_INPUT, FS_EKF_ACTION and the battery's actions know the first three, too.

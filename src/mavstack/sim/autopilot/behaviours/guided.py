@@ -17,7 +17,8 @@ from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.control import RunningBehaviour
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 _ENDED = object()
 
@@ -44,17 +45,17 @@ class Guided(Behaviour):
             else:
                 yield from self._follow(aim)
 
-    def _must_stay(self, aim: Behaviour) -> bool:
+    def _must_stay(self, aim: RunningBehaviour) -> bool:
         """Whether it is on the ground, and this would not have it leave it."""
         autopilot = self.autopilot
         if not (autopilot.landed and autopilot.vehicle.type.flies) or isinstance(aim, Takeoff):
             return False
         return not self._may_lift_off(aim)
 
-    def _may_lift_off(self, aim: Behaviour) -> bool:
+    def _may_lift_off(self, aim: RunningBehaviour) -> bool:
         return False
 
-    def _rest(self, aim: Behaviour | None) -> Iterator[None]:
+    def _rest(self, aim: RunningBehaviour | None) -> Iterator[None]:
         """Stay until there is another aim."""
         autopilot = self.autopilot
         if autopilot.landed and autopilot.vehicle.type.flies:
@@ -73,7 +74,7 @@ class Guided(Behaviour):
     def _touched_down(self) -> bool:
         return self.autopilot.landed and self.autopilot.vehicle.type.flies
 
-    def _follow(self, aim: Behaviour) -> Iterator[None]:
+    def _follow(self, aim: RunningBehaviour) -> Iterator[None]:
         """Until there is another aim, or the vehicle came down."""
         guided, body = self.autopilot.guided, self.autopilot.body
         if not isinstance(aim, Takeoff):
@@ -117,5 +118,5 @@ class Offboard(Guided):
         while True:
             yield
 
-    def _may_lift_off(self, aim: Behaviour) -> bool:
+    def _may_lift_off(self, aim: RunningBehaviour) -> bool:
         return isinstance(aim, GuidedCommand) and aim.lifts_off

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
+from mavstack.sim.autopilot.state import TICK
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.services.setpoints import AttitudeSetpoint
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 Axes: TypeAlias = "tuple[float | None, float | None, float | None]"
@@ -211,8 +212,6 @@ class Motion(GuidedCommand):
 
     def _wanted(self) -> Point:
         """The velocity that follows from all of it."""
-        from mavstack.sim.autopilot.autopilot import TICK
-
         flight_parameters, maneuvers = self.autopilot.flight_parameters, self.autopilot.maneuvers
         passed = self.autopilot.now - self._begun
         closing, given = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]

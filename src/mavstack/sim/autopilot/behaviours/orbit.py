@@ -13,7 +13,7 @@ from mavstack.sim.autopilot.behaviours.steps import become, stay_landed
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 _YAW = common.OrbitYawBehaviour

@@ -10,7 +10,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 #: A transition that takes longer than this is given up waiting for.

@@ -12,7 +12,7 @@ from mavstack.sim.vehicle_types import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 #: A wing raises its nose by so much, and keeps its course until it is so high.
 _PITCH = radians(13)

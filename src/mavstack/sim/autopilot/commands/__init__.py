@@ -16,9 +16,10 @@ from mavstack.sim.autopilot.commands.registration import (
     accept,
     number,
     take,
+    waiting,
     whole,
 )
-from mavstack.sim.autopilot.commands.tasks import Tasks, waiting
+from mavstack.sim.autopilot.commands.tasks import Tasks
 
 __all__ = [
     "ArmingCommands",

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
-from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, Outcome, whole
-from mavstack.sim.autopilot.commands.tasks import waiting
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, Outcome, waiting, whole
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest

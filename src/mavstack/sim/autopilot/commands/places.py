@@ -14,8 +14,8 @@ from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command
-    from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
+    from mavstack.sim.autopilot.state import AutopilotState
 
 _F = common.MavFrame
 #: What the altitude counts from, by frame.
@@ -31,7 +31,7 @@ _FAR, _HIGH = 2.0e6, 1.0e5
 
 
 def place_of(
-    autopilot: Autopilot,
+    autopilot: AutopilotState,
     command: Command,
     *,
     usual: int = _F.GLOBAL_RELATIVE_ALT,
@@ -53,7 +53,7 @@ def place_of(
     return point
 
 
-def down_of(autopilot: Autopilot, altitude: float, frame: int) -> float:
+def down_of(autopilot: AutopilotState, altitude: float, frame: int) -> float:
     """An altitude of a frame as the third local coordinate; NaN: as high as now."""
     if not isfinite(altitude):
         return autopilot.maneuvers.place[2]
@@ -70,12 +70,12 @@ def has_place(command: Command) -> bool:
     return given and bool(command.param5 or command.param6)
 
 
-def _origin(autopilot: Autopilot) -> tuple[float, float]:
+def _origin(autopilot: AutopilotState) -> tuple[float, float]:
     latitude, longitude, _ = autopilot.body.frame.to_global(0.0, 0.0, 0.0)
     return latitude, longitude
 
 
-def _horizontal(autopilot: Autopilot, command: Command) -> tuple[float, float]:
+def _horizontal(autopilot: AutopilotState, command: Command) -> tuple[float, float]:
     if not has_place(command):
         return autopilot.maneuvers.place[:2]
     if abs(command.param5) > _LATITUDE or abs(command.param6) > _LONGITUDE:

@@ -22,8 +22,8 @@ from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.services.command.server import Handler
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.commands.tasks import Script
+    from mavstack.sim.autopilot.interfaces import Autopilot, Vehicle
 
 #: What a group's method gives; None: it is a long command that has begun.
 Outcome: TypeAlias = "common.MavResult | None"
@@ -35,7 +35,7 @@ _LARGEST = 1 << 32
 class CommandGroup(ABC):
     """Some commands of one vehicle."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: Vehicle) -> None:
         self.vehicle = vehicle
 
     @property
@@ -59,10 +59,18 @@ class CommandGroup(ABC):
         return common.MavResult.ACCEPTED if entered else common.MavResult.FAILED
 
 
-def take(vehicle: SimulatedVehicle, handlers: Handlers) -> None:
+def take(vehicle: Vehicle, handlers: Handlers) -> None:
     """Carry out commands by these handlers from now on."""
     for command, handler in handlers.items():
         vehicle.commands.support(command, _guarded(vehicle, handler))
+
+
+def waiting(vehicle: Vehicle, seconds: float) -> Script:
+    """Return a script that waits for some seconds and reports its progress in percent."""
+    begun = vehicle.autopilot.now
+    while (passed := vehicle.autopilot.now - begun) < seconds:
+        yield min(int(passed / seconds * 100), 99)
+    return common.MavResult.ACCEPTED
 
 
 def accept(done: bool) -> common.MavResult:
@@ -88,7 +96,7 @@ def number(value: float, default: float = 0.0) -> float:
     return value if isfinite(value) else default
 
 
-def _guarded(vehicle: SimulatedVehicle, handler: Callable[[CommandRequest], Outcome]) -> Handler:
+def _guarded(vehicle: Vehicle, handler: Callable[[CommandRequest], Outcome]) -> Handler:
     def carry_out(request: CommandRequest) -> Outcome:
         try:
             return handler(request)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.state import VehicleState
 
 #: Between two words about how far a script is, in seconds.
 PROGRESS_INTERVAL = 0.5
@@ -27,7 +27,7 @@ Script: TypeAlias = "Generator[int | None, None, common.MavResult]"
 class Tasks:
     """The long commands of one vehicle; one of its autopilot's watches."""
 
-    def __init__(self, vehicle: SimulatedVehicle) -> None:
+    def __init__(self, vehicle: VehicleState) -> None:
         self._vehicle = vehicle
         self._scripts: dict[CommandRequest, Script] = {}
         self._told_at: dict[CommandRequest, float] = {}
@@ -80,11 +80,3 @@ class Tasks:
 
 
 _ENDED = object()
-
-
-def waiting(vehicle: SimulatedVehicle, seconds: float) -> Script:
-    """A script that lets time pass, telling how far it is."""
-    begun = vehicle.autopilot.now
-    while (passed := vehicle.autopilot.now - begun) < seconds:
-        yield min(int(passed / seconds * 100), 99)
-    return common.MavResult.ACCEPTED

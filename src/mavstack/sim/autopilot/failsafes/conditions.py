@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 
 def ground_silence(autopilot: Autopilot) -> float | None:

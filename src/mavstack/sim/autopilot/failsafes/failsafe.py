@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 
 def nothing() -> None:

@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.fence.geometry import Polygon
-from mavstack.sim.autopilot.fence.rules import Breach, FenceLimits, FenceRules
+from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
+from mavstack.sim.autopilot.fence.rules import FenceRules
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.fence.watch import FenceWatch
+    from mavstack.sim.autopilot.control import FenceControl
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 _NAMES: Final[Mapping[Breach, str]] = {
@@ -62,7 +63,7 @@ class ArdupilotFenceRules(FenceRules):
         super().__init__(autopilot)
         self._enable: float | None = None
 
-    def limits(self, watch: FenceWatch) -> FenceLimits:
+    def limits(self, watch: FenceControl) -> FenceLimits:
         self._look_at_switch(watch)
         on = self.number("FENCE_ENABLE") > 0 if watch.switched is None else watch.switched
         if not on:
@@ -80,13 +81,13 @@ class ArdupilotFenceRules(FenceRules):
             union=bool(int(self.number("FENCE_OPTIONS")) & _UNION_OPTION),
         )
 
-    def _look_at_switch(self, watch: FenceWatch) -> None:
+    def _look_at_switch(self, watch: FenceControl) -> None:
         """FENCE_ENABLE, when it is set anew, counts more than a command before."""
         before, self._enable = self._enable, self.number("FENCE_ENABLE")
         if before is not None and before != self._enable:
             watch.forget_switch()
 
-    def breached(self, watch: FenceWatch, new: Breach) -> None:
+    def breached(self, watch: FenceControl, new: Breach) -> None:
         autopilot = self.autopilot
         if not autopilot.landed or not self.vehicle.type.flies:
             self.vehicle.say(f"{names_of(new)} breached", _NOTICE)
@@ -100,17 +101,17 @@ class ArdupilotFenceRules(FenceRules):
         else:
             self._act(watch, action)
 
-    def worsened(self, watch: FenceWatch) -> None:
+    def worsened(self, watch: FenceControl) -> None:
         self.breached(watch, watch.breaches)
 
-    def cleared(self, watch: FenceWatch) -> None:
+    def cleared(self, watch: FenceControl) -> None:
         self.vehicle.say("Fence breach cleared", _NOTICE)
 
-    def replaced(self, watch: FenceWatch) -> None:
+    def replaced(self, watch: FenceControl) -> None:
         if watch.fence.shapes:
             self.vehicle.say("Fence received")
 
-    def problems(self, watch: FenceWatch) -> Iterator[str]:
+    def problems(self, watch: FenceControl) -> Iterator[str]:
         if not watch.enabled:
             return
         if watch.breaches:
@@ -121,7 +122,7 @@ class ArdupilotFenceRules(FenceRules):
         if limits.watched & Breach.HIGH and limits.highest < 0:
             yield "Invalid FENCE_ALT_MAX value"
 
-    def _act(self, watch: FenceWatch, action: int) -> None:
+    def _act(self, watch: FenceControl, action: int) -> None:
         kind = VehicleType.ROVER if self.vehicle.type.on_surface else self.vehicle.type
         names = _ACTIONS[kind].get(action, ())
         if self._enter(names) and action in _PLANE_GUIDED and kind in {VehicleType.PLANE, VehicleType.VTOL}:
@@ -138,7 +139,7 @@ class ArdupilotFenceRules(FenceRules):
                 return True
         return False
 
-    def return_point(self, watch: FenceWatch) -> Point:
+    def return_point(self, watch: FenceControl) -> Point:
         """Where a plane goes: by FENCE_RET_RALLY a rally point, the return point, the middle, or home."""
         autopilot = self.autopilot
         rally = autopilot.rally.nearest() if self.number("FENCE_RET_RALLY") else None
@@ -156,7 +157,7 @@ class ArdupilotFenceRules(FenceRules):
         norths, easts = zip(*middle.corners, strict=True)
         return sum(norths) / len(norths), sum(easts) / len(easts), down
 
-    def _return_altitude(self, watch: FenceWatch) -> float:
+    def _return_altitude(self, watch: FenceControl) -> float:
         wanted = self.number("FENCE_RET_ALT")
         if wanted > 0:
             return wanted

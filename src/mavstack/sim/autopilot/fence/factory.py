@@ -9,8 +9,8 @@ from mavstack.sim.autopilot.fence.px4 import Px4FenceRules
 from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.fence.rules import FenceRules
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 
 def fence_rules_of(autopilot: Autopilot) -> FenceRules:

@@ -11,12 +11,13 @@ from math import inf
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.fence.rules import Breach, FenceLimits, FenceRules
+from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
+from mavstack.sim.autopilot.fence.rules import FenceRules
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from mavstack.sim.autopilot.fence.watch import FenceWatch
+    from mavstack.sim.autopilot.control import FenceControl
 
 _CRITICAL = common.MavSeverity.CRITICAL
 
@@ -42,7 +43,7 @@ _TEXTS: Final[Mapping[Breach, str]] = {
 class Px4FenceRules(FenceRules):
     """The fences of PX4."""
 
-    def limits(self, watch: FenceWatch) -> FenceLimits:
+    def limits(self, watch: FenceControl) -> FenceLimits:
         action = int(self.number("GF_ACTION", GeofenceAction.HOLD))
         if action == GeofenceAction.NONE or watch.switched is False:
             return FenceLimits()
@@ -57,7 +58,7 @@ class Px4FenceRules(FenceRules):
             union=True,
         )
 
-    def breached(self, watch: FenceWatch, new: Breach) -> None:
+    def breached(self, watch: FenceControl, new: Breach) -> None:
         for bit, text in _TEXTS.items():
             if new & bit:
                 self.vehicle.say(text, _CRITICAL)
@@ -74,12 +75,12 @@ class Px4FenceRules(FenceRules):
             case GeofenceAction.TERMINATE:
                 autopilot.terminate()
 
-    def problems(self, watch: FenceWatch) -> Iterator[str]:
+    def problems(self, watch: FenceControl) -> Iterator[str]:
         for bit, text in _TEXTS.items():
             if watch.breaches & bit:
                 yield text
 
-    def replaced(self, watch: FenceWatch) -> None:
+    def replaced(self, watch: FenceControl) -> None:
         autopilot = self.autopilot
         if not watch.fence.shapes or not autopilot.has_position:
             return

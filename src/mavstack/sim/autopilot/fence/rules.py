@@ -3,39 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from enum import IntFlag
 from math import inf
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.fence.watch import FenceWatch
-
-
-class Breach(IntFlag):
-    """What of a fence is broken, by the bits that ArduPilot's parameters use."""
-
-    NONE = 0
-    HIGH = 1
-    RADIUS = 2
-    SHAPES = 4
-    LOW = 8
-
-
-@dataclass(frozen=True, slots=True)
-class FenceLimits:
-    """What counts just now; metres above home and from home."""
-
-    watched: Breach = Breach.NONE
-    highest: float = inf
-    lowest: float = -inf
-    radius: float = inf
-    union: bool = False
-    #: Nearer to a line than this is beyond it.
-    margin: float = 0.0
+    from mavstack.sim.autopilot.control import FenceControl
+    from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 
 class FenceRules(ABC):
@@ -46,24 +22,24 @@ class FenceRules(ABC):
         self.vehicle = autopilot.vehicle
 
     @abstractmethod
-    def limits(self, watch: FenceWatch) -> FenceLimits:
+    def limits(self, watch: FenceControl) -> FenceLimits:
         """What counts just now."""
 
     @abstractmethod
-    def breached(self, watch: FenceWatch, new: Breach) -> None:
+    def breached(self, watch: FenceControl, new: Breach) -> None:
         """A limit was just broken: say so and act."""
 
-    def worsened(self, watch: FenceWatch) -> None:  # noqa: B027 (not every firmware has something to say)
+    def worsened(self, watch: FenceControl) -> None:  # noqa: B027 (not every firmware has something to say)
         """The vehicle goes farther beyond, for all that was done."""
 
-    def cleared(self, watch: FenceWatch) -> None:  # noqa: B027 (not every firmware has something to say)
+    def cleared(self, watch: FenceControl) -> None:  # noqa: B027 (not every firmware has something to say)
         """All is well again: say so."""
 
-    def replaced(self, watch: FenceWatch) -> None:  # noqa: B027 (not every firmware has something to say)
+    def replaced(self, watch: FenceControl) -> None:  # noqa: B027 (not every firmware has something to say)
         """There is another fence: say so."""
 
     @abstractmethod
-    def problems(self, watch: FenceWatch) -> Iterator[str]:
+    def problems(self, watch: FenceControl) -> Iterator[str]:
         """Why the vehicle may not be armed where it stands."""
 
     def number(self, name: str, default: float = 0.0) -> float:

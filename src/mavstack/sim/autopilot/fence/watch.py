@@ -13,14 +13,14 @@ from mavstack.dialects import common
 from mavstack.services.mission import PlanReplaced, PlanType
 from mavstack.sim.autopilot.fence.factory import fence_rules_of
 from mavstack.sim.autopilot.fence.geometry import Fence
+from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
 from mavstack.sim.autopilot.fence.plan import read_fence
-from mavstack.sim.autopilot.fence.rules import Breach, FenceLimits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.autopilot import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot
 
 FARTHER = 20.0
 _KINDS = common.FenceBreach

@@ -2,43 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours.steps import become
+from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
 from mavstack.sim.autopilot.mission.places import has_place, place_of
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.mission.step import Step
+    from mavstack.services.mission import MissionItem
+    from mavstack.sim.autopilot.mission.interfaces import Step
 
 _ROI = common.MavRoi
 _SPEED = common.SpeedType
 #: Instead of a speed: the usual one again.
 _USUAL = -2.0
 _SLOWEST = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class GuidedLimits:
-    """DO_GUIDED_LIMITS: seconds, metres above home, metres; 0: none."""
-
-    time: float = 0.0
-    lowest: float = 0.0
-    highest: float = 0.0
-    distance: float = 0.0
-
-    def reached(self, time: float, altitude: float, distance: float) -> bool:
-        """Whether any of them is reached."""
-        return bool(
-            (self.time > 0 and time >= self.time)
-            or (self.lowest and altitude < self.lowest)
-            or (self.highest and altitude > self.highest)
-            or (self.distance > 0 and distance > self.distance)
-        )
 
 
 def nothing(step: Step) -> Iterator[None]:
@@ -97,10 +79,8 @@ def _next_place(step: Step, seq: int) -> tuple[float, float, float] | None:
     return next(places, None)
 
 
-def _is_placed(step: Step, item: object) -> bool:
-    from mavstack.services.mission import MissionItem
-
-    return isinstance(item, MissionItem) and has_place(item) and step.mission.rules.navigates(item)
+def _is_placed(step: Step, item: MissionItem) -> bool:
+    return has_place(item) and step.mission.rules.navigates(item)
 
 
 def clear_region(step: Step) -> Iterator[None]:

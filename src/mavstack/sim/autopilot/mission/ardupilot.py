@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.services.frames import GLOBAL_FRAMES
+from mavstack.sim.autopilot.mission.interfaces import MissionRules
+from mavstack.sim.autopilot.mission.item_checks import check_numbers, check_position
 from mavstack.sim.autopilot.mission.places import as_global
-from mavstack.sim.autopilot.mission.rules import MissionRules, bad_number, bad_place
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.mission.runner import MissionRunner
-    from mavstack.sim.autopilot.mission.step import Step
+    from mavstack.sim.autopilot.mission.interfaces import Mission, Step
 
 _CMD = ardupilotmega.MavCmd
 _RESULT = common.MavMissionResult
@@ -162,10 +162,10 @@ class ArdupilotMissionRules(MissionRules):
     def check(self, item: MissionItem) -> int:
         if item.command not in NAMES:
             return _RESULT.UNSUPPORTED
-        result = bad_number(item, may_be_nan=_MAY_BE_NAN.get(item.command, frozenset()))
+        result = check_numbers(item, may_be_nan=_MAY_BE_NAN.get(item.command, frozenset()))
         if result != _RESULT.ACCEPTED or item.command not in _PLACED:
             return result
-        result = bad_place(as_global(item), highest=_HIGHEST)
+        result = check_position(as_global(item), highest=_HIGHEST)
         if result == _RESULT.ACCEPTED and item.frame not in GLOBAL_FRAMES | {common.MavFrame.MISSION}:
             return _RESULT.UNSUPPORTED_FRAME
         return result
@@ -173,7 +173,7 @@ class ArdupilotMissionRules(MissionRules):
     def may_replace(self, *, flying: bool, empty: bool) -> int:
         return _RESULT.ERROR if flying and empty else _RESULT.ACCEPTED
 
-    def replaced(self, mission: MissionRunner, was: int) -> None:
+    def replaced(self, mission: Mission, was: int) -> None:
         if mission.items:
             mission.say("Flight plan received")
         mission.restore(was)
@@ -190,7 +190,7 @@ class ArdupilotMissionRules(MissionRules):
     def navigates(self, item: MissionItem) -> bool:
         return item.command <= _LAST_NAVIGATION or item.command == _CMD.NAV_SET_YAW_SPEED
 
-    def refusal(self, mission: MissionRunner) -> str | None:
+    def refusal(self, mission: Mission) -> str | None:
         autopilot, kind = self.autopilot, self.vehicle.type
         if kind in _WINGS or not (autopilot.armed or kind.on_surface):
             return None
@@ -243,7 +243,7 @@ class ArdupilotMissionRules(MissionRules):
     def passes_by(self) -> bool:
         return self.vehicle.type in _WINGS
 
-    def finish(self, mission: MissionRunner) -> Iterator[None]:
+    def finish(self, mission: Mission) -> Iterator[None]:
         kind, autopilot = self.vehicle.type, self.autopilot
         if self.grounded and kind in {VehicleType.COPTER, VehicleType.VTOL}:
             mission.later(lambda: autopilot.disarm("mission end"))
@@ -260,7 +260,7 @@ class ArdupilotMissionRules(MissionRules):
             yield
 
 
-def _takes_off(mission: MissionRunner) -> bool:
+def _takes_off(mission: Mission) -> bool:
     """Whether the next items that navigate begin with a take-off, delays left aside."""
     begin = 0 if mission.rules.restarts else mission.sequence
     commands = (mission.items[seq].command for seq in mission.route.upcoming(begin))

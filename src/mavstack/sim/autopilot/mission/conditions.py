@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.sim.autopilot.mission.step import Step
+    from mavstack.sim.autopilot.mission.interfaces import Step
 
 _HEADING_REACHED = radians(5)
 #: A heading that is not reached by then is given up.

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
+    from mavstack.sim.autopilot.payload import Payload
+    from mavstack.sim.autopilot.state import AutopilotState
 
 #: A region of interest is followed in steps of so many radians.
 _TURN = pi / 90
@@ -32,8 +33,9 @@ class _Choices:
 class Course:
     """Where the mission sends the vehicle."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: AutopilotState, payload: Payload) -> None:
         self._autopilot = autopilot
+        self._payload = payload
         self._point: Point | None = None
         self._start: Point | None = None
         self._yaw: float | None = None
@@ -69,7 +71,7 @@ class Course:
         return _Choices(maneuvers.speed, maneuvers.climb, maneuvers.sink, self._towards_region(yaw))
 
     def _towards_region(self, yaw: float | None) -> float | None:
-        region = self._autopilot.payload.region_of_interest
+        region = self._payload.region_of_interest
         if region is None or self._autopilot.vehicle.type not in _TURNS_ON_THE_SPOT:
             return yaw
         north, east, _ = self._autopilot.maneuvers.place

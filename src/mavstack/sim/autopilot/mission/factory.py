@@ -9,8 +9,8 @@ from mavstack.sim.autopilot.mission.px4 import Px4MissionRules
 from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.mission.rules import MissionRules
+    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.mission.interfaces import MissionRules
 
 
 def rules_of(autopilot: Autopilot) -> MissionRules:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.mission.step import Step
+    from mavstack.sim.autopilot.mission.interfaces import Step
 
 _MOST_TURNS = 255.0
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from mavstack.sim.autopilot.behaviour import Behaviour
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.mission.step import Step
+    from mavstack.sim.autopilot.mission.interfaces import Step
 
 #: A take-off goes at least so high.
 _LEAST_CLIMB = 1.0

@@ -10,15 +10,15 @@ from math import isnan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.sim.autopilot.mission.interfaces import MissionRules
+from mavstack.sim.autopilot.mission.item_checks import check_numbers, check_position
 from mavstack.sim.autopilot.mission.places import place_of
-from mavstack.sim.autopilot.mission.rules import MissionRules, bad_number, bad_place
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.mission import MissionItem
-    from mavstack.sim.autopilot.mission.runner import MissionRunner
-    from mavstack.sim.autopilot.mission.step import Step
+    from mavstack.sim.autopilot.mission.interfaces import Mission, Step
 
 _CMD = common.MavCmd
 _F = common.MavFrame
@@ -115,21 +115,21 @@ class Px4MissionRules(MissionRules):
             return _RESULT.UNSUPPORTED
         if item.command in _REGIONS and item.param1 not in _REGIONS_PLACELESS:
             return _RESULT.INVALID_PARAM1
-        return bad_number(item, may_be_nan=_ALL)
+        return check_numbers(item, may_be_nan=_ALL)
 
     def _check_placed(self, item: MissionItem) -> int:
         if item.command in _ANYWHERE:
-            return bad_number(item, may_be_nan=_ALL)
+            return check_numbers(item, may_be_nan=_ALL)
         if item.command not in PLACED:
             return _RESULT.UNSUPPORTED
         if item.command in _REGIONS and item.param1 not in _REGIONS_PLACED:
             return _RESULT.INVALID_PARAM1
-        result = bad_number(item, may_be_nan=_ALL)
+        result = check_numbers(item, may_be_nan=_ALL)
         if result != _RESULT.ACCEPTED:
             return result
-        return bad_place(item, highest=_HIGHEST, may_be_left_out=True)
+        return check_position(item, highest=_HIGHEST, may_be_left_out=True)
 
-    def replaced(self, mission: MissionRunner, was: int) -> None:
+    def replaced(self, mission: Mission, was: int) -> None:
         self._reached = None
         problem = self.problem(mission)
         if problem is not None:
@@ -137,7 +137,7 @@ class Px4MissionRules(MissionRules):
         if mission.flying:
             mission.begin_at(mission.sequence)
 
-    def problem(self, mission: MissionRunner) -> str | None:
+    def problem(self, mission: Mission) -> str | None:
         """Why the mission that was uploaded cannot be flown; None if it can, or if there is none."""
         moved = False
         for seq, item in enumerate(mission.items):
@@ -159,12 +159,12 @@ class Px4MissionRules(MissionRules):
     def navigates(self, item: MissionItem) -> bool:
         return item.command in PLACED and item.command not in _REGIONS | {_CMD.DO_SET_ROI_LOCATION}
 
-    def refusal(self, mission: MissionRunner) -> str | None:
+    def refusal(self, mission: Mission) -> str | None:
         if self.autopilot.armed and (not mission.exists or self.problem(mission) is not None):
             return "Switching to mode 'Mission' is currently not possible"
         return None
 
-    def began(self, mission: MissionRunner) -> None:
+    def began(self, mission: Mission) -> None:
         if mission.exists and self.problem(mission) is None:
             mission.say("Executing Mission")
 
@@ -172,7 +172,7 @@ class Px4MissionRules(MissionRules):
         if step.item.command in _TAKEOFFS and self.grounded:
             step.mission.say(f"Climb to {self._height(step.item):.1f} meters above home")
 
-    def reported(self, mission: MissionRunner, seq: int) -> None:
+    def reported(self, mission: Mission, seq: int) -> None:
         self._reached = told = object()
 
         def say_again() -> None:
@@ -201,7 +201,7 @@ class Px4MissionRules(MissionRules):
     def yaw_counts(self) -> bool:
         return True
 
-    def finish(self, mission: MissionRunner) -> Iterator[None]:
+    def finish(self, mission: Mission) -> Iterator[None]:
         """A mission that ends on the ground stays in its mode, and is disarmed there."""
         autopilot, where = self.autopilot, "landed" if self.grounded else "loitering"
         if not mission.exists:

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import CurrentItemSet, Plan, PlanReplaced, PlanType
-from mavstack.sim.autopilot.mission.actions import GuidedLimits
 from mavstack.sim.autopilot.mission.course import Course
 from mavstack.sim.autopilot.mission.factory import rules_of
+from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
+from mavstack.sim.autopilot.mission.interfaces import Step
 from mavstack.sim.autopilot.mission.route import Leg, Route
 from mavstack.sim.autopilot.mission.scripts import script_of
-from mavstack.sim.autopilot.mission.step import Step, nearest
 from mavstack.sim.autopilot.mission.validation import judge_item, judge_plan
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem, MissionServer
-    from mavstack.sim.autopilot.autopilot import Autopilot
-    from mavstack.sim.autopilot.behaviour import Behaviour
+    from mavstack.sim.autopilot.control import RunningBehaviour
+    from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
 _STATE = common.MissionState
@@ -44,9 +44,9 @@ class MissionRunner:
     def __init__(self, autopilot: Autopilot) -> None:
         self.autopilot = autopilot
         self.rules = rules_of(autopilot)
-        self.course = Course(autopilot)
+        self.course = Course(autopilot, autopilot.payload)
         #: What a mode does that an item does just now, such as a take-off.
-        self.part: Behaviour | None = None
+        self.part: RunningBehaviour | None = None
         self.guided_limits = GuidedLimits()
         #: Whether a VTOL was told to hover on its way.
         self.hovers = False
@@ -85,6 +85,11 @@ class MissionRunner:
         return len(self.items) > self.rules.first
 
     @property
+    def first(self) -> int:
+        """The sequence number of the first item that is flown."""
+        return self.rules.first
+
+    @property
     def sequence(self) -> int:
         """The current item."""
         return self.server.current
@@ -113,6 +118,10 @@ class MissionRunner:
         return self._route
 
     # What others ask of it
+
+    def valid(self) -> bool:
+        """Return whether there is a mission that can be flown."""
+        return self.rules.valid(self)
 
     def refusal(self) -> str | None:
         """Why the mission mode may not be entered now; None if it may."""
@@ -184,7 +193,13 @@ class MissionRunner:
 
     def landing_start(self) -> int | None:
         """The nearest DO_LAND_START."""
-        return nearest(self, _CMD.DO_LAND_START)
+        found = (seq for seq, item in enumerate(self.items) if item.command == _CMD.DO_LAND_START)
+        return min(found, key=self._distance_to, default=None)
+
+    def _distance_to(self, seq: int) -> float:
+        """Return the distance to an item; its sequence number if it has no position."""
+        step = Step(self, seq, self.items[seq])
+        return step.maneuvers.distance(step.place()) if step.has_place else float(seq)
 
     # For the services
 

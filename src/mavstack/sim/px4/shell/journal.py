@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.autopilot.interfaces import Vehicle
 
 _MOST: Final = 200
 
@@ -17,13 +17,12 @@ class Journal:
     def __init__(self) -> None:
         self.lines: deque[str] = deque(maxlen=_MOST)
 
-    def begin(self, vehicle: SimulatedVehicle) -> None:
+    def begin(self, vehicle: Vehicle) -> None:
         """Forget, and listen to a vehicle, once however often it boots."""
         self.lines.clear()
-        if self.told not in vehicle.listeners:
-            vehicle.listeners.append(self.told)
+        vehicle.add_listener(self.told)
 
-    def told(self, vehicle: SimulatedVehicle, kind: str, text: str) -> None:
+    def told(self, vehicle: Vehicle, kind: str, text: str) -> None:
         """The vehicle said or did something."""
         if kind == "text":
             self.lines.append(f"[{vehicle.uptime:10.3f}] INFO  [commander] {text}")

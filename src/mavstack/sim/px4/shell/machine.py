@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.px4.shell.journal import Journal
     from mavstack.sim.px4.state import Px4State
-    from mavstack.sim.vehicle import SimulatedVehicle
 
 
 @dataclass(frozen=True, slots=True)
 class Machine:
     """One vehicle, as its shell reaches it."""
 
-    vehicle: SimulatedVehicle
+    vehicle: Vehicle
     state: Px4State
     journal: Journal

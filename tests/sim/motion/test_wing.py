@@ -5,21 +5,30 @@ import math
 import pytest
 
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.motion.flights import alone, away, fly, speed, together, turned, watch, watch_all
+from tests.sim.motion.flights import (
+    absolute_angle,
+    horizontal_distance,
+    record,
+    record_all,
+    several_bodies,
+    single_body,
+    speed,
+    step_for,
+)
 
 
 def cruising(height: float = 80.0, *, wind: float = 0.0):
-    world, body = alone(VehicleType.PLANE, wind=wind)
+    world, body = single_body(VehicleType.PLANE, wind=wind)
     body.place(0, 0, -height, 0)
     body.fly_velocity(18, 0, 0)
-    fly(world, 5)
+    step_for(world, 5)
     return world, body
 
 
 def test_takes_off_from_the_ground():
-    world, body = alone(VehicleType.PLANE)
+    world, body = single_body(VehicleType.PLANE)
     body.go_to(0, 600, -60)
-    seen = watch(world, body, 40)
+    seen = record(world, body, 40)
     assert not body.on_ground
     assert seen[-1].down < -50
     assert max(abs(m.north) for m in seen) < 5
@@ -29,8 +38,8 @@ def test_follows_a_line_with_its_slope_and_flies_on():
     world, body = cruising(wind=8.0)
     start = (body.truth.north, body.truth.east + 30, -80.0)
     body.go_to(start[0] + 500, start[1], -110, start=start)
-    fly(world, 18)
-    seen = watch(world, body, 25)
+    step_for(world, 18)
+    seen = record(world, body, 25)
     assert all(abs(m.east - start[1]) < 4 for m in seen)
     slope = [-80 - 30 * min((m.north - start[0]) / 500, 1.0) for m in seen]
     assert all(abs(m.down - height) < 4 for m, height in zip(seen, slope, strict=True))
@@ -38,14 +47,14 @@ def test_follows_a_line_with_its_slope_and_flies_on():
 
 
 @pytest.mark.parametrize("wind", [0.0, 8.0])
-def test_circles_both_ways(wind):
-    world, bodies = together(VehicleType.PLANE, 2, wind=wind)
+def test_circles_in_both_directions(wind):
+    world, bodies = several_bodies(VehicleType.PLANE, 2, wind=wind)
     for body, radius in zip(bodies, (80, -80), strict=True):
         body.place(0, 0, -85, 0)
         body.circle(0, 100, -90, radius)
-    fly(world, 25)
-    for seen, way in zip(watch_all(world, bodies, 25), (1, -1), strict=True):
-        assert all(abs(away(m, 0, 100) - 80) < 8 for m in seen)
+    step_for(world, 25)
+    for seen, way in zip(record_all(world, bodies, 25), (1, -1), strict=True):
+        assert all(abs(horizontal_distance(m, 0, 100) - 80) < 8 for m in seen)
         assert all(abs(m.down + 90) < 4 for m in seen)
         assert all(way * (m.north * m.velocity_east - (m.east - 100) * m.velocity_north) > 0 for m in seen)
 
@@ -57,16 +66,18 @@ def test_keeps_its_airspeed_and_bank():
     for _ in range(1000):
         world.step()
         speeds.append(body.airspeed)
-        assert turned(body.truth.roll) < body.limits.tilt + 0.1
+        assert absolute_angle(body.truth.roll) < body.limits.tilt + 0.1
     assert 14 < min(speeds) < max(speeds) < 23
 
 
-def test_course_airspeed_and_climb_of_a_velocity():
+def test_velocity_sets_course_airspeed_and_climb():
     world, body = cruising()
     body.fly_velocity(0, 15, -2)
-    fly(world, 10)
-    seen = watch(world, body, 5)
-    assert all(turned(math.atan2(m.velocity_east, m.velocity_north) - math.pi / 2) < 0.1 for m in seen)
+    step_for(world, 10)
+    seen = record(world, body, 5)
+    assert all(
+        absolute_angle(math.atan2(m.velocity_east, m.velocity_north) - math.pi / 2) < 0.1 for m in seen
+    )
     assert all(abs(m.velocity_down + 2) < 0.8 for m in seen)
     assert abs(body.airspeed - 15) < 1.5
 
@@ -83,7 +94,7 @@ def test_stalls_when_held_nose_up_without_power_and_recovers():
     assert max(m.velocity_down for m in seen) > 4
     assert min(m.pitch for m in seen) < 0.0
     body.fly_velocity(18, 0, 0)
-    fly(world, 8)
+    step_for(world, 8)
     assert abs(body.truth.velocity_down) < 1.5
     assert body.airspeed > 15
 
@@ -92,8 +103,8 @@ def test_glides_without_its_motor():
     world, body = cruising(200)
     body.fail_motor(1, True)
     body.go_to(5000, 0, -200)
-    fly(world, 10)
-    seen = watch(world, body, 20)
+    step_for(world, 10)
+    seen = record(world, body, 20)
     assert body.throttle < 0.01
     assert body.airspeed > 10.5
     sunk = seen[-1].down - seen[0].down
@@ -104,37 +115,37 @@ def test_glides_without_its_motor():
 def test_lands_and_rolls_out():
     world, body = cruising(30)
     body.fly_velocity(15, 0, 1.5)
-    fly(world, 30, lambda: body.on_ground)
+    step_for(world, 30, lambda: body.on_ground)
     assert body.on_ground
     body.roll_out()
-    assert fly(world, 20, lambda: speed(body.truth) < 0.01) < 10
+    assert step_for(world, 20, lambda: speed(body.truth) < 0.01) < 10
     assert body.throttle < 0.01
-    assert turned(body.truth.roll) < 0.02
-    fly(world, 5)
+    assert absolute_angle(body.truth.roll) < 0.02
+    step_for(world, 5)
     assert speed(body.truth) < 0.01
 
 
 def test_sticks_move_the_surfaces():
     world, body = cruising(200)
     body.sticks(0.5, 0, 0.4, 0)
-    fly(world, 1)
+    step_for(world, 1)
     assert body.truth.roll > 0.3
     assert body.servos[0] > 1500
     world, body = cruising(200)
     body.hold_rates(-0.5, 0, 0, 0.4)
-    fly(world, 1)
+    step_for(world, 1)
     assert body.truth.roll_rate < -0.3
 
 
-def test_stays_where_it_is_in_wind_on_the_ground():
-    world, body = alone(VehicleType.PLANE, wind=8.0)
+def test_stays_on_the_ground_in_wind():
+    world, body = single_body(VehicleType.PLANE, wind=8.0)
     body.idle()
-    fly(world, 8)
-    assert away(body.truth, 0, 0) < 1.0
+    step_for(world, 8)
+    assert horizontal_distance(body.truth, 0, 0) < 1.0
 
 
 @pytest.mark.parametrize("least", [0.0, 9.0, 100.0])
-def test_no_limit_lets_it_stall(least):
+def test_no_airspeed_limit_makes_it_stall(least):
     world, body = cruising()
     for name in ("airspeed_min", "airspeed_cruise", "speed", "airspeed_max"):
         body.set_limit(name, least)
@@ -147,12 +158,12 @@ def test_no_limit_lets_it_stall(least):
     assert abs(body.truth.down + 90) < 5
 
 
-def test_the_wheels_keep_it_on_the_runway_in_a_cross_wind():
-    world, body = alone(VehicleType.PLANE, wind=6.0)
+def test_wheels_hold_the_heading_in_a_cross_wind():
+    world, body = single_body(VehicleType.PLANE, wind=6.0)
     body.place(0, 0, 0, 0)  # to the north, the wind comes from the west
-    fly(world, 10)
-    assert turned(body.truth.yaw) < 0.1
+    step_for(world, 10)
+    assert absolute_angle(body.truth.yaw) < 0.1
     body.hold_attitude(0.0, 0.0, 0.0, 1.0)
-    fly(world, 10, until=lambda: body.airspeed > 12)
-    assert turned(body.truth.yaw) < 0.15
+    step_for(world, 10, until=lambda: body.airspeed > 12)
+    assert absolute_angle(body.truth.yaw) < 0.15
     assert abs(body.truth.east) < 2

@@ -1,0 +1,32 @@
+"""The port of a simulated vehicle: its end of the connection to one peer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mavstack.node.channel_state import ChannelState
+
+
+@dataclass(eq=False, slots=True)
+class Port:
+    """The connection of a vehicle to one peer; `state` is its channel in the engine, replaced at each boot."""
+
+    name: str
+    options: dict[str, Any] = field(default_factory=dict)
+    state: ChannelState | None = None
+
+    def limit(self, bandwidth: float | None, bulk_rate: float | None) -> None:
+        """Change the capacity of the link; a bandwidth learned from RADIO_STATUS stays.
+
+        Args:
+            bandwidth: Bytes per second; None if unknown.
+            bulk_rate: Packets of logs and files per second; None for no limit.
+        """
+        self.options |= {"bandwidth": bandwidth, "bulk_rate": bulk_rate}
+        if self.state is not None:
+            pacer = self.state.pacer
+            pacer.bulk_rate = bulk_rate
+            if not pacer.learned:
+                pacer.bandwidth = bandwidth
