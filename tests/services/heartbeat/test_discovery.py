@@ -1,16 +1,16 @@
-"""Who is found, lost, back, rebooted."""
+"""Discovery: components are found, lost, returned and rebooted."""
 
 from __future__ import annotations
 
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.heartbeat import (
-    Beacon,
     ComponentFound,
     ComponentLost,
     ComponentRebooted,
     ComponentReturned,
     Discovery,
+    HeartbeatSender,
 )
 from mavstack.wire import Packet, encode
 from tests.services.network import GROUND, START, VEHICLE, Network
@@ -45,7 +45,7 @@ def test_a_component_is_found_lost_and_back() -> None:
     assert discovery.components[VEHICLE].alive
 
 
-def test_what_a_vehicle_is_its_type_says_not_its_component_id() -> None:
+def test_type_and_not_component_id_marks_an_autopilot() -> None:
     discovery = Discovery(GROUND)
     gimbal = common.Heartbeat(type=common.MavType.GIMBAL, autopilot=common.MavAutopilot.INVALID)
     discovery.receive(packet(gimbal, Address(1, 1)), START)
@@ -54,10 +54,10 @@ def test_what_a_vehicle_is_its_type_says_not_its_component_id() -> None:
     assert discovery.components[1, 77].is_autopilot
 
 
-def test_other_messages_are_signs_of_life() -> None:
+def test_other_messages_count_as_signs_of_life() -> None:
     discovery = Discovery(GROUND)
     discovery.receive(packet(common.Attitude(time_boot_ms=5)), START)
-    assert not discovery.components  # nobody that ever said what it is
+    assert not discovery.components  # no HEARTBEAT came from it
     discovery.receive(packet(HEARTBEAT), START)
     for second in range(1, 20):
         discovery.receive(packet(common.Attitude(time_boot_ms=second * 1000)), START + second)
@@ -92,7 +92,7 @@ def test_high_latency_sources_need_no_heartbeat() -> None:
     assert kinds(discovery) == [ComponentLost]
 
 
-def test_nobody_has_the_address_0_and_memory_is_bounded() -> None:
+def test_address_0_is_ignored_and_memory_is_bounded() -> None:
     discovery = Discovery(GROUND)
     discovery.receive(packet(HEARTBEAT, Address(0, 1)), START)
     discovery.receive(packet(HEARTBEAT, Address(1, 0)), START)
@@ -103,22 +103,22 @@ def test_nobody_has_the_address_0_and_memory_is_bounded() -> None:
     assert len(discovery.components) == 4096
 
 
-def test_heartbeats_keep_their_rate_and_do_not_make_up_for_a_stall() -> None:
-    beacon = Beacon(VEHICLE, common.MavType.ROCKET)
+def test_heartbeats_keep_their_rate_after_a_stall() -> None:
+    sender = HeartbeatSender(VEHICLE, common.MavType.ROCKET)
     times = []
     now = START
     for late in (0.0, 0.01, 0.0, 3.7, 0.0, 0.0):
-        now = max(beacon.next_timeout() or 0.0, START) + late
-        beacon.handle_timeout(now)
-        times += [round(now - START, 2) for _ in beacon.messages_to_send(now)]
+        now = max(sender.next_timeout() or 0.0, START) + late
+        sender.handle_timeout(now)
+        times += [round(now - START, 2) for _ in sender.messages_to_send(now)]
     assert times == [0.0, 1.01, 2.0, 6.7, 7.7, 8.7]
 
 
-def test_heartbeats_cross_a_network_and_restarts_are_noticed() -> None:
+def test_loss_and_return_over_a_network() -> None:
     network = Network(1)
 
     def setup(engine) -> None:
-        engine.add(Beacon(VEHICLE, common.MavType.QUADROTOR, common.MavAutopilot.PX4))
+        engine.add(HeartbeatSender(VEHICLE, common.MavType.QUADROTOR, common.MavAutopilot.PX4))
 
     vehicle = network.node(VEHICLE, setup)
     ground = network.node(GROUND, lambda engine: engine.add(Discovery(GROUND)))

@@ -10,7 +10,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, ModeTimeout, RemoteDenied
 from mavstack.services import OperationEnded
 from mavstack.services.command import CommandClient, CommandServer
-from mavstack.services.heartbeat import Beacon
+from mavstack.services.heartbeat import HeartbeatSender
 from mavstack.services.modes import (
     AvailableMode,
     ListModes,
@@ -37,7 +37,7 @@ class Pair:
         self.vehicle = self.network.node(VEHICLE)
         self.ground = self.network.node(GROUND)
         engine = self.vehicle.engine
-        self.beacon = engine.add(Beacon(VEHICLE, 2, autopilot))
+        self.beacon = engine.add(HeartbeatSender(VEHICLE, 2, autopilot))
         self.modes = engine.add(
             ModeServer(VEHICLE, modes, modes[0].custom_mode, autopilot=autopilot, **options)
         )
@@ -131,7 +131,7 @@ def test_a_name_that_nobody_knows_is_denied_with_those_that_there_are():
 def test_without_a_heartbeat_nothing_is_sent():
     pair = Pair()
     pair.vehicle.engine.remove(pair.beacon)
-    pair.beacon = Beacon(VEHICLE)
+    pair.beacon = HeartbeatSender(VEHICLE)
     assert isinstance(pair.run(SetMode("GUIDED")).error, ModeTimeout)
     assert not [p for p in pair.vehicle.heard if p.name == "COMMAND_LONG"]
 

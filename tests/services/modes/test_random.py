@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout, ModeTimeout
 from mavstack.services.command import CommandClient, CommandServer
-from mavstack.services.heartbeat import Beacon
+from mavstack.services.heartbeat import HeartbeatSender
 from mavstack.services.modes import ListModes, ModeChanged, ModeServer, SetMode, SetStandardMode, modes_of
 from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
 
@@ -34,7 +34,7 @@ class Vehicle:
             )
         )
         self.modes.register(engine.add(CommandServer(VEHICLE)))
-        self.beacon = engine.add(Beacon(VEHICLE, 2, 3))
+        self.beacon = engine.add(HeartbeatSender(VEHICLE, 2, 3))
         self.beacon.base_mode = 1
 
     @property

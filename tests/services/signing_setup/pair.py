@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mavstack.node.key_change import trusted_channels
-from mavstack.services.heartbeat import Beacon
+from mavstack.services.heartbeat import HeartbeatSender
 from mavstack.services.signing_setup import KeySettled, SigningSetupClient, SigningSetupServer
 from mavstack.services.timesync import TimesyncServer
 from tests.services.network import GROUND, VEHICLE, Network
@@ -19,14 +19,14 @@ class Pair:
         self.settled_before = 0
         self.vehicle = self.network.node(VEHICLE, self.setup_vehicle)
         self.ground = self.network.node(GROUND)
-        self.ground.engine.add(Beacon(GROUND))
+        self.ground.engine.add(HeartbeatSender(GROUND))
         self.client = self.ground.engine.add(SigningSetupClient(GROUND, VEHICLE))
         self.pipes = self.network.connect(self.ground, self.vehicle, weather)
         self.sign(self.ground, key)
         self.sign(self.vehicle, key)
 
     def setup_vehicle(self, engine):
-        engine.add(Beacon(VEHICLE, 2, 3))
+        engine.add(HeartbeatSender(VEHICLE, 2, 3))
         if self.answers:
             engine.add(TimesyncServer(VEHICLE))
         policy = self.policy or trusted_channels(engine)

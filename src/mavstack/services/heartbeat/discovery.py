@@ -1,28 +1,38 @@
-"""Who is on the network: components appear, fall silent, return, and reboot.
+"""Discovery: which components are on the network, and which were lost, returned or rebooted.
 
-A component is found by its first HEARTBEAT, or by HIGH_LATENCY2, whose senders may never send the former.
-What a vehicle is, its type says, not its component id. It is lost after `timeout` seconds without a sign of
-life; other regular messages count as such, since on a bad link five heartbeats in a row are easily lost. Who
-was heard only over channels that are gone is lost at once.
+A component is found by its first HEARTBEAT, or by HIGH_LATENCY2, whose senders may never send the former. Its
+type, not its component id, says whether it is a vehicle. It is lost after `ComponentInfo.timeout` seconds
+without a sign of life; other regular messages count as such, since on a bad link five heartbeats in a row
+are easily lost. A component to which no channel leads any more is lost at once.
 
-A reboot shows in the time since boot, and so do two senders that use one address (see `lives` and `claims`):
-that is told once, and reboots of that address are not told while it lasts. If a payload calls itself by a
-living autopilot's address, the autopilot's heartbeats are those that count. Who uses our own address is told
-of too, by those of its heartbeats that are no echo of ours.
+Reboots and address conflicts are told apart as the package describes. A conflict is reported once, and
+reboots of that address are not reported while it lasts. If a payload uses the address of a living autopilot,
+the autopilot's heartbeats are the ones that count. A heartbeat with the local address that is no echo of the
+local component's own is an `OwnAddressConflict`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
-from mavstack.services.heartbeat.claims import Claim, Claims
-from mavstack.services.heartbeat.kinds import describe_kind
-from mavstack.services.heartbeat.lives import OVER, Verdict
-from mavstack.services.heartbeat.pulse import Pulse
-from mavstack.services.service import Event, Service, earliest
+from mavstack.services.heartbeat.address_conflict import AddressConflictDetector
+from mavstack.services.heartbeat.boot_time_filter import BootTimeFilter
+from mavstack.services.heartbeat.boot_tracker import CONFLICT_ENDS_AFTER, Finding
+from mavstack.services.heartbeat.component_info import HEARTBEAT_TIMEOUT, ComponentInfo
+from mavstack.services.heartbeat.events import (
+    AddressConflict,
+    AddressConflictEnded,
+    ComponentChanged,
+    ComponentFound,
+    ComponentLost,
+    ComponentRebooted,
+    ComponentReturned,
+    OwnAddressConflict,
+)
+from mavstack.services.service import Service, earliest
 from mavstack.services.version import AutopilotVersion
 
 if TYPE_CHECKING:
@@ -30,11 +40,8 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-TIMEOUT = 5.0
-#: HIGH_LATENCY2 comes every five seconds at best.
-HIGH_LATENCY_TIMEOUT = 30.0
-#: So many components are remembered; beyond it new ones are not, since real networks are far smaller.
-MOST_COMPONENTS = 4096
+#: Real networks are far smaller; further components are ignored.
+MAX_COMPONENTS = 4096
 
 _WITH_BOOT_TIME = (
     common.SystemTime,
@@ -46,143 +53,13 @@ _WITH_BOOT_TIME = (
 _BOOT_TIME_IDS = message_ids(*_WITH_BOOT_TIME)
 
 
-@dataclass(frozen=True, slots=True)
-class ComponentInfo:
-    """What a component said about itself; times in Unix seconds."""
-
-    address: Address
-    type: int
-    autopilot: int
-    base_mode: int
-    custom_mode: int
-    system_status: int
-    first_seen: float
-    last_seen: float
-    high_latency: bool = False
-    alive: bool = True
-
-    @property
-    def is_autopilot(self) -> bool:
-        """Whether it flies or drives something: neither a payload nor a ground station."""
-        return _flies(self.type, self.autopilot)
-
-    @property
-    def is_ground_station(self) -> bool:
-        """Whether people sit there."""
-        return self.type == common.MavType.GCS
-
-    @property
-    def kind(self) -> str:
-        """What it is, in words: "camera", "quadrotor with PX4"."""
-        return describe_kind(self.type, self.autopilot)
-
-    @property
-    def armed(self) -> bool:
-        """Whether its motors may run."""
-        return bool(self.base_mode & common.MavModeFlag.SAFETY_ARMED)
-
-    @property
-    def timeout(self) -> float:
-        """When it counts as lost, if it stays silent."""
-        return HIGH_LATENCY_TIMEOUT if self.high_latency else TIMEOUT
-
-
-_Type = common.MavType
-_NOT_VEHICLES = frozenset(
-    {
-        _Type.GCS,
-        _Type.ANTENNA_TRACKER,
-        _Type.ONBOARD_CONTROLLER,
-        _Type.GIMBAL,
-        _Type.ADSB,
-        _Type.CAMERA,
-        _Type.CHARGING_STATION,
-        _Type.FLARM,
-        _Type.SERVO,
-        _Type.ODID,
-        _Type.BATTERY,
-        _Type.PARACHUTE,
-        _Type.LOG,
-        _Type.OSD,
-        _Type.IMU,
-        _Type.GPS,
-        _Type.WINCH,
-        _Type.ILLUMINATOR,
-        _Type.GRIPPER,
-        _Type.RADIO,
-    }
-)
-
-
-def _flies(type_number: int, autopilot: int) -> bool:
-    return autopilot != common.MavAutopilot.INVALID and type_number not in _NOT_VEHICLES
-
-
-@dataclass(frozen=True, slots=True)
-class ComponentFound(Event):
-    """A component was heard for the first time."""
-
-    component: ComponentInfo
-
-
-@dataclass(frozen=True, slots=True)
-class ComponentLost(Event):
-    """A component has been silent for too long, or cannot be reached any more; `reason` says which."""
-
-    component: ComponentInfo
-    reason: str
-
-
-@dataclass(frozen=True, slots=True)
-class ComponentReturned(Event):
-    """A lost component is heard again, so many seconds after it was heard last."""
-
-    component: ComponentInfo
-    after: float
-
-
-@dataclass(frozen=True, slots=True)
-class ComponentChanged(Event):
-    """A component says that it is of another type, or has another autopilot, than before."""
-
-    component: ComponentInfo
-    before: ComponentInfo
-
-
-@dataclass(frozen=True, slots=True)
-class ComponentRebooted(Event):
-    """A component's boot time began anew: what was cached of it may be wrong."""
-
-    component: ComponentInfo
-
-
-@dataclass(frozen=True, slots=True)
-class AddressClash(Event):
-    """Two components use one address; told once until it is over."""
-
-    component: ComponentInfo
-    claims: tuple[Claim, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class AddressClashOver(Event):
-    """Only one component has used an address for a while."""
-
-    component: ComponentInfo
-
-
-@dataclass(frozen=True, slots=True)
-class OwnAddressConflict(Event):
-    """Someone else uses our own address; told once until it has been silent for a while."""
-
-    component: ComponentInfo
-
-
 class Discovery(Service):
-    """The components that are or were heard, by address.
+    """The components that were heard, by address.
 
-    `is_echo` tells a heartbeat of our own that came back from one of someone else with our address; `where`
-    names the channel of the packet that is being received.
+    Args:
+        local: The local component.
+        is_echo: Returns True for a packet of the local component that came back over the network.
+        channel_name: Returns the name of the channel of the packet that is being received.
     """
 
     handles = message_ids(common.Heartbeat, common.HighLatency2, common.AutopilotVersion, *_WITH_BOOT_TIME)
@@ -193,174 +70,151 @@ class Discovery(Service):
         local: Address,
         *,
         is_echo: Callable[[Packet], bool] = lambda packet: True,
-        where: Callable[[], str] = lambda: "",
+        channel_name: Callable[[], str] = lambda: "",
     ) -> None:
         super().__init__(local)
         self.components: dict[Address, ComponentInfo] = {}
-        self._is_echo, self._where = is_echo, where
-        self._claims: dict[Address, Claims] = {}
-        self._pulses: dict[tuple[int, int], Pulse] = {}  # of those alive who tell their time since boot
-        self._taken_at: float | None = None  # when our own address was last used by someone else
-        self._look_at: float | None = (
-            None  # no one is lost before; looking at all for each packet would be slow
-        )
+        self._is_echo, self._channel_name = is_echo, channel_name
+        self._detectors: dict[Address, AddressConflictDetector] = {}
+        self._filters: dict[tuple[int, int], BootTimeFilter] = {}  # of components that send boot times
+        self._own_address_used_at: float | None = None
+        self._check_at: float | None = None  # no component is lost before; a check per packet would be slow
 
-    def clash_of(self, address: Address) -> bool:
-        """Whether several components use the address."""
-        claims = self._claims.get(address)
-        return claims is not None and claims.clashing
+    def has_conflict(self, address: Address) -> bool:
+        """Return whether several senders use the address."""
+        detector = self._detectors.get(address)
+        return detector is not None and detector.in_conflict
 
     def unreachable(self, addresses: Iterable[Address], reason: str) -> None:
-        """No channel leads to these any more."""
+        """Mark components as lost because no channel leads to them any more."""
         for address in addresses:
             info = self.components.get(address)
             if info is not None and info.alive:
                 self._lose(info, reason)
 
     def receive(self, packet: Packet, now: float) -> bool | None:
-        pulse = self._pulses.get((packet.system, packet.component))
-        if pulse and packet.message_id in _BOOT_TIME_IDS and pulse.goes_on(packet.message.time_boot_ms, now):
+        boot_time_filter = self._filters.get((packet.system, packet.component))
+        if (
+            boot_time_filter
+            and packet.message_id in _BOOT_TIME_IDS
+            and boot_time_filter.is_expected(packet.message.time_boot_ms, now)
+        ):
             return False
-        self._look_closely(packet, now)
+        self._analyse(packet, now)
         return None
 
-    def _look_closely(self, packet: Packet, now: float) -> None:
+    def _analyse(self, packet: Packet, now: float) -> None:
         address = Address(packet.system, packet.component)
         message = packet.message
         if address == self.local:
             if isinstance(message, common.Heartbeat) and not self._is_echo(packet):
-                self._is_taken(message, now)
+                self._own_address_used(message, now)
             return
         match message:
             case common.Heartbeat() as heartbeat:
-                self._introduced(address, heartbeat, now)
+                self._heartbeat_received(address, heartbeat, now)
             case common.HighLatency2() as summary:
-                self._summarised(address, summary, now)
+                self._high_latency_received(address, summary, now)
             case common.AutopilotVersion():
                 if address in self.components:
                     unique_id = AutopilotVersion.read(message).unique_id
-                    self._judge(address, self._claims[address].unique_id(unique_id, now, self._where()), now)
+                    detector = self._detectors[address]
+                    self._report(
+                        address, detector.observe_unique_id(unique_id, now, self._channel_name()), now
+                    )
             case _ if (known := self.components.get(address)) is not None:
-                self._take_in(replace(known, last_seen=now), now - known.last_seen)
-                boot_ms = message.time_boot_ms  # the others have it
-                claims = self._claims[address]
-                self._judge(address, claims.boot_time(boot_ms, now, self._where()), now)
-                if claims.undisputed:
-                    self._pulses[address] = Pulse(boot_ms, now)
+                self._update(replace(known, last_seen=now), now - known.last_seen)
+                boot_ms = message.time_boot_ms  # every other message in `handles` has it
+                detector = self._detectors[address]
+                self._report(address, detector.observe_boot_time(boot_ms, now, self._channel_name()), now)
+                if detector.is_one_boot:
+                    self._filters[address] = BootTimeFilter(boot_ms, now)
                 else:
-                    self._pulses.pop(address, None)
+                    self._filters.pop(address, None)
 
     def next_timeout(self) -> float | None:
-        return self._look_at
+        return self._check_at
 
     def handle_timeout(self, now: float) -> None:
-        if self._look_at is None or now < self._look_at:
+        if self._check_at is None or now < self._check_at:
             return
         for info in tuple(self.components.values()):
-            pulse = self._pulses.get(info.address)
-            if pulse is not None and info.last_seen < pulse.heard_at:
-                self.components[info.address] = replace(info, last_seen=pulse.heard_at)
+            boot_time_filter = self._filters.get(info.address)
+            if boot_time_filter is not None and info.last_seen < boot_time_filter.seen_at:
+                self.components[info.address] = replace(info, last_seen=boot_time_filter.seen_at)
         for info in tuple(self.components.values()):
             if info.alive and now >= info.last_seen + info.timeout:
                 self._lose(info, f"silent for {info.timeout:g} s")
         alive = (info for info in self.components.values() if info.alive)
-        self._look_at = min((info.last_seen + info.timeout for info in alive), default=None)
+        self._check_at = min((info.last_seen + info.timeout for info in alive), default=None)
 
-    def _introduced(self, address: Address, heartbeat: common.Heartbeat, now: float) -> None:
+    def _heartbeat_received(self, address: Address, heartbeat: common.Heartbeat, now: float) -> None:
         known = self.components.get(address)
-        info = _introduction(address, heartbeat, now, known)
+        info = ComponentInfo.from_heartbeat(address, heartbeat, now, known)
         if known is not None:
-            if known.alive and self._is_usurped(known, info, now):
+            if known.alive and self._is_payload_at_autopilot_address(known, info, now):
                 info = replace(known, last_seen=now)
-            self._take_in(info, now - known.last_seen)
-        elif not self._found(info):
+            self._update(info, now - known.last_seen)
+        elif not self._add(info):
             return
-        kind = int(heartbeat.type), int(heartbeat.autopilot)
-        verdict = self._claims[address].kind(kind, now, self._where())
-        if known is not None and _kind(known) != _kind(info) and not self.clash_of(address):
+        reported = int(heartbeat.type), int(heartbeat.autopilot)
+        finding = self._detectors[address].observe_type(reported, now, self._channel_name())
+        changed = known is not None and known.type_and_autopilot != info.type_and_autopilot
+        if known is not None and changed and not self.has_conflict(address):
             self.emit(ComponentChanged(info, known))
-        self._judge(address, verdict, now)
+        self._report(address, finding, now)
 
-    def _is_usurped(self, known: ComponentInfo, info: ComponentInfo, now: float) -> bool:
-        """Whether a payload calls itself by the address of an autopilot that is alive."""
-        heard_at = self._claims[known.address].heard_as(_kind(known))
-        is_there = known.is_autopilot and heard_at is not None and now - heard_at < TIMEOUT
-        return is_there and not info.is_autopilot
+    def _is_payload_at_autopilot_address(self, known: ComponentInfo, info: ComponentInfo, now: float) -> bool:
+        """Return whether a payload sends with the address of an autopilot that is alive."""
+        seen_at = self._detectors[known.address].last_seen(known.type_and_autopilot)
+        is_alive = known.is_autopilot and seen_at is not None and now - seen_at < HEARTBEAT_TIMEOUT
+        return is_alive and not info.is_autopilot
 
-    def _summarised(self, address: Address, summary: common.HighLatency2, now: float) -> None:
+    def _high_latency_received(self, address: Address, summary: common.HighLatency2, now: float) -> None:
         known = self.components.get(address)
         if known is not None and known.alive and not known.high_latency:
-            self._take_in(replace(known, last_seen=now), now - known.last_seen)
+            self._update(replace(known, last_seen=now), now - known.last_seen)
             return
-        info = ComponentInfo(
-            address,
-            summary.type,
-            summary.autopilot,
-            0,
-            summary.custom_mode,
-            common.MavState.UNINIT,
-            known.first_seen if known else now,
-            now,
-            high_latency=True,
-        )
+        info = ComponentInfo.from_high_latency(address, summary, now, known)
         if known is None:
-            self._found(info)
+            self._add(info)
         else:
-            self._take_in(info, now - known.last_seen)
+            self._update(info, now - known.last_seen)
 
-    def _found(self, info: ComponentInfo) -> bool:
-        if len(self.components) >= MOST_COMPONENTS or 0 in info.address:
+    def _add(self, info: ComponentInfo) -> bool:
+        if len(self.components) >= MAX_COMPONENTS or 0 in info.address:
             return False
         self.components[info.address] = info
-        self._claims[info.address] = Claims()
-        self._look_at = earliest(self._look_at, info.last_seen + info.timeout)
+        self._detectors[info.address] = AddressConflictDetector()
+        self._check_at = earliest(self._check_at, info.last_seen + info.timeout)
         self.emit(ComponentFound(info))
         return True
 
-    def _take_in(self, info: ComponentInfo, silence: float) -> None:
+    def _update(self, info: ComponentInfo, silence: float) -> None:
         if not self.components[info.address].alive:
             info = replace(info, alive=True)
             self.emit(ComponentReturned(info, silence))
         self.components[info.address] = info
         due = info.last_seen + info.timeout
-        if self._look_at is None or due < self._look_at:
-            self._look_at = due
+        if self._check_at is None or due < self._check_at:
+            self._check_at = due
 
     def _lose(self, info: ComponentInfo, reason: str) -> None:
-        self._pulses.pop(info.address, None)
+        self._filters.pop(info.address, None)
         self.components[info.address] = lost = replace(info, alive=False)
         self.emit(ComponentLost(lost, reason))
 
-    def _judge(self, address: Address, verdict: Verdict, now: float) -> None:
-        match verdict:
-            case Verdict.REBOOTED:
+    def _report(self, address: Address, finding: Finding, now: float) -> None:
+        match finding:
+            case Finding.REBOOTED:
                 self.emit(ComponentRebooted(self.components[address]))
-            case Verdict.CLASH:
-                self.emit(AddressClash(self.components[address], self._claims[address].all(now)))
-            case Verdict.CLASH_OVER:
-                self.emit(AddressClashOver(self.components[address]))
+            case Finding.CONFLICT:
+                self.emit(AddressConflict(self.components[address], self._detectors[address].senders(now)))
+            case Finding.CONFLICT_ENDED:
+                self.emit(AddressConflictEnded(self.components[address]))
 
-    def _is_taken(self, heartbeat: common.Heartbeat, now: float) -> None:
-        if self._taken_at is None or now - self._taken_at > OVER:
-            self.emit(OwnAddressConflict(_introduction(self.local, heartbeat, now, None)))
-        self._taken_at = now
-
-
-def _kind(info: ComponentInfo) -> tuple[int, int]:
-    return int(info.type), int(info.autopilot)
-
-
-def _introduction(
-    address: Address, heartbeat: common.Heartbeat, now: float, known: ComponentInfo | None
-) -> ComponentInfo:
-    return ComponentInfo(
-        address,
-        heartbeat.type,
-        heartbeat.autopilot,
-        heartbeat.base_mode,
-        heartbeat.custom_mode,
-        heartbeat.system_status,
-        known.first_seen if known else now,
-        now,
-        alive=known.alive if known else True,
-    )
+    def _own_address_used(self, heartbeat: common.Heartbeat, now: float) -> None:
+        last = self._own_address_used_at
+        if last is None or now - last > CONFLICT_ENDS_AFTER:
+            self.emit(OwnAddressConflict(ComponentInfo.from_heartbeat(self.local, heartbeat, now)))
+        self._own_address_used_at = now

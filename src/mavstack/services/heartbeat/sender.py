@@ -1,4 +1,4 @@
-"""Our own heartbeat, once a second, sent by the loop that does the work: if that hangs, so does this."""
+"""The local component's HEARTBEAT, once a second, from the loop that does the work: both stop together."""
 
 from __future__ import annotations
 
@@ -10,15 +10,19 @@ from mavstack.services.service import Service
 if TYPE_CHECKING:
     from mavstack.services.addressing import Address
 
-INTERVAL = 1.0
+DEFAULT_INTERVAL = 1.0
 #: `mavlink_version` of HEARTBEAT: the version of the common dialect.
 PROTOCOL_VERSION = 3
 
 
-class Beacon(Service):
-    """Sends HEARTBEAT; its fields may be set at any time, and `soon` sends one at once.
+class HeartbeatSender(Service):
+    """The sender of the local component's HEARTBEAT; its fields may be set at any time.
 
-    `autopilot` is INVALID for whatever is not a flight controller (guide: heartbeat).
+    Args:
+        local: The local component.
+        type: Its MAV_TYPE.
+        autopilot: Its MAV_AUTOPILOT; INVALID for everything but flight controllers (guide: heartbeat).
+        interval: Seconds between two heartbeats.
     """
 
     def __init__(
@@ -27,7 +31,7 @@ class Beacon(Service):
         type: int = common.MavType.GCS,  # noqa: A002 (the field's name)
         autopilot: int = common.MavAutopilot.INVALID,
         *,
-        interval: float = INTERVAL,
+        interval: float = DEFAULT_INTERVAL,
     ) -> None:
         super().__init__(local)
         self.type = type
@@ -38,8 +42,8 @@ class Beacon(Service):
         self.interval = interval
         self._due = 0.0
 
-    def soon(self, now: float) -> None:
-        """Say at once that something has changed."""
+    def send_now(self, now: float) -> None:
+        """Send the next heartbeat at once, because a field changed."""
         self._due = now
 
     def next_timeout(self) -> float | None:
@@ -48,7 +52,7 @@ class Beacon(Service):
     def handle_timeout(self, now: float) -> None:
         if now < self._due:
             return
-        # The rate is kept without drift, but a stall is not made up for.
+        # The rate does not drift, but heartbeats missed during a stall are not sent later.
         late = now - self._due
         self._due = now + self.interval - (late if late < self.interval else 0.0)
         self.send(

@@ -1,4 +1,4 @@
-"""Signs of life that tell nothing new are not looked at, and nothing is missed by that."""
+"""Boot time filter: messages that only continue the last one are skipped, and nothing is missed by that."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.heartbeat import ComponentLost, ComponentRebooted, Discovery
-from mavstack.services.heartbeat.pulse import MOMENT, Pulse
+from mavstack.services.heartbeat.boot_time_filter import INTERVAL, BootTimeFilter
 from mavstack.wire import Packet, encode
 from tests.services.network import GROUND, START, VEHICLE
 
@@ -19,8 +19,8 @@ def attitude(seconds: float) -> Packet:
     return packet(common.Attitude(time_boot_ms=round(1000 * seconds)))
 
 
-def heard() -> Discovery:
-    """A discovery that knows a vehicle, which was started 50 s ago."""
+def discovery_with_vehicle() -> Discovery:
+    """A discovery with one vehicle that booted 50 s ago."""
     discovery = Discovery(GROUND)
     discovery.receive(packet(common.Heartbeat(type=2, autopilot=3)), START)
     assert discovery.receive(attitude(50), START) is not False
@@ -29,28 +29,30 @@ def heard() -> Discovery:
 
 
 @pytest.mark.parametrize(
-    ("boot", "later", "goes_on"),
+    ("boot", "later", "expected"),
     [
         (50.02, 0.02, True),
         (50.0, 0.05, True),
-        (50.02, MOMENT, False),
+        (50.02, INTERVAL, False),
         (0.3, 0.02, False),
         (58.0, 0.02, False),
     ],
 )
-def test_what_fits_tells_nothing_new_for_a_moment(boot: float, later: float, goes_on: bool) -> None:
-    assert Pulse(50_000, START).goes_on(round(boot * 1000), START + later) is goes_on
+def test_fitting_boot_time_is_expected_until_the_interval_ends(
+    boot: float, later: float, expected: bool
+) -> None:
+    assert BootTimeFilter(50_000, START).is_expected(round(boot * 1000), START + later) is expected
 
 
-def test_a_sign_that_fits_is_told_to_have_changed_nothing() -> None:
-    discovery = heard()
+def test_expected_message_reports_no_change() -> None:
+    discovery = discovery_with_vehicle()
     assert discovery.receive(attitude(50.05), START + 0.05) is False
     assert discovery.receive(attitude(50.2), START + 0.2) is not False
     assert discovery.next_timeout() == START + 5
 
 
-def test_silence_counts_from_the_last_sign_all_the_same() -> None:
-    discovery = heard()
+def test_silence_counts_from_the_last_skipped_message() -> None:
+    discovery = discovery_with_vehicle()
     assert discovery.receive(attitude(50.09), START + 0.09) is False
     discovery.handle_timeout(START + 5)
     assert discovery.events() == []
@@ -61,8 +63,8 @@ def test_silence_counts_from_the_last_sign_all_the_same() -> None:
     assert discovery.receive(attitude(55.1), START + 5.1) is not False  # it is back
 
 
-def test_a_reboot_between_two_looks_is_seen() -> None:
-    discovery = heard()
+def test_reboot_between_two_analysed_messages_is_found() -> None:
+    discovery = discovery_with_vehicle()
     for tenth in range(1, 100):
         discovery.receive(attitude(50 + tenth / 100), START + tenth / 100)
     for tenth in range(100):
