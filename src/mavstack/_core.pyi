@@ -1,11 +1,11 @@
-"""The compiled core: everything that touches every byte or packet. Policy lives above it, in Python."""
+"""The compiled core: parsing, encoding, signing, and the fields of messages."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol, Self, TypeAlias, dataclass_transform, final
 
 from typing_extensions import Buffer
 
-# (name, type, array length or 0, offset in the full payload, read as enum)
+# (name, type, array length or 0, offset in the full payload, true if it reads as an enum)
 FieldLayout: TypeAlias = tuple[str, str, int, int, bool]
 # (id, name, CRC_EXTRA, payload length without extensions, payload length with them, fields in definition order)
 MessageLayout: TypeAlias = tuple[int, str, int, int, int, Sequence[FieldLayout]]
@@ -14,22 +14,44 @@ class HasCoreDialect(Protocol):
     """A `mavstack.Dialect` or a dialect module such as `mavstack.dialects.common`."""
 
     @property
-    def core_dialect(self) -> Dialect: ...
+    def core_dialect(self) -> Dialect:
+        """The layout tables of the dialect."""
 
 def crc16(data: Buffer, crc: int = 0xFFFF) -> int:
-    """CRC-16/MCRF4XX of `data`, continued from `crc`."""
+    """Calculate the CRC-16/MCRF4XX of `data`, the checksum of MAVLink packets.
+
+    Args:
+        data: The bytes to add to the checksum.
+        crc: The checksum to continue from; by default the initial value 0xFFFF.
+
+    Returns:
+        The checksum, 0 to 0xFFFF.
+    """
 
 @final
 class Dialect:
-    """Layout tables of one dialect; classes are asked of `make_class` on first use."""
+    """The layout tables of one dialect.
+
+    Args:
+        name: Name of the dialect.
+        messages: Layouts of all messages.
+        make_class: Called with a message id when the class of the message is first needed; returns the class.
+
+    Raises:
+        DialectError: A layout contradicts itself, or two messages have the same id.
+    """
 
     def __new__(
         cls, name: str, messages: Sequence[MessageLayout], make_class: Callable[[int], type[MessageBase]]
     ) -> Self: ...
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name of the dialect."""
+
     @property
-    def core_dialect(self) -> Dialect: ...
+    def core_dialect(self) -> Dialect:
+        """The dialect itself, so that a core dialect is accepted where a dialect is expected."""
+
     def __len__(self) -> int: ...
     def __contains__(self, message_id: int) -> bool: ...
 
@@ -40,102 +62,184 @@ def new_message_class(
     layout: MessageLayout,
     template: Buffer | None = None,
 ) -> type[MessageBase]:
-    """Make a message class whose fields read and write the payload bytes.
+    """Create a message class whose fields read and write the payload bytes.
 
-    `template` is the payload of a message made without arguments, zero where it ends.
+    The class must have the class method `_enum_values(field_name)`, which returns `(members by value, fallback or
+    None)` and is called once per enum field, on first read; `fallback(int)` is called for values without a member.
 
-    The class must offer `_enum_values(field_name) -> (dict[int, member], fallback or None)` as a class method:
-    asked once per enum field, on first read; `fallback(int)` is called for values the dict lacks.
+    Args:
+        name: The class name.
+        bases: The base classes; one of them derives from `MessageBase`.
+        namespace: The class attributes.
+        layout: The layout of the message.
+        template: The payload of a message created without arguments, padded with zeros; all zeros if None.
+
+    Returns:
+        The new class.
+
+    Raises:
+        DialectError: The layout contradicts itself.
     """
 
 @dataclass_transform(eq_default=False)
-class MessageMeta(type): ...
+class MessageMeta(type):
+    """Metaclass of the message classes."""
 
 class MessageBase(metaclass=MessageMeta):
-    """Base of message classes: positional or keyword fields, zero where not given."""
+    """Base of the message classes: a typed view over a payload.
+
+    Fields are given as positional or keyword arguments; fields not given are zero.
+
+    Raises:
+        FieldNameError: The message has no field of that name, or fewer fields than arguments.
+        FieldTypeError: A value has a wrong type.
+        FieldRangeError: A value is outside the range of its field.
+    """
 
     def __new__(cls, *args: Any, **fields: Any) -> Self: ...
     def to_payload(self, version: int = 2, /) -> bytes:
-        """The payload as sent: 2 trims trailing zero bytes, 1 leaves the extensions out."""
+        """Return the payload as sent on the wire.
+
+        Args:
+            version: MAVLink version: 2 trims trailing zero bytes, 1 leaves the extension fields out.
+
+        Returns:
+            The payload bytes.
+
+        Raises:
+            ValueError: The version is neither 1 nor 2.
+        """
 
     @classmethod
     def from_payload(cls, payload: Buffer, /) -> Self:
-        """A message over `payload`, zero-filled if short, cut if longer than known."""
+        """Create a message from its payload.
+
+        Args:
+            payload: The payload bytes: missing bytes are zero, bytes beyond the known fields are ignored.
+
+        Returns:
+            A message of this class.
+        """
 
 @final
 class Statistics:
     """Totals of one byte stream."""
 
     @property
-    def packets(self) -> int: ...
+    def packets(self) -> int:
+        """Number of packets."""
+
     @property
-    def packet_bytes(self) -> int: ...
+    def packet_bytes(self) -> int:
+        """Total length of the packets in bytes."""
+
     @property
-    def version_1(self) -> int: ...
+    def version_1(self) -> int:
+        """Number of MAVLink 1 packets."""
+
     @property
-    def version_2(self) -> int: ...
+    def version_2(self) -> int:
+        """Number of MAVLink 2 packets."""
+
     @property
-    def signed(self) -> int: ...
+    def signed(self) -> int:
+        """Number of packets with a signature, valid or not."""
+
     @property
     def unknown(self) -> int:
-        """Packets whose id the dialect does not have."""
+        """Number of packets whose message id is not in the dialect."""
 
     @property
     def bad_bytes(self) -> int:
-        """Bytes that belong to no packet."""
+        """Number of bytes outside any packet."""
 
     @property
-    def bad_checksum(self) -> int: ...
+    def bad_checksum(self) -> int:
+        """Number of false magics and damaged packets, rejected by their checksum."""
+
     @property
     def bad_flags(self) -> int:
-        """False magics or packets with an incompatibility flag that is not known."""
+        """Number of false magics and packets rejected for an unknown incompatibility flag."""
 
     @property
     def bad_length(self) -> int:
-        """MAVLink 1 packets shorter than their message."""
+        """Number of MAVLink 1 packets shorter than their message."""
 
 @final
 class SourceStatistics:
-    """What was heard of one system and component on one link."""
+    """Statistics of one source: the packets of one system and component on one link."""
 
     @property
-    def received(self) -> int: ...
+    def received(self) -> int:
+        """Number of packets received."""
+
     @property
-    def bytes(self) -> int: ...
+    def bytes(self) -> int:
+        """Total length of the packets in bytes."""
+
     @property
-    def lost(self) -> int: ...
+    def lost(self) -> int:
+        """Number of packets lost, from gaps in the sequence numbers."""
+
     @property
-    def late(self) -> int: ...
+    def late(self) -> int:
+        """Number of late or duplicate packets."""
+
     @property
     def loss(self) -> float:
-        """Share of the packets sent that were lost, 0 to 1."""
+        """Fraction of the sent packets that were lost, 0 to 1."""
 
 @final
 class Refusals:
-    """How many packets signing refused, by reason."""
+    """Number of packets refused by signing, by reason."""
 
     @property
-    def unsigned(self) -> int: ...
+    def unsigned(self) -> int:
+        """Unsigned packets whose message id is not accepted unsigned."""
+
     @property
-    def forged(self) -> int: ...
+    def forged(self) -> int:
+        """Packets whose hash does not match the key."""
+
     @property
-    def replayed(self) -> int: ...
+    def replayed(self) -> int:
+        """Packets whose timestamp is not newer than the last of their stream."""
+
     @property
-    def stale(self) -> int: ...
+    def stale(self) -> int:
+        """First packets of a stream that are too far behind the clock."""
+
     @property
-    def future(self) -> int: ...
+    def future(self) -> int:
+        """Packets too far ahead of the clock."""
+
     @property
-    def too_many_streams(self) -> int: ...
+    def too_many_streams(self) -> int:
+        """First packets of a stream beyond the maximum number of streams."""
+
     @property
-    def total(self) -> int: ...
+    def total(self) -> int:
+        """Total number of refused packets."""
 
 @final
 class Signing:
-    """Signs what is sent on a link and judges what is received; give one to its parser and its encoder.
+    """Signing state of one link: signs sent packets and verifies received ones.
 
-    `timestamp` is where the clock starts (10 µs since 2015): the value persisted by the last run. The limits
-    are in seconds: how far behind the clock a new stream may begin, how far ahead of it a packet may be, and
-    how far behind its stream's newest a reordered packet may come (0: never).
+    The parser and the encoder of the link share one object. Refused packets are counted in `refusals`.
+
+    Args:
+        key: The 32 bytes of the key.
+        link_id: Id of the link in signatures, 0 to 255.
+        timestamp: Initial clock in 10 us since 2015-01-01 UTC: the `timestamp` stored by the last run, or 0.
+        accept_unsigned: Accept all unsigned packets.
+        unsigned_ids: Message ids accepted unsigned, such as that of RADIO_STATUS.
+        max_behind: Maximum age in seconds of the first packet of a stream.
+        max_ahead: Maximum lead in seconds of a packet over the clock.
+        reorder_slack: Maximum lag in seconds of a reordered packet behind the newest of its stream; 0 refuses all.
+        max_streams: Maximum number of streams (link id, system, component).
+
+    Raises:
+        SigningError: The key does not have 32 bytes, or the timestamp does not fit 48 bits.
     """
 
     def __new__(
@@ -152,95 +256,166 @@ class Signing:
         max_streams: int = 1024,
     ) -> Self: ...
     @property
-    def link_id(self) -> int: ...
-    @property
-    def timestamp(self) -> int:
-        """Newest timestamp signed or accepted: persist it, and start the next run with it."""
+    def link_id(self) -> int:
+        """Id of the link in signatures."""
 
     @property
-    def streams(self) -> int: ...
+    def timestamp(self) -> int:
+        """Newest timestamp sent or accepted, in 10 us since 2015-01-01 UTC: store it for the next run."""
+
     @property
-    def refusals(self) -> Refusals: ...
+    def streams(self) -> int:
+        """Number of streams (link id, system, component) received so far."""
+
+    @property
+    def refusals(self) -> Refusals:
+        """Number of refused packets, by reason."""
 
 @final
 class Packet:
-    """A packet, byte for byte as it came; `Packet(raw, dialect)` raises ValueError if `raw` is not exactly one."""
+    """A received packet with its unchanged bytes.
+
+    Args:
+        raw: The bytes of exactly one packet.
+        dialect: The dialect that decodes its message.
+        timestamp: Recorded time in microseconds since 1970, or None.
+
+    Raises:
+        ValueError: The bytes are not exactly one valid packet.
+    """
 
     def __new__(cls, raw: Buffer, dialect: HasCoreDialect, timestamp: int | None = None) -> Self: ...
     @property
     def message(self) -> Any:
-        """The message, or `None` if the dialect does not have its id."""
+        """The message, or None if its id is not in the dialect."""
 
     @property
     def name(self) -> str | None:
-        """Official name of the message, or `None` if the dialect does not have its id."""
+        """Name of the message, such as "ATTITUDE", or None if its id is not in the dialect."""
 
     @property
-    def version(self) -> int: ...
+    def version(self) -> int:
+        """MAVLink version, 1 or 2."""
+
     @property
-    def message_id(self) -> int: ...
+    def message_id(self) -> int:
+        """Message id, 0 to 16777215."""
+
     @property
-    def system(self) -> int: ...
+    def system(self) -> int:
+        """System id of the sender, 0 to 255."""
+
     @property
-    def component(self) -> int: ...
+    def component(self) -> int:
+        """Component id of the sender, 0 to 255."""
+
     @property
-    def sequence(self) -> int: ...
+    def sequence(self) -> int:
+        """Sequence number, 0 to 255."""
+
     @property
-    def incompat_flags(self) -> int: ...
+    def incompat_flags(self) -> int:
+        """Incompatibility flags; 0 in MAVLink 1."""
+
     @property
-    def compat_flags(self) -> int: ...
+    def compat_flags(self) -> int:
+        """Compatibility flags; 0 in MAVLink 1."""
+
     @property
     def signed(self) -> bool:
-        """Whether the packet carries a signature; that it is a good one only a parser with signing says."""
+        """True if the packet carries a signature; only a parser with signing verifies it."""
 
     @property
-    def link_id(self) -> int | None: ...
+    def link_id(self) -> int | None:
+        """Link id of the signature, or None if unsigned."""
+
     @property
-    def signature_timestamp(self) -> int | None: ...
+    def signature_timestamp(self) -> int | None:
+        """Timestamp of the signature in 10 us since 2015-01-01 UTC, or None if unsigned."""
+
     @property
-    def signature(self) -> bytes | None: ...
+    def signature(self) -> bytes | None:
+        """The 13 bytes of the signature, or None if unsigned."""
+
     @property
     def timestamp(self) -> int | None:
-        """Microseconds since 1970 recorded before the packet, or `None` outside a timestamped stream."""
+        """Recorded time in microseconds since 1970, or None if the stream is not timestamped."""
 
     @property
-    def checksum(self) -> int: ...
+    def checksum(self) -> int:
+        """CRC of the packet as received."""
+
     @property
     def payload(self) -> bytes:
-        """The payload as it came: trimmed, whole, or longer than known."""
+        """Payload as received: trimmed, complete, or longer than the definition."""
 
     @property
-    def raw(self) -> bytes: ...
+    def raw(self) -> bytes:
+        """All bytes of the packet as received."""
+
     def __len__(self) -> int: ...
 
 @final
 class Parser:
-    """Finds the packets of one byte stream, however it is cut into chunks; what is not a packet is counted.
+    """Parser of one byte stream: takes bytes in chunks of any size and returns the packets in them.
 
-    With `signing`, packets that it refuses are left out. `timestamped` reads a tlog: 8 bytes of time before
-    each packet.
+    MAVLink 1 and 2 may be mixed. Bytes that are no valid packet never raise: they are counted in `statistics` and
+    skipped. Packets whose message id is not in the dialect are returned too, with `message` None.
+
+    Args:
+        dialect: A `mavstack.Dialect` or a dialect module, which defines the messages.
+        signing: Signing state of the link; packets that it refuses are not returned. None disables verification.
+        timestamped: True for a tlog, which has 8 bytes of time before each packet.
     """
 
     def __new__(cls, dialect: HasCoreDialect, *, signing: Signing | None = None, timestamped: bool = False) -> Self: ...
     def feed(self, data: Buffer, now: float | None = None) -> list[Packet]:
-        """The packets that `data` completes; `now` is the Unix time in seconds, needed for signing only."""
+        """Parse the next bytes of the stream.
+
+        Args:
+            data: The received bytes, in chunks of any size.
+            now: Current Unix time in seconds, used for signing only; None disables the checks against the current
+                time.
+
+        Returns:
+            The packets completed by `data`, in order.
+
+        Raises:
+            SigningError: `now` is not a valid time for signing.
+        """
 
     def flush(self, now: float | None = None) -> list[Packet]:
-        """Ends the stream: the packets that an unfinished one at its end may have hidden."""
+        """End the stream, and parse the rest of it.
+
+        Args:
+            now: Current Unix time in seconds, as in `feed`.
+
+        Returns:
+            The packets inside an apparent incomplete packet at the end of the stream.
+
+        Raises:
+            SigningError: `now` is not a valid time for signing.
+        """
 
     @property
-    def dialect(self) -> Dialect: ...
+    def dialect(self) -> Dialect:
+        """The layout tables of the dialect."""
+
     @property
-    def signing(self) -> Signing | None: ...
+    def signing(self) -> Signing | None:
+        """Signing state of the link, or None."""
+
     @property
-    def statistics(self) -> Statistics: ...
+    def statistics(self) -> Statistics:
+        """Totals of the stream so far."""
+
     @property
     def sources(self) -> dict[tuple[int, int], SourceStatistics]:
-        """What was heard of each (system, component), and how much of it was lost."""
+        """Statistics of each source, by (system, component)."""
 
     @property
     def pending(self) -> int:
-        """Bytes that wait for more."""
+        """Number of bytes kept until more arrive."""
 
 def encode(
     message: MessageBase,
@@ -252,48 +427,144 @@ def encode(
     signing: Signing | None = None,
     now: float | None = None,
 ) -> bytes:
-    """The packet that carries `message`; raises EncodeError if the version cannot carry it."""
+    """Encode one message as a packet.
+
+    Args:
+        message: The message to encode.
+        system: System id of the sender, 0 to 255.
+        component: Component id of the sender, 0 to 255.
+        sequence: Sequence number of the packet, 0 to 255.
+        version: MAVLink version, 1 or 2.
+        signing: Signing state of the link, which signs the packet; None for an unsigned packet.
+        now: Current Unix time in seconds, used for signing only; None advances the signing timestamp by one unit.
+
+    Returns:
+        The bytes of the packet.
+
+    Raises:
+        EncodeError: An id is out of range, or the version cannot carry the message or the signature.
+        SigningError: `now` is not a valid time for signing.
+    """
 
 @final
 class Encoder:
-    """Encodes the messages of one component for one link, and counts their sequence."""
+    """Encoder of the messages that one component sends over one link, with their sequence numbers.
+
+    Args:
+        system: System id of the sender, 0 to 255.
+        component: Component id of the sender, 0 to 255.
+        version: MAVLink version, 1 or 2.
+        signing: Signing state of the link, which signs the packets; None for unsigned packets.
+
+    Raises:
+        EncodeError: An id or the version is out of range.
+    """
 
     def __new__(cls, system: int, component: int, *, version: int = 2, signing: Signing | None = None) -> Self: ...
     def encode(self, message: MessageBase, now: float | None = None) -> bytes:
-        """The packet that carries `message`; `now` is the Unix time in seconds, needed for signing only."""
+        """Encode the next message as a packet, and advance the sequence number.
+
+        Args:
+            message: The message to encode.
+            now: Current Unix time in seconds, used for signing only; None advances the signing timestamp by one unit.
+
+        Returns:
+            The bytes of the packet.
+
+        Raises:
+            EncodeError: The version cannot carry the message or the signature.
+            SigningError: `now` is not a valid time for signing.
+        """
 
     sequence: int
+    """Sequence number of the next packet, 0 to 255."""
+
     @property
-    def system(self) -> int: ...
+    def system(self) -> int:
+        """System id of the sender."""
+
     @property
-    def component(self) -> int: ...
+    def component(self) -> int:
+        """Component id of the sender."""
+
     @property
-    def version(self) -> int: ...
+    def version(self) -> int:
+        """MAVLink version of the packets, 1 or 2."""
+
     @property
-    def signing(self) -> Signing | None: ...
+    def signing(self) -> Signing | None:
+        """Signing state of the link, or None."""
 
 def looks_timestamped(head: Buffer, dialect: HasCoreDialect) -> bool:
-    """Whether a file that begins with `head` has a timestamp before each packet."""
+    """Return whether a file has a timestamp before each packet, as in a tlog.
+
+    Args:
+        head: The beginning of the file; at most 256 KiB are examined.
+        dialect: The dialect whose packets are searched for.
+
+    Returns:
+        True if most packets have 8 bytes before them, False if they follow each other directly.
+    """
 
 @final
 class Index:
-    """Where every packet of a read-only buffer is, by message; built without the interpreter lock.
+    """Index of all packets of a buffer by message, built without the interpreter lock.
 
-    A row of a table: time in microseconds (int64), system, component, sequence, version, the payload in wire
-    layout with extensions, padding to a multiple of four.
+    A row of a table holds the time in microseconds (int64), system, component, sequence, version, and the full
+    payload, padded to a multiple of four bytes.
+
+    Args:
+        data: A read-only buffer, such as bytes or a map opened for reading; it must not change.
+        dialect: The dialect of the messages.
+        timestamped: True if 8 bytes of time precede each packet, as in a tlog.
+        threads: Maximum number of threads.
+
+    Raises:
+        BufferError: The buffer is writable or not contiguous.
     """
 
     def __new__(cls, data: Buffer, dialect: HasCoreDialect, *, timestamped: bool, threads: int = 1) -> Self: ...
     @property
-    def counts(self) -> dict[int, int]: ...
+    def counts(self) -> dict[int, int]:
+        """Number of packets of each known message in the buffer, by message id."""
+
     @property
-    def unknown(self) -> dict[int, int]: ...
+    def unknown(self) -> dict[int, int]:
+        """Number of packets of each message id that is not in the dialect."""
+
     @property
-    def statistics(self) -> Statistics: ...
+    def statistics(self) -> Statistics:
+        """Totals of the buffer."""
+
     @property
-    def sources(self) -> dict[tuple[int, int], SourceStatistics]: ...
+    def sources(self) -> dict[tuple[int, int], SourceStatistics]:
+        """Statistics of each source, by (system, component)."""
+
     @property
-    def time_span(self) -> tuple[int, int] | None: ...
-    def row_size(self, message_id: int) -> int: ...
+    def time_span(self) -> tuple[int, int] | None:
+        """Earliest and latest timestamp in microseconds since 1970, or None without timestamps."""
+
+    def row_size(self, message_id: int) -> int:
+        """Return the size of one row of a message's table.
+
+        Args:
+            message_id: Id of the message.
+
+        Returns:
+            The size in bytes.
+
+        Raises:
+            KeyError: The dialect has no message of that id.
+        """
+
     def decode(self, tables: Sequence[tuple[int, Buffer]], *, threads: int = 1) -> None:
-        """Fill tables, given as (message id, writable buffer of exactly the rows' bytes), all in one go."""
+        """Decode the rows of several messages in one pass.
+
+        Args:
+            tables: For each message its id and a writable buffer with the exact size of all its rows.
+            threads: Maximum number of threads.
+
+        Raises:
+            KeyError: The dialect has no message of that id.
+            ValueError: A buffer is read-only, has the wrong size or overlaps another.
+        """

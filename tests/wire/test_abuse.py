@@ -69,7 +69,7 @@ def test_a_payload_too_short_for_its_new_class_is_never_read_beyond():
         lambda: pickle.dumps(message),
         lambda: mavstack.encode(message, system=1, component=1),
     ):
-        with pytest.raises(TypeError, match="payload is not that of its class"):
+        with pytest.raises(TypeError, match="payload of this object does not belong to its class"):
             action()
     assert message != common.Statustext()
     message.severity = 3

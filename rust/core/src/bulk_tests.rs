@@ -13,12 +13,12 @@ fn text(sequence: u8, text: &[u8], version: Version) -> Vec<u8> {
     out
 }
 
-/// A log larger than two stretches, with garbage and embedded packets that mislead whoever starts inside.
+/// A log larger than two segments, with garbage and embedded packets that mislead a scan starting inside them.
 fn log(seed: u64) -> Vec<u8> {
     let mut data = Vec::new();
     let mut state = seed | 1;
     let mut sequence = 0u8;
-    while data.len() < 3 * MIN_STRETCH {
+    while data.len() < 3 * MIN_SEGMENT {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let choice = state >> 56;
         sequence = sequence.wrapping_add(1);
@@ -30,7 +30,7 @@ fn log(seed: u64) -> Vec<u8> {
         if choice < 128 {
             data.extend(crate::scan::tests::heartbeat(Version::V2, sequence));
         } else {
-            // A whole packet as text inside another: a scan that begins inside believes the inner one.
+            // A complete packet inside the text of another: a scan that begins inside accepts the inner one.
             let inner = crate::scan::tests::heartbeat(Version::V1, sequence);
             data.extend(text(sequence, &[&inner[..], &inner[..]].concat(), Version::V2));
         }
@@ -44,13 +44,13 @@ fn flat(index: &Index) -> (Vec<Vec<u64>>, Statistics, Option<(u64, u64)>) {
         let parts = index.parts.iter();
         let all = parts
             .flat_map(|part| part.offsets[slot].iter().map(|&offset| (part.base as u64) << 32 | u64::from(offset)));
-        all.map(|place| ((place >> 32) + (place & 0x7FFF_FFFF)) << 1 | (place >> 31 & 1)).collect()
+        all.map(|position| ((position >> 32) + (position & 0x7FFF_FFFF)) << 1 | (position >> 31 & 1)).collect()
     };
     ((0..slots).map(positions).collect(), index.statistics, index.time_span())
 }
 
 #[test]
-fn threads_give_exactly_what_one_gives() {
+fn several_threads_give_the_result_of_one() {
     let dialect = dialect();
     for seed in 0..6 {
         let data = log(seed);
@@ -63,15 +63,15 @@ fn threads_give_exactly_what_one_gives() {
 }
 
 #[test]
-fn a_misled_thread_is_overruled() {
-    // The middle of the file is one long run of packets inside packets: starts found there are false.
+fn a_segment_with_a_false_start_is_scanned_again() {
+    // The middle of the file is a long sequence of packets inside packets: starting points found there are false.
     let dialect = dialect();
     let inner: Vec<u8> = crate::scan::tests::heartbeat(Version::V1, 1);
     let packet = text(1, &[&inner[..], &inner[..]].concat(), Version::V2);
-    let data: Vec<u8> = packet.iter().copied().cycle().take(packet.len() * (3 * MIN_STRETCH / packet.len())).collect();
+    let data: Vec<u8> = packet.iter().copied().cycle().take(packet.len() * (3 * MIN_SEGMENT / packet.len())).collect();
     let one = Index::build(&data, &dialect, false, 1);
     assert_eq!(flat(&Index::build(&data, &dialect, false, 2)), flat(&one));
-    assert_eq!(one.rows(0), 0, "no inner packet is believed");
+    assert_eq!(one.rows(0), 0, "no inner packet is accepted");
 }
 
 #[test]
@@ -85,13 +85,13 @@ fn rows_hold_time_source_and_payload() {
     let mut rows = vec![0xAA; 2 * size];
     index.decode(&data, &dialect, vec![(1, &mut rows)], 4);
     assert_eq!(&rows[..12], &[5, 0, 0, 0, 0, 0, 0, 0, 1, 1, 7, 2]);
-    assert_eq!(&rows[13..20], b"hi\0\0\0\0\0", "junk behind the NUL is gone");
+    assert_eq!(&rows[13..20], b"hi\0\0\0\0\0", "the bytes after the NUL are cleared");
     assert!(rows[20..size].iter().all(|&byte| byte == 0), "zero-filled to the full length");
     assert_eq!(i64::from_le_bytes(rows[size..size + 8].try_into().expect("eight")), NO_TIME);
 }
 
 #[test]
-fn longer_payloads_are_cut_to_what_is_known() {
+fn longer_payloads_are_cut_to_the_known_length() {
     let dialect = dialect();
     let mut packet = vec![0xFD, 12, 0, 0, 0, 1, 1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
     let checksum = crate::crc::accumulate(crate::crc::update(0xFFFF, &packet[1..]), 50);
@@ -103,7 +103,7 @@ fn longer_payloads_are_cut_to_what_is_known() {
 }
 
 #[test]
-fn data_that_changed_under_the_index_is_survived() {
+fn decoding_truncated_data_gives_rows_of_zeros() {
     let dialect = dialect();
     let mut data = crate::scan::tests::heartbeat(Version::V2, 0);
     let index = Index::build(&data, &dialect, false, 1);
@@ -114,7 +114,7 @@ fn data_that_changed_under_the_index_is_survived() {
 }
 
 #[test]
-fn many_tables_at_once_are_the_same_as_each_alone() {
+fn decoding_several_tables_equals_decoding_each() {
     let dialect = dialect();
     let data = log(3);
     let index = Index::build(&data, &dialect, true, 2);
@@ -126,13 +126,16 @@ fn many_tables_at_once_are_the_same_as_each_alone() {
         index.decode(&data, &dialect, vec![(slot, &mut alone)], 1);
         assert!(alone == together);
         let untimed = NO_TIME.to_le_bytes();
-        assert!(alone.chunks(row_size(&dialect.layouts()[slot])).all(|row| row[..8] != untimed), "each has its time");
+        assert!(
+            alone.chunks(row_size(&dialect.layouts()[slot])).all(|row| row[..8] != untimed),
+            "each row has a timestamp"
+        );
     }
 }
 
 proptest! {
     #[test]
-    fn nothing_panics_on_garbage(data in prop::collection::vec(any::<u8>(), 0..2000), timestamped: bool) {
+    fn random_bytes_never_panic(data in prop::collection::vec(any::<u8>(), 0..2000), timestamped: bool) {
         let dialect = dialect();
         let index = Index::build(&data, &dialect, timestamped, 2);
         let totals = index.statistics();

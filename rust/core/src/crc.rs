@@ -1,9 +1,9 @@
 //! CRC-16/MCRF4XX: reflected polynomial 0x1021, initial value 0xFFFF, no final xor.
 //!
 //! Sixteen bytes are folded at a time: `TABLES[k][b]` is the CRC of byte `b` followed by `k` zero bytes,
-//! so the sixteen look-ups of a block do not wait for one another. What does not fill a block comes first,
-//! behind zero bytes: the state is mixed into its first two bytes and starts at zero, and zero bytes leave a
-//! zero state as it is. So there is no tail to walk byte by byte.
+//! so the sixteen look-ups of a block are independent. The bytes that do not fill a block are processed first, as a
+//! block padded with leading zero bytes: the state is mixed into the first two data bytes and then starts at zero, and
+//! zero bytes leave a zero state unchanged. No tail remains to be processed byte by byte.
 
 pub const INITIAL: u16 = 0xFFFF;
 
@@ -75,7 +75,7 @@ fn fold(crc: u16, block: &[u8; BLOCK]) -> u16 {
 
 /// Finds the `CRC_EXTRA` that leads from `before` to `after`, or `None` if no byte does.
 ///
-/// A packet of unknown id cannot be checked in full, but only 1 in 256 damaged ones has any solution.
+/// A packet of an unknown id cannot be verified completely, but only 1 in 256 damaged packets has a solution.
 #[must_use]
 pub fn solve_extra(before: u16, after: u16) -> Option<u8> {
     let wanted = after ^ (before >> 8);
@@ -99,18 +99,18 @@ mod tests {
     }
 
     #[test]
-    fn check_value_of_the_catalogue() {
+    fn matches_the_published_check_value() {
         assert_eq!(update(INITIAL, b"123456789"), 0x6F91);
     }
 
     proptest! {
         #[test]
-        fn equals_the_bitwise_definition(data in prop::collection::vec(any::<u8>(), 0..300), start: u16) {
+        fn equals_the_bitwise_implementation(data in prop::collection::vec(any::<u8>(), 0..300), start: u16) {
             prop_assert_eq!(update(start, &data), bitwise(start, &data));
         }
 
         #[test]
-        fn extra_is_solved(before: u16, extra: u8) {
+        fn solve_extra_inverts_accumulate(before: u16, extra: u8) {
             prop_assert_eq!(solve_extra(before, accumulate(before, extra)), Some(extra));
         }
     }

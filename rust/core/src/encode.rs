@@ -6,14 +6,14 @@ use crate::layout::Layout;
 use crate::signing::Signing;
 use std::fmt;
 
-/// Protocol version of a packet to make.
+/// Protocol version of a packet to encode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
     V1,
     V2,
 }
 
-/// Who sends a packet, and its place in the sender's sequence.
+/// Ids of the sender of a packet, and its sequence number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sender {
     pub system: u8,
@@ -21,12 +21,12 @@ pub struct Sender {
     pub sequence: u8,
 }
 
-/// A message that the asked version cannot carry.
+/// The reason why a message cannot be encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncodeError {
-    /// The id does not fit the one byte of version 1.
+    /// The message id does not fit the one byte of version 1.
     IdNeedsV2(u32),
-    /// The signing clock has no later timestamp to give.
+    /// The signing clock has reached its last timestamp.
     ClockExhausted,
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for EncodeError {
 
 impl std::error::Error for EncodeError {}
 
-/// `payload` without its trailing zero bytes; the first byte is always kept.
+/// Returns `payload` without its trailing zero bytes; the first byte is always kept.
 #[inline]
 #[must_use]
 pub fn trimmed(payload: &[u8]) -> &[u8] {
@@ -49,9 +49,9 @@ pub fn trimmed(payload: &[u8]) -> &[u8] {
     payload.get(..=last).unwrap_or(payload)
 }
 
-/// Appends to `out` the packet that carries `payload`, the full payload of `layout`'s message.
+/// Replaces the content of `out` by the packet that carries `payload`, the full payload of `layout`'s message.
 ///
-/// With `signing` the packet is signed (version 2 only: version 1 has no place for a signature).
+/// With `signing` the packet is signed (version 2 only: version 1 has no signature).
 pub fn encode(
     out: &mut Vec<u8>,
     version: Version,

@@ -2,7 +2,7 @@
 //!
 //! Version 1: magic FE, length, sequence, system, component, id, payload, CRC.
 //! Version 2: magic FD, length, incompatibility flags, compatibility flags, sequence, system, component,
-//! three bytes of id (little-endian), payload, CRC, and 13 bytes of signature if the flag says so.
+//! three bytes of id (little-endian), payload, CRC, and 13 bytes of signature if the packet is signed.
 
 pub const MAGIC_V1: u8 = 0xFE;
 pub const MAGIC_V2: u8 = 0xFD;
@@ -59,21 +59,21 @@ impl Header {
         }
     }
 
-    /// Bytes before the payload.
+    /// Length of the header in bytes.
     #[inline]
     #[must_use]
     pub fn header_length(&self) -> usize {
         if self.version == 2 { HEADER_V2 } else { HEADER_V1 }
     }
 
-    /// Whether a signature follows the checksum.
+    /// True if a signature follows the checksum.
     #[inline]
     #[must_use]
     pub fn signed(&self) -> bool {
         self.incompat_flags & FLAG_SIGNED != 0
     }
 
-    /// Where the payload stands in the packet.
+    /// The byte range of the payload in the packet.
     #[inline]
     #[must_use]
     pub fn payload(&self) -> std::ops::Range<usize> {
@@ -81,7 +81,7 @@ impl Header {
         start..start + usize::from(self.payload_length)
     }
 
-    /// Bytes of the whole packet.
+    /// Length of the whole packet in bytes.
     #[inline]
     #[must_use]
     pub fn packet_length(&self) -> usize {

@@ -1,4 +1,4 @@
-//! Layout tables: what the core needs to know of a dialect, and no more.
+//! Layout tables: the part of a dialect that the core needs.
 
 use std::fmt;
 
@@ -55,7 +55,7 @@ impl FieldType {
     }
 }
 
-/// One field of a message: where it stands in the full payload and how it reads.
+/// One field of a message: its position in the full payload and its type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
     pub name: String,
@@ -63,18 +63,18 @@ pub struct Field {
     /// Elements of an array, 0 for a single value.
     pub array_length: u8,
     pub offset: u8,
-    /// Whether a reader gives an enum member for the number.
+    /// True if the value reads as an enum member.
     pub enumerated: bool,
 }
 
 impl Field {
-    /// Bytes that the field takes.
+    /// Size of the field in bytes.
     #[must_use]
     pub fn size(&self) -> usize {
         self.kind.size() * usize::from(self.array_length.max(1))
     }
 
-    /// The bytes of the field in a full payload.
+    /// The byte range of the field in a full payload.
     #[must_use]
     pub fn range(&self) -> std::ops::Range<usize> {
         usize::from(self.offset)..usize::from(self.offset) + self.size()
@@ -107,7 +107,7 @@ impl fmt::Display for LayoutError {
 impl std::error::Error for LayoutError {}
 
 impl Layout {
-    /// Checks that every field lies inside the payload, so that readers need not.
+    /// Checks that every field lies inside the payload, so that readers need not check it again.
     pub fn validate(&self) -> Result<(), LayoutError> {
         if self.id > 0x00FF_FFFF {
             return Err(LayoutError(format!("{}: id {} is over 16777215", self.name, self.id)));
@@ -124,7 +124,7 @@ impl Layout {
     }
 }
 
-/// What the scanner needs of a message, packed so that a look-up touches one cache line.
+/// The facts of a message that the scanner needs, packed so that a look-up touches one cache line.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
     pub slot: u16,
@@ -145,10 +145,10 @@ pub struct Dialect {
 }
 
 impl Dialect {
-    /// A dialect of `layouts`; each is validated and no two may share an id.
+    /// Creates a dialect of `layouts`; each is validated, and no two may share an id.
     pub fn new(layouts: Vec<Layout>) -> Result<Self, LayoutError> {
         if layouts.len() >= usize::from(ABSENT) {
-            return Err(LayoutError(format!("{} messages are too many for one dialect", layouts.len())));
+            return Err(LayoutError(format!("a dialect cannot hold {} messages", layouts.len())));
         }
         let mut dialect = Self::default();
         for layout in layouts {
@@ -192,7 +192,7 @@ impl Dialect {
         self.entry(id).map(|entry| &self.layouts[usize::from(entry.slot)])
     }
 
-    /// All layouts; a slot is an index into them.
+    /// All layouts; a slot is an index into this slice.
     #[must_use]
     pub fn layouts(&self) -> &[Layout] {
         &self.layouts
@@ -203,7 +203,7 @@ impl Dialect {
 pub(crate) mod tests {
     use super::*;
 
-    /// HEARTBEAT and a message that has an extension, enough for every test of the core.
+    /// A dialect for tests: HEARTBEAT, and a message with extension fields.
     pub(crate) fn dialect() -> Dialect {
         let field = |name: &str, kind, array_length, offset| Field {
             name: name.into(),
@@ -235,11 +235,11 @@ pub(crate) mod tests {
                 ],
             },
         ])
-        .expect("a sound dialect")
+        .expect("a valid dialect")
     }
 
     #[test]
-    fn ids_are_found_and_others_are_not() {
+    fn known_ids_have_layouts_and_unknown_ids_have_none() {
         let dialect = dialect();
         assert_eq!(dialect.layout(253).map(|layout| layout.name.as_str()), Some("STATUSTEXT"));
         assert!(dialect.entry(1).is_none());
@@ -247,7 +247,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn duplicate_ids_and_fields_outside_are_refused() {
+    fn duplicate_ids_and_fields_outside_the_payload_are_refused() {
         let layouts = dialect().layouts().to_vec();
         let twice = vec![layouts[0].clone(), layouts[0].clone()];
         assert!(Dialect::new(twice).unwrap_err().0.contains("defined twice"));

@@ -1,8 +1,8 @@
-//! The MAVLink wire protocol, driven by layout tables that are handed in at run time.
+//! The MAVLink wire protocol, driven by layout tables that are passed in at run time.
 //!
-//! Nothing here knows Python, sockets, files or clocks: bytes and times are arguments. The one idea the
-//! rest hangs on is [`scan::Scanner`]: it walks a byte slice and yields what is a packet. The push
-//! [`parser::Parser`] and the bulk decoder in [`bulk`] are two ways of driving it.
+//! The crate does not depend on Python, sockets, files or clocks: bytes and times are arguments. Its central type is
+//! [`scan::Scanner`], which walks a byte slice and yields the packets in it. The push [`parser::Parser`] and the bulk
+//! decoder in [`bulk`] are its two users.
 #![forbid(unsafe_code)]
 
 pub mod bulk;

@@ -1,27 +1,27 @@
-//! The push parser of one byte stream: bytes in, in any chunks, packets out.
+//! The push parser of one byte stream: it takes bytes in any chunks and yields packets.
 
 use crate::header::Header;
 use crate::layout::Dialect;
-use crate::scan::{Found, Scanner, TIMESTAMP, timestamp_microseconds};
+use crate::scan::{FrameSpan, Scanner, TIMESTAMP, timestamp_microseconds};
 use crate::sequence::Sources;
 use crate::statistics::Statistics;
 
 /// One packet of a stream, borrowed from it.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet<'a> {
-    /// The packet byte for byte as it came.
+    /// The bytes of the packet, unchanged.
     pub raw: &'a [u8],
     pub header: Header,
     pub slot: Option<u16>,
-    /// Microseconds since 1970, in a timestamped stream.
+    /// Timestamp in microseconds since 1970, if the stream is timestamped.
     pub timestamp: Option<u64>,
 }
 
 impl<'a> Packet<'a> {
-    /// The packet that `found` names in the scanned `data`.
+    /// Creates the packet at `found` in the scanned `data`.
     #[inline]
     #[must_use]
-    pub fn new(data: &'a [u8], found: &Found) -> Self {
+    pub fn new(data: &'a [u8], found: &FrameSpan) -> Self {
         let timestamp = if found.timestamped {
             data[..found.start].last_chunk::<TIMESTAMP>().map(|stamp| timestamp_microseconds(*stamp))
         } else {
@@ -30,7 +30,7 @@ impl<'a> Packet<'a> {
         Self { raw: &data[found.range()], header: found.header, slot: found.slot, timestamp }
     }
 
-    /// The payload as it came: trimmed, whole, or longer than known.
+    /// The payload as received: trimmed, complete, or longer than the definition.
     #[inline]
     #[must_use]
     pub fn payload(&self) -> &'a [u8] {
@@ -38,7 +38,7 @@ impl<'a> Packet<'a> {
     }
 }
 
-/// Parser state: the unfinished end of the stream, and what was counted.
+/// Parser state: the incomplete packet at the end of the stream, and the statistics.
 #[derive(Debug, Default)]
 pub struct Parser {
     timestamped: bool,
@@ -49,18 +49,18 @@ pub struct Parser {
 }
 
 impl Parser {
-    /// A parser; `timestamped` for a stream with 8 bytes of time before each packet (a tlog).
+    /// Creates a parser; `timestamped` is for a stream with an 8-byte timestamp before each packet (a tlog).
     #[must_use]
     pub fn new(timestamped: bool) -> Self {
         Self { timestamped, ..Self::default() }
     }
 
-    /// Takes the next bytes of the stream and hands each packet that they complete to `sink`.
+    /// Parses the next bytes of the stream and passes each completed packet to `sink`.
     pub fn feed(&mut self, dialect: &Dialect, data: &[u8], sink: impl FnMut(Packet<'_>)) {
         self.run(dialect, data, false, sink);
     }
 
-    /// Ends the stream: hands out what an unfinished packet at its end may have hidden, and starts afresh.
+    /// Ends the stream: passes the packets inside an incomplete one at its end to `sink`, and resets the parser.
     pub fn flush(&mut self, dialect: &Dialect, sink: impl FnMut(Packet<'_>)) {
         self.run(dialect, &[], true, sink);
     }
@@ -86,7 +86,7 @@ impl Parser {
         self.retain(stream, position, boundary);
     }
 
-    /// Keeps what may still become a packet, and in a timestamped stream the 8 bytes that may be its time.
+    /// Keeps the bytes of a possible incomplete packet, and in a timestamped stream its 8-byte timestamp.
     fn retain(&mut self, stream: &[u8], position: usize, boundary: usize) {
         let stamp = if self.timestamped { TIMESTAMP } else { 0 };
         let kept = boundary.max(position.saturating_sub(stamp));
@@ -95,19 +95,19 @@ impl Parser {
         self.position = position - kept;
     }
 
-    /// What was counted so far.
+    /// Totals of the stream so far.
     #[must_use]
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
     }
 
-    /// Loss per source.
+    /// Statistics of each source.
     #[must_use]
     pub fn sources(&self) -> &Sources {
         &self.sources
     }
 
-    /// Bytes that wait for more.
+    /// Number of bytes kept until more arrive.
     #[must_use]
     pub fn pending(&self) -> usize {
         self.pending.len()

@@ -33,7 +33,7 @@ fn piece() -> impl Strategy<Value = Vec<u8>> {
 
 proptest! {
     #[test]
-    fn any_chunking_gives_the_same(
+    fn chunking_does_not_change_the_result(
         pieces in prop::collection::vec(piece(), 0..20),
         cuts in prop::collection::vec(0usize..2000, 0..12),
         timestamped: bool,
@@ -50,7 +50,7 @@ proptest! {
     }
 
     #[test]
-    fn every_byte_is_accounted_for(pieces in prop::collection::vec(piece(), 0..20)) {
+    fn every_byte_is_counted(pieces in prop::collection::vec(piece(), 0..20)) {
         let stream = pieces.concat();
         let (seen, statistics) = parse(&[&stream], false);
         let packets: usize = seen.iter().map(|(raw, _)| raw.len()).sum();
@@ -59,10 +59,10 @@ proptest! {
     }
 
     #[test]
-    fn garbage_hides_no_more_than_what_one_false_magic_spans(
+    fn garbage_hides_at_most_the_span_of_one_false_magic(
         garbage in prop::collection::vec(prop_oneof![Just(0xFDu8), Just(0xFE), any::<u8>()], 0..300),
     ) {
-        // The last false magic may span at most 280 bytes, fourteen heartbeats: all behind those must be seen.
+        // The last false magic may span at most 280 bytes, fourteen heartbeats: all later ones must be found.
         let mut stream = garbage;
         for sequence in 0..40 {
             stream.extend(heartbeat(Version::V2, sequence));

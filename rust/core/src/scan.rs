@@ -1,21 +1,21 @@
 //! Finding packets in bytes.
 //!
-//! A packet begins at a magic byte, and what follows decides whether it is one:
+//! A packet begins at a magic byte. The bytes after it are validated as follows:
 //!
-//! - *known id*: the CRC, with the message's `CRC_EXTRA`, must match. The length is not checked against the
-//!   definition in version 2 (zeros are trimmed, newer extensions are longer); a version 1 packet may not
-//!   be shorter than its message.
-//! - *unknown id*: its `CRC_EXTRA` is not known, but some byte must be able to play that part (1 in 256
-//!   damaged packets passes), and no whole good packet of a known id may lie inside: garbage that looks
-//!   like the start of an unknown packet does not hide good ones.
-//! - *unknown incompatibility flag*: refused at once, its length cannot be trusted.
+//! - *known id*: the CRC, with the message's `CRC_EXTRA`, must match. In version 2 the length is not checked against
+//!   the definition (trailing zeros are trimmed, newer extensions make it longer); a version 1 packet must not be
+//!   shorter than its message.
+//! - *unknown id*: its `CRC_EXTRA` is not known, but some byte must satisfy the CRC (1 in 256 damaged packets
+//!   passes), and no complete valid packet of a known id may lie inside: garbage that looks like the start of an
+//!   unknown packet does not hide valid packets.
+//! - *unknown incompatibility flag*: rejected at once, because the length cannot be trusted.
 //!
-//! After a refusal the search goes on one byte behind the false magic. All decisions depend on the bytes
-//! from the magic to the packet's end only, so the result is the same however the stream is cut in chunks.
+//! After a rejection the search continues one byte after the false magic. All decisions depend only on the bytes from
+//! the magic to the end of the packet, so the result does not depend on how the stream is cut into chunks.
 //!
-//! A *timestamped* stream (a tlog) has 8 bytes before each packet: big-endian microseconds since 1970.
-//! Behind a packet the next is first sought 8 bytes on, then anywhere: junk, missing stamps and a start out
-//! of step cost only themselves.
+//! A *timestamped* stream (a tlog) has 8 bytes before each packet: big-endian microseconds since 1970. After a packet
+//! the next one is first expected 8 bytes later, then searched for anywhere: junk, missing timestamps and a start in
+//! the middle of a packet cost no other packet.
 
 use crate::crc;
 use crate::header::{CHECKSUM, FLAG_SIGNED, Header, MAGIC_V1, MAGIC_V2};
@@ -25,22 +25,22 @@ use memchr::memchr2;
 
 pub const TIMESTAMP: usize = 8;
 
-/// Microseconds since 1970 of the years 2000 to 2099.
-const THIS_CENTURY: std::ops::Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
+/// Plausible timestamps: the years 2000 to 2099 in microseconds since 1970.
+const PLAUSIBLE_TIMES: std::ops::Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
 
-/// One packet found: `start..start + header.packet_length()` of the scanned bytes.
+/// Position and header of one packet: `start..start + header.packet_length()` of the scanned bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct FrameSpan {
     pub start: usize,
     pub header: Header,
     /// Index of the message's layout, `None` if the dialect lacks the id.
     pub slot: Option<u16>,
-    /// Whether the 8 bytes before the packet are its timestamp.
+    /// True if the 8 bytes before the packet are its timestamp.
     pub timestamped: bool,
 }
 
-impl Found {
-    /// The bytes of the packet in the scanned bytes.
+impl FrameSpan {
+    /// The byte range of the packet in the scanned bytes.
     #[inline]
     #[must_use]
     pub fn range(&self) -> std::ops::Range<usize> {
@@ -48,7 +48,7 @@ impl Found {
     }
 }
 
-/// What the bytes at a magic are.
+/// The classification of the bytes at a magic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     Packet(Header, Option<u16>),
@@ -96,13 +96,13 @@ fn checksums(packet: &[u8], header: &Header) -> (u16, u16) {
 
 #[cold]
 fn examine_unknown(packet: &[u8], header: Header, calculated: u16, received: u16, dialect: &Dialect) -> Verdict {
-    if crc::solve_extra(calculated, received).is_none() || holds_known_packet(&packet[1..], dialect) {
+    if crc::solve_extra(calculated, received).is_none() || contains_known_packet(&packet[1..], dialect) {
         return Verdict::Rejected(Reject::Checksum);
     }
     Verdict::Packet(header, None)
 }
 
-fn holds_known_packet(data: &[u8], dialect: &Dialect) -> bool {
+fn contains_known_packet(data: &[u8], dialect: &Dialect) -> bool {
     memchr::memchr2_iter(MAGIC_V1, MAGIC_V2, data).any(|start| {
         let Some(header) = Header::parse(&data[start..]) else {
             return false;
@@ -124,42 +124,42 @@ pub struct Scanner<'a> {
     data: &'a [u8],
     dialect: &'a Dialect,
     timestamped: bool,
-    /// Where the search goes on.
+    /// Index at which the search continues.
     position: usize,
-    /// First byte that is not yet accounted for as packet or bad.
+    /// Index of the first byte that is counted neither as packet nor as bad yet.
     boundary: usize,
 }
 
 impl<'a> Scanner<'a> {
-    /// A scanner of `data`.
+    /// Creates a scanner of `data`.
     #[must_use]
     pub fn new(data: &'a [u8], dialect: &'a Dialect, timestamped: bool) -> Self {
         Self::resume(data, dialect, timestamped, 0, 0)
     }
 
-    /// A scanner that goes on at `position`, the bytes from `boundary` on not yet accounted for.
+    /// Creates a scanner that continues at `position`; the bytes from `boundary` on are not counted yet.
     #[must_use]
     pub fn resume(data: &'a [u8], dialect: &'a Dialect, timestamped: bool, position: usize, boundary: usize) -> Self {
         Self { data, dialect, timestamped, position, boundary }
     }
 
-    /// Where the search goes on when more bytes come.
+    /// Index at which the search continues when more bytes arrive.
     #[must_use]
     pub fn position(&self) -> usize {
         self.position
     }
 
-    /// First byte that is not yet accounted for.
+    /// Index of the first byte that is not counted yet.
     #[must_use]
     pub fn boundary(&self) -> usize {
         self.boundary
     }
 
-    /// The next packet, or `None` when more bytes are needed to tell.
+    /// Returns the next packet, or `None` when more bytes are needed.
     #[inline]
-    pub fn next_packet(&mut self, statistics: &mut Statistics) -> Option<Found> {
+    pub fn next_packet(&mut self, statistics: &mut Statistics) -> Option<FrameSpan> {
         if self.timestamped && self.position == self.boundary {
-            match self.examine_behind_timestamp() {
+            match self.examine_after_timestamp() {
                 Verdict::Packet(header, slot) => {
                     return Some(self.accept(self.boundary + TIMESTAMP, header, slot, true, statistics));
                 }
@@ -170,8 +170,8 @@ impl<'a> Scanner<'a> {
         self.search(statistics)
     }
 
-    /// Ends the stream: what is left can no longer become a packet, except ones that it holds whole.
-    pub fn next_packet_at_end(&mut self, statistics: &mut Statistics) -> Option<Found> {
+    /// Returns the next packet of a stream that has ended: an incomplete packet no longer delays those inside it.
+    pub fn next_packet_at_end(&mut self, statistics: &mut Statistics) -> Option<FrameSpan> {
         loop {
             if let Some(found) = self.next_packet(statistics) {
                 return Some(found);
@@ -189,19 +189,19 @@ impl<'a> Scanner<'a> {
     }
 
     #[inline]
-    fn examine_behind_timestamp(&self) -> Verdict {
+    fn examine_after_timestamp(&self) -> Verdict {
         match self.data.get(self.boundary + TIMESTAMP..) {
             None | Some([]) => Verdict::Incomplete,
-            Some(behind @ [MAGIC_V1 | MAGIC_V2, ..]) => examine(behind, self.dialect),
+            Some(rest @ [MAGIC_V1 | MAGIC_V2, ..]) => examine(rest, self.dialect),
             Some(_) => Verdict::Rejected(Reject::Checksum),
         }
     }
 
     #[inline]
-    fn search(&mut self, statistics: &mut Statistics) -> Option<Found> {
+    fn search(&mut self, statistics: &mut Statistics) -> Option<FrameSpan> {
         loop {
             let rest = self.data.get(self.position..)?;
-            // In step, a magic is the next byte, and a search not worth its call.
+            // Usually the next byte is a magic, and then the search is not worth its call.
             let skipped = if let [MAGIC_V1 | MAGIC_V2, ..] = rest {
                 0
             } else if let Some(skipped) = memchr2(MAGIC_V1, MAGIC_V2, rest) {
@@ -224,10 +224,10 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// Whether a believable time stands before `start`: behind junk, the eight bytes there may be junk too.
-    fn holds_time_before(&self, start: usize) -> bool {
+    /// Returns whether the 8 bytes before `start` are a plausible time: after junk they may be junk too.
+    fn has_plausible_time_before(&self, start: usize) -> bool {
         let stamp = self.data[..start].last_chunk::<TIMESTAMP>();
-        stamp.is_some_and(|stamp| THIS_CENTURY.contains(&timestamp_microseconds(*stamp)))
+        stamp.is_some_and(|stamp| PLAUSIBLE_TIMES.contains(&timestamp_microseconds(*stamp)))
     }
 
     #[inline]
@@ -238,10 +238,11 @@ impl<'a> Scanner<'a> {
         slot: Option<u16>,
         stamped: bool,
         statistics: &mut Statistics,
-    ) -> Found {
+    ) -> FrameSpan {
         let unaccounted = start - self.boundary;
-        let timestamped = stamped || (self.timestamped && unaccounted >= TIMESTAMP && self.holds_time_before(start));
-        let found = Found { start, header, slot, timestamped };
+        let timestamped =
+            stamped || (self.timestamped && unaccounted >= TIMESTAMP && self.has_plausible_time_before(start));
+        let found = FrameSpan { start, header, slot, timestamped };
         let end = found.range().end;
         statistics.bad_bytes += (unaccounted - if timestamped { TIMESTAMP } else { 0 }) as u64;
         statistics.packets += 1;
@@ -256,15 +257,15 @@ impl<'a> Scanner<'a> {
     }
 }
 
-/// The microseconds since 1970 that stand in `stamp`; little-endian stamps of old recorders are recognised.
+/// Decodes a timestamp to microseconds since 1970; the little-endian timestamps of old recorders are recognised.
 #[inline]
 #[must_use]
 pub fn timestamp_microseconds(stamp: [u8; TIMESTAMP]) -> u64 {
     let (big, little) = (u64::from_be_bytes(stamp), u64::from_le_bytes(stamp));
-    if !THIS_CENTURY.contains(&big) && THIS_CENTURY.contains(&little) { little } else { big }
+    if !PLAUSIBLE_TIMES.contains(&big) && PLAUSIBLE_TIMES.contains(&little) { little } else { big }
 }
 
-/// Whether a file that begins with `head` has a timestamp before each packet.
+/// Returns whether a file that begins with `head` has a timestamp before each packet.
 #[must_use]
 pub fn looks_timestamped(head: &[u8], dialect: &Dialect) -> bool {
     let mut scanner = Scanner::new(head, dialect, false);

@@ -14,7 +14,7 @@ fn heartbeat_of_mode(version: Version, sequence: u8, mode: u8) -> Vec<u8> {
     out
 }
 
-/// A sound packet of an id that the dialect does not have.
+/// A valid packet whose message id is not in the dialect.
 fn unknown_packet(payload: &[u8]) -> Vec<u8> {
     let mut packet = vec![MAGIC_V2, payload.len() as u8, 0, 0, 9, 1, 1, 0x39, 0x30, 0];
     packet.extend_from_slice(payload);
@@ -23,7 +23,7 @@ fn unknown_packet(payload: &[u8]) -> Vec<u8> {
     packet
 }
 
-fn scan(data: &[u8], timestamped: bool) -> (Vec<Found>, Statistics) {
+fn scan(data: &[u8], timestamped: bool) -> (Vec<FrameSpan>, Statistics) {
     let dialect = dialect();
     let mut statistics = Statistics::default();
     let mut scanner = Scanner::new(data, &dialect, timestamped);
@@ -35,7 +35,7 @@ fn scan(data: &[u8], timestamped: bool) -> (Vec<Found>, Statistics) {
 }
 
 #[test]
-fn a_false_magic_hides_nothing() {
+fn a_false_magic_hides_no_packet() {
     for version in [Version::V1, Version::V2] {
         let mut data = vec![MAGIC_V2, 0xC8];
         for sequence in 0..10 {
@@ -49,7 +49,7 @@ fn a_false_magic_hides_nothing() {
 }
 
 #[test]
-fn a_damaged_packet_costs_only_itself() {
+fn only_the_damaged_packet_is_lost() {
     let mut data = heartbeat(Version::V2, 0);
     data[12] ^= 0xFF;
     data.extend(heartbeat(Version::V1, 1));
@@ -59,7 +59,7 @@ fn a_damaged_packet_costs_only_itself() {
 }
 
 #[test]
-fn a_checksum_byte_equal_to_a_magic_is_no_new_start() {
+fn a_checksum_byte_equal_to_a_magic_starts_no_packet() {
     let mut data = Vec::new();
     let mut packets = 0;
     for number in 0..=0x0FFFu16 {
@@ -70,13 +70,13 @@ fn a_checksum_byte_equal_to_a_magic_is_no_new_start() {
             packets += 1;
         }
     }
-    assert!(packets > 0, "the sample holds such a checksum");
+    assert!(packets > 0, "the sample contains such a checksum");
     let (found, statistics) = scan(&data, false);
     assert_eq!((found.len(), statistics.bad_bytes), (packets, 0));
 }
 
 #[test]
-fn unknown_ids_are_reported_and_not_called_corrupt() {
+fn unknown_ids_are_counted_as_unknown_and_not_as_damaged() {
     let data = unknown_packet(&[1, 2, 3]);
     let (found, statistics) = scan(&data, false);
     assert_eq!((found.len(), found[0].slot, found[0].header.message_id), (1, None, 12345));
@@ -94,7 +94,7 @@ fn damaged_packets_of_unknown_ids_are_mostly_refused() {
 }
 
 #[test]
-fn what_looks_like_an_unknown_packet_does_not_hide_a_good_one() {
+fn an_apparent_unknown_packet_hides_no_valid_packet() {
     let data = unknown_packet(&heartbeat(Version::V2, 3));
     let (found, _) = scan(&data, false);
     assert_eq!(found.len(), 1);
@@ -116,7 +116,7 @@ fn unknown_incompatibility_flags_are_refused_and_compatibility_flags_ignored() {
 }
 
 #[test]
-fn version_1_packets_may_not_be_shorter_than_their_message() {
+fn version_1_packets_shorter_than_their_message_are_refused() {
     let mut short = vec![MAGIC_V1, 5, 0, 1, 1, 0, 0, 0, 0, 0, 2];
     let checksum = crc::accumulate(crc::update(crc::INITIAL, &short[1..]), 50);
     short.extend_from_slice(&checksum.to_le_bytes());
@@ -125,7 +125,7 @@ fn version_1_packets_may_not_be_shorter_than_their_message() {
 }
 
 #[test]
-fn timestamps_are_no_bad_bytes_and_junk_between_costs_only_itself() {
+fn timestamps_are_not_bad_bytes_and_junk_between_packets_is() {
     let mut data = vec![7; 5];
     for sequence in 0..3 {
         data.extend_from_slice(&(1_700_000_000_000_000u64 + u64::from(sequence)).to_be_bytes());
@@ -142,13 +142,13 @@ fn timestamps_are_no_bad_bytes_and_junk_between_costs_only_itself() {
 }
 
 #[test]
-fn a_stream_without_timestamps_is_told_from_one_with() {
+fn a_stream_without_timestamps_does_not_look_timestamped() {
     let data: Vec<u8> = (0..4).flat_map(|sequence| heartbeat(Version::V2, sequence)).collect();
     assert!(!looks_timestamped(&data, &dialect()));
 }
 
 #[test]
-fn a_log_that_starts_inside_a_packet_is_read_from_the_next() {
+fn a_log_that_starts_inside_a_packet_is_parsed_from_the_next_one() {
     let mut data = heartbeat(Version::V2, 0)[9..].to_vec();
     data.extend_from_slice(&1_700_000_000_000_000u64.to_be_bytes());
     data.extend(heartbeat(Version::V2, 1));

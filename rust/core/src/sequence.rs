@@ -1,16 +1,16 @@
-//! Loss per source, from the gaps in its sequence numbers.
+//! Packet loss per source, from the gaps in its sequence numbers.
 //!
-//! A source is a (system, component) heard on one link. A gap of less than half the circle is loss; a packet
-//! from a few numbers back is late or a duplicate, and a late one was counted as lost before it came; any
-//! other step backwards is a sender that started again, and says nothing about loss.
+//! A source is a (system, component) received on one link. A forward step of less than half the number range is loss;
+//! a packet from up to [`LATE_WINDOW`] numbers back is late or a duplicate, and a late packet was counted as lost
+//! before it arrived; any other step backwards is a sender that restarted, and is not counted as loss.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// How many numbers back a packet may come and still be late, not a restart.
+/// Number of sequence numbers by which a packet may be late; a larger step back is a restart.
 const LATE_WINDOW: u8 = 16;
 
-/// What was heard of one source.
+/// Statistics of one source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {
     pub received: u64,
@@ -19,13 +19,13 @@ pub struct Source {
     /// Late or duplicate packets.
     pub late: u64,
     last: u8,
-    opening: Opening,
+    run: SequenceRun,
 }
 
-/// The first numbers heard and what had been counted after them: where a stretch of a stream is joined to the one
-/// before, these are counted again, because some may be late to a hole that lies before the border.
+/// The first sequence numbers of a segment and the counters after them. When a segment is joined to the previous one,
+/// these numbers are counted again, because some may be late packets of a gap before the border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Opening {
+struct SequenceRun {
     numbers: [u8; LATE_WINDOW as usize + 1],
     length: u8,
     lost: u64,
@@ -34,31 +34,31 @@ struct Opening {
 
 impl Source {
     fn new(sequence: u8, bytes: u64) -> Self {
-        let mut opening = Opening { numbers: [0; LATE_WINDOW as usize + 1], length: 1, lost: 0, late: 0 };
-        opening.numbers[0] = sequence;
-        Self { received: 1, bytes, lost: 0, late: 0, last: sequence, opening }
+        let mut run = SequenceRun { numbers: [0; LATE_WINDOW as usize + 1], length: 1, lost: 0, late: 0 };
+        run.numbers[0] = sequence;
+        Self { received: 1, bytes, lost: 0, late: 0, last: sequence, run }
     }
 
     #[inline]
-    fn hear(&mut self, sequence: u8, bytes: u64) {
+    fn record(&mut self, sequence: u8, bytes: u64) {
         self.received += 1;
         self.bytes += bytes;
         self.step(sequence);
-        if usize::from(self.opening.length) < self.opening.numbers.len() {
-            self.open(sequence);
+        if usize::from(self.run.length) < self.run.numbers.len() {
+            self.extend_run(sequence);
         }
     }
 
     #[cold]
-    fn open(&mut self, sequence: u8) {
-        self.opening.numbers[usize::from(self.opening.length)] = sequence;
-        self.opening.length += 1;
-        (self.opening.lost, self.opening.late) = (self.lost, self.late);
+    fn extend_run(&mut self, sequence: u8) {
+        self.run.numbers[usize::from(self.run.length)] = sequence;
+        self.run.length += 1;
+        (self.run.lost, self.run.late) = (self.lost, self.late);
     }
 
-    /// Joins what was heard in the next stretch of the stream.
+    /// Adds the statistics of the next segment of the stream.
     fn join(&mut self, next: &Self) {
-        let Opening { numbers, length, lost, late } = next.opening;
+        let SequenceRun { numbers, length, lost, late } = next.run;
         for &number in &numbers[..usize::from(length)] {
             self.step(number);
         }
@@ -78,7 +78,7 @@ impl Source {
             self.lost += u64::from(gap);
         } else if gap >= 255 - LATE_WINDOW {
             self.late += 1;
-            // gap 255 repeats the last number: a duplicate fills no hole.
+            // gap 255 repeats the last number: a duplicate fills no gap.
             self.lost = self.lost.saturating_sub(u64::from(gap != 255));
             return;
         }
@@ -86,7 +86,7 @@ impl Source {
     }
 }
 
-/// Hashes a source by one multiplication: the keys are two bytes and the table is bounded by them.
+/// Hashes a source by one multiplication: keys are two bytes, which also bounds the table.
 #[derive(Debug, Default)]
 pub struct SourceHasher(u64);
 
@@ -106,12 +106,12 @@ impl Hasher for SourceHasher {
     }
 }
 
-/// Sequence statistics of all sources heard on one link.
+/// Sequence statistics of all sources received on one link.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
-    heard: Vec<(u16, Source)>,
-    places: HashMap<u16, usize, BuildHasherDefault<SourceHasher>>,
-    /// Place of the source heard last: most packets come from the one before.
+    entries: Vec<(u16, Source)>,
+    positions: HashMap<u16, usize, BuildHasherDefault<SourceHasher>>,
+    /// Position of the most recent source: most packets come from the same source as the packet before.
     current: usize,
 }
 
@@ -120,44 +120,44 @@ impl Sources {
     #[inline]
     pub fn record(&mut self, system: u8, component: u8, sequence: u8, bytes: usize) {
         let key = u16::from_be_bytes([system, component]);
-        match self.heard.get_mut(self.current) {
-            Some((current, source)) if *current == key => source.hear(sequence, bytes as u64),
-            _ => self.change(key, sequence, bytes as u64),
+        match self.entries.get_mut(self.current) {
+            Some((current, source)) if *current == key => source.record(sequence, bytes as u64),
+            _ => self.switch_source(key, sequence, bytes as u64),
         }
     }
 
-    fn change(&mut self, key: u16, sequence: u8, bytes: u64) {
-        if let Some(&place) = self.places.get(&key) {
-            self.current = place;
-            self.heard[place].1.hear(sequence, bytes);
+    fn switch_source(&mut self, key: u16, sequence: u8, bytes: u64) {
+        if let Some(&position) = self.positions.get(&key) {
+            self.current = position;
+            self.entries[position].1.record(sequence, bytes);
         } else {
             self.current = self.insert(key, Source::new(sequence, bytes));
         }
     }
 
     fn insert(&mut self, key: u16, source: Source) -> usize {
-        let place = self.heard.len();
-        self.places.insert(key, place);
-        self.heard.push((key, source));
-        place
+        let position = self.entries.len();
+        self.positions.insert(key, position);
+        self.entries.push((key, source));
+        position
     }
 
-    /// Appends what was recorded of the stretch of the stream right behind this one.
+    /// Appends the statistics of the segment that directly follows this one.
     pub fn append(&mut self, next: &Self) {
-        for &(key, after) in &next.heard {
-            let Some(&place) = self.places.get(&key) else {
+        for &(key, after) in &next.entries {
+            let Some(&position) = self.positions.get(&key) else {
                 self.insert(key, after);
                 continue;
             };
-            self.heard[place].1.join(&after);
+            self.entries[position].1.join(&after);
         }
     }
 
-    /// All sources as (system, component, what was heard), in order of their ids.
+    /// All sources as (system, component, statistics), ordered by their ids.
     #[must_use]
     pub fn all(&self) -> Vec<(u8, u8, Source)> {
         let mut all: Vec<_> = self
-            .heard
+            .entries
             .iter()
             .map(|&(key, source)| {
                 let [system, component] = key.to_be_bytes();
@@ -173,7 +173,7 @@ impl Sources {
 mod tests {
     use super::*;
 
-    fn heard(sequences: &[u8]) -> Source {
+    fn source_of(sequences: &[u8]) -> Source {
         let mut sources = Sources::default();
         for &sequence in sequences {
             sources.record(1, 1, sequence, 21);
@@ -183,29 +183,29 @@ mod tests {
 
     #[test]
     fn gaps_are_loss_across_the_wrap() {
-        assert_eq!(heard(&[254, 255, 0, 1]).lost, 0);
-        assert_eq!(heard(&[254, 2]).lost, 3);
+        assert_eq!(source_of(&[254, 255, 0, 1]).lost, 0);
+        assert_eq!(source_of(&[254, 2]).lost, 3);
     }
 
     #[test]
-    fn a_late_packet_was_not_lost() {
-        let source = heard(&[1, 2, 4, 3, 5]);
+    fn a_late_packet_is_not_counted_as_lost() {
+        let source = source_of(&[1, 2, 4, 3, 5]);
         assert_eq!((source.lost, source.late), (0, 1));
     }
 
     #[test]
-    fn a_duplicate_fills_no_hole() {
-        let source = heard(&[1, 3, 3]);
+    fn a_duplicate_fills_no_gap() {
+        let source = source_of(&[1, 3, 3]);
         assert_eq!((source.lost, source.late), (1, 1));
     }
 
     #[test]
     fn a_restart_is_not_loss() {
-        assert_eq!(heard(&[100, 101, 0, 1, 2]).lost, 0);
+        assert_eq!(source_of(&[100, 101, 0, 1, 2]).lost, 0);
     }
 
     #[test]
-    fn sources_are_counted_apart() {
+    fn sources_are_counted_separately() {
         let mut sources = Sources::default();
         for sequence in 0..10 {
             sources.record(1, 1, sequence, 20);
@@ -217,9 +217,9 @@ mod tests {
     }
 
     #[test]
-    fn appending_equals_one_run() {
+    fn appended_segments_count_as_one_stream() {
         let numbers: Vec<u8> = vec![250, 251, 255, 0, 3, 1, 5, 4, 4, 9, 10, 7, 6, 20];
-        let whole = heard(&numbers);
+        let whole = source_of(&numbers);
         for cut in 1..numbers.len() {
             let (mut left, mut right) = (Sources::default(), Sources::default());
             numbers[..cut].iter().for_each(|&number| left.record(1, 1, number, 21));

@@ -1,10 +1,10 @@
-//! Signing: 13 bytes behind the checksum: link id, 48-bit timestamp, first 48 bits of
+//! Message signing: 13 bytes after the checksum hold the link id, a 48-bit timestamp and the first 48 bits of
 //! SHA-256(key ‖ header ‖ payload ‖ checksum ‖ link id ‖ timestamp).
 //!
-//! Timestamps count 10 µs since 2015-01-01 00:00 UTC. The order of the checks is the point of this file:
-//! the hash comes first, in constant time, and only a packet that passed may touch a stream's timestamp;
-//! otherwise one forged packet from the far future would silence its stream for ever. For the same reason
-//! a packet that claims a time far ahead of a known clock is refused even if its hash is right.
+//! Timestamps count 10 µs since 2015-01-01 00:00 UTC. The order of the checks matters: the hash is verified first, in
+//! constant time, and only a packet with a valid hash may change the timestamp of its stream; otherwise one forged
+//! packet from the far future would block its stream for ever. For the same reason a packet whose timestamp is far
+//! ahead of a known clock is refused even if its hash is valid.
 
 use crate::header::{Header, SIGNATURE};
 use crate::parser::Packet;
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use subtle::ConstantTimeEq;
 use zeroize::{Zeroize, ZeroizeOnDrop};
 
-/// Units of a timestamp in a second.
+/// Timestamp units per second.
 pub const UNITS_PER_SECOND: u64 = 100_000;
 /// Unix time of timestamp 0, in seconds.
 pub const EPOCH: u64 = 1_420_070_400;
@@ -21,16 +21,16 @@ pub const EPOCH: u64 = 1_420_070_400;
 pub const MAX_TIMESTAMP: u64 = (1 << 48) - 1;
 const HASH: usize = 6;
 
-/// Why a packet was refused.
+/// The reason why a packet is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// Not signed, and its id is not among those let through.
+    /// Not signed, and its message id is not accepted unsigned.
     Unsigned,
     /// The hash does not match the key.
     Forged,
-    /// Not newer than the last packet of its stream.
+    /// Its timestamp is not newer than that of the last packet of its stream.
     Replayed,
-    /// A new stream that begins too far behind the clock.
+    /// The first packet of a stream, too far behind the clock.
     Stale,
     /// Too far ahead of the clock.
     Future,
@@ -38,11 +38,11 @@ pub enum Refusal {
     TooManyStreams,
 }
 
-/// The signing clock has no later timestamp to give.
+/// The signing clock has reached its last timestamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClockExhausted;
 
-/// Count of each refusal.
+/// Number of refused packets by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Refusals {
     pub unsigned: u64,
@@ -66,19 +66,19 @@ impl Refusals {
     }
 }
 
-/// What a user may decide about received packets.
+/// The rules for accepting received packets.
 #[derive(Clone, Debug)]
 pub struct Policy {
-    /// Let every unsigned packet through.
+    /// Accept all unsigned packets.
     pub accept_unsigned: bool,
-    /// Ids let through unsigned, such as RADIO_STATUS, which radios make without a key.
+    /// Message ids accepted unsigned, such as RADIO_STATUS, which radios send without a key.
     pub unsigned_ids: Vec<u32>,
-    /// How far behind the clock a new stream may begin, in timestamp units.
+    /// Maximum age of the first packet of a stream, in timestamp units behind the clock.
     pub max_behind: u64,
-    /// How far ahead of the clock a packet may be, in timestamp units.
+    /// Maximum lead of a packet over the clock, in timestamp units.
     pub max_ahead: u64,
-    /// How far behind its stream's newest a packet may be, in timestamp units, for links that reorder;
-    /// 0 is strict.
+    /// Maximum lag of a packet behind the newest of its stream, in timestamp units, for links that reorder packets;
+    /// 0 refuses all reordered packets.
     pub reorder_slack: u64,
     pub max_streams: usize,
 }
@@ -96,7 +96,7 @@ impl Default for Policy {
     }
 }
 
-/// A 32-byte signing key; wiped when dropped, and never printed.
+/// A 32-byte signing key; zeroed when dropped, and never printed.
 #[derive(Clone, Zeroize, ZeroizeOnDrop)]
 pub struct Key([u8; 32]);
 
@@ -113,36 +113,44 @@ impl std::fmt::Debug for Key {
     }
 }
 
-/// Newest timestamp of a stream, and which of those shortly before it have been seen.
+/// Newest timestamp of a stream, and the accepted timestamps shortly before it.
 #[derive(Clone, Debug)]
 struct Stream {
     newest: u64,
-    /// Accepted timestamps within the slack, oldest first; empty when strict.
+    /// Accepted timestamps within the reorder slack, oldest first; empty if the slack is 0.
     recent: std::collections::VecDeque<u64>,
 }
 
-/// One end's signing state: it signs what is sent and judges what is received.
+/// The signing state of one link: it signs sent packets and verifies received ones.
 #[derive(Clone, Debug)]
 pub struct Signing {
     key: Key,
     link_id: u8,
     /// Timestamp of the newest packet signed or accepted; never moves back.
     clock: u64,
-    /// The clock at the start: together with the time, what "too far ahead" is measured from. The clock itself
-    /// would not do, since each packet accepted moves it.
-    started: u64,
+    /// The initial clock, from which (with the current time) the lead of a packet is measured. The clock itself cannot
+    /// serve, because each accepted packet advances it.
+    initial_clock: u64,
     policy: Policy,
     streams: HashMap<(u8, u8, u8), Stream>,
     refusals: Refusals,
 }
 
-/// Packets within the slack that a stream remembers, so that slack never admits a replay.
+/// Number of recent timestamps kept per stream, so that the reorder slack never accepts a replay.
 const MAX_RECENT: usize = 256;
 
 impl Signing {
     #[must_use]
     pub fn new(key: Key, link_id: u8, clock: u64, policy: Policy) -> Self {
-        Self { key, link_id, clock, started: clock, policy, streams: HashMap::new(), refusals: Refusals::default() }
+        Self {
+            key,
+            link_id,
+            clock,
+            initial_clock: clock,
+            policy,
+            streams: HashMap::new(),
+            refusals: Refusals::default(),
+        }
     }
 
     /// The timestamp to persist: the next run must start at or after it.
@@ -166,9 +174,9 @@ impl Signing {
         self.streams.len()
     }
 
-    /// Appends the signature to a packet that ends with its checksum; `now` is the timestamp of the time, if known.
+    /// Appends the signature to a packet that ends with its checksum; `now` is the current time as a timestamp, if known.
     ///
-    /// Fails, leaving the packet as it is, when the clock has reached the end of its 48 bits (in the year 2104).
+    /// Fails, leaving the packet unchanged, when the clock has reached the end of its 48 bits (in the year 2104).
     pub fn sign(&mut self, packet: &mut Vec<u8>, now: Option<u64>) -> Result<(), ClockExhausted> {
         let next = (self.clock + 1).max(now.unwrap_or(0));
         if next > MAX_TIMESTAMP {
@@ -182,30 +190,36 @@ impl Signing {
         Ok(())
     }
 
-    /// Judges a received packet, and counts it if it is refused; `now` is the timestamp of the time, if known.
+    /// Verifies a received packet, and counts a refusal; `now` is the current time as a timestamp, if known.
     pub fn check(&mut self, packet: &Packet<'_>, now: Option<u64>) -> Result<(), Refusal> {
-        let verdict = self.judge(packet, now);
-        if let Err(refusal) = verdict {
+        let result = self.verify(packet, now);
+        if let Err(refusal) = result {
             self.refusals.count(refusal);
         }
-        verdict
+        result
     }
 
-    fn judge(&mut self, packet: &Packet<'_>, now: Option<u64>) -> Result<(), Refusal> {
+    fn verify(&mut self, packet: &Packet<'_>, now: Option<u64>) -> Result<(), Refusal> {
         if !packet.header.signed() {
             let allowed = self.policy.accept_unsigned || self.policy.unsigned_ids.contains(&packet.header.message_id);
             return if allowed { Ok(()) } else { Err(Refusal::Unsigned) };
         }
-        if !verify(&self.key, packet.raw) {
+        if !hash_matches(&self.key, packet.raw) {
             return Err(Refusal::Forged);
         }
         let (link_id, timestamp) = link_and_timestamp(packet.raw);
-        self.judge_time(link_id, &packet.header, timestamp, now)
+        self.verify_timestamp(link_id, &packet.header, timestamp, now)
     }
 
-    fn judge_time(&mut self, link_id: u8, header: &Header, timestamp: u64, now: Option<u64>) -> Result<(), Refusal> {
+    fn verify_timestamp(
+        &mut self,
+        link_id: u8,
+        header: &Header,
+        timestamp: u64,
+        now: Option<u64>,
+    ) -> Result<(), Refusal> {
         let clock = now.unwrap_or(0).max(self.clock);
-        if now.is_some_and(|now| timestamp > now.max(self.started).saturating_add(self.policy.max_ahead)) {
+        if now.is_some_and(|now| timestamp > now.max(self.initial_clock).saturating_add(self.policy.max_ahead)) {
             return Err(Refusal::Future);
         }
         let streams = self.streams.len();
@@ -237,7 +251,7 @@ impl Stream {
         Self { newest: timestamp, recent }
     }
 
-    /// Takes `timestamp` into the stream, unless it was seen or is too old.
+    /// Accepts `timestamp` into the stream, unless it was accepted before or is too old.
     fn advance(&mut self, timestamp: u64, slack: u64) -> bool {
         if slack == 0 {
             let newer = timestamp > self.newest;
@@ -245,15 +259,15 @@ impl Stream {
             return newer;
         }
         let oldest = self.newest.saturating_sub(slack);
-        // A full memory cannot vouch for what is older than all it holds.
-        let forgotten = self.recent.len() >= MAX_RECENT && self.recent.front().is_some_and(|&first| timestamp < first);
-        let Err(place) = self.recent.binary_search(&timestamp) else {
+        // Timestamps older than the oldest one kept may have been accepted and dropped from a full list.
+        let too_old = self.recent.len() >= MAX_RECENT && self.recent.front().is_some_and(|&first| timestamp < first);
+        let Err(position) = self.recent.binary_search(&timestamp) else {
             return false;
         };
-        if timestamp < oldest || forgotten {
+        if timestamp < oldest || too_old {
             return false;
         }
-        self.recent.insert(place, timestamp);
+        self.recent.insert(position, timestamp);
         if self.recent.len() > MAX_RECENT {
             self.recent.pop_front();
         }
@@ -262,17 +276,17 @@ impl Stream {
     }
 }
 
-/// Whether the hash at the end of a signed packet matches `key`, compared in constant time.
+/// Returns whether the hash at the end of a signed packet matches `key`, compared in constant time.
 #[inline]
 #[must_use]
-pub fn verify(key: &Key, raw: &[u8]) -> bool {
+pub fn hash_matches(key: &Key, raw: &[u8]) -> bool {
     let Some((signed, received)) = raw.split_last_chunk::<HASH>() else {
         return false;
     };
     raw.len() > SIGNATURE && bool::from(hash(key, signed).ct_eq(received))
 }
 
-/// Link id and timestamp of a signed packet.
+/// Returns the link id and timestamp of a signed packet.
 #[must_use]
 pub fn link_and_timestamp(raw: &[u8]) -> (u8, u64) {
     let Some([link_id, a, b, c, d, e, f, ..]) = raw.last_chunk::<SIGNATURE>() else {

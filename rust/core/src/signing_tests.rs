@@ -51,16 +51,16 @@ fn a_replay_is_refused() {
 }
 
 #[test]
-fn a_forged_packet_from_the_far_future_silences_nothing() {
+fn a_forged_packet_from_the_far_future_does_not_block_its_stream() {
     let mut signing = signing(Policy::default());
     assert_eq!(check(&mut signing, &packet_at(NOW)), Ok(()));
     assert_eq!(check(&mut signing, &forged(MAX_TIMESTAMP)), Err(Refusal::Forged));
     assert_eq!(check(&mut signing, &packet_at(NOW + 1)), Ok(()));
-    assert_eq!(signing.clock(), NOW + 1, "nor does it move the clock");
+    assert_eq!(signing.clock(), NOW + 1, "the clock does not move");
 }
 
 #[test]
-fn a_rightly_signed_packet_from_the_far_future_does_not_either() {
+fn a_valid_packet_from_the_far_future_is_refused() {
     let mut signing = signing(Policy::default());
     assert_eq!(check(&mut signing, &packet_at(MAX_TIMESTAMP)), Err(Refusal::Future));
     assert_eq!(check(&mut signing, &packet_at(NOW)), Ok(()));
@@ -68,14 +68,14 @@ fn a_rightly_signed_packet_from_the_far_future_does_not_either() {
 }
 
 #[test]
-fn a_new_stream_may_begin_a_minute_behind_and_no_more() {
+fn a_new_stream_may_begin_up_to_a_minute_behind_the_clock() {
     let mut late = signing(Policy::default());
     assert_eq!(check(&mut late, &packet_at(NOW - 6_000_001)), Err(Refusal::Stale));
     assert_eq!(check(&mut late, &packet_at(NOW - 6_000_000)), Ok(()));
 }
 
 #[test]
-fn a_forged_packet_makes_no_stream() {
+fn a_forged_packet_creates_no_stream() {
     let mut signing = signing(Policy::default());
     assert_eq!(check(&mut signing, &forged(NOW)), Err(Refusal::Forged));
     assert_eq!(signing.streams(), 0);
@@ -100,7 +100,7 @@ fn unsigned_packets_are_refused_unless_allowed() {
 }
 
 #[test]
-fn slack_admits_reordering_and_no_replay() {
+fn reorder_slack_accepts_reordered_packets_and_no_replays() {
     let mut strict = signing(Policy::default());
     let mut slack = signing(Policy { reorder_slack: 10, ..Policy::default() });
     for signing in [&mut strict, &mut slack] {
@@ -114,13 +114,13 @@ fn slack_admits_reordering_and_no_replay() {
 }
 
 #[test]
-fn slack_stays_safe_when_its_memory_is_full() {
+fn reorder_slack_accepts_no_replays_when_its_list_is_full() {
     let mut signing = signing(Policy { reorder_slack: SECOND, ..Policy::default() });
     for step in (0..2 * MAX_RECENT as u64).map(|step| step * 2) {
         assert_eq!(check(&mut signing, &packet_at(NOW + step)), Ok(()));
     }
-    assert_eq!(check(&mut signing, &packet_at(NOW + 2)), Err(Refusal::Replayed), "forgotten, so refused");
-    assert_eq!(check(&mut signing, &packet_at(NOW + 1001)), Ok(()), "remembered as not seen");
+    assert_eq!(check(&mut signing, &packet_at(NOW + 2)), Err(Refusal::Replayed), "no longer in the list, so refused");
+    assert_eq!(check(&mut signing, &packet_at(NOW + 1001)), Ok(()), "within the list and not accepted before");
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn the_clock_only_moves_forward_when_signing() {
 }
 
 #[test]
-fn without_a_clock_the_first_packet_sets_it() {
+fn the_first_packet_sets_an_unset_clock() {
     let mut signing = Signing::new(key(), 0, 0, Policy::default());
     let mut verdict = None;
     Parser::default().feed(&dialect(), &packet_at(NOW * 5), |packet| verdict = Some(signing.check(&packet, None)));
@@ -148,7 +148,7 @@ fn keys_are_not_printed() {
 }
 
 #[test]
-fn the_clock_cannot_be_pushed_ahead_step_by_step() {
+fn the_clock_cannot_be_advanced_step_by_step() {
     let mut signing = signing(Policy::default());
     let day = 24 * 3600 * SECOND;
     assert_eq!(check(&mut signing, &packet_at(NOW + day)), Ok(()));
@@ -157,7 +157,7 @@ fn the_clock_cannot_be_pushed_ahead_step_by_step() {
 }
 
 #[test]
-fn a_clock_at_its_end_signs_no_more() {
+fn a_clock_at_its_last_timestamp_cannot_sign() {
     let mut signer = Signing::new(key(), 0, MAX_TIMESTAMP - 1, Policy::default());
     let mut packet = vec![0xFD; 12];
     assert_eq!(signer.sign(&mut packet, None), Ok(()));

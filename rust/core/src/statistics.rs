@@ -1,10 +1,10 @@
-//! Counters of what came in: nothing that arrives is dropped without being counted here.
+//! Counters of received bytes and packets: nothing is dropped without being counted here.
 
-/// Why bytes that began with a magic were not a packet.
+/// The reason why bytes that begin with a magic are not a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reject {
     Checksum,
-    /// A flag that changes how the packet must be read, and that this reader does not know.
+    /// An unknown incompatibility flag, so the packet cannot be parsed.
     IncompatFlags,
     /// A version 1 packet shorter than its message.
     Length,
@@ -14,14 +14,14 @@ pub enum Reject {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     pub packets: u64,
-    /// Bytes of the packets.
+    /// Total length of the packets in bytes.
     pub packet_bytes: u64,
     pub version_1: u64,
     pub version_2: u64,
     pub signed: u64,
-    /// Packets whose id the dialect does not have.
+    /// Packets whose message id is not in the dialect.
     pub unknown: u64,
-    /// Bytes that belong to no packet.
+    /// Bytes outside any packet.
     pub bad_bytes: u64,
     pub bad_checksum: u64,
     pub bad_flags: u64,
@@ -37,7 +37,7 @@ impl Statistics {
         }
     }
 
-    /// Adds the totals of another stretch of the same stream.
+    /// Adds the totals of another segment of the same stream.
     pub fn add(&mut self, other: &Self) {
         self.packets += other.packets;
         self.packet_bytes += other.packet_bytes;

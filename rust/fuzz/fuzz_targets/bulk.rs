@@ -1,4 +1,4 @@
-//! The bulk decoder finds what the push parser finds, and survives data that changes under its index.
+//! The bulk decoder finds the same packets as the push parser, and does not fail on data that changed after indexing.
 #![no_main]
 
 use fuzz_dialect::{dialect, stream};

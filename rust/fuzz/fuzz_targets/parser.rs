@@ -1,4 +1,4 @@
-//! However a stream is cut, the parser finds the same packets, accounts for every byte and never panics.
+//! However a stream is cut into chunks, the parser finds the same packets, counts every byte and never panics.
 #![no_main]
 
 use fuzz_dialect::{dialect, stream};

@@ -1,10 +1,10 @@
-//! What the targets share: a small dialect with every field type, known to v1, to v2 only, and with extensions.
+//! Shared by the fuzz targets: a small dialect with MAVLink 1 messages, MAVLink 2 messages and extension fields.
 
 use mavstack_core::encode::{Sender, Version, encode};
 use mavstack_core::layout::{Dialect, Field, FieldType, Layout};
 use mavstack_core::signing::{Key, Policy, Signing};
 
-/// The dialect that every target reads with.
+/// The dialect of all targets.
 #[must_use]
 pub fn dialect() -> Dialect {
     let field = |name: &str, kind, array_length, offset| Field {
@@ -30,11 +30,11 @@ pub fn dialect() -> Dialect {
         layout(350, "DEBUG_FLOAT_ARRAY", 232, 24, 24, numbers),
         layout(0x00FF_FFFF, "EMPTY", 1, 0, 0, vec![]),
     ])
-    .expect("a sound dialect")
+    .expect("a valid dialect")
 }
 
-/// A stream composed of what the fuzzer says: sound packets (whose checksums it could never guess), timestamps,
-/// damaged packets and plain bytes.
+/// A stream composed from the fuzzer's bytes: valid packets (whose checksums it could not guess), timestamps, damaged
+/// packets and plain bytes.
 #[must_use]
 pub fn stream(mut plan: &[u8], dialect: &Dialect) -> Vec<u8> {
     let mut out = Vec::new();

@@ -1,11 +1,11 @@
-//! Bytes from whatever Python object holds them.
+//! Bytes of a Python buffer argument.
 
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::ops::Deref;
 
-/// Bytes of an argument: those of a `bytes` object as they are, a copy of any other buffer's.
+/// The bytes of an argument: borrowed from a `bytes` object, copied from any other buffer.
 pub enum Bytes<'py> {
     Borrowed(Bound<'py, PyBytes>),
     Copied(Vec<u8>),

@@ -1,9 +1,9 @@
-//! Message classes: how Python's own `type` is extended so that each class carries its layout.
+//! Message classes: a metaclass that stores a message's layout in its class object.
 //!
-//! A class is made by [`MessageMeta`](metaclass), a subclass of `type` whose objects (the classes) have one
-//! [`Slot`] behind what `type` itself stores. It holds the class's [`ClassData`], and the entry point that
-//! makes `Attitude(roll=0.1)` one call without a dictionary for the keywords. A class that a user derives
-//! from a message class has an empty slot and goes the ordinary way, through `tp_new`.
+//! Message classes are created by [`MessageMeta`](metaclass), a subclass of `type` whose objects (the classes) have one
+//! [`Slot`] after the members of `type`. The slot holds the class's [`ClassData`] and the vectorcall function that makes
+//! `Attitude(roll=0.1)` one call without a keyword dictionary. A class that a user derives from a message class has an
+//! empty slot and is instantiated through `tp_new`.
 
 use crate::buffers::Bytes;
 use crate::construct;
@@ -29,78 +29,78 @@ type VectorCall = unsafe extern "C" fn(
     *mut ffi::PyObject,
 ) -> *mut ffi::PyObject;
 
-/// What a message class stores behind Python's own part of a class object.
+/// The members that a message class adds to Python's class object.
 #[repr(C)]
 struct Slot {
     vectorcall: Option<VectorCall>,
     data: *mut ClassData,
-    /// The data's table of names, so that reading a plain field does not touch the data itself.
-    names: *const [Named],
+    /// The name table of the data, so that reading a plain field needs no access to the data itself.
+    names: *const [NameEntry],
 }
 
-/// A class's layout, and what its field descriptors point to.
+/// The layout of a class, and the data of its field descriptors.
 pub struct ClassData {
     pub layout: Layout,
     pub class_name: String,
-    /// The class itself; only compared, never followed.
+    /// The class itself; only compared, never dereferenced.
     pub class: *mut ffi::PyTypeObject,
-    /// Whether instances are allocated with a header for the cycle collector. A message of this very class refers
-    /// to nothing, so it is not tracked; one of a class that a user derives may.
-    pub collected: bool,
-    /// Payload of a message made without arguments.
+    /// True if instances have a header of the cycle collector. Instances of this class refer to no other objects and are
+    /// not tracked; instances of a user's subclass may be.
+    pub has_gc_header: bool,
+    /// Payload of a message created without arguments.
     pub template: Vec<u8>,
-    /// Fields by the address of their interned names, an open-addressed table with room to spare.
-    by_name: Box<[Named]>,
-    /// One for each field, in definition order; boxed, because descriptors point into it.
+    /// Fields by the address of their interned names: an open-addressing hash table.
+    by_name: Box<[NameEntry]>,
+    /// The fields in definition order; boxed, because descriptors point into the slice.
     pub fields: Box<[FieldAccess]>,
 }
 
-/// A place in the table of names: all that reading a plain number needs is in it.
+/// An entry of the name table, with everything that reading a plain number needs.
 #[derive(Clone, Copy)]
-pub struct Named {
-    /// Null if the place is free.
+pub struct NameEntry {
+    /// Null if the entry is free.
     name: *mut ffi::PyObject,
     pub field: u16,
     pub offset: u8,
-    /// The type of a single number that reads as itself, or nothing.
+    /// The type of a single number that is no enum; `None` for all other fields.
     pub plain: Option<FieldType>,
 }
 
-/// The field of that name, if `name` is the interned string: as it is wherever code names an attribute.
+/// Looks up a field by its interned name; attribute names in Python code are interned.
 #[inline]
-pub fn find(table: &[Named], name: *mut ffi::PyObject) -> Option<&Named> {
+pub fn find(table: &[NameEntry], name: *mut ffi::PyObject) -> Option<&NameEntry> {
     let mask = table.len() - 1;
-    let mut place = hash(name);
+    let mut position = hash(name);
     loop {
-        let entry = &table[place & mask];
+        let entry = &table[position & mask];
         if entry.name == name {
             return Some(entry);
         }
         if entry.name.is_null() {
             return None;
         }
-        place += 1;
+        position += 1;
     }
 }
 
-/// Spreads addresses, which lie at even distances: the upper half of a product has all their bits in it.
+/// Hashes an address: the upper half of the product depends on all its bits.
 #[inline]
 fn hash(name: *mut ffi::PyObject) -> usize {
     ((name as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize
 }
 
-fn name_table(fields: &[FieldAccess]) -> Box<[Named]> {
-    let free = Named { name: ptr::null_mut(), field: 0, offset: 0, plain: None };
+fn name_table(fields: &[FieldAccess]) -> Box<[NameEntry]> {
+    let free = NameEntry { name: ptr::null_mut(), field: 0, offset: 0, plain: None };
     let mut table = vec![free; (fields.len() * 2 + 1).next_power_of_two()].into_boxed_slice();
     let mask = table.len() - 1;
     for (number, access) in fields.iter().enumerate() {
-        let mut place = hash(access.name.as_ptr()) & mask;
-        while !table[place].name.is_null() {
-            place = (place + 1) & mask;
+        let mut position = hash(access.name.as_ptr()) & mask;
+        while !table[position].name.is_null() {
+            position = (position + 1) & mask;
         }
         let field = &access.field;
         let plain = field.array_length == 0 && !field.enumerated && field.kind != FieldType::Char;
-        table[place] = Named {
+        table[position] = NameEntry {
             name: access.name.as_ptr(),
             field: number as u16,
             offset: field.offset,
@@ -112,7 +112,7 @@ fn name_table(fields: &[FieldAccess]) -> Box<[Named]> {
 
 struct Meta {
     class: Py<PyType>,
-    /// Where the slot stands in a class object: the size of a plain class object.
+    /// Offset of the slot in a class object: the size of a plain class object.
     slot_offset: usize,
 }
 
@@ -122,7 +122,7 @@ fn meta(py: Python<'_>) -> PyResult<&Meta> {
     META.get_or_try_init(py, || make_metaclass(py))
 }
 
-/// The class of message classes.
+/// Returns the metaclass of message classes.
 pub fn metaclass(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
     Ok(meta(py)?.class.bind(py))
 }
@@ -157,8 +157,8 @@ fn make_metaclass(py: Python<'_>) -> PyResult<Meta> {
             as c_uint,
         slots: slots.as_mut_ptr(),
     };
-    // SAFETY: the spec and its slots live through the call; the members table is leaked. The basic size grows
-    // that of `type` by the slot, and the vectorcall offset names the slot's first member.
+    // SAFETY: the spec and its slots live through the call; the members table is leaked. The basic size is that of
+    // `type` plus the slot, and the vectorcall offset is that of the slot's first member.
     let class = unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_FromSpec(&raw mut spec)) }?;
     Ok(Meta { class: class.cast_into::<PyType>()?.unbind(), slot_offset })
 }
@@ -172,7 +172,7 @@ unsafe extern "C" fn call_class(
     args: *mut ffi::PyObject,
     kwargs: *mut ffi::PyObject,
 ) -> *mut ffi::PyObject {
-    // SAFETY: `type` has a tp_call of exactly this type, and the arguments are passed on as they came.
+    // SAFETY: `type` has a tp_call of exactly this type, and the arguments are passed on unchanged.
     unsafe {
         let call: ffi::ternaryfunc =
             std::mem::transmute(ffi::PyType_GetSlot(&raw mut ffi::PyType_Type, ffi::Py_tp_call));
@@ -180,10 +180,10 @@ unsafe extern "C" fn call_class(
     }
 }
 
-/// Shows the collector what a class refers to: as `type` does, and the enum members that its fields have read.
+/// Visits the references of a class for the cycle collector: those of `type`, and the enum members of its fields.
 unsafe extern "C" fn traverse_class(class: *mut ffi::PyObject, visit: ffi::visitproc, arg: *mut c_void) -> c_int {
-    // SAFETY: the collector calls this with a class of the metaclass and holds the interpreter; nothing here makes,
-    // changes or releases an object.
+    // SAFETY: the collector calls this with a class of the metaclass and holds the interpreter; no object is created,
+    // changed or released here.
     unsafe {
         let traverse: ffi::traverseproc =
             std::mem::transmute(ffi::PyType_GetSlot(&raw mut ffi::PyType_Type, ffi::Py_tp_traverse));
@@ -192,28 +192,28 @@ unsafe extern "C" fn traverse_class(class: *mut ffi::PyObject, visit: ffi::visit
         else {
             return answer;
         };
-        let referred = data.fields.iter().flat_map(FieldAccess::referred);
+        let references = data.fields.iter().flat_map(FieldAccess::references);
         if answer == 0 {
-            referred.map(|object| visit(object, arg)).find(|&answer| answer != 0).unwrap_or(0)
+            references.map(|object| visit(object, arg)).find(|&answer| answer != 0).unwrap_or(0)
         } else {
             answer
         }
     }
 }
 
-/// Breaks cycles through a class as `type` does; what its fields hold is released with it.
+/// Breaks cycles through a class as `type` does; the references of its fields are released with the class.
 unsafe extern "C" fn clear_class(class: *mut ffi::PyObject) -> c_int {
-    // SAFETY: `type` has a tp_clear of exactly this type, and is given what came.
+    // SAFETY: `type` has a tp_clear of exactly this type, and the argument is passed on unchanged.
     unsafe {
         let clear: ffi::inquiry = std::mem::transmute(ffi::PyType_GetSlot(&raw mut ffi::PyType_Type, ffi::Py_tp_clear));
         clear(class)
     }
 }
 
-/// Frees a class, and behind it its data: no instance and no descriptor can be left, they hold the class.
+/// Frees a class and then its data: instances and descriptors hold the class, so none can be left.
 unsafe extern "C" fn dealloc_class(class: *mut ffi::PyObject) {
     // SAFETY: Python calls this once, with a class of the metaclass; the data pointer is null or from
-    // `Box::into_raw`, and nothing that could follow it outlives the class.
+    // `Box::into_raw`, and all users of the data hold the class.
     unsafe {
         let py = Python::assume_attached();
         let data = META.get(py).map(|meta| (*slot_of(class, meta)).data);
@@ -223,7 +223,7 @@ unsafe extern "C" fn dealloc_class(class: *mut ffi::PyObject) {
         dealloc(class);
         ffi::Py_DECREF(metatype.cast());
         if let Some(data) = data.filter(|data| !data.is_null()) {
-            // PyO3 releases what it knows to be attached at once; when the interpreter ends, the data is left.
+            // Attached, PyO3 releases references at once; when the interpreter shuts down, the data is leaked.
             Python::try_attach(|_| drop(Box::from_raw(data)));
         }
     }
@@ -233,7 +233,7 @@ fn slot_of(class: *mut ffi::PyObject, meta: &Meta) -> *mut Slot {
     class.wrapping_byte_add(meta.slot_offset).cast()
 }
 
-/// The data of a message class or of the message class that it derives from.
+/// Returns the data of a message class, or of the message class from which a class derives.
 pub fn class_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&ClassData> {
     let meta = META.get(py)?;
     let mut class = class;
@@ -253,8 +253,23 @@ pub fn class_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&Clas
     None
 }
 
-/// Makes a message class whose fields read and write the payload bytes; `template` is the payload of a message
-/// made without arguments, zero where it ends.
+/// Create a message class whose fields read and write the payload bytes.
+///
+/// The class must have the class method `_enum_values(field_name)`, which returns `(members by value, fallback or None)`
+/// and is called once per enum field, on first read; `fallback(int)` is called for values without a member.
+///
+/// Args:
+///     name: The class name.
+///     bases: The base classes; one of them derives from `MessageBase`.
+///     namespace: The class attributes.
+///     layout: The layout of the message.
+///     template: The payload of a message created without arguments, padded with zeros; all zeros if None.
+///
+/// Returns:
+///     The new class.
+///
+/// Raises:
+///     DialectError: The layout contradicts itself.
 #[pyfunction]
 #[pyo3(signature = (name, bases, namespace, layout, template = None))]
 pub fn new_message_class<'py>(
@@ -279,12 +294,12 @@ pub fn new_message_class<'py>(
     let fields: Box<[FieldAccess]> =
         layout.fields.iter().map(|field| FieldAccess::new(py, field, name, &class)).collect::<PyResult<_>>()?;
     // SAFETY: the class is a live class.
-    let collected = unsafe { ffi::PyType_GetFlags(class.as_type_ptr()) } & ffi::Py_TPFLAGS_HAVE_GC != 0;
+    let has_gc_header = unsafe { ffi::PyType_GetFlags(class.as_type_ptr()) } & ffi::Py_TPFLAGS_HAVE_GC != 0;
     let data = Box::into_raw(Box::new(ClassData {
         layout,
         class_name: name.into(),
         class: class.as_type_ptr(),
-        collected,
+        has_gc_header,
         template: default,
         by_name: name_table(&fields),
         fields,
@@ -301,7 +316,7 @@ pub fn new_message_class<'py>(
     Ok(class)
 }
 
-/// The data of a class, if it is a message class itself and not derived from one by a user.
+/// Returns the data of a class if it was made by `new_message_class`, not derived from such a class by a user.
 ///
 /// # Safety
 /// `class` must be a live class, held by the caller for as long as the result is used.
@@ -315,12 +330,12 @@ pub unsafe fn direct_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Opti
     }
 }
 
-/// The table of names of such a class.
+/// Returns the name table of such a class.
 ///
 /// # Safety
 /// As [`direct_data`].
 #[inline]
-pub unsafe fn direct_names(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&[Named]> {
+pub unsafe fn direct_names(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&[NameEntry]> {
     let meta = META.get(py)?;
     // SAFETY: as in `direct_data`; the names are the data's, and there if the data is.
     unsafe {
@@ -330,11 +345,11 @@ pub unsafe fn direct_names(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Opt
     }
 }
 
-/// The data of the class that a vectorcall came in for.
+/// Returns the data of the class of a vectorcall.
 ///
 /// # Safety
 /// `class` must be an object of the metaclass whose slot is filled.
 pub unsafe fn own_data(py: Python<'_>, class: *mut ffi::PyObject) -> Option<&ClassData> {
-    // SAFETY: by the caller's promise the slot is there and its data lives as long as the class.
+    // SAFETY: guaranteed by the caller: the slot exists and its data lives as long as the class.
     META.get(py).map(|meta| unsafe { &*(*slot_of(class, meta)).data })
 }

@@ -1,18 +1,18 @@
-//! Messages from arguments: `Attitude(roll=0.1)`, the fast way and the ordinary one.
+//! Construction of messages from arguments, such as `Attitude(roll=0.1)`: by vectorcall, and by `tp_new`.
 
 use crate::class::{self, ClassData};
 use crate::errors::FieldNameError;
 use crate::fields::FieldAccess;
-use crate::message::{allocate_zeroed, finish, foreign_object, give, payload_mut};
+use crate::message::{allocate_zeroed, finish, into_result_pointer, payload_mismatch, payload_mut};
 use pyo3::exceptions::PyTypeError;
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-/// `Attitude(...)`, called by Python with its arguments in an array and the keywords' names in a tuple.
+/// Creates a message by Python's vectorcall protocol: arguments in an array, keyword names in a tuple.
 ///
 /// # Safety
-/// To be called by Python only, for a class that `new_message_class` made.
+/// Must be called by Python only, for a class made by `new_message_class`.
 pub unsafe extern "C" fn vectorcall(
     class: *mut ffi::PyObject,
     args: *const *mut ffi::PyObject,
@@ -24,12 +24,12 @@ pub unsafe extern "C" fn vectorcall(
     unsafe {
         let py = Python::assume_attached();
         let Some(data) = class::own_data(py, class) else {
-            return give(py, Err(foreign_object()));
+            return into_result_pointer(py, Err(payload_mismatch()));
         };
         let positional = flagged_count & (usize::MAX >> 1);
         let keywords = if keyword_names.is_null() { 0 } else { ffi::PyTuple_Size(keyword_names) as usize };
         let values = if args.is_null() { &[] } else { std::slice::from_raw_parts(args, positional + keywords) };
-        give(py, construct(py, class.cast(), data, values, positional, keyword_names))
+        into_result_pointer(py, construct(py, class.cast(), data, values, positional, keyword_names))
     }
 }
 
@@ -46,7 +46,7 @@ unsafe fn construct<'py>(
     }
     // SAFETY: the class's data was looked up by the caller.
     let object = unsafe { allocate_zeroed(py, class, data) }?;
-    // SAFETY: no Python code can reach the object before it is finished, whatever converting a value runs.
+    // SAFETY: no Python code can reach the object before it is complete, whatever code the conversion of a value runs.
     let payload = unsafe { payload_mut(object.as_ptr()) };
     payload.copy_from_slice(&data.template);
     for (access, &value) in data.fields.iter().zip(&values[..positional]) {
@@ -60,30 +60,30 @@ unsafe fn construct<'py>(
         let name = unsafe { ffi::PyTuple_GetItem(keyword_names, index as isize) };
         // SAFETY: the name and the value are held by Python through the call.
         let (name, value) = unsafe { (Bound::from_borrowed_ptr(py, name), Bound::from_borrowed_ptr(py, value)) };
-        let place = find_field(data, next, &name)?;
-        if place < positional {
+        let position = find_field(data, next, &name)?;
+        if position < positional {
             return Err(FieldNameError::new_err(format!("{} got {name} twice", data.class_name)));
         }
-        data.fields[place].write(payload, &value)?;
-        next = place + 1;
+        data.fields[position].write(payload, &value)?;
+        next = position + 1;
     }
     // SAFETY: the object was allocated above.
     Ok(unsafe { finish(object, class, data) })
 }
 
-/// The field of that name, tried first at `guess`: keywords usually come in the order of the definition.
+/// Finds a field by name, first at `guess`: keywords are usually given in the order of the definition.
 #[inline]
 fn find_field(data: &ClassData, guess: usize, name: &Bound<'_, PyAny>) -> PyResult<usize> {
-    let same = |access: &FieldAccess| access.name.as_ptr() == name.as_ptr();
-    if data.fields.get(guess).is_some_and(same) {
+    let matches_name = |access: &FieldAccess| access.name.as_ptr() == name.as_ptr();
+    if data.fields.get(guess).is_some_and(matches_name) {
         return Ok(guess);
     }
-    if let Some(place) = data.fields.iter().position(same) {
-        return Ok(place);
+    if let Some(position) = data.fields.iter().position(matches_name) {
+        return Ok(position);
     }
-    for (place, access) in data.fields.iter().enumerate() {
+    for (position, access) in data.fields.iter().enumerate() {
         if access.name.bind(name.py()).as_any().eq(name)? {
-            return Ok(place);
+            return Ok(position);
         }
     }
     let fields: Vec<_> = data.fields.iter().map(|access| access.field.name.as_str()).collect();
@@ -92,13 +92,13 @@ fn find_field(data: &ClassData, guess: usize, name: &Bound<'_, PyAny>) -> PyResu
 
 #[cold]
 fn too_many(data: &ClassData, given: usize) -> PyErr {
-    FieldNameError::new_err(format!("{} has {} fields, not {given}", data.class_name, data.fields.len()))
+    FieldNameError::new_err(format!("{} has {} fields, got {given} arguments", data.class_name, data.fields.len()))
 }
 
-/// `tp_new`: the ordinary way, for classes that a user derives and for calls with packed arguments.
+/// Creates a message by `tp_new`: for a user's subclasses and for calls with packed arguments.
 ///
 /// # Safety
-/// To be called by Python only, for a class that derives from `MessageBase`.
+/// Must be called by Python only, for a class that derives from `MessageBase`.
 pub unsafe extern "C" fn new(
     class: *mut ffi::PyTypeObject,
     args: *mut ffi::PyObject,
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn new(
         let py = Python::assume_attached();
         let args = Bound::from_borrowed_ptr(py, args);
         let kwargs = Bound::from_borrowed_ptr_or_opt(py, kwargs);
-        give(py, new_from_collections(py, class, &args, kwargs.as_ref()))
+        into_result_pointer(py, new_from_collections(py, class, &args, kwargs.as_ref()))
     }
 }
 
@@ -120,7 +120,9 @@ unsafe fn new_from_collections<'py>(
     kwargs: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let Some(data) = class::class_data(py, class) else {
-        return Err(PyTypeError::new_err("messages are made by their classes, such as common.Attitude"));
+        return Err(PyTypeError::new_err(
+            "MessageBase cannot be instantiated: use a message class such as common.Attitude",
+        ));
     };
     let args = args.cast::<PyTuple>()?;
     let mut values: Vec<Bound<'py, PyAny>> = args.iter().collect();
@@ -133,6 +135,6 @@ unsafe fn new_from_collections<'py>(
     }
     let names = PyTuple::new(py, names)?;
     let pointers: Vec<_> = values.iter().map(Bound::as_ptr).collect();
-    // SAFETY: `values` and `names` are held here, and there is one name for each value behind the positional ones.
+    // SAFETY: `values` and `names` are held here, and there is one name for each value after the positional ones.
     unsafe { construct(py, class, data, &pointers, args.len(), names.as_ptr()) }
 }

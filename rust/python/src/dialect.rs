@@ -1,4 +1,4 @@
-//! A dialect's layout tables, and the message classes made from them on first use.
+//! The layout tables of a dialect, and its message classes, created on first use.
 
 use crate::errors::DialectError;
 use crate::message;
@@ -9,14 +9,23 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use std::sync::OnceLock;
 
-/// (name, type, array length or 0, offset, read as enum)
+/// (name, type, array length or 0, offset, true if it reads as an enum)
 type FieldTuple = (String, String, u8, u8, bool);
 /// (id, name, CRC_EXTRA, length without extensions, length with them, fields in definition order)
 pub type LayoutTuple = (u32, String, u8, u8, u8, Vec<FieldTuple>);
 
-/// Layout tables of one dialect.
+/// The layout tables of one dialect.
+///
+/// Args:
+///     name: Name of the dialect.
+///     messages: Layouts of all messages.
+///     make_class: Called with a message id when the class of the message is first needed; returns the class.
+///
+/// Raises:
+///     DialectError: A layout contradicts itself, or two messages have the same id.
 #[pyclass(frozen, module = "mavstack._core")]
 pub struct Dialect {
+    /// Name of the dialect.
     #[pyo3(get)]
     name: String,
     pub core: layout::Dialect,
@@ -24,20 +33,20 @@ pub struct Dialect {
     classes: Vec<OnceLock<MessageClass>>,
 }
 
-/// The class of a message, and beside it all that making an instance needs: nothing else has to be looked at.
+/// The class of a message, with the data that creating an instance needs.
 pub struct MessageClass {
     pub class: Py<PyType>,
-    /// Payload length, if instances are of the plain kind that is allocated by hand.
+    /// Payload length, if instances are allocated by `message::allocate_plain`.
     pub plain: Option<u8>,
 }
 
-/// The layout that a tuple describes.
+/// Converts a tuple to a layout.
 pub fn layout_from_tuple((id, name, crc_extra, base_length, length, fields): LayoutTuple) -> PyResult<Layout> {
     let fields = fields
         .into_iter()
         .map(|(field, kind, array_length, offset, enumerated)| {
             let kind = FieldType::from_name(&kind)
-                .ok_or_else(|| DialectError::new_err(format!("{name}.{field}: there is no type {kind}")))?;
+                .ok_or_else(|| DialectError::new_err(format!("{name}.{field}: unknown field type {kind}")))?;
             Ok(Field { name: field, kind, array_length, offset, enumerated })
         })
         .collect::<PyResult<_>>()?;
@@ -56,7 +65,7 @@ impl Dialect {
         Ok(Self { name, core, make_class, classes })
     }
 
-    /// Itself, so that a core dialect may stand where a dialect is asked for.
+    /// The dialect itself, so that a core dialect is accepted where a dialect is expected.
     #[getter]
     fn core_dialect(slf: Py<Self>) -> Py<Self> {
         slf
@@ -74,7 +83,7 @@ impl Dialect {
         format!("<core dialect {}: {} messages>", self.name, self.core.layouts().len())
     }
 
-    // The maker of classes is a method of the Python dialect that owns this one: a cycle.
+    // `make_class` is a method of the Python dialect that owns this object: a reference cycle.
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         visit.call(&self.make_class)?;
         self.classes.iter().filter_map(OnceLock::get).try_for_each(|made| visit.call(&made.class))
@@ -82,7 +91,7 @@ impl Dialect {
 }
 
 impl Dialect {
-    /// The class of the message in `slot`, made on first use.
+    /// Returns the class of the message in `slot`, created on first use.
     #[inline]
     pub fn class(&self, py: Python<'_>, slot: u16) -> PyResult<&MessageClass> {
         let once = &self.classes[usize::from(slot)];
@@ -93,7 +102,7 @@ impl Dialect {
         Ok(once.get_or_init(|| made))
     }
 
-    /// The Python dialect that this belongs to: whose method makes the classes.
+    /// Returns the Python dialect that owns this object: `make_class` is a method of it.
     pub fn owner<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.make_class.bind(py).getattr("__self__")
     }
@@ -107,7 +116,7 @@ impl Dialect {
     }
 }
 
-/// Whatever names a dialect: a `mavstack.Dialect`, a dialect module, or a core dialect.
+/// A dialect argument: a `mavstack.Dialect`, a dialect module, or a core dialect.
 pub struct AnyDialect(pub Py<Dialect>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for AnyDialect {

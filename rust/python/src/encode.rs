@@ -1,4 +1,4 @@
-//! Packets from messages, as Python sees it.
+//! Python interface of the encoder.
 
 use crate::errors::EncodeError;
 use crate::message;
@@ -12,11 +12,11 @@ fn version(number: u8) -> PyResult<Version> {
     match number {
         1 => Ok(Version::V1),
         2 => Ok(Version::V2),
-        _ => Err(EncodeError::new_err(format!("there is no MAVLink version {number}"))),
+        _ => Err(EncodeError::new_err(format!("unknown MAVLink version {number}: must be 1 or 2"))),
     }
 }
 
-/// A system id, component id or sequence number: one byte, whatever Python integer is given.
+/// A system id, component id or sequence number: a Python integer that fits one byte.
 pub struct Byte(u8);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Byte {
@@ -54,7 +54,23 @@ fn encode_message<'py>(
     Ok(PyBytes::new(py, packet))
 }
 
-/// The packet that carries `message`.
+/// Encode one message as a packet.
+///
+/// Args:
+///     message: The message to encode.
+///     system: System id of the sender, 0 to 255.
+///     component: Component id of the sender, 0 to 255.
+///     sequence: Sequence number of the packet, 0 to 255.
+///     version: MAVLink version, 1 or 2.
+///     signing: Signing state of the link, which signs the packet; None for an unsigned packet.
+///     now: Current Unix time in seconds, used for signing only; None advances the signing timestamp by one unit.
+///
+/// Returns:
+///     The bytes of the packet.
+///
+/// Raises:
+///     EncodeError: An id is out of range, or the version cannot carry the message or the signature.
+///     SigningError: `now` is not a valid time for signing.
 #[pyfunction]
 #[pyo3(signature = (message, *, system, component, sequence = Byte(0), version = 2, signing = None, now = None))]
 pub fn encode<'py>(
@@ -70,20 +86,32 @@ pub fn encode<'py>(
     encode_message(message, self::version(version)?, sender, signing.as_ref(), now, &mut Vec::with_capacity(MAX_PACKET))
 }
 
-/// Encodes the messages of one component for one link, and counts their sequence.
+/// Encoder of the messages that one component sends over one link, with their sequence numbers.
+///
+/// Args:
+///     system: System id of the sender, 0 to 255.
+///     component: Component id of the sender, 0 to 255.
+///     version: MAVLink version, 1 or 2.
+///     signing: Signing state of the link, which signs the packets; None for unsigned packets.
+///
+/// Raises:
+///     EncodeError: An id or the version is out of range.
 #[pyclass(module = "mavstack._core")]
 pub struct Encoder {
+    /// System id of the sender.
     #[pyo3(get)]
     system: u8,
+    /// Component id of the sender.
     #[pyo3(get)]
     component: u8,
-    /// Sequence number of the next packet.
+    /// Sequence number of the next packet, 0 to 255.
     #[pyo3(get, set)]
     sequence: u8,
     version: Version,
+    /// Signing state of the link, or None.
     #[pyo3(get)]
     signing: Option<Py<Signing>>,
-    /// Room for the packet being made.
+    /// Buffer of the packet being encoded.
     packet: Vec<u8>,
 }
 
@@ -97,12 +125,24 @@ impl Encoder {
         Ok(Self { system, component, sequence: 0, version: self::version(version)?, signing, packet })
     }
 
+    /// MAVLink version of the packets, 1 or 2.
     #[getter]
     fn version(&self) -> u8 {
         if self.version == Version::V1 { 1 } else { 2 }
     }
 
-    /// The packet that carries `message`; `now` is the Unix time in seconds, needed for signing only.
+    /// Encode the next message as a packet, and advance the sequence number.
+    ///
+    /// Args:
+    ///     message: The message to encode.
+    ///     now: Current Unix time in seconds, used for signing only; None advances the signing timestamp by one unit.
+    ///
+    /// Returns:
+    ///     The bytes of the packet.
+    ///
+    /// Raises:
+    ///     EncodeError: The version cannot carry the message or the signature.
+    ///     SigningError: `now` is not a valid time for signing.
     #[pyo3(signature = (message, now = None))]
     fn encode<'py>(&mut self, message: &Bound<'py, PyAny>, now: Option<f64>) -> PyResult<Bound<'py, PyBytes>> {
         let sender = Sender { system: self.system, component: self.component, sequence: self.sequence };

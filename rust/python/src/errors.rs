@@ -1,4 +1,4 @@
-//! The package's own exceptions, raised from here.
+//! The exceptions of `mavstack.errors` that the core raises.
 
 use pyo3::import_exception;
 

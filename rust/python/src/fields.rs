@@ -1,7 +1,7 @@
-//! Field descriptors: plain getters and setters, each with a pointer to its field's layout.
+//! Field descriptors: getters and setters with a pointer to the layout of their field.
 
 use crate::message;
-use crate::values::{self, Place};
+use crate::values::{self, FieldRef};
 use mavstack_core::layout::Field;
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -10,19 +10,19 @@ use std::ffi::{CString, c_int, c_void};
 use std::ptr;
 use std::sync::OnceLock;
 
-/// Members of the enum that a field reads as: those known by value, and a maker for others, or `None`.
+/// The enum of a field: its members by value, and a function for other values, if there is one.
 struct EnumValues {
     members: Py<PyDict>,
     fallback: Option<Py<PyAny>>,
 }
 
-/// What a field's descriptor needs; the class's data owns it.
+/// The data of a field's descriptor, owned by the class data.
 pub struct FieldAccess {
     pub field: Field,
-    /// The name as an interned string, so that keywords are matched by identity.
+    /// The name as an interned string, so that keywords are compared by identity.
     pub name: Py<PyString>,
     class_name: String,
-    /// The class that owns this; borrowed, because it outlives its descriptors' data.
+    /// The owning class; borrowed, because it outlives the data of its descriptors.
     class: *mut ffi::PyObject,
     enum_values: OnceLock<EnumValues>,
     c_name: CString,
@@ -48,13 +48,13 @@ impl FieldAccess {
         })
     }
 
-    /// Puts the descriptor into the class; `self` must not move afterwards.
+    /// Adds the descriptor to the class; `self` must not move afterwards.
     pub fn install(&mut self, class: &Bound<'_, PyType>) -> PyResult<()> {
         self.definition.name = self.c_name.as_ptr();
         self.definition.closure = ptr::from_mut(self).cast();
         let py = class.py();
-        // SAFETY: the definition and the name it points to stay where they are for the life of the class, and
-        // the descriptor holds the class.
+        // SAFETY: the definition and its name do not move during the life of the class, and the descriptor holds the
+        // class.
         let descriptor = unsafe {
             let definition = &raw mut self.definition;
             Bound::from_owned_ptr_or_err(py, ffi::PyDescr_NewGetSet(class.as_ptr().cast(), definition))
@@ -62,24 +62,24 @@ impl FieldAccess {
         class.setattr(self.name.bind(py), descriptor)
     }
 
-    /// The objects that the collector must know of.
-    pub fn referred(&self) -> impl Iterator<Item = *mut ffi::PyObject> {
+    /// The references that the cycle collector must visit.
+    pub fn references(&self) -> impl Iterator<Item = *mut ffi::PyObject> {
         self.enum_values.get().into_iter().flat_map(|known| {
             let fallback = known.fallback.as_ref().map(Py::as_ptr);
             [Some(known.members.as_ptr()), fallback].into_iter().flatten()
         })
     }
 
-    /// How error texts name the field.
-    pub fn place(&self) -> Place<'_> {
-        Place { class: &self.class_name, field: &self.field }
+    /// The field as named in error texts.
+    pub fn field_ref(&self) -> FieldRef<'_> {
+        FieldRef { class: &self.class_name, field: &self.field }
     }
 
-    /// Reads the field from a full payload.
+    /// Reads the field from a full payload, as an enum member if it has an enum.
     #[inline]
     pub fn read<'py>(&self, py: Python<'py>, payload: &[u8]) -> PyResult<Bound<'py, PyAny>> {
         let Some(bytes) = payload.get(self.field.range()) else {
-            return Err(message::foreign_object());
+            return Err(message::payload_mismatch());
         };
         let value = values::read(py, &self.field, bytes)?;
         if self.field.enumerated { self.as_member(value) } else { Ok(value) }
@@ -89,8 +89,8 @@ impl FieldAccess {
     #[inline]
     pub fn write(&self, payload: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
         match payload.get_mut(self.field.range()) {
-            Some(bytes) => values::write(&self.place(), bytes, value),
-            None => Err(message::foreign_object()),
+            Some(bytes) => values::write(&self.field_ref(), bytes, value),
+            None => Err(message::payload_mismatch()),
         }
     }
 
@@ -99,8 +99,8 @@ impl FieldAccess {
         let known = if let Some(known) = self.enum_values.get() {
             known
         } else {
-            let asked = self.ask_enum_values(py)?;
-            self.enum_values.get_or_init(|| asked)
+            let loaded = self.load_enum_values(py)?;
+            self.enum_values.get_or_init(|| loaded)
         };
         if self.field.array_length > 0 {
             let members = value.try_iter()?.map(|element| known.member(element?));
@@ -111,7 +111,7 @@ impl FieldAccess {
     }
 
     #[cold]
-    fn ask_enum_values(&self, py: Python<'_>) -> PyResult<EnumValues> {
+    fn load_enum_values(&self, py: Python<'_>) -> PyResult<EnumValues> {
         // SAFETY: a field is read through its class or an instance of it, so the class is alive.
         let class = unsafe { Bound::from_borrowed_ptr(py, self.class) };
         let (members, fallback) = class.call_method1("_enum_values", (self.name.bind(py),))?.extract()?;
@@ -139,7 +139,7 @@ unsafe extern "C" fn get(object: *mut ffi::PyObject, closure: *mut c_void) -> *m
     unsafe {
         let py = Python::assume_attached();
         let access = &*closure.cast::<FieldAccess>();
-        message::give(py, access.read(py, message::payload(object)))
+        message::into_result_pointer(py, access.read(py, message::payload(object)))
     }
 }
 
@@ -164,7 +164,7 @@ unsafe extern "C" fn set(object: *mut ffi::PyObject, value: *mut ffi::PyObject, 
 }
 
 impl FieldAccess {
-    /// Writes through a copy of the field's bytes: converting `value` may run Python code that reads the message.
+    /// Writes the field through a copy of its bytes, because converting `value` may run Python code that reads the message.
     ///
     /// # Safety
     /// `object` must be a message.
@@ -172,14 +172,14 @@ impl FieldAccess {
         let mut scratch = [0u8; mavstack_core::layout::MAX_PAYLOAD];
         let range = self.field.range();
         let bytes = &mut scratch[..range.len()];
-        values::write(&self.place(), bytes, value)?;
-        // SAFETY: by the caller's promise; no other reference to the payload exists while this one does.
+        values::write(&self.field_ref(), bytes, value)?;
+        // SAFETY: guaranteed by the caller; no other reference to the payload exists while this one does.
         match unsafe { message::payload_mut(object) }.get_mut(range) {
             Some(target) => {
                 target.copy_from_slice(bytes);
                 Ok(())
             }
-            None => Err(message::foreign_object()),
+            None => Err(message::payload_mismatch()),
         }
     }
 }

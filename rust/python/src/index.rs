@@ -1,4 +1,4 @@
-//! The index of a whole file and its tables, as Python sees it.
+//! Python interface of the bulk decoder: the index of a file, and its tables.
 
 use crate::dialect::{AnyDialect, Dialect};
 use crate::statistics::{Statistics, sources_to_dict};
@@ -9,30 +9,49 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 
-/// Bytes looked at to tell whether a file is timestamped.
-const HEAD: usize = 1 << 18;
+/// Number of bytes examined to detect timestamps.
+const MAX_HEAD: usize = 1 << 18;
 
-/// The bytes of a buffer, for use without the interpreter lock.
+/// Returns the bytes of a buffer, for use without the interpreter lock.
 ///
 /// # Safety
-/// No one may write to the buffer as long as the result is used.
+/// The buffer must not be written to as long as the result is used.
 unsafe fn shared(buffer: &PyBuffer<u8>) -> PyResult<&[u8]> {
     if !buffer.is_c_contiguous() {
-        return Err(PyBufferError::new_err("the bytes must be contiguous"));
+        return Err(PyBufferError::new_err("the buffer must be contiguous"));
     }
-    // SAFETY: the buffer is held for 'a and contiguous; that no one writes is the caller's promise.
+    // SAFETY: the buffer is held for 'a and contiguous; the caller guarantees that it is not written to.
     Ok(unsafe { std::slice::from_raw_parts(buffer.buf_ptr().cast(), buffer.len_bytes()) })
 }
 
-/// Whether a file that begins with `head` has a timestamp before each packet.
+/// Return whether a file has a timestamp before each packet, as in a tlog.
+///
+/// Args:
+///     head: The beginning of the file; at most 256 KiB are examined.
+///     dialect: The dialect whose packets are searched for.
+///
+/// Returns:
+///     True if most packets have 8 bytes before them, False if they follow each other directly.
 #[pyfunction]
 pub fn looks_timestamped(head: PyBuffer<u8>, dialect: AnyDialect) -> PyResult<bool> {
-    // SAFETY: the interpreter lock is held throughout, so no Python code writes meanwhile.
+    // SAFETY: the interpreter lock is held throughout, so no Python code can write to the buffer.
     let bytes = unsafe { shared(&head) }?;
-    Ok(scan::looks_timestamped(&bytes[..bytes.len().min(HEAD)], &dialect.0.get().core))
+    Ok(scan::looks_timestamped(&bytes[..bytes.len().min(MAX_HEAD)], &dialect.0.get().core))
 }
 
-/// Where every packet of a buffer is, by message.
+/// Index of all packets of a buffer by message, built without the interpreter lock.
+///
+/// A row of a table holds the time in microseconds (int64), system, component, sequence, version, and the full payload,
+/// padded to a multiple of four bytes.
+///
+/// Args:
+///     data: A read-only buffer, such as bytes or a map opened for reading; it must not change.
+///     dialect: The dialect of the messages.
+///     timestamped: True if 8 bytes of time precede each packet, as in a tlog.
+///     threads: Maximum number of threads.
+///
+/// Raises:
+///     BufferError: The buffer is writable or not contiguous.
 #[pyclass(frozen, module = "mavstack._core")]
 pub struct Index {
     core: bulk::Index,
@@ -52,7 +71,7 @@ impl Index {
         threads: usize,
     ) -> PyResult<Self> {
         if !data.readonly() {
-            return Err(PyBufferError::new_err("a read-only buffer is needed: bytes, or a map opened for reading"));
+            return Err(PyBufferError::new_err("the buffer must be read-only: bytes, or a map opened for reading"));
         }
         let dialect = dialect.0;
         // SAFETY: the buffer is read-only for Python. Another process may still write to a mapped file; the core
@@ -63,41 +82,60 @@ impl Index {
         Ok(Self { core, dialect, data })
     }
 
-    /// Number of packets of each message that occurs, by id.
+    /// Number of packets of each known message in the buffer, by message id.
     #[getter]
     fn counts(&self) -> BTreeMap<u32, usize> {
         let layouts = self.dialect.get().core.layouts().iter().enumerate();
         layouts.map(|(slot, layout)| (layout.id, self.core.rows(slot))).filter(|&(_, rows)| rows > 0).collect()
     }
 
-    /// Number of packets of each id that the dialect does not have.
+    /// Number of packets of each message id that is not in the dialect.
     #[getter]
     fn unknown(&self) -> BTreeMap<u32, u64> {
         self.core.unknown().clone()
     }
 
+    /// Totals of the buffer.
     #[getter]
     fn statistics(&self) -> Statistics {
         self.core.statistics().into()
     }
 
+    /// Statistics of each source, by (system, component).
     #[getter]
     fn sources<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         sources_to_dict(py, self.core.sources())
     }
 
-    /// Earliest and latest time of a packet in microseconds since 1970, or `None`.
+    /// Earliest and latest timestamp in microseconds since 1970, or None without timestamps.
     #[getter]
     fn time_span(&self) -> Option<(u64, u64)> {
         self.core.time_span()
     }
 
-    /// Bytes of one row of a message's table.
+    /// Return the size of one row of a message's table.
+    ///
+    /// Args:
+    ///     message_id: Id of the message.
+    ///
+    /// Returns:
+    ///     The size in bytes.
+    ///
+    /// Raises:
+    ///     KeyError: The dialect has no message of that id.
     fn row_size(&self, message_id: u32) -> PyResult<usize> {
         Ok(bulk::row_size(&self.dialect.get().core.layouts()[self.slot(message_id)?]))
     }
 
-    /// Fills tables, given as `(message id, writable buffer of exactly the rows' bytes)`, all in one go.
+    /// Decode the rows of several messages in one pass.
+    ///
+    /// Args:
+    ///     tables: For each message its id and a writable buffer with the exact size of all its rows.
+    ///     threads: Maximum number of threads.
+    ///
+    /// Raises:
+    ///     KeyError: The dialect has no message of that id.
+    ///     ValueError: A buffer is read-only, has the wrong size or overlaps another.
     #[pyo3(signature = (tables, *, threads = 1))]
     fn decode(&self, py: Python<'_>, tables: Vec<(u32, PyBuffer<u8>)>, threads: usize) -> PyResult<()> {
         let mut rows = Vec::with_capacity(tables.len());
@@ -105,15 +143,15 @@ impl Index {
             let slot = self.slot(*message_id)?;
             let expected = self.core.rows(slot) * self.row_size(*message_id)?;
             if table.readonly() || !table.is_c_contiguous() || table.len_bytes() != expected {
-                return Err(PyValueError::new_err(format!("a writable buffer of {expected} bytes is needed")));
+                return Err(PyValueError::new_err(format!("the buffer must be writable and have {expected} bytes")));
             }
             rows.push((slot, table.buf_ptr().cast::<u8>(), expected));
         }
         if overlap(&rows) {
             return Err(PyValueError::new_err("the tables must not share memory"));
         }
-        // SAFETY: the buffers are held to the end, contiguous, writable and apart from one another, and Python's
-        // part of the package made them for this call alone.
+        // SAFETY: the buffers are held to the end, contiguous, writable and disjoint, and the Python part of the package
+        // creates them for this call only.
         let rows = rows
             .into_iter()
             .map(|(slot, start, length)| (slot, unsafe { std::slice::from_raw_parts_mut(start, length) }));

@@ -1,8 +1,8 @@
 //! `mavstack._core`: the thin layer between `mavstack-core` and Python.
 //!
-//! Everything is safe PyO3 but for packets ([`packet`], [`spare`]) and messages ([`message`], [`construct`],
-//! [`class`], [`fields`]), whose objects are laid out by hand: each is one allocation, an object header followed by
-//! its bytes.
+//! All classes are safe PyO3 except packets ([`packet`], [`freelist`]) and messages ([`message`], [`construct`],
+//! [`class`], [`fields`]), whose objects have a layout of their own: each is one allocation, an object header followed
+//! by its bytes.
 
 mod buffers;
 mod class;
@@ -11,19 +11,26 @@ mod dialect;
 mod encode;
 mod errors;
 mod fields;
+mod freelist;
 mod index;
 mod message;
 mod packet;
 mod parser;
 mod signing;
-mod spare;
 mod statistics;
 mod values;
 
 use buffers::Bytes;
 use pyo3::prelude::*;
 
-/// CRC-16/MCRF4XX of `data`, continued from `crc`.
+/// Calculate the CRC-16/MCRF4XX of `data`, the checksum of MAVLink packets.
+///
+/// Args:
+///     data: The bytes to add to the checksum.
+///     crc: The checksum to continue from; by default the initial value 0xFFFF.
+///
+/// Returns:
+///     The checksum, 0 to 0xFFFF.
 #[pyfunction]
 #[pyo3(signature = (data, crc = mavstack_core::crc::INITIAL))]
 fn crc16(data: Bytes<'_>, crc: u16) -> u16 {

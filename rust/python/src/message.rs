@@ -1,7 +1,7 @@
 //! Message objects: an object header followed by the payload, in one allocation.
 //!
-//! The payload always has the full length of the message's class, zero-filled, so that a field is read
-//! where its layout says. Nothing in a message refers to another Python object but its class.
+//! The payload always has the full length of the message's class, zero-filled, so that every field can be read at its
+//! offset. A message refers to no other Python object than its class.
 
 use crate::buffers::Bytes;
 use crate::class::{self, ClassData, slot};
@@ -14,10 +14,10 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyType};
-use std::ffi::{c_int, c_uint, c_void};
+use std::ffi::{CStr, c_int, c_uint, c_void};
 use std::ptr;
 
-/// A message in memory; Python allocates the payload behind it.
+/// A message in memory; its payload follows in the same allocation.
 #[repr(C)]
 struct Object {
     header: ffi::PyVarObject,
@@ -26,15 +26,39 @@ struct Object {
 
 static BASE: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 
-/// The base class of all message classes.
+/// Returns the base class of all message classes.
 pub fn base_class(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
     Ok(BASE.get_or_try_init(py, || make_base_class(py))?.bind(py))
 }
 
+const TO_PAYLOAD_DOC: &CStr = c"to_payload($self, version=2, /)
+--
+
+Return the payload as sent on the wire.
+
+Args:
+    version: MAVLink version: 2 trims trailing zero bytes, 1 leaves the extension fields out.
+
+Returns:
+    The payload bytes.
+
+Raises:
+    ValueError: The version is neither 1 nor 2.";
+const FROM_PAYLOAD_DOC: &CStr = c"from_payload($type, payload, /)
+--
+
+Create a message from its payload.
+
+Args:
+    payload: The payload bytes: missing bytes are zero, bytes beyond the known fields are ignored.
+
+Returns:
+    A message of this class.";
+
 fn make_base_class(py: Python<'_>) -> PyResult<Py<PyType>> {
     let methods = Box::leak(Box::new([
-        method(c"to_payload", to_payload, ffi::METH_VARARGS, c"The payload as the given protocol version sends it."),
-        method(c"from_payload", from_payload, ffi::METH_O | ffi::METH_CLASS, c"A message over a payload."),
+        method(c"to_payload", to_payload, ffi::METH_VARARGS, TO_PAYLOAD_DOC),
+        method(c"from_payload", from_payload, ffi::METH_O | ffi::METH_CLASS, FROM_PAYLOAD_DOC),
         ffi::PyMethodDef::zeroed(),
     ]));
     let mut slots = [
@@ -43,7 +67,7 @@ fn make_base_class(py: Python<'_>) -> PyResult<Py<PyType>> {
         slot(ffi::Py_tp_richcompare, compare as *mut c_void),
         slot(ffi::Py_tp_hash, ffi::PyObject_HashNotImplemented as *mut c_void),
         slot(ffi::Py_tp_methods, methods.as_mut_ptr().cast()),
-        slot(ffi::Py_tp_doc, c"Base of message classes: a typed view over a payload.".as_ptr().cast_mut().cast()),
+        slot(ffi::Py_tp_doc, c"Base of the message classes: a typed view over a payload.".as_ptr().cast_mut().cast()),
         slot(0, ptr::null_mut()),
     ];
     let mut spec = ffi::PyType_Spec {
@@ -58,51 +82,46 @@ fn make_base_class(py: Python<'_>) -> PyResult<Py<PyType>> {
     Ok(class.cast_into::<PyType>()?.unbind())
 }
 
-pub fn method(
-    name: &'static std::ffi::CStr,
-    function: ffi::PyCFunction,
-    flags: c_int,
-    doc: &'static std::ffi::CStr,
-) -> ffi::PyMethodDef {
+pub fn method(name: &'static CStr, function: ffi::PyCFunction, flags: c_int, doc: &'static CStr) -> ffi::PyMethodDef {
     let ml_meth = ffi::PyMethodDefPointer { PyCFunction: function };
     ffi::PyMethodDef { ml_name: name.as_ptr(), ml_meth, ml_flags: flags, ml_doc: doc.as_ptr() }
 }
 
-/// The payload of a message.
+/// Returns the payload of a message.
 ///
 /// # Safety
-/// `object` must be an instance of a class derived from `MessageBase`, and live as long as the result is used.
+/// `object` must be an instance of a class derived from `MessageBase`, and must live as long as the result is used.
 #[inline]
 pub unsafe fn payload<'a>(object: *mut ffi::PyObject) -> &'a [u8] {
-    // SAFETY: such an object is laid out as `Object`, with as many bytes behind it as its size says.
+    // SAFETY: such an object is laid out as `Object`, followed by as many bytes as its size says.
     unsafe { std::slice::from_raw_parts((&raw const (*object.cast::<Object>()).payload).cast(), size(object)) }
 }
 
-/// The payload of a message, to be written.
+/// Returns the payload of a message for writing.
 ///
 /// # Safety
 /// As [`payload`]; and no other reference to the payload may exist.
 #[inline]
 pub unsafe fn payload_mut<'a>(object: *mut ffi::PyObject) -> &'a mut [u8] {
-    // SAFETY: as in `payload`; the caller holds the interpreter, so no one else writes.
+    // SAFETY: as in `payload`; the caller holds the interpreter, so nothing else writes.
     unsafe { std::slice::from_raw_parts_mut((&raw mut (*object.cast::<Object>()).payload).cast(), size(object)) }
 }
 
 #[inline]
 unsafe fn size(object: *mut ffi::PyObject) -> usize {
-    // SAFETY: by the callers' promise the object begins with a variable-size header.
+    // SAFETY: guaranteed by the caller: the object begins with a variable-size header.
     unsafe { (*object.cast::<ffi::PyVarObject>()).ob_size as usize }
 }
 
-/// The error for an object whose payload is not that of the class (after an assignment to `__class__`).
+/// The error for an object whose payload does not belong to its class (after an assignment to `__class__`).
 #[cold]
-pub fn foreign_object() -> PyErr {
-    PyTypeError::new_err("this object's payload is not that of its class")
+pub fn payload_mismatch() -> PyErr {
+    PyTypeError::new_err("the payload of this object does not belong to its class")
 }
 
-/// Hands a result to Python, as a new reference or a raised error.
+/// Converts a result to a new reference, or to null with the error raised.
 #[inline]
-pub fn give(py: Python<'_>, result: PyResult<Bound<'_, PyAny>>) -> *mut ffi::PyObject {
+pub fn into_result_pointer(py: Python<'_>, result: PyResult<Bound<'_, PyAny>>) -> *mut ffi::PyObject {
     match result {
         Ok(value) => value.into_ptr(),
         Err(error) => {
@@ -112,14 +131,14 @@ pub fn give(py: Python<'_>, result: PyResult<Bound<'_, PyAny>>) -> *mut ffi::PyO
     }
 }
 
-/// Payload length of a class whose instances may be allocated by hand: one that `new_message_class` made.
+/// Returns the payload length of a class whose instances `allocate_plain` may create: one made by `new_message_class`.
 pub fn plain_length(class: &Bound<'_, PyType>) -> Option<u8> {
     // SAFETY: the class is held.
     let data = unsafe { class::direct_data(class.py(), class.as_type_ptr()) }?;
-    data.collected.then_some(data.layout.length)
+    data.has_gc_header.then_some(data.layout.length)
 }
 
-/// A new message over `payload`, zero-filled if short, cut if longer than known.
+/// Creates a message over `payload`: missing bytes are zero, excess bytes are ignored.
 ///
 /// # Safety
 /// `length` must be the plain length of `class`.
@@ -132,7 +151,7 @@ pub unsafe fn allocate_plain<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let known = payload.len().min(length.into());
     // SAFETY: a plain class derives from `MessageBase`, has a header for the collector and no members of its own; the
-    // object stays untracked, and its payload is all written here before anyone sees it.
+    // object stays untracked, and its whole payload is written here before any other code can access it.
     unsafe {
         let object = ffi::PyObject_GC_NewVar::<ffi::PyObject>(class, length.into());
         let object = Bound::from_owned_ptr_or_err(py, object)?;
@@ -143,7 +162,7 @@ pub unsafe fn allocate_plain<'py>(
     }
 }
 
-/// A new message of `class`, all zero, not yet known to the cycle collector.
+/// Creates a message of zeros that the cycle collector does not track yet.
 ///
 /// # Safety
 /// `class` must be a class for which `data` is the class data.
@@ -154,20 +173,20 @@ pub unsafe fn allocate_zeroed<'py>(
     data: &ClassData,
 ) -> PyResult<Bound<'py, PyAny>> {
     let length = data.layout.length.into();
-    // SAFETY: the class derives from `MessageBase`: its own class is plain, any other is allocated generically.
+    // SAFETY: the class derives from `MessageBase`: a plain class is allocated here, any other generically.
     unsafe {
-        if data.collected && class == data.class {
+        if data.has_gc_header && class == data.class {
             return allocate_plain(py, class, data.layout.length, &[]);
         }
         let object = Bound::from_owned_ptr_or_err(py, ffi::PyType_GenericAlloc(class, length))?;
-        if data.collected {
+        if data.has_gc_header {
             ffi::PyObject_GC_UnTrack(object.as_ptr().cast());
         }
         Ok(object)
     }
 }
 
-/// Gives a finished message to the cycle collector if it may refer to other objects: if it is of a user's class.
+/// Tracks a complete message for the cycle collector if it is of a user's class, which may refer to other objects.
 ///
 /// # Safety
 /// `object` must come from `allocate_zeroed` with the same class and data.
@@ -177,14 +196,14 @@ pub unsafe fn finish<'py>(
     class: *mut ffi::PyTypeObject,
     data: &ClassData,
 ) -> Bound<'py, PyAny> {
-    if data.collected && class != data.class {
+    if data.has_gc_header && class != data.class {
         // SAFETY: the object has a collector's header and is not tracked.
         unsafe { ffi::PyObject_GC_Track(object.as_ptr().cast()) };
     }
     object
 }
 
-/// A new message of `class` over `payload`, zero-filled if short, cut if longer than known.
+/// Creates a message of `class` over `payload`: missing bytes are zero, excess bytes are ignored.
 ///
 /// # Safety
 /// `class` must be a class for which `data` is the class data.
@@ -196,7 +215,7 @@ pub unsafe fn allocate<'py>(
     payload: &[u8],
 ) -> PyResult<Bound<'py, PyAny>> {
     let known = payload.len().min(usize::from(data.layout.length));
-    // SAFETY: by the caller's promise; the object was just made and no one else has it.
+    // SAFETY: guaranteed by the caller; the object is new and has no other references.
     unsafe {
         let object = allocate_zeroed(py, class, data)?;
         payload_mut(object.as_ptr())[..known].copy_from_slice(&payload[..known]);
@@ -204,23 +223,23 @@ pub unsafe fn allocate<'py>(
     }
 }
 
-/// The class data and the payload of any object that is a message.
+/// Returns the class data and the payload of an object, if it is a message.
 pub fn open<'a>(object: &'a Bound<'_, PyAny>) -> PyResult<(&'a ClassData, &'a [u8])> {
     let py = object.py();
     let Some(data) = class::class_data(py, object.get_type_ptr()) else {
         let name = object.get_type().name()?;
-        return Err(PyTypeError::new_err(format!("a MAVLink message is needed, not {name}")));
+        return Err(PyTypeError::new_err(format!("expected a MAVLink message, got {name}")));
     };
     // SAFETY: only classes that derive from `MessageBase` have class data.
     let payload = unsafe { payload(object.as_ptr()) };
     if payload.len() < usize::from(data.layout.length) {
-        return Err(foreign_object());
+        return Err(payload_mismatch());
     }
     // SAFETY: the class, and with it the data, lives as long as the object, which the caller holds for 'a.
     Ok((unsafe { &*ptr::from_ref(data) }, payload))
 }
 
-/// Attributes: the fields of the object's own class at once, all else the ordinary way.
+/// Gets an attribute: fields of the object's class directly, all others generically.
 unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::PyObject) -> *mut ffi::PyObject {
     // SAFETY: Python calls the slot with a message, which holds its class and with it the class's data.
     unsafe {
@@ -230,30 +249,30 @@ unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::P
             return ffi::PyObject_GenericGetAttr(object, name);
         };
         let Some(kind) = named.plain else {
-            return give(py, read_field(py, class, named, payload(object)));
+            return into_result_pointer(py, read_field(py, class, named, payload(object)));
         };
         let start = usize::from(named.offset);
         match payload(object).get(start..start + kind.size()) {
-            Some(bytes) => give(py, values::read_number(py, kind, bytes)),
-            None => give(py, Err(foreign_object())),
+            Some(bytes) => into_result_pointer(py, values::read_number(py, kind, bytes)),
+            None => into_result_pointer(py, Err(payload_mismatch())),
         }
     }
 }
 
-/// Reads a field that is more than a plain number.
+/// Reads a field that is not a plain number.
 ///
 /// # Safety
 /// `class` must be a live message class.
 unsafe fn read_field<'py>(
     py: Python<'py>,
     class: *mut ffi::PyTypeObject,
-    named: &class::Named,
+    named: &class::NameEntry,
     payload: &[u8],
 ) -> PyResult<Bound<'py, PyAny>> {
-    // SAFETY: by the caller's promise.
+    // SAFETY: guaranteed by the caller.
     match unsafe { class::direct_data(py, class) } {
         Some(data) => data.fields[usize::from(named.field)].read(py, payload),
-        None => Err(foreign_object()),
+        None => Err(payload_mismatch()),
     }
 }
 
@@ -275,11 +294,11 @@ unsafe extern "C" fn compare(
             ffi::Py_NE => !equal,
             _ => return py.NotImplemented().into_ptr(),
         };
-        give(py, answer.into_pyobject(py).map(|answer| answer.to_owned().into_any()).map_err(Into::into))
+        into_result_pointer(py, answer.into_pyobject(py).map(|answer| answer.to_owned().into_any()).map_err(Into::into))
     }
 }
 
-/// Whether two payloads hold the same: byte for byte, but for the junk behind the NUL of a text.
+/// Returns whether two payloads are equal, ignoring the bytes after the NUL of a text.
 fn same_fields(layout: &Layout, left: &[u8], right: &[u8]) -> bool {
     layout.fields.iter().all(|field| {
         let (left, right) = (&left[field.range()], &right[field.range()]);
@@ -293,7 +312,7 @@ unsafe extern "C" fn to_payload(object: *mut ffi::PyObject, args: *mut ffi::PyOb
     unsafe {
         let py = Python::assume_attached();
         let object = Bound::from_borrowed_ptr(py, object);
-        give(py, payload_of_version(&object, &Bound::from_borrowed_ptr(py, args)))
+        into_result_pointer(py, payload_of_version(&object, &Bound::from_borrowed_ptr(py, args)))
     }
 }
 
@@ -303,7 +322,7 @@ fn payload_of_version<'py>(object: &Bound<'py, PyAny>, args: &Bound<'py, PyAny>)
     let sent = match version {
         1 => &payload[..usize::from(data.layout.base_length)],
         2 => trimmed(payload),
-        _ => return Err(PyValueError::new_err(format!("there is no MAVLink version {version}"))),
+        _ => return Err(PyValueError::new_err(format!("unknown MAVLink version {version}: must be 1 or 2"))),
     };
     Ok(PyBytes::new(object.py(), sent).into_any())
 }
@@ -314,12 +333,12 @@ unsafe extern "C" fn from_payload(class: *mut ffi::PyObject, argument: *mut ffi:
         let py = Python::assume_attached();
         let argument = Bound::from_borrowed_ptr(py, argument);
         let Some(data) = class::class_data(py, class.cast()) else {
-            return give(
+            return into_result_pointer(
                 py,
-                Err(PyTypeError::new_err("payloads are read by a message's class, such as common.Attitude")),
+                Err(PyTypeError::new_err("MessageBase has no fields: use a message class such as common.Attitude")),
             );
         };
         let result = argument.extract::<Bytes<'_>>().and_then(|payload| allocate(py, class.cast(), data, &payload));
-        give(py, result)
+        into_result_pointer(py, result)
     }
 }

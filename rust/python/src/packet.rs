@@ -1,14 +1,14 @@
-//! One received packet: its bytes as they came, and its message when asked for.
+//! One received packet: its unchanged bytes, and its message, created on first access.
 //!
-//! A packet is the object that a busy program makes most of, so, like a message, it is one allocation laid out
-//! by hand: a header, the two objects that it refers to, and its bytes. Python's cycle collector does not know
-//! it; a packet refers to its dialect and its message, and neither can refer back to it.
+//! Packets are the most frequent objects of a busy program. Like a message, each is one allocation with a layout of its
+//! own: an object header, two references, and its bytes. Python's cycle collector does not track packets, because they
+//! refer only to their dialect and their message, and neither can refer back to them.
 
 use crate::buffers::Bytes;
 use crate::class::{self, slot};
 use crate::dialect::{AnyDialect, Dialect};
-use crate::message::{self, give};
-use crate::spare;
+use crate::freelist;
+use crate::message::{self, into_result_pointer};
 use mavstack_core::header::{CHECKSUM, Header, SIGNATURE};
 use mavstack_core::parser::{self, Parser};
 use mavstack_core::signing::link_and_timestamp;
@@ -22,7 +22,7 @@ use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 use std::ffi::{CStr, c_int, c_uint, c_void};
 use std::ptr;
 
-/// A packet in memory; Python allocates its bytes behind it.
+/// A packet in memory; its bytes follow in the same allocation.
 #[repr(C)]
 struct Object {
     head: ffi::PyVarObject,
@@ -30,7 +30,7 @@ struct Object {
     raw: [u8; 0],
 }
 
-/// What a packet knows beside its bytes.
+/// The decoded parts of a packet.
 struct Packet {
     header: Header,
     slot: Option<u16>,
@@ -39,54 +39,71 @@ struct Packet {
     message: Option<Py<PyAny>>,
 }
 
+const PACKET_DOC: &CStr = c"Packet(raw, dialect, timestamp=None)
+--
+
+A received packet with its unchanged bytes.
+
+Args:
+    raw: The bytes of exactly one packet.
+    dialect: The dialect that decodes its message.
+    timestamp: Recorded time in microseconds since 1970, or None.
+
+Raises:
+    ValueError: The bytes are not exactly one valid packet.";
+
 static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 
-/// The class of packets.
+/// Returns the class of packets.
 pub fn packet_class(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
     Ok(CLASS.get_or_try_init(py, || make_class(py))?.bind(py))
 }
 
-/// A property of a packet: it is given the packet's parts and its bytes.
+/// A property getter: called with the packet's parts and its bytes.
 type Getter = for<'py> fn(Python<'py>, &Packet, &[u8]) -> PyResult<Bound<'py, PyAny>>;
 
 /// Name, getter, documentation.
 const GETTERS: &[(&CStr, Getter, &CStr)] = &[
-    (c"name", name, c"Official name of the message, or None if the dialect does not have its id."),
+    (c"name", name, c"Name of the message, such as \"ATTITUDE\", or None if its id is not in the dialect."),
     (c"version", |py, packet, _| object(py, packet.header.version), c"MAVLink version, 1 or 2."),
-    (c"message_id", |py, packet, _| object(py, packet.header.message_id), c"Id of the message."),
-    (c"system", |py, packet, _| object(py, packet.header.system), c"System id of the sender."),
-    (c"component", |py, packet, _| object(py, packet.header.component), c"Component id of the sender."),
-    (c"sequence", |py, packet, _| object(py, packet.header.sequence), c"Place in the sender's sequence."),
-    (c"incompat_flags", |py, packet, _| object(py, packet.header.incompat_flags), c"Incompatibility flags."),
-    (c"compat_flags", |py, packet, _| object(py, packet.header.compat_flags), c"Compatibility flags."),
+    (c"message_id", |py, packet, _| object(py, packet.header.message_id), c"Message id, 0 to 16777215."),
+    (c"system", |py, packet, _| object(py, packet.header.system), c"System id of the sender, 0 to 255."),
+    (c"component", |py, packet, _| object(py, packet.header.component), c"Component id of the sender, 0 to 255."),
+    (c"sequence", |py, packet, _| object(py, packet.header.sequence), c"Sequence number, 0 to 255."),
+    (
+        c"incompat_flags",
+        |py, packet, _| object(py, packet.header.incompat_flags),
+        c"Incompatibility flags; 0 in MAVLink 1.",
+    ),
+    (c"compat_flags", |py, packet, _| object(py, packet.header.compat_flags), c"Compatibility flags; 0 in MAVLink 1."),
     (
         c"signed",
         |py, packet, _| Ok(packet.header.signed().into_pyobject(py)?.to_owned().into_any()),
-        c"Whether it is signed.",
+        c"True if the packet carries a signature; only a parser with signing verifies it.",
     ),
     (
         c"link_id",
         |py, packet, raw| signature(py, packet, || link_and_timestamp(raw).0),
-        c"Link id of the signature, or None.",
+        c"Link id of the signature, or None if unsigned.",
     ),
     (
         c"signature_timestamp",
         |py, packet, raw| signature(py, packet, || link_and_timestamp(raw).1),
-        c"Timestamp of the signature in 10 us since 2015, or None.",
+        c"Timestamp of the signature in 10 us since 2015-01-01 UTC, or None if unsigned.",
     ),
-    (c"signature", signature_bytes, c"The 13 bytes of the signature, or None."),
+    (c"signature", signature_bytes, c"The 13 bytes of the signature, or None if unsigned."),
     (
         c"timestamp",
         |py, packet, _| object(py, packet.timestamp),
-        c"Microseconds since 1970 recorded before it, or None.",
+        c"Recorded time in microseconds since 1970, or None if the stream is not timestamped.",
     ),
-    (c"checksum", checksum, c"The CRC as it came."),
+    (c"checksum", checksum, c"CRC of the packet as received."),
     (
         c"payload",
         |py, packet, raw| Ok(PyBytes::new(py, &raw[packet.header.payload()]).into_any()),
-        c"The payload as it came.",
+        c"Payload as received: trimmed, complete, or longer than the definition.",
     ),
-    (c"raw", |py, _, raw| Ok(PyBytes::new(py, raw).into_any()), c"The whole packet as it came."),
+    (c"raw", |py, _, raw| Ok(PyBytes::new(py, raw).into_any()), c"All bytes of the packet as received."),
 ];
 
 fn object<'py, T: IntoPyObject<'py>>(py: Python<'py>, value: T) -> PyResult<Bound<'py, PyAny>> {
@@ -122,14 +139,14 @@ impl Packet {
     fn make_message<'py>(&self, py: Python<'py>, slot: u16, raw: &[u8]) -> PyResult<Bound<'py, PyAny>> {
         let made = self.dialect.get().class(py, slot)?;
         let (class, payload) = (made.class.bind(py).as_type_ptr(), &raw[self.header.payload()]);
-        // SAFETY: the dialect holds the class; it is plain if it says so, and otherwise the data is that of the class.
+        // SAFETY: the dialect holds the class; `plain` is set for plain classes only, and the data is that of the class.
         unsafe {
             if let Some(length) = made.plain {
                 return message::allocate_plain(py, class, length, payload);
             }
             match class::class_data(py, class) {
                 Some(data) => message::allocate(py, class, data, payload),
-                None => Err(message::foreign_object()),
+                None => Err(message::payload_mismatch()),
             }
         }
     }
@@ -142,7 +159,7 @@ impl Packet {
     }
 }
 
-/// A new Python object for `packet`.
+/// Creates a Python object for `packet`.
 #[inline]
 pub fn create<'py>(py: Python<'py>, packet: &parser::Packet<'_>, dialect: &Py<Dialect>) -> PyResult<Bound<'py, PyAny>> {
     let class = packet_class(py)?.as_type_ptr();
@@ -156,10 +173,10 @@ pub fn create<'py>(py: Python<'py>, packet: &parser::Packet<'_>, dialect: &Py<Di
             message: None,
         },
     );
-    // SAFETY: `allocate` gives an `Object` with room for `length` bytes behind it; its packet is written once, here,
-    // before anyone sees the object, and taken out once, in `dealloc`.
+    // SAFETY: `allocate` returns an `Object` followed by `length` bytes; its packet is written once, here, before any
+    // other code can access the object, and moved out once, in `dealloc`.
     unsafe {
-        let made = Bound::from_owned_ptr_or_err(py, spare::allocate(class, size_of::<Object>(), length))?;
+        let made = Bound::from_owned_ptr_or_err(py, freelist::allocate(class, size_of::<Object>(), length))?;
         let object = made.as_ptr().cast::<Object>();
         (&raw mut (*object).packet).write(parts);
         (&raw mut (*object).raw).cast::<u8>().copy_from_nonoverlapping(packet.raw.as_ptr(), length);
@@ -167,13 +184,13 @@ pub fn create<'py>(py: Python<'py>, packet: &parser::Packet<'_>, dialect: &Py<Di
     }
 }
 
-/// The parts and the bytes of a packet.
+/// Returns the parts and the bytes of a packet.
 ///
 /// # Safety
-/// `object` must be a packet, alive as long as the result is used, whose message is not being made.
+/// `object` must be a packet that lives as long as the result is used, and whose message is not being created.
 #[inline]
 unsafe fn open<'a>(object: *mut ffi::PyObject) -> (&'a Packet, &'a [u8]) {
-    // SAFETY: a packet is laid out as `Object`, with as many bytes behind it as its size says.
+    // SAFETY: a packet is laid out as `Object`, followed by as many bytes as its size says.
     unsafe {
         let object = object.cast::<Object>();
         let length = (*object).head.ob_size as usize;
@@ -181,21 +198,26 @@ unsafe fn open<'a>(object: *mut ffi::PyObject) -> (&'a Packet, &'a [u8]) {
     }
 }
 
-/// The parts of any object, if it is a packet.
+/// Returns the parts and the bytes of an object, if it is a packet.
 fn as_packet<'a>(object: &'a Bound<'_, PyAny>) -> Option<(&'a Packet, &'a [u8])> {
     let class = packet_class(object.py()).ok()?;
-    // SAFETY: the class cannot be derived from, so its objects are exactly the packets.
+    // SAFETY: the class cannot be subclassed, so all its objects are packets.
     (object.get_type().is(class)).then(|| unsafe { open(object.as_ptr()) })
 }
 
 fn make_class(py: Python<'_>) -> PyResult<Py<PyType>> {
     let mut getters: Vec<ffi::PyGetSetDef> =
         GETTERS.iter().map(|&(name, getter, doc)| property(name, get, doc, getter as *mut c_void)).collect();
-    getters.push(property(c"message", get_message, c"The message, or None if its id is unknown.", ptr::null_mut()));
+    getters.push(property(
+        c"message",
+        get_message,
+        c"The message, or None if its id is not in the dialect.",
+        ptr::null_mut(),
+    ));
     // SAFETY: an all-zero definition is the documented end of the table.
     getters.push(unsafe { std::mem::zeroed() });
     let methods = Box::leak(Box::new([
-        message::method(c"__reduce__", reduce, ffi::METH_NOARGS, c"For pickle."),
+        message::method(c"__reduce__", reduce, ffi::METH_NOARGS, c"Support pickling."),
         ffi::PyMethodDef::zeroed(),
     ]));
     let mut slots = [
@@ -208,7 +230,7 @@ fn make_class(py: Python<'_>) -> PyResult<Py<PyType>> {
         slot(ffi::Py_tp_richcompare, compare as *mut c_void),
         slot(ffi::Py_tp_hash, hash as *mut c_void),
         slot(ffi::Py_sq_length, length as *mut c_void),
-        slot(ffi::Py_tp_doc, c"A packet, byte for byte as it came.".as_ptr().cast_mut().cast()),
+        slot(ffi::Py_tp_doc, PACKET_DOC.as_ptr().cast_mut().cast()),
         slot(0, ptr::null_mut()),
     ];
     let mut spec = ffi::PyType_Spec {
@@ -218,7 +240,7 @@ fn make_class(py: Python<'_>) -> PyResult<Py<PyType>> {
         flags: ffi::Py_TPFLAGS_DEFAULT as c_uint,
         slots: slots.as_mut_ptr(),
     };
-    // SAFETY: the spec and its slots live through the call, the tables for ever.
+    // SAFETY: the spec and its slots live through the call; the tables are leaked.
     let class = unsafe { Bound::from_owned_ptr_or_err(py, ffi::PyType_FromSpec(&raw mut spec)) }?;
     Ok(class.cast_into::<PyType>()?.unbind())
 }
@@ -228,16 +250,16 @@ fn property(name: &'static CStr, get: ffi::getter, doc: &'static CStr, closure: 
 }
 
 unsafe extern "C" fn get(object: *mut ffi::PyObject, closure: *mut c_void) -> *mut ffi::PyObject {
-    // SAFETY: Python checked that the object is a packet; the closure is the getter that `make_class` gave.
+    // SAFETY: Python checked that the object is a packet; the closure is the getter set by `make_class`.
     unsafe {
         let py = Python::assume_attached();
         let getter: Getter = std::mem::transmute(closure);
         let (packet, raw) = open(object);
-        give(py, getter(py, packet, raw))
+        into_result_pointer(py, getter(py, packet, raw))
     }
 }
 
-/// Attributes: `message` at once, as it is asked for most; all else the ordinary way.
+/// Gets an attribute: `message`, the most frequent one, directly; all others generically.
 unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::PyObject) -> *mut ffi::PyObject {
     // SAFETY: Python calls the slot with a packet.
     unsafe {
@@ -247,8 +269,8 @@ unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::P
 }
 
 unsafe extern "C" fn get_message(object: *mut ffi::PyObject, _: *mut c_void) -> *mut ffi::PyObject {
-    // SAFETY: as in `get`. Making the message may run Python code, even code that asks this packet for its message:
-    // so the packet's parts are only read meanwhile, and the cell is written after, if it is still empty.
+    // SAFETY: as in `get`. Creating the message may run Python code, even code that reads this packet's message: so the
+    // parts are only read during it, and the message is stored afterwards, if none is stored yet.
     unsafe {
         let py = Python::assume_attached();
         let (packet, raw) = open(object);
@@ -263,24 +285,24 @@ unsafe extern "C" fn get_message(object: *mut ffi::PyObject, _: *mut c_void) -> 
                 let cell = &mut (*object.cast::<Object>()).packet.message;
                 cell.get_or_insert(message.unbind()).clone_ref(py).into_ptr()
             }
-            Err(error) => give(py, Err(error)),
+            Err(error) => into_result_pointer(py, Err(error)),
         }
     }
 }
 
 unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
-    // SAFETY: Python calls this once, with a packet that no one refers to. Its parts were written by `create`,
-    // and the class, of which each object holds a reference, is released last.
+    // SAFETY: Python calls this once, with a packet without references. Its parts were written by `create`, and the
+    // class, of which each object holds a reference, is released last.
     unsafe {
         let class = ffi::Py_TYPE(object);
         let Packet { dialect, message, .. } = (&raw mut (*object.cast::<Object>()).packet).read();
-        // Released by hand: dropped, they would wait in PyO3's pool, which does not know that Python is attached.
+        // Released explicitly: a drop would defer them to PyO3's pool, which does not know that Python is attached.
         let py = Python::assume_attached();
         dialect.drop_ref(py);
         if let Some(message) = message {
             message.drop_ref(py);
         }
-        spare::release(object);
+        freelist::release(object);
         ffi::Py_DECREF(class.cast());
     }
 }
@@ -295,17 +317,17 @@ unsafe extern "C" fn new(
         let py = Python::assume_attached();
         let args = Bound::from_borrowed_ptr(py, args);
         let kwargs = Bound::from_borrowed_ptr_or_opt(py, kwargs);
-        give(py, from_arguments(&args, kwargs.as_ref()))
+        into_result_pointer(py, from_arguments(&args, kwargs.as_ref()))
     }
 }
 
 fn from_arguments<'py>(args: &Bound<'py, PyAny>, kwargs: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     let kwargs = kwargs.map(|kwargs| kwargs.cast::<PyDict>()).transpose()?;
-    let maker = pyo3::wrap_pyfunction!(packet_from_bytes, args.py())?;
-    maker.call(args.cast::<PyTuple>()?, kwargs)
+    let constructor = pyo3::wrap_pyfunction!(packet_from_bytes, args.py())?;
+    constructor.call(args.cast::<PyTuple>()?, kwargs)
 }
 
-/// The one packet that `raw` holds, read by `dialect`; raises ValueError if it holds none or more.
+/// Creates a packet from its bytes.
 #[pyfunction(name = "Packet")]
 #[pyo3(signature = (raw, dialect, timestamp = None))]
 fn packet_from_bytes<'py>(
@@ -321,7 +343,7 @@ fn packet_from_bytes<'py>(
             made = Some(create(py, &parser::Packet { timestamp, ..packet }, &dialect));
         }
     });
-    made.unwrap_or_else(|| Err(PyValueError::new_err("these bytes are not one whole MAVLink packet")))
+    made.unwrap_or_else(|| Err(PyValueError::new_err("raw must be the bytes of exactly one valid MAVLink packet")))
 }
 
 unsafe extern "C" fn reduce(object: *mut ffi::PyObject, _: *mut ffi::PyObject) -> *mut ffi::PyObject {
@@ -329,7 +351,7 @@ unsafe extern "C" fn reduce(object: *mut ffi::PyObject, _: *mut ffi::PyObject) -
     unsafe {
         let py = Python::assume_attached();
         let (packet, raw) = open(object);
-        give(py, reduced(py, packet, raw))
+        into_result_pointer(py, reduced(py, packet, raw))
     }
 }
 
@@ -342,7 +364,7 @@ unsafe extern "C" fn repr(object: *mut ffi::PyObject) -> *mut ffi::PyObject {
     // SAFETY: Python calls the slot with a packet.
     unsafe {
         let py = Python::assume_attached();
-        give(py, self::object(py, open(object).0.text()))
+        into_result_pointer(py, self::object(py, open(object).0.text()))
     }
 }
 
@@ -375,5 +397,5 @@ unsafe extern "C" fn compare(
         ffi::Py_NE => left != right,
         _ => return py.NotImplemented().into_ptr(),
     };
-    give(py, answer.into_pyobject(py).map(|answer| answer.to_owned().into_any()).map_err(Into::into))
+    into_result_pointer(py, answer.into_pyobject(py).map(|answer| answer.to_owned().into_any()).map_err(Into::into))
 }

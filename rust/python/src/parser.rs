@@ -1,4 +1,4 @@
-//! The push parser, as Python sees it.
+//! Python interface of the push parser.
 
 use crate::buffers::Bytes;
 use crate::dialect::{AnyDialect, Dialect};
@@ -9,16 +9,27 @@ use mavstack_core::parser as core;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-/// Bytes of a packet on the mean, and of a chunk for whose packets room is made beforehand.
-const TYPICAL_PACKET: usize = 32;
-const MAX_RESERVED: usize = 1 << 20;
+/// Mean packet length in bytes, for reserving a chunk's list of packets.
+const MEAN_PACKET_LENGTH: usize = 32;
+/// Maximum chunk length in bytes for which that list is reserved.
+const MAX_CHUNK_RESERVED: usize = 1 << 20;
 
-/// Finds the packets of one byte stream, however it is cut into chunks.
+/// Parser of one byte stream: takes bytes in chunks of any size and returns the packets in them.
+///
+/// MAVLink 1 and 2 may be mixed. Bytes that are no valid packet never raise: they are counted in `statistics` and
+/// skipped. Packets whose message id is not in the dialect are returned too, with `message` None.
+///
+/// Args:
+///     dialect: A `mavstack.Dialect` or a dialect module, which defines the messages.
+///     signing: Signing state of the link; packets that it refuses are not returned. None disables verification.
+///     timestamped: True for a tlog, which has 8 bytes of time before each packet.
 #[pyclass(module = "mavstack._core")]
 pub struct Parser {
     core: core::Parser,
+    /// The layout tables of the dialect.
     #[pyo3(get)]
     dialect: Py<Dialect>,
+    /// Signing state of the link, or None.
     #[pyo3(get)]
     signing: Option<Py<Signing>>,
 }
@@ -31,43 +42,62 @@ impl Parser {
         Self { core: core::Parser::new(timestamped), dialect: dialect.0, signing }
     }
 
-    /// The packets that `data` completes; `now` is the Unix time in seconds, needed for signing only.
+    /// Parse the next bytes of the stream.
+    ///
+    /// Args:
+    ///     data: The received bytes, in chunks of any size.
+    ///     now: Current Unix time in seconds, used for signing only; None disables the checks against the current time.
+    ///
+    /// Returns:
+    ///     The packets completed by `data`, in order.
+    ///
+    /// Raises:
+    ///     SigningError: `now` is not a valid time for signing.
     #[pyo3(signature = (data, now = None))]
     fn feed<'py>(&mut self, py: Python<'py>, data: Bytes<'_>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
-        sink.packets.reserve(data.len().min(MAX_RESERVED) / TYPICAL_PACKET);
-        self.core.feed(&self.dialect.get().core, &data, |packet| sink.take(&packet));
+        sink.packets.reserve(data.len().min(MAX_CHUNK_RESERVED) / MEAN_PACKET_LENGTH);
+        self.core.feed(&self.dialect.get().core, &data, |packet| sink.push(&packet));
         sink.finish()
     }
 
-    /// Ends the stream: the packets that an unfinished one at its end may have hidden.
+    /// End the stream, and parse the rest of it.
+    ///
+    /// Args:
+    ///     now: Current Unix time in seconds, as in `feed`.
+    ///
+    /// Returns:
+    ///     The packets inside an apparent incomplete packet at the end of the stream.
+    ///
+    /// Raises:
+    ///     SigningError: `now` is not a valid time for signing.
     #[pyo3(signature = (now = None))]
     fn flush<'py>(&mut self, py: Python<'py>, now: Option<f64>) -> PyResult<Bound<'py, PyList>> {
         let mut sink = Sink::new(py, &self.dialect, self.signing.as_ref(), now)?;
-        self.core.flush(&self.dialect.get().core, |packet| sink.take(&packet));
+        self.core.flush(&self.dialect.get().core, |packet| sink.push(&packet));
         sink.finish()
     }
 
-    /// What was counted so far.
+    /// Totals of the stream so far.
     #[getter]
     fn statistics(&self) -> Statistics {
         self.core.statistics().into()
     }
 
-    /// What was heard of each (system, component), and how much of it was lost.
+    /// Statistics of each source, by (system, component).
     #[getter]
     fn sources<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         sources_to_dict(py, self.core.sources())
     }
 
-    /// Bytes that wait for more.
+    /// Number of bytes kept until more arrive.
     #[getter]
     fn pending(&self) -> usize {
         self.core.pending()
     }
 }
 
-/// Turns the core's packets into Python's, leaving out those that signing refuses.
+/// Converts packets of the core to Python objects, without those that signing refuses.
 struct Sink<'py, 'a> {
     py: Python<'py>,
     dialect: &'a Py<Dialect>,
@@ -90,7 +120,7 @@ impl<'py, 'a> Sink<'py, 'a> {
     }
 
     #[inline]
-    fn take(&mut self, packet: &core::Packet<'_>) {
+    fn push(&mut self, packet: &core::Packet<'_>) {
         if let Some(signing) = &mut self.signing
             && signing.core.check(packet, self.now).is_err()
         {
@@ -104,7 +134,7 @@ impl<'py, 'a> Sink<'py, 'a> {
 
     fn finish(self) -> PyResult<Bound<'py, PyList>> {
         let Self { py, signing, packets, error, .. } = self;
-        // Making a list may run a finalizer, and that may use the same signing.
+        // Creating a list may run a finalizer, which may use the same signing state.
         drop(signing);
         match error {
             Some(error) => Err(error),

@@ -1,4 +1,4 @@
-//! Signing state of one link, as Python sees it. The key goes in and never comes out.
+//! Python interface of signing. The key can be set but never read.
 
 use crate::buffers::Bytes;
 use crate::errors::SigningError;
@@ -6,20 +6,38 @@ use crate::statistics::Refusals;
 use mavstack_core::signing::{self as core, EPOCH, Key, MAX_TIMESTAMP, Policy, UNITS_PER_SECOND};
 use pyo3::prelude::*;
 
-/// Signs what is sent on a link and judges what is received.
+/// Signing state of one link: signs sent packets and verifies received ones.
+///
+/// The parser and the encoder of the link share one object. Refused packets are counted in `refusals`.
+///
+/// Args:
+///     key: The 32 bytes of the key.
+///     link_id: Id of the link in signatures, 0 to 255.
+///     timestamp: Initial clock in 10 us since 2015-01-01 UTC: the `timestamp` stored by the last run, or 0.
+///     accept_unsigned: Accept all unsigned packets.
+///     unsigned_ids: Message ids accepted unsigned, such as that of RADIO_STATUS.
+///     max_behind: Maximum age in seconds of the first packet of a stream.
+///     max_ahead: Maximum lead in seconds of a packet over the clock.
+///     reorder_slack: Maximum lag in seconds of a reordered packet behind the newest of its stream; 0 refuses all.
+///     max_streams: Maximum number of streams (link id, system, component).
+///
+/// Raises:
+///     SigningError: The key does not have 32 bytes, or the timestamp does not fit 48 bits.
 #[pyclass(module = "mavstack._core")]
 pub struct Signing {
     pub core: core::Signing,
 }
 
-/// The timestamp of a Unix time in seconds, if given; before 2015 it is 0.
+/// Converts a Unix time in seconds to a signing timestamp; times before 2015 become 0.
 pub fn timestamp(now: Option<f64>) -> PyResult<Option<u64>> {
     let Some(now) = now else {
         return Ok(None);
     };
     let units = (now - EPOCH as f64) * UNITS_PER_SECOND as f64;
     if !units.is_finite() || units > MAX_TIMESTAMP as f64 {
-        return Err(SigningError::new_err(format!("{now} is not a Unix time that signing can count")));
+        return Err(SigningError::new_err(format!(
+            "{now} is not a valid time for signing: it must be a Unix time in seconds before the year 2104"
+        )));
     }
     Ok(Some(units.max(0.0) as u64))
 }
@@ -35,7 +53,7 @@ impl Signing {
         key, link_id = 0, *, timestamp = 0, accept_unsigned = false, unsigned_ids = Vec::new(),
         max_behind = 60.0, max_ahead = 86400.0, reorder_slack = 0.0, max_streams = 1024
     ))]
-    #[expect(clippy::too_many_arguments, reason = "each is one keyword of the Python class")]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of the Python class")]
     fn new(
         key: Bytes<'_>,
         link_id: u8,
@@ -49,9 +67,9 @@ impl Signing {
     ) -> PyResult<Self> {
         let key: [u8; 32] = (*key)
             .try_into()
-            .map_err(|_| SigningError::new_err(format!("a signing key has 32 bytes, not {}", key.len())))?;
+            .map_err(|_| SigningError::new_err(format!("a signing key must have 32 bytes, got {}", key.len())))?;
         if timestamp > MAX_TIMESTAMP {
-            return Err(SigningError::new_err(format!("a signing timestamp has 48 bits; {timestamp} has more")));
+            return Err(SigningError::new_err(format!("a signing timestamp must fit 48 bits, got {timestamp}")));
         }
         let policy = Policy {
             accept_unsigned,
@@ -64,24 +82,25 @@ impl Signing {
         Ok(Self { core: core::Signing::new(Key::new(key), link_id, timestamp, policy) })
     }
 
+    /// Id of the link in signatures.
     #[getter]
     fn link_id(&self) -> u8 {
         self.core.link_id()
     }
 
-    /// Newest timestamp signed or accepted: persist it, and start the next run with it.
+    /// Newest timestamp sent or accepted, in 10 us since 2015-01-01 UTC: store it for the next run.
     #[getter]
     fn timestamp(&self) -> u64 {
         self.core.clock()
     }
 
-    /// Number of streams followed.
+    /// Number of streams (link id, system, component) received so far.
     #[getter]
     fn streams(&self) -> usize {
         self.core.streams()
     }
 
-    /// Packets refused, by reason.
+    /// Number of refused packets, by reason.
     #[getter]
     fn refusals(&self) -> Refusals {
         self.core.refusals().into()

@@ -1,4 +1,4 @@
-//! Counters, as Python sees them.
+//! Python interface of the counters.
 
 use mavstack_core::sequence::Sources;
 use mavstack_core::{signing, statistics};
@@ -9,15 +9,25 @@ use pyo3::types::PyDict;
 #[pyclass(frozen, get_all, eq, module = "mavstack._core")]
 #[derive(PartialEq, Eq)]
 pub struct Statistics {
+    /// Number of packets.
     packets: u64,
+    /// Total length of the packets in bytes.
     packet_bytes: u64,
+    /// Number of MAVLink 1 packets.
     version_1: u64,
+    /// Number of MAVLink 2 packets.
     version_2: u64,
+    /// Number of packets with a signature, valid or not.
     signed: u64,
+    /// Number of packets whose message id is not in the dialect.
     unknown: u64,
+    /// Number of bytes outside any packet.
     bad_bytes: u64,
+    /// Number of false magics and damaged packets, rejected by their checksum.
     bad_checksum: u64,
+    /// Number of false magics and packets rejected for an unknown incompatibility flag.
     bad_flags: u64,
+    /// Number of MAVLink 1 packets shorter than their message.
     bad_length: u64,
 }
 
@@ -48,19 +58,23 @@ impl Statistics {
     }
 }
 
-/// What was heard of one system and component on one link.
+/// Statistics of one source: the packets of one system and component on one link.
 #[pyclass(frozen, get_all, eq, module = "mavstack._core")]
 #[derive(PartialEq, Eq)]
 pub struct SourceStatistics {
+    /// Number of packets received.
     received: u64,
+    /// Total length of the packets in bytes.
     bytes: u64,
+    /// Number of packets lost, from gaps in the sequence numbers.
     lost: u64,
+    /// Number of late or duplicate packets.
     late: u64,
 }
 
 #[pymethods]
 impl SourceStatistics {
-    /// Share of the packets sent that were lost, 0 to 1.
+    /// Fraction of the sent packets that were lost, 0 to 1.
     #[getter]
     fn loss(&self) -> f64 {
         let sent = self.received + self.lost;
@@ -76,22 +90,28 @@ impl SourceStatistics {
 pub fn sources_to_dict<'py>(py: Python<'py>, sources: &Sources) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for (system, component, source) in sources.all() {
-        let heard =
+        let statistics =
             SourceStatistics { received: source.received, bytes: source.bytes, lost: source.lost, late: source.late };
-        dict.set_item((system, component), Py::new(py, heard)?)?;
+        dict.set_item((system, component), Py::new(py, statistics)?)?;
     }
     Ok(dict)
 }
 
-/// How many packets signing refused, by reason.
+/// Number of packets refused by signing, by reason.
 #[pyclass(frozen, get_all, eq, module = "mavstack._core")]
 #[derive(PartialEq, Eq)]
 pub struct Refusals {
+    /// Unsigned packets whose message id is not accepted unsigned.
     unsigned: u64,
+    /// Packets whose hash does not match the key.
     forged: u64,
+    /// Packets whose timestamp is not newer than the last of their stream.
     replayed: u64,
+    /// First packets of a stream that are too far behind the clock.
     stale: u64,
+    /// Packets too far ahead of the clock.
     future: u64,
+    /// First packets of a stream beyond the maximum number of streams.
     too_many_streams: u64,
 }
 
@@ -110,7 +130,7 @@ impl From<&signing::Refusals> for Refusals {
 
 #[pymethods]
 impl Refusals {
-    /// All refusals together.
+    /// Total number of refused packets.
     #[getter]
     fn total(&self) -> u64 {
         self.unsigned + self.forged + self.replayed + self.stale + self.future + self.too_many_streams

@@ -1,7 +1,7 @@
-//! One field's bytes to a Python value and back.
+//! Conversion between the bytes of a field and Python values.
 //!
-//! Reading: integers, floats, `str` for `char[n]` (up to its NUL), `bytes` for `uint8_t[n]`, tuples for other
-//! arrays. Writing takes what a Python user would expect to fit, and refuses the rest with the range.
+//! A field reads as an integer, a float, `str` for `char[n]` (up to its NUL), `bytes` for `uint8_t[n]`, or a tuple for
+//! other arrays. Values outside the range of the field are refused with an error that names the range.
 
 use crate::errors::{FieldRangeError, FieldTypeError};
 use mavstack_core::layout::{Field, FieldType};
@@ -10,7 +10,7 @@ use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyFloat, PyInt, PyString, PyTuple};
 
-/// The value of `field` in the bytes that it takes.
+/// Converts the bytes of `field` to a Python value.
 pub fn read<'py>(py: Python<'py>, field: &Field, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     match field.kind {
         FieldType::Char => Ok(read_text(py, bytes).into_any()),
@@ -41,7 +41,7 @@ fn read_array<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyResult<B
     Ok(tuple?.into_any())
 }
 
-/// Text up to its NUL; a character cut off at the end is left out, other bytes that are not UTF-8 become U+FFFD.
+/// Converts bytes to text up to the NUL: a truncated last character is dropped, other invalid UTF-8 becomes U+FFFD.
 fn read_text<'py>(py: Python<'py>, bytes: &[u8]) -> Bound<'py, PyString> {
     let mut text = bytes.split(|&byte| byte == 0).next().unwrap_or(&[]);
     let last_start = text.iter().rposition(|&byte| byte & 0xC0 != 0x80).unwrap_or(0);
@@ -51,7 +51,7 @@ fn read_text<'py>(py: Python<'py>, bytes: &[u8]) -> Bound<'py, PyString> {
     PyString::new(py, &String::from_utf8_lossy(text))
 }
 
-/// The number in `bytes`, which are as long as `kind` is.
+/// Converts bytes to a number; `bytes` must have the size of `kind`.
 #[inline]
 pub fn read_number<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     macro_rules! number {
@@ -73,30 +73,30 @@ pub fn read_number<'py>(py: Python<'py>, kind: FieldType, bytes: &[u8]) -> PyRes
     }
 }
 
-/// A field as error texts name it: `Attitude.roll`.
-pub struct Place<'a> {
+/// A field as named in error texts: `Attitude.roll`.
+pub struct FieldRef<'a> {
     pub class: &'a str,
     pub field: &'a Field,
 }
 
-impl Place<'_> {
+impl FieldRef<'_> {
     fn name(&self) -> String {
         format!("{}.{}", self.class, self.field.name)
     }
 
     fn wrong_type(&self, wanted: &str, value: &Bound<'_, PyAny>) -> PyErr {
         let got = value.get_type().name().map_or_else(|_| "?".into(), |name| name.to_string());
-        FieldTypeError::new_err(format!("{} takes {wanted}, not {got}", self.name()))
+        FieldTypeError::new_err(format!("{} must be {wanted}, got {got}", self.name()))
     }
 
     fn too_long(&self, unit: &str, length: usize) -> PyErr {
-        let most = self.field.array_length.max(1);
-        FieldRangeError::new_err(format!("{} holds at most {most} {unit}, not {length}", self.name()))
+        let max = self.field.array_length.max(1);
+        FieldRangeError::new_err(format!("{} holds at most {max} {unit}, got {length}", self.name()))
     }
 
     fn too_many(&self) -> PyErr {
-        let most = self.field.array_length;
-        FieldRangeError::new_err(format!("{} holds at most {most} elements, not more", self.name()))
+        let max = self.field.array_length;
+        FieldRangeError::new_err(format!("{} holds at most {max} elements, got more", self.name()))
     }
 
     #[cold]
@@ -127,83 +127,83 @@ fn range_text(kind: FieldType) -> (String, String, &'static str) {
     }
 }
 
-/// Writes `value` to the bytes that the field takes; they are left as they were if it does not fit.
-pub fn write(place: &Place<'_>, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
-    let field = place.field;
+/// Writes `value` to the bytes of the field, which are unchanged if the value is refused.
+pub fn write(field_ref: &FieldRef<'_>, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+    let field = field_ref.field;
     match field.kind {
-        FieldType::Char => write_text(place, bytes, value),
-        kind if field.array_length == 0 => write_number(place, kind, bytes, value),
-        kind => write_array(place, kind, bytes, value),
+        FieldType::Char => write_text(field_ref, bytes, value),
+        kind if field.array_length == 0 => write_number(field_ref, kind, bytes, value),
+        kind => write_array(field_ref, kind, bytes, value),
     }
 }
 
-fn write_text(place: &Place<'_>, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+fn write_text(field_ref: &FieldRef<'_>, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
     let text = if let Ok(text) = value.cast::<PyString>() {
         match text.to_cow() {
-            // U+FFFD stands for one byte that was no text, and may not take more room than that had.
+            // U+FFFD replaced one invalid byte, so it must be written as one byte.
             Ok(text) => text.replace('\u{FFFD}', "?").into_bytes(),
-            Err(_) => return Err(place.wrong_type("text that UTF-8 can hold", value)),
+            Err(_) => return Err(field_ref.wrong_type("text that can be encoded as UTF-8", value)),
         }
     } else if let Ok(raw) = value.cast::<PyBytes>() {
         raw.as_bytes().to_vec()
     } else {
-        return Err(place.wrong_type("a string", value));
+        return Err(field_ref.wrong_type("a string", value));
     };
-    write_padded(place, "bytes", bytes, &text)
+    write_padded(field_ref, "bytes", bytes, &text)
 }
 
-fn write_padded(place: &Place<'_>, unit: &str, bytes: &mut [u8], content: &[u8]) -> PyResult<()> {
+fn write_padded(field_ref: &FieldRef<'_>, unit: &str, bytes: &mut [u8], content: &[u8]) -> PyResult<()> {
     let Some((start, rest)) = bytes.split_at_mut_checked(content.len()) else {
-        return Err(place.too_long(unit, content.len()));
+        return Err(field_ref.too_long(unit, content.len()));
     };
     start.copy_from_slice(content);
     rest.fill(0);
     Ok(())
 }
 
-fn write_array(place: &Place<'_>, kind: FieldType, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+fn write_array(field_ref: &FieldRef<'_>, kind: FieldType, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
     if kind == FieldType::U8
         && let Ok(buffer) = PyBuffer::<u8>::get(value)
     {
-        return write_padded(place, "elements", bytes, &buffer.to_vec(value.py())?);
+        return write_padded(field_ref, "elements", bytes, &buffer.to_vec(value.py())?);
     }
     if value.cast::<PyString>().is_ok() {
-        return Err(place.wrong_type("a sequence of numbers", value));
+        return Err(field_ref.wrong_type("a sequence of numbers", value));
     }
     let Ok(elements) = value.try_iter() else {
-        return Err(place.wrong_type("a sequence of numbers", value));
+        return Err(field_ref.wrong_type("a sequence of numbers", value));
     };
-    // One more than fits is enough to know that they are too many.
-    let elements = elements.take(usize::from(place.field.array_length) + 1).collect::<PyResult<Vec<_>>>()?;
+    // One element more than fits is enough to detect too many.
+    let elements = elements.take(usize::from(field_ref.field.array_length) + 1).collect::<PyResult<Vec<_>>>()?;
     let mut content = vec![0; elements.len() * kind.size()];
     for (element, encoded) in elements.iter().zip(content.chunks_exact_mut(kind.size())) {
-        write_number(place, kind, encoded, element)?;
+        write_number(field_ref, kind, encoded, element)?;
     }
     if content.len() > bytes.len() {
-        return Err(place.too_many());
+        return Err(field_ref.too_many());
     }
-    write_padded(place, "elements", bytes, &content)
+    write_padded(field_ref, "elements", bytes, &content)
 }
 
 #[inline]
-fn write_number(place: &Place<'_>, kind: FieldType, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
+fn write_number(field_ref: &FieldRef<'_>, kind: FieldType, bytes: &mut [u8], value: &Bound<'_, PyAny>) -> PyResult<()> {
     match kind {
         FieldType::F32 => {
-            let number = float(place, value)?;
+            let number = float(field_ref, value)?;
             if number.is_finite() && (number as f32).is_infinite() {
-                return Err(place.out_of_range(kind, value));
+                return Err(field_ref.out_of_range(kind, value));
             }
             bytes.copy_from_slice(&(number as f32).to_le_bytes());
         }
-        FieldType::F64 => bytes.copy_from_slice(&float(place, value)?.to_le_bytes()),
+        FieldType::F64 => bytes.copy_from_slice(&float(field_ref, value)?.to_le_bytes()),
         FieldType::U64 => {
-            let number = integer::<u64>(place, kind, value)?;
+            let number = integer::<u64>(field_ref, kind, value)?;
             bytes.copy_from_slice(&number.to_le_bytes());
         }
         _ => {
-            let number = integer::<i64>(place, kind, value)?;
-            if !holds(kind, number) {
-                return Err(place.out_of_range(kind, value));
+            let number = integer::<i64>(field_ref, kind, value)?;
+            if !fits(kind, number) {
+                return Err(field_ref.out_of_range(kind, value));
             }
             bytes.copy_from_slice(&number.to_le_bytes()[..kind.size()]);
         }
@@ -212,7 +212,7 @@ fn write_number(place: &Place<'_>, kind: FieldType, bytes: &mut [u8], value: &Bo
 }
 
 #[inline]
-fn holds(kind: FieldType, number: i64) -> bool {
+fn fits(kind: FieldType, number: i64) -> bool {
     match kind {
         FieldType::U8 | FieldType::Char => u8::try_from(number).is_ok(),
         FieldType::I8 => i8::try_from(number).is_ok(),
@@ -225,28 +225,28 @@ fn holds(kind: FieldType, number: i64) -> bool {
 }
 
 #[inline]
-fn float(place: &Place<'_>, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+fn float(field_ref: &FieldRef<'_>, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     if let Ok(float) = value.cast_exact::<PyFloat>() {
         return Ok(float.value());
     }
     if value.cast::<PyString>().is_ok() {
-        return Err(place.wrong_type("a number", value));
+        return Err(field_ref.wrong_type("a number", value));
     }
     value.extract::<f64>().map_err(|error| {
-        if error.is_instance_of::<PyTypeError>(value.py()) { place.wrong_type("a number", value) } else { error }
+        if error.is_instance_of::<PyTypeError>(value.py()) { field_ref.wrong_type("a number", value) } else { error }
     })
 }
 
 #[inline]
-fn integer<'py, T>(place: &Place<'_>, kind: FieldType, value: &Bound<'py, PyAny>) -> PyResult<T>
+fn integer<'py, T>(field_ref: &FieldRef<'_>, kind: FieldType, value: &Bound<'py, PyAny>) -> PyResult<T>
 where
     T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
 {
     value.extract::<T>().map_err(|error| {
         if value.cast::<PyInt>().is_ok() || error.is_instance_of::<PyOverflowError>(value.py()) {
-            place.out_of_range(kind, value)
+            field_ref.out_of_range(kind, value)
         } else if error.is_instance_of::<PyTypeError>(value.py()) {
-            place.wrong_type("an integer", value)
+            field_ref.wrong_type("an integer", value)
         } else {
             error
         }
