@@ -1,4 +1,4 @@
-"""A throw-away authority with certificates, made by the openssl program; tests are skipped without it."""
+"""A temporary certificate authority, created by the openssl program; tests are skipped without it."""
 
 from __future__ import annotations
 

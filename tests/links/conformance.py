@@ -1,4 +1,4 @@
-"""What every link must do: a backend's test class inherits this and says how to make a pair of ends."""
+"""The conformance tests of links: the test class of a backend inherits them and creates the pair of ends."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from mavstack.errors import LinkClosedError, LinkError
+from mavstack.errors import InvalidStateError, LinkClosedError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened
 from tests.waiting import wait_until
 
@@ -17,12 +17,12 @@ TEST_TIMEOUT = 20  # seconds after which a test that hangs fails
 
 
 class Conformance:
-    """`pair` yields an unopened link and a coroutine function that gives its peer once the link is open."""
+    """`pair` yields an unopened link, and a coroutine function that returns the peer of the open link."""
 
-    datagrams = False  # whether chunks keep their bounds, and may be lost
-    greeting = b""  # what the peer has to send first to become a channel
-    detects_disconnect = True  # whether the link learns that its peer is on_closed
-    small = "receive_queue=4096&send_queue=4096"
+    datagrams = False  # True if chunks keep their boundaries and may be lost
+    greeting = b""  # bytes that the peer must send first to become a channel
+    detects_disconnect = True  # True if the link detects that its peer disconnected
+    small_queues = "receive_queue=4096&send_queue=4096"
 
     def pair(self, query: str = ""):
         raise NotImplementedError
@@ -43,13 +43,13 @@ class Conformance:
                 await peer.close()
 
     @pytest.fixture(autouse=True)
-    async def _nothing_is_left(self):
+    async def _no_leaks(self):
         yield
-        left = asyncio.all_tasks() - {asyncio.current_task()}
-        if left:  # a peer's own tasks may need one more turn to end
-            await asyncio.wait(left, timeout=1)
+        remaining = asyncio.all_tasks() - {asyncio.current_task()}
+        if remaining:  # the tasks of a peer may need one more loop iteration to end
+            await asyncio.wait(remaining, timeout=1)
         assert not asyncio.all_tasks() - {asyncio.current_task()}
-        gc.collect()  # a forgotten socket or transport warns now, and a warning is an error
+        gc.collect()  # an unclosed socket or transport warns now, and warnings are errors
 
     async def test_opening_yields_one_channel(self):
         async with self.connected() as (link, channel, _):
@@ -60,16 +60,16 @@ class Conformance:
             assert await link.open() is link
 
     async def test_bytes_go_both_ways_unchanged(self):
-        dice = random.Random(1)
+        rng = random.Random(1)
         async with self.connected() as (link, channel, peer):
-            for size in [1, 2, 255, *(dice.randrange(1, 1400) for _ in range(40))]:
-                data = dice.randbytes(size)
+            for size in [1, 2, 255, *(rng.randrange(1, 1400) for _ in range(40))]:
+                data = rng.randbytes(size)
                 assert channel.write(data)
                 assert await peer.receive(size) == data
                 await peer.send(data)
                 assert await receive(link, size) == data
 
-    async def test_counters_tell_what_went_through(self):
+    async def test_counters_count_bytes_and_chunks(self):
         async with self.connected() as (link, channel, peer):
             channel.write(b"12345")
             channel.write(memoryview(b"67"))
@@ -83,7 +83,7 @@ class Conformance:
             channel.close()
             assert link.counters == counters
 
-    async def test_closing_ends_the_iteration_after_telling(self):
+    async def test_closing_the_link_closes_the_channel_and_ends_the_iteration(self):
         async with self.connected() as (link, channel, _):
             await link.close()
             await link.close()
@@ -99,19 +99,19 @@ class Conformance:
                 channel.write(b"x")
             assert isinstance(await anext(link), ChannelClosed)
 
-    async def test_a_link_opens_only_once(self):
+    async def test_a_closed_link_cannot_be_opened_again(self):
         async with self.connected() as (link, *_):
             await link.close()
             with pytest.raises(LinkClosedError, match="open a new link"):
                 await link.open()
 
-    async def test_reading_before_opening_is_a_mistake(self):
+    async def test_iterating_before_opening_raises(self):
         async with self.pair() as (link, _):
-            with pytest.raises(LinkError, match="not open yet"):
+            with pytest.raises(InvalidStateError, match="is not open"):
                 aiter(link)
             await link.close()
 
-    async def test_a_cancelled_reader_loses_nothing(self):
+    async def test_a_cancelled_reader_loses_no_event(self):
         async with self.connected() as (link, _, peer):
             reader = asyncio.create_task(anext(link))
             await asyncio.sleep(0)
@@ -120,16 +120,16 @@ class Conformance:
             await peer.send(b"still there")
             assert await receive(link, 11) == b"still there"
 
-    async def test_only_one_task_may_read(self):
+    async def test_only_one_task_may_iterate(self):
         async with self.connected() as (link, *_):
             reader = asyncio.create_task(anext(link))
             await asyncio.sleep(0)
-            with pytest.raises(LinkError, match="two tasks"):
+            with pytest.raises(InvalidStateError, match="two tasks"):
                 await anext(link)
             reader.cancel()
             await asyncio.gather(reader, return_exceptions=True)
 
-    async def test_batches_give_the_same_bytes(self):
+    async def test_batches_contain_all_bytes(self):
         async with self.connected() as (link, channel, peer):
             await peer.send(b"a" * 100)
             await peer.send(b"b" * 100)
@@ -141,7 +141,7 @@ class Conformance:
                     break
             assert data == b"a" * 100 + b"b" * 100
 
-    async def test_who_reads_is_handed_the_same_bytes_and_then_the_end(self):
+    async def test_read_passes_all_bytes_to_the_callback_until_the_link_ends(self):
         async with self.connected() as (link, channel, peer):
             events = []
             reading = asyncio.create_task(link.read(events.extend))
@@ -155,12 +155,12 @@ class Conformance:
             await reading
             assert isinstance(events[-1], ChannelClosed)
 
-    async def test_who_reads_can_stop_and_another_goes_on(self):
+    async def test_a_cancelled_read_can_be_continued_by_another_task(self):
         async with self.connected() as (link, _, peer):
             events = []
             reading = asyncio.create_task(link.read(events.extend))
             await asyncio.sleep(0)
-            with pytest.raises(LinkError, match="two tasks"):
+            with pytest.raises(InvalidStateError, match="two tasks"):
                 await anext(link)
             reading.cancel()
             await asyncio.gather(reading, return_exceptions=True)
@@ -168,20 +168,22 @@ class Conformance:
             assert await receive(link, 5) == b"later"
             assert not events
 
-    async def test_what_cannot_be_sent_is_dropped_and_counted(self):
-        async with self.connected(self.small) as (_, channel, _):
+    async def test_chunks_beyond_the_send_queue_are_dropped_and_counted(self):
+        async with self.connected(self.small_queues) as (_, channel, _):
             accepted = [channel.write(bytes(1000)) for _ in range(2000)]
             counters = channel.counters
             assert counters.chunks_out == sum(accepted)
             assert counters.dropped_out == len(accepted) - sum(accepted)
 
-    async def test_what_nobody_reads_is_bounded(self):
-        total, waiting = 200, 10  # where links are wrapped a few chunks wait between them
-        async with self.connected(self.small) as (link, channel, peer):
+    async def test_unread_input_is_bounded(self):
+        total, in_transit = 200, 10  # between wrapped links a few chunks are in transit
+        async with self.connected(self.small_queues) as (link, channel, peer):
             sending = asyncio.create_task(send_many(peer, total))
             if self.datagrams:
                 await sending
-                await wait_until(lambda: link.counters.chunks_in + link.counters.dropped_in >= total - waiting)
+                await wait_until(
+                    lambda: link.counters.chunks_in + link.counters.dropped_in >= total - in_transit
+                )
                 assert link.counters.dropped_in > 0
                 assert channel.counters.bytes_in < 8192
             else:
@@ -191,9 +193,9 @@ class Conformance:
                 await sending
                 assert channel.counters.dropped_in == 0
 
-    async def test_a_peer_that_hangs_up_is_told(self):
+    async def test_a_disconnected_peer_closes_the_channel(self):
         if not self.detects_disconnect:
-            pytest.skip("has no connection")
+            pytest.skip("no connection")
         async with self.connected() as (link, channel, peer):
             await peer.close()
             event = await anext(link)
@@ -204,7 +206,7 @@ class Conformance:
 
 
 async def receive(link, count: int) -> bytes:
-    """So many bytes from the link's only channel."""
+    """Receive `count` bytes from the only channel of a link."""
     data = b""
     while len(data) < count:
         event = await anext(link)

@@ -1,4 +1,4 @@
-"""The other end of a link under test, made of plain sockets and files: not of our own links."""
+"""The other end of a link under test, implemented with plain sockets and files instead of our own links."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class StreamPeer:
 
 
 class Acceptor:
-    """A stream server that hands over the connections it gets."""
+    """A stream server that queues its connections."""
 
     def __init__(self) -> None:
         self.accepted: asyncio.Queue[StreamPeer] = asyncio.Queue()
@@ -85,7 +85,7 @@ class Acceptor:
 
 
 class PtyPeer:
-    """The far end of a serial cable: `path` is the device."""
+    """The other end of a pseudo-terminal; `path` is the device."""
 
     def __init__(self) -> None:
         self.master, self.slave = os.openpty()
@@ -122,7 +122,7 @@ class PtyPeer:
 
 
 class LinkPeer:
-    """The other memory link."""
+    """The other link of a memory pair."""
 
     def __init__(self, link) -> None:
         self.link = link

@@ -22,7 +22,7 @@ def flight(tmp_path):
 
 
 def replay(url: str) -> list[tuple[float, object]]:
-    """All events, each with the time of the event loop at which it came."""
+    """Return all events, each with the time of the event loop."""
 
     async def follow():
         loop = asyncio.get_running_loop()
@@ -34,7 +34,7 @@ def replay(url: str) -> list[tuple[float, object]]:
 
 
 @pytest.mark.parametrize("speed", [1, 2, 10, 0.5])
-def test_a_replay_keeps_the_rhythm_of_the_flight(flight, speed):
+def test_a_replay_keeps_the_recorded_intervals(flight, speed):
     events = replay(f"file://{flight}?speed={speed}")
     assert isinstance(events[0][1], ChannelOpened)
     assert events[-1][1] == ChannelClosed(events[0][1].channel, "end of file")
@@ -44,14 +44,14 @@ def test_a_replay_keeps_the_rhythm_of_the_flight(flight, speed):
     assert [recorded - START for _, recorded in moments][-1] == pytest.approx(3)
 
 
-def test_packets_of_one_moment_come_together_and_without_times(flight):
+def test_simultaneous_packets_are_one_chunk_without_timestamps(flight):
     chunks = [event for _, event in replay(str(flight)) if isinstance(event, BytesReceived)]
     one = packet(b"x" * 20)
     assert [chunk.data for chunk in chunks] == [one * 2, one, one, one]
 
 
 @pytest.mark.parametrize("speed", ["max", "0"])
-def test_full_speed_takes_no_time_and_large_chunks(tmp_path, speed):
+def test_full_speed_replays_large_chunks_without_delay(tmp_path, speed):
     path = tmp_path / "long.tlog"
     path.write_bytes(tlog(START + n for n in range(20_000)))
     events = replay(f"file://{path}?speed={speed}")
@@ -64,7 +64,7 @@ def test_full_speed_takes_no_time_and_large_chunks(tmp_path, speed):
     assert times[0] == START
 
 
-def test_a_clock_that_was_set_does_not_stop_the_replay(tmp_path):
+def test_a_clock_jump_does_not_stop_the_replay(tmp_path):
     path = tmp_path / "set.tlog"
     path.write_bytes(tlog([5.0, 6.0, START, START + 1, START - 100, START - 99]))
     events = replay(str(path))
@@ -72,7 +72,7 @@ def test_a_clock_that_was_set_does_not_stop_the_replay(tmp_path):
     assert at == pytest.approx([0, 1, 61, 62, 62, 63])
 
 
-def test_other_files_come_as_they_are(tmp_path):
+def test_other_files_are_replayed_unchanged(tmp_path):
     path = tmp_path / "stream.raw"
     path.write_bytes(packet(b"abc") * 50_000)
     events = replay(f"{path}?speed=1")
@@ -88,7 +88,7 @@ def test_an_empty_file_ends_at_once(tmp_path):
     assert [type(event) for _, event in replay(str(path))] == [ChannelOpened, ChannelClosed]
 
 
-async def test_a_recorded_peer_cannot_hear(flight):
+async def test_bytes_written_to_a_recorded_peer_are_dropped(flight):
     async with open_link(flight.as_posix()) as link:
         channel = (await anext(link)).channel
         assert not channel.write(b"turn left")
@@ -96,7 +96,7 @@ async def test_a_recorded_peer_cannot_hear(flight):
         await channel.drain()
 
 
-async def test_a_slow_reader_holds_the_replay_back(tmp_path):
+async def test_a_slow_reader_slows_the_replay(tmp_path):
     path = tmp_path / "big.raw"
     path.write_bytes(bytes(4 << 20))
     async with open_link(f"{path}?receive_queue=64k") as link:
@@ -109,7 +109,7 @@ async def test_a_slow_reader_holds_the_replay_back(tmp_path):
         assert link.counters.dropped_in == 0
 
 
-async def test_closing_in_the_middle_ends_at_once(flight):
+async def test_closing_during_the_replay_ends_at_once(flight):
     async with open_link(f"{flight}?speed=0.001") as link:
         opened = await anext(link)
         await anext(link)
@@ -124,23 +124,23 @@ async def test_closing_the_channel_ends_the_link(flight):
         assert kinds[-1] is ChannelClosed
 
 
-async def test_a_missing_file_is_told(tmp_path):
+async def test_a_missing_file_raises(tmp_path):
     with pytest.raises(LinkError, match=r"no such file or device: .*none\.tlog"):
         await open_link(f"{tmp_path.as_posix()}/none.tlog")
 
 
-async def test_a_folder_is_told(tmp_path):
+async def test_a_directory_raises(tmp_path):
     with pytest.raises(LinkError, match=r"is a directory|permission denied"):
         await open_link(f"file://{tmp_path.as_posix()}")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs devices")
-async def test_a_device_is_told():
+async def test_a_device_raises():
     with pytest.raises(LinkError, match="it is a device: use serial:///dev/null"):
         await open_link("file:///dev/null")
 
 
 @pytest.mark.parametrize("speed", ["-1", "fast", "nan", "inf"])
-def test_a_bad_speed_is_told(speed):
+def test_an_invalid_speed_raises(speed):
     with pytest.raises(LinkURLError, match="must be a number such as 1 or 10, or max"):
         open_link(f"flight.tlog?speed={speed}")

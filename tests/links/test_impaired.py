@@ -23,7 +23,7 @@ from .peers import LinkPeer, UdpPeer
 
 
 class TestImpaired(Conformance):
-    """An impairment of nothing at all is an ordinary link."""
+    """A link whose impairment has no effect conforms."""
 
     datagrams = True
 
@@ -38,14 +38,14 @@ class TestImpaired(Conformance):
         yield link, peer
         await other.close()
 
-    async def test_what_nobody_reads_is_bounded(self):
-        pytest.skip("the wrapped link's own bound")
+    async def test_unread_input_is_bounded(self):
+        pytest.skip("bounded by the wrapped link")
 
 
 class TestImpairedByUrl(Conformance):
     datagrams = True
     greeting = b"hello"
-    notices_hang_up = False
+    detects_disconnect = False
 
     @asynccontextmanager
     async def pair(self, query=""):
@@ -58,19 +58,19 @@ class TestImpairedByUrl(Conformance):
 
 
 def exchange(impairment: Impairment, count: int = 200):
-    """Send numbers through an impaired pair in virtual time: what came out, when, and with which time."""
+    """Send numbers through an impaired pair in virtual time; return the received ones with their times."""
 
     async def talk():
         loop = asyncio.get_running_loop()
         inner, other = memory_pair(clock=loop.time)
         async with impair(inner, impairment, incoming=Impairment()) as sender, other:
             channel = (await anext(sender)).channel
-            got = []
+            received = []
 
             async def listen():
                 async for event in other:
                     if isinstance(event, BytesReceived):
-                        got.append((round(event.time, 6), event.data))  # noqa: PERF401 - read while it grows
+                        received.append((round(event.time, 6), event.data))  # noqa: PERF401 - read while the loop runs
 
             listening = asyncio.create_task(listen())
             for number in range(count):
@@ -78,7 +78,7 @@ def exchange(impairment: Impairment, count: int = 200):
                 await asyncio.sleep(0.01)
             await asyncio.sleep(60)
             listening.cancel()
-            return got, channel.counters, channel.stats[0]
+            return received, channel.counters, channel.stats[0]
 
     return run_virtually(talk())
 
@@ -89,7 +89,7 @@ def test_latency():
     assert [data[0] for _, data in got] == list(range(200))
 
 
-def test_loss_is_silent_and_repeatable():
+def test_loss_is_silent_and_reproducible():
     got, counters, stats = exchange(Impairment(loss=0.3, seed=9))
     assert 100 < len(got) < 180
     assert stats.lost == 200 - len(got)
@@ -98,13 +98,13 @@ def test_loss_is_silent_and_repeatable():
     assert exchange(Impairment(loss=0.3, seed=10))[0] != got
 
 
-def test_bandwidth_refuses_what_does_not_fit():
+def test_chunks_beyond_the_queue_of_the_bandwidth_are_dropped():
     got, counters, _ = exchange(Impairment(bandwidth=100, queue=100))
     assert counters.dropped_out == 200 - len(got) > 0
     assert all(after[0] - before[0] >= 0.1 - 1e-6 for before, after in pairwise(got))
 
 
-def test_what_arrives_late_keeps_its_recorded_time_plus_the_delay(tmp_path):
+def test_the_delay_is_added_to_the_recorded_time(tmp_path):
     from .tlogs import tlog
 
     path = tmp_path / "flight.tlog"
@@ -117,10 +117,10 @@ def test_what_arrives_late_keeps_its_recorded_time_plus_the_delay(tmp_path):
     times = run_virtually(follow())
     assert times == pytest.approx(
         [1e9 + 0.5, 1e9 + 1.5], abs=1e-3
-    )  # the last is on the way when the file ends
+    )  # the last chunk is in transit when the file ends
 
 
-async def test_a_lost_connection_is_passed_on():
+async def test_a_lost_connection_of_the_inner_link_is_reported():
     server = await open_link("tcpin://127.0.0.1:0")
     url = f"tcpout://127.0.0.1:{server.address[1]}?loss=0&retry=1ms"
     async with open_link(url) as link:

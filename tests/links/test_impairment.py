@@ -20,7 +20,7 @@ traffic = st.lists(st.tuples(st.floats(0, 0.5), st.binary(min_size=1, max_size=3
 
 
 def run(impairment: Impairment, chunks: list[tuple[float, bytes]]) -> tuple[list[tuple[float, bytes]], Flow]:
-    """Send chunks, each so many seconds after the one before; what arrives when."""
+    """Send chunks, each with a pause in seconds before it; return the arrivals with their times."""
     flow, now, arrived = Flow(impairment), 0.0, []
 
     def advance(until: float) -> None:
@@ -44,7 +44,7 @@ def test_the_same_seed_gives_the_same_result(impairment, chunks):
 
 
 @given(impairments, traffic)
-def test_every_chunk_is_accounted_for(impairment, chunks):
+def test_every_chunk_is_counted(impairment, chunks):
     arrived, flow = run(impairment, chunks)
     stats = flow.stats
     assert stats.sent == len(chunks)
@@ -67,7 +67,7 @@ def test_without_reordering_jitter_keeps_the_order(chunks, latency, jitter):
 
 @pytest.mark.parametrize("name", ["loss", "duplicate", "reorder"])
 @pytest.mark.parametrize("probability", [0.0, 0.1, 0.5, 1.0])
-def test_chances_are_kept_in_the_long_run(name, probability):
+def test_probabilities_are_met_over_many_chunks(name, probability):
     count = 5000
     _, flow = run(Impairment(**{name: probability}, seed=11), [(0.001, b"x")] * count)
     stats = flow.stats
@@ -75,7 +75,7 @@ def test_chances_are_kept_in_the_long_run(name, probability):
     assert happened / count == pytest.approx(probability, abs=0.02)
 
 
-def test_reordered_chunks_are_passed_by_later_ones():
+def test_reordered_chunks_are_overtaken_by_later_ones():
     arrived, _ = run(Impairment(reorder=0.2, hold=0.1, seed=2), [(0.01, bytes([n])) for n in range(200)])
     order = [data[0] for _, data in arrived]
     assert order != sorted(order)
@@ -83,7 +83,7 @@ def test_reordered_chunks_are_passed_by_later_ones():
 
 
 @pytest.mark.parametrize("probability", [0.001, 0.1, 1.0])
-def test_each_byte_has_its_chance_of_corruption(probability):
+def test_bytes_are_corrupted_with_the_given_probability(probability):
     arrived, flow = run(Impairment(corrupt=probability, seed=5), [(0.0, bytes(1000))] * 200)
     changed = sum(1000 - data.count(0) for _, data in arrived)
     assert changed / 200_000 == pytest.approx(probability, rel=0.2)
@@ -102,7 +102,7 @@ def test_the_bandwidth_is_never_exceeded_and_the_queue_is_bounded(chunks, bandwi
     assert all(at <= last + (queue + largest) / bandwidth + 1e-6 for at, _ in arrived)
 
 
-def test_a_full_queue_refuses():
+def test_a_full_queue_refuses_chunks():
     flow = Flow(Impairment(bandwidth=1000, queue=1000))
     accepted = [flow.send(bytes(100), 0.0) for _ in range(20)]
     assert accepted == [True] * 10 + [False] * 10
@@ -110,7 +110,7 @@ def test_a_full_queue_refuses():
     assert flow.send(bytes(100), 0.5)
 
 
-def test_latency_and_jitter_are_kept():
+def test_delays_are_within_latency_and_jitter():
     arrived, _ = run(Impairment(latency=0.2, jitter=0.05, seed=1), [(1.0, bytes([n])) for n in range(100)])
     delays = [at - (data[0] + 1) for at, data in arrived]
     assert min(delays) >= 0.15 - 1e-9
@@ -139,6 +139,6 @@ def test_url_options():
 @pytest.mark.parametrize(
     "wrong", [{"loss": 1.5}, {"corrupt": -0.1}, {"latency": -1}, {"bandwidth": float("inf")}]
 )
-def test_impossible_impairments_are_refused(wrong):
+def test_values_out_of_range_are_refused(wrong):
     with pytest.raises(LinkURLError, match="must be"):
         Impairment(**wrong)

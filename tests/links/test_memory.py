@@ -26,21 +26,21 @@ class TestMemory(Conformance):
         yield link, peer
         await other.close()
 
-    async def test_what_nobody_reads_is_bounded(self):
-        async with self.connected(self.small) as (_, channel, peer):
+    async def test_unread_input_is_bounded(self):
+        async with self.connected(self.small_queues) as (_, channel, peer):
             accepted = [peer.link.channels[0].write(bytes(1000)) for _ in range(100)]
             assert sum(accepted) == channel.counters.chunks_in < 10
             assert peer.link.counters.dropped_out == 100 - sum(accepted)
 
 
-async def test_links_of_one_name_hear_each_other_and_nobody_else():
+async def test_links_connect_to_links_of_the_same_name_only():
     network = MemoryNetwork(clock=lambda: 12.5)
     async with (
-        network.link("memory://field") as one,
-        network.link("memory://field") as two,
-        network.link("memory://field") as three,
+        network.link("memory://fleet") as one,
+        network.link("memory://fleet") as two,
+        network.link("memory://fleet") as three,
         network.link("memory://elsewhere") as other,
-        MemoryNetwork().link("memory://field") as stranger,
+        MemoryNetwork().link("memory://fleet") as stranger,
     ):
         assert [len(link.channels) for link in (one, two, three, other, stranger)] == [2, 2, 2, 0, 0]
         for channel in one.channels:
@@ -52,10 +52,10 @@ async def test_links_of_one_name_hear_each_other_and_nobody_else():
             assert isinstance(opened_too, ChannelOpened)
             assert isinstance(received, BytesReceived)
             assert (received.data, received.time) == (b"hello", 12.5)
-            assert received.channel.peer == "field#1"
+            assert received.channel.peer == "fleet#1"
 
 
-async def test_a_link_that_leaves_is_told():
+async def test_a_closed_link_closes_the_channels_to_it():
     one, two = memory_pair()
     async with one:
         async with two:
@@ -69,13 +69,13 @@ async def test_a_link_that_leaves_is_told():
 
 
 def test_other_urls_and_options_are_refused():
-    with pytest.raises(LinkURLError, match="is not a memory link"):
+    with pytest.raises(LinkURLError, match="is not a memory URL"):
         MemoryNetwork().link("udpin://0.0.0.0:14550")
     with pytest.raises(LinkURLError, match="has no option 'loss'"):
         MemoryNetwork().link("memory://fleet?loss=0.1")
 
 
-async def test_a_reader_is_never_called_by_the_other_end():
+async def test_a_write_never_calls_the_reader_of_the_other_end():
     one, other = memory_pair()
     async with one, other:
         events = []

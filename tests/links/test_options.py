@@ -39,19 +39,19 @@ def test_fractions(text, fraction):
     assert options(f"f={text}").fraction("f", 0.5) == pytest.approx(fraction)
 
 
-def test_flags_words_and_numbers():
+def test_flags_choices_and_integers():
     given = options("a=YES&b=off&n=7&w=rtscts")
     assert given.flag("a", default=False)
     assert not given.flag("b", default=True)
-    assert given.whole("n", 1) == 7
+    assert given.integer("n", 1) == 7
     assert given.choice("w", ("none", "rtscts")) == "rtscts"
-    given.finish()
+    given.refuse_unknown()
 
 
 def test_defaults():
     given = options("")
     assert given.flag("a", default=True)
-    assert (given.whole("n", 3), given.seconds("t", 1.5), given.size("s", 7), given.text("x")) == (
+    assert (given.integer("n", 3), given.seconds("t", 1.5), given.size("s", 7), given.text("x")) == (
         3,
         1.5,
         7,
@@ -68,29 +68,29 @@ def test_defaults():
         ("x=-1", lambda o: o.seconds("x", 1), "a time such as 200ms"),
         ("x=5kg", lambda o: o.size("x", 1), "a number of bytes"),
         ("x=1.5", lambda o: o.fraction("x", 1), "between 0 and 1"),
-        ("x=0", lambda o: o.whole("x", 1), "a whole number, 1 or more"),
-        ("x=1.5", lambda o: o.whole("x", 1), "a whole number"),
+        ("x=0", lambda o: o.integer("x", 1), "an integer of at least 1"),
+        ("x=1.5", lambda o: o.integer("x", 1), "an integer of"),
         ("x=up", lambda o: o.choice("x", ("in", "out")), "one of in, out"),
     ],
 )
-def test_bad_values_are_told(query, read, wanted):
+def test_malformed_values_raise(query, read, wanted):
     with pytest.raises(LinkURLError, match=wanted):
         read(options(query))
 
 
-def test_an_option_nobody_reads_is_told_with_what_was_meant():
+def test_an_unknown_option_raises_with_a_suggestion():
     given = options("buad=57600&x=1")
-    given.whole("baud", 1)
+    given.integer("baud", 1)
     with pytest.raises(LinkURLError, match=r"udpin has no option 'buad'; did you mean baud\?"):
-        given.finish()
+        given.refuse_unknown()
     given = options("x=1")
     given.has("idle")
-    with pytest.raises(LinkURLError, match="it has idle"):
-        given.finish()
+    with pytest.raises(LinkURLError, match="known options: idle"):
+        given.refuse_unknown()
 
 
 @pytest.mark.parametrize("more", ["", "&loss=0.1"])
-def test_what_a_link_carries_is_told_to_those_above(more):
+def test_bandwidth_options_are_attributes_of_the_link(more):
     link = open_link(f"udpout://127.0.0.1:5?pace=5760&half_duplex=yes{more}")
     assert (link.pace, link.half_duplex) == (5760, True)
     assert open_link("udpout://127.0.0.1:5").pace == 0

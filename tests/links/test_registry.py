@@ -14,12 +14,12 @@ from mavstack.links.url import EXAMPLES
 
 def test_every_scheme_has_a_backend():
     assert set(registry.BACKENDS) == set(EXAMPLES)
-    for place in set(registry.BACKENDS.values()):
-        module, name = place.split(":")
+    for target in set(registry.BACKENDS.values()):
+        module, name = target.split(":")
         assert callable(getattr(importlib.import_module(f"mavstack.links.{module}"), name))
 
 
-def test_an_unknown_option_is_told():
+def test_an_unknown_option_raises_with_a_suggestion():
     with pytest.raises(LinkURLError, match=r"serial has no option 'buad'; did you mean baud\?"):
         open_link("serial:///dev/ttyACM0?buad=57600")
     with pytest.raises(LinkURLError, match="has no option 'color'"):
@@ -34,27 +34,27 @@ def test_an_existing_file_needs_no_scheme(tmp_path, monkeypatch):
         open_link("missing")
 
 
-def test_a_memory_url_alone_is_not_enough():
+def test_a_memory_url_needs_a_network():
     with pytest.raises(LinkURLError, match=r"MemoryNetwork\(\)\.link\('memory://fleet'\)"):
         open_link("memory://fleet")
 
 
 def test_other_packages_add_schemes(monkeypatch):
-    seen = []
+    lookups = []
 
-    def found():
-        seen.append("asked")
+    def entry_points():
+        lookups.append("lookup")
         return EntryPoints(
             [EntryPoint("carrier-pigeon", "links.test_registry:open_pigeon", "mavstack.links")]
         )
 
-    monkeypatch.setattr(registry, "plugins", found)
+    monkeypatch.setattr(registry, "plugins", entry_points)
     monkeypatch.setitem(sys.modules, "links.test_registry", sys.modules[__name__])
     open_link("udpin://0.0.0.0:14550")
-    assert not seen
+    assert not lookups
     link = open_link("carrier-pigeon://loft/7?speed=2")
     assert link.url == LinkURL("carrier-pigeon", path="loft/7", options={"speed": "2"})
-    with pytest.raises(LinkURLError, match="no scheme 'owl'"):
+    with pytest.raises(LinkURLError, match="unknown scheme 'owl'"):
         open_link("owl://post")
 
 

@@ -23,10 +23,10 @@ class TestSerial(Conformance):
     async def pair(self, query=""):
         peer = PtyPeer()
 
-        async def ready():
+        async def open_peer():
             return peer
 
-        yield open_link(f"serial://{peer.path}?retry=1ms&{self.options}{query}"), ready
+        yield open_link(f"serial://{peer.path}?retry=1ms&{self.options}{query}"), open_peer
         await peer.close()
 
 
@@ -36,21 +36,21 @@ class TestSerialByThreads(TestSerial):
 
 
 @posix_only
-async def test_bytes_that_a_terminal_would_change_are_unchanged():
+async def test_terminal_control_bytes_are_unchanged():
     peer = PtyPeer()
     async with open_link(f"{peer.path},57600") as link:
         channel = (await anext(link)).channel
-        every = bytes(range(256))
-        channel.write(every)
-        assert await peer.receive(256) == every
-        await peer.send(every)
-        assert await receive(link, 256) == every
+        all_bytes = bytes(range(256))
+        channel.write(all_bytes)
+        assert await peer.receive(256) == all_bytes
+        await peer.send(all_bytes)
+        assert await receive(link, 256) == all_bytes
     await peer.close()
 
 
 @posix_only
 @pytest.mark.parametrize("threads", ["no", "yes"])
-async def test_a_device_that_comes_back_is_opened_again(tmp_path, threads):
+async def test_a_reconnected_device_is_opened_again(tmp_path, threads):
     first, device = PtyPeer(), tmp_path / "ttyDrone"
     device.symlink_to(first.path)
     async with open_link(f"serial://{device}?retry=1ms&retry_limit=2ms&threads={threads}") as link:
@@ -70,14 +70,14 @@ async def test_a_device_that_comes_back_is_opened_again(tmp_path, threads):
     await second.close()
 
 
-async def test_a_missing_device_is_told_with_those_there_are():
+async def test_a_missing_device_raises_with_the_available_ports():
     name = "COM250" if sys.platform == "win32" else "/dev/ttyNONE7"
-    with pytest.raises(LinkError, match=rf"there is no such device: {name}; this machine has"):
+    with pytest.raises(LinkError, match=rf"no such device: {name}; this machine has"):
         await open_link(f"{name},57600")
 
 
 @posix_only
-async def test_a_device_in_use_is_told():
+async def test_a_device_in_use_raises():
     peer = PtyPeer()
     async with open_link(peer.path):
         with pytest.raises(LinkError, match="is in use by another program"):
@@ -88,14 +88,14 @@ async def test_a_device_in_use_is_told():
 
 
 @posix_only
-async def test_what_is_no_serial_port_is_told():
+async def test_a_device_that_is_no_serial_port_raises():
     with pytest.raises(LinkError, match="not a serial port"):
         await open_link("/dev/null")
 
 
 @posix_only
 @pytest.mark.skipif(sys.platform == "win32", reason="needs users")
-async def test_missing_permission_is_told(monkeypatch):
+async def test_missing_permission_raises(monkeypatch):
     import serial
 
     def deny(*_, **__):
@@ -107,7 +107,7 @@ async def test_missing_permission_is_told(monkeypatch):
 
 
 @pytest.mark.parametrize("text", ["PermissionError(13, 'Access is denied.')", "FileNotFoundError(2, 'x')"])
-async def test_windows_errors_are_understood(monkeypatch, text):
+async def test_errors_of_windows_are_translated(monkeypatch, text):
     import serial
 
     def fail(*_, **__):
@@ -119,7 +119,7 @@ async def test_windows_errors_are_understood(monkeypatch, text):
         await open_link("COM3,57600", threads=True)
 
 
-async def test_a_missing_extra_is_told(monkeypatch):
+async def test_a_missing_extra_raises(monkeypatch):
     monkeypatch.setitem(sys.modules, "serial", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'mavstack\[serial\]'"):
         await open_link("/dev/ttyACM0")

@@ -39,25 +39,25 @@ class TestTcpout(Conformance):
 
 
 def free_port() -> int:
-    """A port that nobody listens on."""
+    """Return a port on which no program listens."""
     peer = UdpPeer()
     port = peer.port
     peer.socket.close()
     return port
 
 
-async def test_nobody_listening_is_told_at_once():
+async def test_a_refused_connection_raises_at_once():
     url = f"tcpout://127.0.0.1:{free_port()}"
-    with pytest.raises(LinkError, match=rf"cannot open {url}: nobody listens there.*\?wait=yes"):
+    with pytest.raises(LinkError, match=rf"cannot open {url}: connection refused.*\?wait=yes"):
         await open_link(url)
 
 
-async def test_waiting_for_a_server_that_comes_later():
+async def test_waiting_for_a_server_that_starts_later():
     acceptor, port = Acceptor(), free_port()
     async with open_link(f"tcpout://127.0.0.1:{port}?wait=yes&retry=1ms") as link:
         down = await anext(link)
         assert isinstance(down, LinkDown)
-        assert "nobody listens" in down.reason
+        assert "connection refused" in down.reason
         assert down.retry_in == 0.001
         await acceptor.listen_tcp(port)
         while isinstance(event := await anext(link), LinkDown):
@@ -66,7 +66,7 @@ async def test_waiting_for_a_server_that_comes_later():
         await acceptor.close()
 
 
-async def test_a_server_that_restarts_is_found_again():
+async def test_the_client_reconnects_to_a_restarted_server():
     acceptor = Acceptor()
     port = await acceptor.listen_tcp()
     async with open_link(f"tcpout://127.0.0.1:{port}?retry=1ms&retry_limit=2ms") as link:
@@ -94,16 +94,16 @@ async def test_without_reconnect_the_iteration_ends():
         assert kinds == [ChannelOpened, ChannelClosed]
 
 
-def test_the_delays_double_up_to_the_limit_and_are_always_the_same():
+def test_the_delays_double_up_to_the_limit():
     delays = Backoff(0.25, 3.0).delays()
     assert [next(delays) for _ in range(7)] == [0.25, 0.5, 1.0, 2.0, 3.0, 3.0, 3.0]
 
 
-def test_attempts_are_made_when_they_were_announced(monkeypatch):
+def test_attempts_follow_the_reported_delays(monkeypatch):
     async def refuse(self):
         raise ConnectionRefusedError(errno.ECONNREFUSED, "refused")
 
-    async def wait_in_vain():
+    async def attempts():
         loop = asyncio.get_running_loop()
         async with open_link("tcpout://127.0.0.1:5760?wait=yes") as link:
             moments = []
@@ -113,13 +113,13 @@ def test_attempts_are_made_when_they_were_announced(monkeypatch):
         return moments
 
     monkeypatch.setattr(TcpClient, "_connect", refuse)
-    moments = run_virtually(wait_in_vain())
+    moments = run_virtually(attempts())
     assert [delay for _, delay in moments] == [0.25, 0.5, 1, 2, 4, 8, 10, 10]
     for (before, delay), (after, _) in pairwise(moments):
         assert after == pytest.approx(before + delay, abs=1e-3)
 
 
-async def test_several_peers_and_no_more_than_allowed():
+async def test_the_number_of_peers_is_limited():
     async with open_link("tcpin://127.0.0.1:0", max_peers=2) as link:
         peers = [StreamPeer(*await asyncio.open_connection(*link.address)) for _ in range(3)]
         await wait_until(lambda: len(link.channels) == 2)
@@ -131,14 +131,14 @@ async def test_several_peers_and_no_more_than_allowed():
             await peer.close()
 
 
-async def test_a_busy_port_is_told():
+async def test_a_port_in_use_raises():
     async with open_link("tcpin://127.0.0.1:0") as first:
         port = first.address[1]
         with pytest.raises(LinkError, match=f"port {port} is in use"):
             await open_link(f"tcpin://127.0.0.1:{port}")
 
 
-async def test_what_was_written_before_closing_is_still_sent():
+async def test_bytes_written_before_closing_are_sent():
     acceptor = Acceptor()
     port = await acceptor.listen_tcp()
     async with open_link(f"tcpout://127.0.0.1:{port}", send_queue="16M") as link:
@@ -149,7 +149,7 @@ async def test_what_was_written_before_closing_is_still_sent():
     await acceptor.close()
 
 
-async def test_draining_lets_everything_through():
+async def test_drain_prevents_drops():
     acceptor = Acceptor()
     port = await acceptor.listen_tcp()
     async with open_link(f"tcpout://127.0.0.1:{port}", send_queue="8k") as link:
@@ -164,7 +164,7 @@ async def test_draining_lets_everything_through():
     await acceptor.close()
 
 
-async def test_closing_while_nobody_reads_does_not_hang():
+async def test_closing_with_a_full_receive_queue_does_not_hang():
     async with open_link("tcpin://127.0.0.1:0", receive_queue=1024) as link:
         peer = StreamPeer(*await asyncio.open_connection(*link.address))
         for _ in range(10):
@@ -175,7 +175,7 @@ async def test_closing_while_nobody_reads_does_not_hang():
         await peer.close()
 
 
-async def test_a_defect_in_a_task_comes_out_of_the_iteration(monkeypatch):
+async def test_the_iteration_raises_the_error_of_a_task(monkeypatch):
     from mavstack.links.stream import StreamChannel
 
     async def broken(self, inbox):
@@ -192,7 +192,7 @@ async def test_a_defect_in_a_task_comes_out_of_the_iteration(monkeypatch):
     await acceptor.close()
 
 
-async def test_a_channel_closed_just_before_the_link_still_sends():
+async def test_a_channel_closed_before_the_link_still_sends():
     acceptor = Acceptor()
     port = await acceptor.listen_tcp()
     async with open_link(f"tcpout://127.0.0.1:{port}?send_queue=16M") as link:

@@ -26,7 +26,7 @@ packets = st.lists(
 
 
 @given(packets, st.integers(1, 700))
-def test_packets_are_found_in_pieces_of_any_size(made, size):
+def test_packets_are_found_in_chunks_of_any_size(made, size):
     data = b"".join(entry(1.7e9 + number, each) for number, each in enumerate(made))
     assert [each for _, each in scan(data, size)] == made
     assert [time for time, _ in scan(data, size)] == pytest.approx([1.7e9 + n for n in range(len(made))])
@@ -34,9 +34,9 @@ def test_packets_are_found_in_pieces_of_any_size(made, size):
 
 
 def test_junk_before_between_and_after_is_kept():
-    dice = random.Random(3)
+    rng = random.Random(3)
     one, two = packet(b"one" * 9), packet(b"two" * 9, version=1)
-    junk = dice.randbytes(100)
+    junk = rng.randbytes(100)
     data = junk + entry(1000.0, one) + b"\x01" * 50 + entry(1001.0, two) + entry(1002.0, one)[:-3]
     for size in (1, 7, 1000):
         found = scan(data, size)
@@ -46,7 +46,7 @@ def test_junk_before_between_and_after_is_kept():
     assert looks_like_tlog(data)
 
 
-def test_a_raw_stream_is_no_tlog():
+def test_a_raw_stream_is_not_a_tlog():
     stream = b"".join(packet(bytes([n] * 20)) for n in range(200))
     assert not looks_like_tlog(stream)
     assert not looks_like_tlog(b"")

@@ -40,42 +40,42 @@ class TestUdpout(Conformance):
         peer = UdpPeer()
         link = open_link(f"udpout://127.0.0.1:{peer.port}?{query}")
 
-        async def ready():
+        async def open_peer():
             peer.target = ("127.0.0.1", link.address[1])
             return peer
 
-        yield link, ready
+        yield link, open_peer
         await peer.close()
 
 
-async def test_a_reader_is_called_by_what_reads_the_socket_and_in_order():
+async def test_the_socket_reader_calls_the_callback_in_order():
     async with open_link("udpin://127.0.0.1:0") as link:
         peer = UdpPeer(link.address)
         callers, data = [], []
 
-        def take(events):
+        def callback(events):
             callers.append(sys._getframe(1).f_code.co_name)
             data.extend(event.data for event in events if isinstance(event, BytesReceived))
 
-        reading = asyncio.create_task(link.read(take))
+        reading = asyncio.create_task(link.read(callback))
         for number in range(10):
             await peer.send(bytes([number]))
             await wait_until(lambda number=number: len(data) > number)
         assert data == [bytes([number]) for number in range(10)]
-        assert callers[0] == "run_reader"  # the first came with the channel, by the queue
+        assert callers[0] == "run_reader"  # the first one is queued together with the event of the channel
         assert callers[-1] == "deliver"
         reading.cancel()
         await peer.close()
 
 
 class WithoutReaders(asyncio.SelectorEventLoop):
-    """As the proactor of Windows: it watches no sockets for us."""
+    """An event loop without socket readers, like the proactor of Windows."""
 
     def add_reader(self, fd, callback, *args):
         raise NotImplementedError
 
 
-def test_an_event_loop_that_watches_no_sockets():
+def test_an_event_loop_without_socket_readers():
     async def talk():
         async with open_link("udpin://127.0.0.1:0") as link:
             peer = UdpPeer(link.address)
@@ -132,19 +132,19 @@ async def test_a_silent_peer_is_closed():
         await peer.close()
 
 
-async def test_a_busy_port_is_told_and_leaves_nothing_open():
+async def test_a_port_in_use_raises_and_leaks_nothing():
     async with open_link("udpin://127.0.0.1:0") as first:
         url = f"udpin://127.0.0.1:{first.address[1]}"
         with pytest.raises(LinkError, match=rf"cannot open {url}: port \d+ is in use by another program"):
             await open_link(url)
 
 
-async def test_an_address_of_another_machine_is_told():
+async def test_listening_on_a_foreign_address_raises():
     with pytest.raises(LinkError, match=r"192\.0\.2\.1 is not an address of this machine.*udpout"):
         await open_link("udpin://192.0.2.1:14550")
 
 
-async def test_a_name_that_does_not_exist_is_told(monkeypatch):
+async def test_an_unknown_host_name_raises(monkeypatch):
     async def fail(*_, **__):
         raise socket.gaierror(socket.EAI_NONAME, "no such name")
 
@@ -153,7 +153,7 @@ async def test_a_name_that_does_not_exist_is_told(monkeypatch):
         await open_link("udpout://drone.invalid:14550")
 
 
-async def test_nobody_listening_does_not_end_a_udpout():
+async def test_an_unreachable_peer_does_not_close_a_udpout():
     on_closed = UdpPeer()
     port = on_closed.port
     await on_closed.close()
@@ -168,7 +168,7 @@ async def test_nobody_listening_does_not_end_a_udpout():
         await late.close()
 
 
-async def test_a_udpout_takes_nothing_from_strangers():
+async def test_a_udpout_ignores_other_hosts():
     async with open_link("udpout://127.0.0.2:14550") as link:
         stranger = UdpPeer(("127.0.0.1", link.address[1]))
         await stranger.send(b"I am your drone")
@@ -177,7 +177,7 @@ async def test_a_udpout_takes_nothing_from_strangers():
         await stranger.close()
 
 
-async def test_a_datagram_too_large_is_dropped_not_raised():
+async def test_a_datagram_too_large_is_dropped():
     async with open_link("udpout://127.0.0.1:9") as link:
         channel = (await anext(link)).channel
         assert not channel.write(bytes(70_000))
@@ -203,8 +203,8 @@ async def test_ipv6():
         assert isinstance(await anext(link), BytesReceived)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells")
-async def test_what_the_kernel_drops_is_told():
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux reports it")
+async def test_kernel_drops_are_counted():
     async with open_link("udpin://127.0.0.1:0", socket_buffer=4096) as link:
         assert isinstance(link, UdpLink)
         assert link.kernel_drops == 0

@@ -12,7 +12,7 @@ from mavstack.links import ChannelClosed, ChannelOpened, LinkDown, open_link
 from .conformance import Conformance
 from .peers import Acceptor, StreamPeer
 
-posix_only = pytest.mark.skipif(sys.platform == "win32", reason="unix sockets do not exist on Windows")
+posix_only = pytest.mark.skipif(sys.platform == "win32", reason="unix sockets are not available on Windows")
 
 
 @posix_only
@@ -45,16 +45,16 @@ class TestUnix(Conformance):
 
 
 @posix_only
-async def test_a_missing_socket_is_told(tmp_path):
+async def test_a_missing_socket_raises(tmp_path):
     with pytest.raises(LinkError, match="no such file or device"):
         await open_link(f"unix://{tmp_path}/none")
 
 
 @posix_only
-async def test_a_live_server_is_not_displaced_but_a_dead_one_is(tmp_path):
+async def test_the_socket_of_a_dead_server_is_replaced_and_of_a_live_one_not(tmp_path):
     path = tmp_path / "link.sock"
     async with open_link(f"unixin://{path}"):
-        with pytest.raises(LinkError, match="another program listens there"):
+        with pytest.raises(LinkError, match="another program listens on it"):
             await open_link(f"unixin://{path}")
     assert not path.exists()
     dead = Acceptor()
@@ -67,7 +67,7 @@ async def test_a_live_server_is_not_displaced_but_a_dead_one_is(tmp_path):
 
 
 @posix_only
-async def test_a_server_that_restarts_is_found_again(tmp_path):
+async def test_the_client_reconnects_to_a_restarted_server(tmp_path):
     path = tmp_path / "link.sock"
     server = await open_link(f"unixin://{path}")
     async with open_link(f"unix://{path}?retry=1ms") as client:
@@ -80,7 +80,7 @@ async def test_a_server_that_restarts_is_found_again(tmp_path):
             assert isinstance(event, ChannelOpened)
 
 
-async def test_windows_is_told(monkeypatch):
+async def test_unix_sockets_raise_on_windows(monkeypatch):
     monkeypatch.setattr(sys, "platform", "win32")
-    with pytest.raises(LinkError, match="do not exist on Windows; use tcpin"):
+    with pytest.raises(LinkError, match="not available on Windows; use tcpin"):
         await open_link("unix:///tmp/x")

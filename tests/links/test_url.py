@@ -5,10 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.errors import LinkError, LinkURLError, MavstackError
-from mavstack.links import LinkURL, parse_url
+from mavstack.links import LinkURL, open_link, parse_url
 from mavstack.links.url import EXAMPLES
 
-UNDERSTOOD = [
+ACCEPTED = [
     ("udpin://0.0.0.0:14550", LinkURL("udpin", "0.0.0.0", 14550)),
     ("udpin://:14550", LinkURL("udpin", "0.0.0.0", 14550)),
     ("udpin:0.0.0.0:14550", LinkURL("udpin", "0.0.0.0", 14550)),
@@ -58,30 +58,30 @@ UNDERSTOOD = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("text", "expected"), UNDERSTOOD)
-def test_what_users_type_is_understood(text, expected):
+@pytest.mark.parametrize(("text", "expected"), ACCEPTED)
+def test_accepted_urls(text, expected):
     assert parse_url(text) == expected
 
 
-@pytest.mark.parametrize("url", [expected for _, expected in UNDERSTOOD], ids=str)
-def test_the_canonical_form_is_understood_the_same(url):
+@pytest.mark.parametrize("url", [expected for _, expected in ACCEPTED], ids=str)
+def test_the_canonical_form_parses_to_the_same_url(url):
     assert parse_url(str(url)) == url
 
 
 @pytest.mark.parametrize(("scheme", "example"), EXAMPLES.items())
-def test_every_example_is_right(scheme, example):
+def test_every_example_is_valid(scheme, example):
     assert parse_url(example).scheme == scheme
     assert parse_url(str(parse_url(example))) == parse_url(example)
 
 
 REFUSED = [
     ("", "it is empty"),
-    ("drone", "no scheme, and is no device or file"),
+    ("drone", "no scheme, and is not a device or file"),
     ("127.0.0.1:14550", "udpin://127.0.0.1:14550 listens, udpout://127.0.0.1:14550 sends"),
     ("localhost:14550", "udpin://localhost:14550 listens"),
-    ("udpni://0.0.0.0:14550", r"no scheme 'udpni'; did you mean udpin\?; a right one is udpin://"),
-    ("zigbee://1", "there are udpin, udpout"),
-    ("udpin://", "no port; a right one is udpin://"),
+    ("udpni://0.0.0.0:14550", r"unknown scheme 'udpni'; did you mean udpin\?; for example: udpin://"),
+    ("zigbee://1", "known schemes: udpin, udpout"),
+    ("udpin://", "no port; for example: udpin://"),
     ("udpin://0.0.0.0", "no port"),
     ("udpin://0.0.0.0:", "no port"),
     ("udpin://0.0.0.0:http", "the port 'http' is not a number"),
@@ -93,18 +93,18 @@ REFUSED = [
     ("tcpout://a b:5760", "the host is not valid"),
     ("tcpout://a:1:2", "brackets"),
     ("tcpin://0.0.0.0:5760/path", "takes no path"),
-    ("serial://", "names no device"),
+    ("serial://", "has no device"),
     ("serial://,57600", "no device|not a serial"),
     ("file://", "no path"),
     ("unix:///", "no path"),
     ("memory://", "has no name"),
-    ("udpin://0.0.0.0:1?idle", "not of the form name=value"),
+    ("udpin://0.0.0.0:1?idle", "not have the form name=value"),
     ("udpin://0.0.0.0:1?idle=1&idle=2", "given twice"),
 ]
 
 
 @pytest.mark.parametrize(("text", "problem"), REFUSED)
-def test_a_bad_url_is_told_with_a_right_one(text, problem):
+def test_a_refused_url_raises_with_an_example(text, problem):
     with pytest.raises(LinkURLError, match=problem) as caught:
         parse_url(text)
     assert "://" in str(caught.value)
@@ -113,12 +113,28 @@ def test_a_bad_url_is_told_with_a_right_one(text, problem):
 
 
 @given(st.text(max_size=60) | st.from_regex(r"[a-z]{2,6}:(//)?[^\n]{0,40}"))
-def test_any_text_is_understood_or_refused(text):
+def test_any_text_is_accepted_or_refused(text):
     try:
         url = parse_url(text)
     except MavstackError:
         return
     assert parse_url(str(url)).scheme == url.scheme
+
+
+@pytest.mark.parametrize("name", ["key", "password", "auth_token", "client_secret"])
+def test_secret_options_are_redacted(name):
+    url = parse_url(f"tcpout://h:1?retry=1&{name}=hunter2")
+    assert url.options[name] == "hunter2"
+    assert url.redacted == f"tcpout://h:1?retry=1&{name}=***"
+
+
+def test_error_texts_contain_no_secrets():
+    with pytest.raises(LinkURLError) as caught:
+        parse_url("tcpout://?password=hunter2&wait=yes")
+    assert "hunter2" not in str(caught.value)
+    with pytest.raises(LinkURLError) as caught:
+        open_link("tcpout://h:1?password=hunter2")
+    assert "hunter2" not in str(caught.value)
 
 
 def test_options_are_added_and_replaced():

@@ -38,7 +38,7 @@ class WsPeer:
 
 
 class WsAcceptor:
-    """A WebSocket server that hands over the connections it gets."""
+    """A WebSocket server that queues its connections."""
 
     def __init__(self) -> None:
         self.accepted = asyncio.Queue()
@@ -87,7 +87,7 @@ async def test_both_ends_over_tls(certificates):  # noqa: F811
             assert await receive(server, 6) == b"secret"
 
 
-async def test_web_pages_are_refused_unless_named():
+async def test_web_pages_are_refused_unless_their_origin_is_given():
     async with open_link("wsin://127.0.0.1:0") as link:
         url = f"ws://127.0.0.1:{link.address[1]}"
         with pytest.raises(InvalidStatus, match="403"):
@@ -102,7 +102,7 @@ async def test_web_pages_are_refused_unless_named():
         await socket.close()
 
 
-async def test_text_is_not_ours():
+async def test_text_messages_are_dropped():
     async with open_link("wsin://127.0.0.1:0") as link:
         socket = await connect(f"ws://127.0.0.1:{link.address[1]}", proxy=None)
         channel = (await anext(link)).channel
@@ -123,7 +123,7 @@ async def test_too_many_peers_are_refused():
         await first.close()
 
 
-async def test_a_server_that_restarts_is_found_again():
+async def test_the_client_reconnects_to_a_restarted_server():
     acceptor = WsAcceptor()
     port = await acceptor.listen()
     async with open_link(f"ws://127.0.0.1:{port}/?retry=1ms&retry_limit=2ms") as link:
@@ -138,7 +138,7 @@ async def test_a_server_that_restarts_is_found_again():
     await acceptor.close()
 
 
-async def test_a_server_of_something_else_is_told():
+async def test_a_server_without_websockets_raises():
     async def answer(reader, writer):
         await reader.readuntil(b"\r\n\r\n")
         writer.write(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n")
@@ -152,13 +152,13 @@ async def test_a_server_of_something_else_is_told():
     await server.wait_closed()
 
 
-async def test_a_busy_port_is_told():
+async def test_a_port_in_use_raises():
     async with open_link("wsin://127.0.0.1:0") as first:
         with pytest.raises(LinkError, match="is in use"):
             await open_link(f"wsin://127.0.0.1:{first.address[1]}")
 
 
-def test_a_missing_extra_is_told(monkeypatch):
+def test_a_missing_extra_raises(monkeypatch):
     monkeypatch.setitem(sys.modules, "websockets.asyncio.client", None)
     monkeypatch.delitem(sys.modules, "mavstack.links.ws", raising=False)
     with pytest.raises(MissingExtraError, match=r"pip install 'mavstack\[web\]'"):

@@ -1,4 +1,4 @@
-"""Telemetry logs for tests, with packets that are right in length only."""
+"""Tlogs for tests, with packets whose framing is valid and whose checksums are not."""
 
 from __future__ import annotations
 

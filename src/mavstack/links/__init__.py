@@ -1,4 +1,4 @@
-"""Links move bytes: one URL names where they come from and go to, whatever is underneath."""
+"""Links: byte transports behind URLs, such as UDP, TCP, TLS, WebSocket, serial ports and files."""
 
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Counters

@@ -1,4 +1,4 @@
-"""Socket addresses: from a host name, and into text."""
+"""Socket addresses: resolving host names, and formatting."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ Address: TypeAlias = tuple[Any, ...]
 async def resolve(
     host: str, port: int, kind: socket.SocketKind
 ) -> list[tuple[socket.AddressFamily, Address]]:
-    """All addresses of a host; raises `socket.gaierror` if it has none."""
-    found = await asyncio.get_running_loop().getaddrinfo(host, port, type=kind)
-    return [(family, address) for family, _, _, _, address in found]
+    """Resolve a host name to all its addresses; raises `socket.gaierror` if it has none."""
+    resolved = await asyncio.get_running_loop().getaddrinfo(host, port, type=kind)
+    return [(family, address) for family, _, _, _, address in resolved]
 
 
 def format_address(address: Address | None) -> str:
-    """`host:port`, with the brackets of IPv6."""
+    """Format an address as `host:port`, with brackets around an IPv6 host."""
     if not address:
         return "unknown"
     host, port = address[:2]

@@ -1,4 +1,4 @@
-"""A link is a configured URL that yields channels, one a live peer.
+"""The base class of links. A link is a configured URL that yields channels, one for each live peer.
 
     async with open_link("udpin://0.0.0.0:14550") as link:      # or: link = await open_link(…)
         async for event in link:
@@ -8,14 +8,14 @@
                 case ChannelClosed(channel, reason): ...
                 case LinkDown(reason, retry_in): ...
 
-Opening raises `LinkError` if the port is busy, the device missing, the peer not there. Iterating ends
-after `close`, and by itself where no more can come (the end of a file, a lost peer with reconnect=no).
-Links move bytes and know nothing about what is in them.
+Opening raises `LinkError` if the port is in use, the device is missing or the peer is not reachable. The
+iteration ends after `close`, at the end of a file, and after a lost connection with `reconnect=no`. Links
+transport bytes without interpreting them.
 
-Every backend takes its options from the URL's query and shares these, in bytes (`64k`, `4M`):
-`receive_queue` for what nobody has read yet; for each channel, `send_queue` for what is not sent yet; and
-`pace`, what the whole way to the peer carries in a second, for those above who pace transfers (0: not known;
-with `half_duplex=yes` both directions share it).
+Every backend reads its options from the query of the URL. These options are common to all, in bytes (`64k`,
+`4M`): `receive_queue` bounds the received bytes that are not read yet; `send_queue` bounds the unsent bytes
+of each channel; `pace` is the bandwidth to the peer in bytes per second, by which the node paces its
+transfers (0: unknown; with `half_duplex=yes` both directions share it).
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ import asyncio
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Self
 
-from mavstack.errors import LinkClosedError, LinkError
+from mavstack.errors import InvalidStateError, LinkClosedError
 from mavstack.links.inbox import Inbox
+from mavstack.links.link_log import LinkLog
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Coroutine, Generator, Sequence
@@ -35,17 +36,23 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-RECEIVE_QUEUE = 8 << 20
-SEND_QUEUE = 256 << 10
+DEFAULT_RECEIVE_QUEUE = 8 << 20
+DEFAULT_SEND_QUEUE = 256 << 10
 
 
 class Link(ABC):
-    """A configured link: open it, iterate over its events, close it."""
+    """A configured link: an async context manager, and an async iterator over its events.
+
+    `async with link:` or `await link` opens it. Only one task may iterate over the events.
+    """
+
+    logged = True  # false for a wrapper, whose inner link logs
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         self.url = url
-        self._inbox = Inbox(options.size("receive_queue", RECEIVE_QUEUE))
-        self._send_queue = options.size("send_queue", SEND_QUEUE)
+        self._log = LinkLog(url) if self.logged else None
+        self._inbox = Inbox(options.size("receive_queue", DEFAULT_RECEIVE_QUEUE), self._log)
+        self._send_queue = options.size("send_queue", DEFAULT_SEND_QUEUE)
         self.pace = options.size("pace", 0)
         self.half_duplex = options.flag("half_duplex", default=False)
         self._tasks: set[asyncio.Task[None]] = set()
@@ -54,28 +61,36 @@ class Link(ABC):
 
     @property
     def closed(self) -> bool:
-        """Whether `close` was called."""
+        """True after `close`."""
         return self._closed
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """The live peers, oldest first."""
+        """The open channels, oldest first."""
         return self._inbox.channels
 
     @property
     def counters(self) -> Counters:
-        """The sum over all channels, past ones included."""
-        return sum((channel.counters for channel in self.channels), self._inbox.past)
+        """Total counters of all channels, including closed ones."""
+        return sum((channel.counters for channel in self.channels), self._inbox.closed_counters)
 
     @property
     def address(self) -> tuple[str, int] | None:
-        """The host and port that a listening link really has, as when it was opened with port 0."""
+        """Host and port on which the link listens, or None; differs from the URL if that has port 0."""
         return None
 
     async def open(self) -> Self:
-        """Open the link; raises `LinkError` that names the URL and what to do."""
+        """Open the link; has no effect on an open link.
+
+        Returns:
+            The link itself.
+
+        Raises:
+            LinkError: The link cannot be opened; the text names the URL and what to do.
+            LinkClosedError: The link was closed before.
+        """
         if self._closed:
-            raise LinkClosedError(f"{self.url} was closed; open a new link")
+            raise LinkClosedError(f"cannot open {self.url.redacted}: it was closed; open a new link")
         if not self._opened:
             self._opened = True
             try:
@@ -83,46 +98,63 @@ class Link(ABC):
             except BaseException:
                 await self.close()
                 raise
+            if self._log:
+                self._log.link_opened()
         return self
 
     async def close(self) -> None:
-        """Close all channels, sending what is queued for a moment. Closing twice does nothing."""
+        """Close the link and all its channels, sending queued bytes for up to `CLOSE_TIMEOUT`. Idempotent."""
         if self._closed:
             return
         self._closed = True
         await self._stop()
         for channel in self.channels:
             channel.close("link closed")
+        if self._log and self._opened:
+            self._log.link_closed()
         self._inbox.end()
-        await self._finish_tasks(self._patience())
+        await self._finish_tasks(self._close_timeout())
         await self._release()
 
     async def batches(self) -> AsyncIterator[list[LinkEvent]]:
-        """Iterate over lists of all events at hand: cheaper than one by one on a busy link."""
+        """Iterate over lists of all queued events, which on a busy link is cheaper than one by one.
+
+        Yields:
+            Lists of at least one event, until the link ends.
+
+        Raises:
+            InvalidStateError: The link is not open, or another task iterates over it.
+        """
         self._require_open()
         while events := await self._inbox.get_all():
             yield events
 
-    async def read(self, take: Callable[[Sequence[LinkEvent]], None]) -> None:
-        """Have a function called with all events at hand, until the link ends: cheaper still than `batches`.
+    async def read(self, callback: Callable[[Sequence[LinkEvent]], None]) -> None:
+        """Pass all events to a callback until the link ends, which is cheaper than `batches`.
 
-        A link that its event loop wakes up for what comes calls it at once, with no task between.
+        Links whose sockets are read by the event loop call it directly, without waking this task.
+
+        Args:
+            callback: Called with a sequence of events; it must not block.
+
+        Raises:
+            InvalidStateError: The link is not open, or another task iterates over it.
         """
         self._require_open()
-        await self._inbox.hand_over(take)
+        await self._inbox.run_reader(callback)
 
     @abstractmethod
     async def _open(self) -> None:
-        """Open what is underneath, and start the tasks that read it."""
+        """Open the transport, and start the tasks that read from it."""
 
     async def _stop(self) -> None:  # noqa: B027 - not every backend listens
-        """Take no more peers and bytes."""
+        """Stop accepting peers and bytes."""
 
     async def _release(self) -> None:  # noqa: B027 - not every backend holds more than its channels
-        """Let go of what is left when channels and tasks are done."""
+        """Release the remaining resources after all channels and tasks have ended."""
 
-    def _patience(self) -> float:
-        """For how many seconds closing waits for tasks that still send."""
+    def _close_timeout(self) -> float:
+        """Return for how many seconds `close` waits for tasks that still send."""
         return 0
 
     def _spawn(self, work: Coroutine[None, None, None]) -> asyncio.Task[None]:
@@ -134,20 +166,20 @@ class Link(ABC):
     def _task_done(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()):
-            self._inbox.end(error)  # a defect must not be silent: it comes out of the iteration
+            self._inbox.end(error)  # the iteration raises it, so that a bug is not silent
 
-    async def _finish_tasks(self, patience: float) -> None:
+    async def _finish_tasks(self, timeout: float) -> None:  # noqa: ASYNC109 (how long tasks may still send)
         if self._tasks:
-            await asyncio.sleep(0)  # a task that never began could not let go of what it was given
-        if self._tasks and patience:
-            await asyncio.wait(self._tasks, timeout=patience)
+            await asyncio.sleep(0)  # a task that never started cannot release its resources
+        if self._tasks and timeout:
+            await asyncio.wait(self._tasks, timeout=timeout)
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
     def _require_open(self) -> None:
         if not self._opened:
-            raise LinkError(f"{self.url} is not open yet: use `async with` or `await` it")
+            raise InvalidStateError(f"{self.url.redacted} is not open: use `async with` or `await` it")
 
     async def __aenter__(self) -> Self:
         return await self.open()
@@ -170,4 +202,4 @@ class Link(ABC):
 
     def __repr__(self) -> str:
         state = "closed" if self._closed else "open" if self._opened else "not open"
-        return f"<{type(self).__name__} {self.url} ({state})>"
+        return f"<{type(self).__name__} {self.url.redacted} ({state})>"

@@ -1,8 +1,8 @@
 """A channel is one live peer of a link: a remote UDP address, a TCP connection, an open serial port.
 
-`write` never waits. What the peer or the network cannot take yet is queued up to a bound (`send_queue`
-bytes); a chunk over the bound is dropped whole, so that no packet is ever cut in two, and counted in
-`counters.dropped_out`. Who must not lose anything calls `drain` between writes.
+`write` never blocks. Bytes that the peer or the network cannot take yet are queued up to `send_queue` bytes.
+A chunk that exceeds the queue is dropped as a whole, so that no packet is truncated, and counted in
+`counters.dropped_out`. A sender that must not lose data awaits `drain` between writes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,16 @@ Data: TypeAlias = bytes | bytearray | memoryview
 
 @dataclass(slots=True)
 class Counters:
-    """What went through a channel, in bytes and in chunks, and the chunks that were dropped."""
+    """Counters of a channel or a link.
+
+    Attributes:
+        bytes_in: Bytes received.
+        bytes_out: Bytes sent or queued.
+        chunks_in: Datagrams or stream chunks received.
+        chunks_out: Chunks sent or queued.
+        dropped_in: Received chunks that were dropped, because the receive queue was full or nobody may send.
+        dropped_out: Written chunks that were dropped, because the send queue was full.
+    """
 
     bytes_in: int = 0
     bytes_out: int = 0
@@ -42,17 +51,34 @@ class Counters:
 
 
 class Channel(ABC):
-    """One live peer: bytes out by `write`, bytes in by the link's events."""
+    """One live peer of a link: `write` sends bytes; received bytes are events of the link.
 
-    def __init__(self, name: str, peer: str, gone: Callable[[Channel, str], None]) -> None:
+    Attributes:
+        name: Scheme and peer, such as `udpin 127.0.0.1:14550`.
+        peer: Address of the peer as text.
+        counters: Counters of this channel.
+        closed: True after the channel is closed by either side.
+    """
+
+    def __init__(self, name: str, peer: str, on_closed: Callable[[Channel, str], None]) -> None:
         self.name = name
         self.peer = peer
         self.counters = Counters()
         self.closed = False
-        self._gone = gone
+        self._on_closed = on_closed
 
     def write(self, data: Data) -> bool:
-        """Send, or queue for sending; False if there was no room and the chunk was dropped."""
+        """Send a chunk, or queue it.
+
+        Args:
+            data: The bytes to send.
+
+        Returns:
+            True if the chunk was sent or queued, False if it was dropped because the send queue is full.
+
+        Raises:
+            LinkClosedError: The channel is closed.
+        """
         if self.closed:
             raise LinkClosedError(f"{self.name} is closed")
         accepted = self._send(data)
@@ -63,23 +89,31 @@ class Channel(ABC):
             self.counters.dropped_out += 1
         return accepted
 
-    async def drain(self) -> None:  # noqa: B027 - a channel without a queue of its own has nothing to wait for
-        """Wait until there is room for more."""
+    async def drain(self) -> None:  # noqa: B027 - not every channel has a send queue
+        """Wait until the send queue has room.
+
+        Raises:
+            LinkClosedError: The channel was closed meanwhile.
+        """
 
     def close(self, reason: str = "closed by this side") -> None:
-        """Hang up; what is queued is still sent. Closing twice does nothing."""
+        """Close the channel; queued bytes are still sent. Idempotent.
+
+        Args:
+            reason: The reason in the `ChannelClosed` event.
+        """
         if not self.closed:
             self.closed = True
-            self._shut()
-            self._gone(self, reason)
+            self._close_transport()
+            self._on_closed(self, reason)
 
     @abstractmethod
     def _send(self, data: Data) -> bool:
-        """Take the chunk whole, or refuse it."""
+        """Send or queue the whole chunk, or return False."""
 
     @abstractmethod
-    def _shut(self) -> None:
-        """Start closing what is underneath."""
+    def _close_transport(self) -> None:
+        """Start closing the transport."""
 
     def __repr__(self) -> str:
         return f"<Channel {self.name}{' (closed)' if self.closed else ''}>"

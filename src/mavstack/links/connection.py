@@ -1,12 +1,12 @@
-"""Links whose channels are connections, each read by a task of its own until the peer is gone.
+"""Links with connections: each channel is read by a task of its own until the connection ends.
 
-A `ServerLink` accepts up to `max_peers` of them. A `ClientLink` has one at a time and connects again when
-it is lost: after `retry` seconds, then twice as long each time up to `retry_limit`, the same delays on
-every run. A connection over which bytes came starts the delays anew; one that only opens does not, so
-that a peer which hangs up at once is not called in a tight loop.
+A `ServerLink` accepts up to `max_peers` connections. A `ClientLink` has one connection and reconnects when it
+is lost: after `retry` seconds, doubling the delay each time up to `retry_limit`, without random variation. A
+connection that received bytes resets the delay; one that only opened does not, so that a peer which closes at
+once is not reconnected to in a tight loop.
 
-The first attempt is different: `open` raises when it fails, because a wrong address and a missing device are
-mostly mistakes of the person who typed them. `wait=yes` keeps trying instead; `reconnect=no` tries only once.
+If the first attempt fails, `open` raises, because the usual cause is a wrong address or a missing device.
+With `wait=yes` it keeps trying instead; with `reconnect=no` there is only one attempt.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from mavstack.errors import LinkError
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel
-from mavstack.links.explain import explain
+from mavstack.links.os_errors import open_error
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,113 +29,113 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-LINGER = 1.0  # seconds that closing a link waits for what is still queued
+CLOSE_TIMEOUT = 1.0  # seconds for which closing a link waits for queued bytes
 
 
 @dataclass(frozen=True, slots=True)
 class Backoff:
-    """How long to wait before the next attempt: doubling from `first` seconds up to `limit`."""
+    """Delays before reconnection attempts, in seconds: doubling from `first` up to `limit`."""
 
     first: float
     limit: float
 
     def delays(self) -> Iterator[float]:
-        """All delays from the first on."""
+        """Yield all delays, endlessly."""
         for attempt in count():
             yield min(self.first * 2.0 ** min(attempt, 64), self.limit)
 
 
-class Connection(Channel):
-    """A channel that its link reads by a task."""
+class ConnectionChannel(Channel):
+    """A channel over one connection, read by a task of its link."""
 
     @abstractmethod
-    async def pump(self, inbox: Inbox) -> str:
-        """Move received bytes into the inbox until the end, and return the reason of the end."""
+    async def receive_all(self, inbox: Inbox) -> str:
+        """Put received bytes into the inbox until the connection ends; return the reason why it ended."""
 
     @abstractmethod
     async def wait_closed(self) -> None:
-        """After `close`, wait until what was queued is sent."""
+        """After `close`, wait until all queued bytes are sent."""
 
     @abstractmethod
     def abort(self) -> None:
-        """Let go at once, whatever is queued."""
+        """Drop the connection and all queued bytes."""
 
 
 class ConnectionLink(Link):
-    """What servers and clients share."""
+    """Base of server and client links."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._served: set[Connection] = set()
+        self._active: set[ConnectionChannel] = set()
 
-    def _begin(self, connection: Connection) -> None:
-        """Take a connection as a channel; `_serve` follows."""
-        self._served.add(connection)
+    def _add_channel(self, connection: ConnectionChannel) -> None:
+        """Add a connection as a channel; the caller then runs `_serve`."""
+        self._active.add(connection)
         self._inbox.opened(connection)
 
-    def _patience(self) -> float:
-        return LINGER if self._served else 0
+    def _close_timeout(self) -> float:
+        return CLOSE_TIMEOUT if self._active else 0
 
-    async def _serve(self, connection: Connection) -> str:
-        """Read one connection until its end, and return the reason."""
+    async def _serve(self, connection: ConnectionChannel) -> str:
+        """Read one connection until it ends; return the reason why it ended."""
         reason = "link closed"
         try:
-            reason = await connection.pump(self._inbox)
-            if connection.closed:  # by this side: what was written before still goes out
+            reason = await connection.receive_all(self._inbox)
+            if connection.closed:  # by this side: bytes written before are still sent
                 await connection.wait_closed()
         finally:
             connection.close(reason)
             connection.abort()
-            self._served.discard(connection)
+            self._active.discard(connection)
         return reason
 
 
 class ServerLink(ConnectionLink):
-    """Accepts connections, each a channel."""
+    """A link that accepts connections, each of which is a channel."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._max_peers = options.whole("max_peers", 64)
+        self._max_peers = options.integer("max_peers", 64)
 
-    def _admit(self, connection: Connection) -> bool:
-        """Take a new connection as a channel, unless there are too many or nobody reads the events."""
+    def _admit(self, connection: ConnectionChannel) -> bool:
+        """Add a new connection as a channel, unless there are too many peers or the receive queue is full."""
         if self._closed or len(self.channels) >= self._max_peers or self._inbox.full:
             connection.close("too many peers")
             connection.abort()
             return False
-        self._begin(connection)
+        self._add_channel(connection)
         return True
 
-    async def _serve_task(self, connection: Connection) -> None:
+    async def _serve_task(self, connection: ConnectionChannel) -> None:
         await self._serve(connection)
 
 
 class ClientLink(ConnectionLink):
-    """Keeps one connection alive."""
+    """A link that connects, and reconnects when the connection is lost."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self._reconnect = options.flag("reconnect", default=True)
-        self._patient = options.flag("wait", default=False)
-        shortest, longest = options.seconds("retry", 0.25), options.seconds("retry_limit", 10.0)
-        self._backoff = Backoff(max(shortest, 0.001), max(longest, 0.001))
+        self._wait_for_peer = options.flag("wait", default=False)
+        first, limit = options.seconds("retry", 0.25), options.seconds("retry_limit", 10.0)
+        self._backoff = Backoff(max(first, 0.001), max(limit, 0.001))
 
     @abstractmethod
-    async def _connect(self) -> Connection:
-        """Make one attempt; raises `OSError` or `LinkError`."""
+    async def _connect(self) -> ConnectionChannel:
+        """Make one attempt to connect; raises `OSError` or `LinkError`."""
 
     async def _open(self) -> None:
-        self._spawn(self._keep_alive(None if self._patient else await self._attempt()))
+        self._spawn(self._maintain_connection(None if self._wait_for_peer else await self._attempt()))
 
-    async def _attempt(self) -> Connection:
+    async def _attempt(self) -> ConnectionChannel:
         try:
             connection = await self._connect()
         except OSError as error:
-            raise explain(self.url, error) from error
-        self._begin(connection)
+            raise open_error(self.url, error) from error
+        self._add_channel(connection)
         return connection
 
-    async def _keep_alive(self, connection: Connection | None) -> None:
+    async def _maintain_connection(self, connection: ConnectionChannel | None) -> None:
         delays = self._backoff.delays()
         while True:
             try:

@@ -1,7 +1,7 @@
-"""The closed family of events that iterating over a link yields.
+"""The events of a link.
 
-Each `ChannelOpened` is followed by exactly one `ChannelClosed` of the same channel, and all
-`BytesReceived` of a channel lie between the two. Events are plain tuples: one is made for every datagram.
+Each `ChannelOpened` is followed by exactly one `ChannelClosed` of the same channel, and all `BytesReceived`
+of a channel come between the two. Events are plain tuples, because each datagram is one event.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 
 
 class ChannelOpened(NamedTuple):
-    """A peer appeared."""
+    """A channel to a new peer opened."""
 
     channel: Channel
 
 
 class BytesReceived(NamedTuple):
-    """Bytes of a peer: one datagram, or any piece of a stream; `time` is in unix seconds.
+    """Received bytes: one datagram, or a chunk of a stream.
 
-    `time` is when the bytes arrived, or for a replayed recording when they were recorded.
+    `time` is the Unix time of reception in seconds, or in a replay the time of recording.
     """
 
     channel: Channel
@@ -30,14 +30,14 @@ class BytesReceived(NamedTuple):
 
 
 class ChannelClosed(NamedTuple):
-    """A peer is gone; writing to its channel raises from now on."""
+    """A channel closed; writing to it raises `LinkClosedError`."""
 
     channel: Channel
     reason: str
 
 
 class LinkDown(NamedTuple):
-    """The link has no peer and tries to connect again in `retry_in` seconds."""
+    """The link has no connection; the next attempt is in `retry_in` seconds."""
 
     reason: str
     retry_in: float

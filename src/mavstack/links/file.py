@@ -1,10 +1,10 @@
-"""Replay: `file://flight.tlog?speed=2`; `speed=max` (or 0) goes as fast as the events are read.
+"""Replay links: `file://flight.tlog?speed=2`; `speed=max` (or 0) replays as fast as the events are read.
 
-A telemetry log is delivered without its times, which become the times of the events: a live link never had
-them in its bytes, and a parser could take one for the begin of a packet. Packets within a few milliseconds
-come as one chunk, and silences over a minute are cut short, so that a log in which the clock was set
-replays without waiting for years. Any other file has no times to go by: it is delivered as fast as it is
-read, whatever the speed. The link ends with the file; what is written to its channel is dropped.
+A tlog is replayed without its timestamps, which become the times of the events: a live link does not transmit
+them, and a parser could take one for the start of a packet. Packets within a few milliseconds are one chunk.
+Pauses of more than a minute are shortened, so that a log in which the clock was set replays without waiting
+for years. Any other file has no timestamps and is replayed as fast as it is read. The link ends with the
+file; bytes written to its channel are dropped.
 """
 
 from __future__ import annotations
@@ -18,33 +18,33 @@ from typing import TYPE_CHECKING, BinaryIO
 from mavstack.errors import LinkError, LinkURLError
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Data
-from mavstack.links.explain import explain
+from mavstack.links.os_errors import open_error
 from mavstack.links.tlog import TlogScanner, looks_like_tlog
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from mavstack.links.options import Options
-    from mavstack.links.tlog import Timed
+    from mavstack.links.tlog import TimedPacket
     from mavstack.links.url import LinkURL
 
 CHUNK = 1 << 17
-TOGETHER = 0.005  # seconds within which packets come as one chunk
-LONGEST_SILENCE = 60.0
+MAX_CHUNK_SPAN = 0.005  # seconds within which packets are joined to one chunk
+MAX_SILENCE = 60.0  # seconds to which longer pauses of a recording are shortened
 
 
 class FileChannel(Channel):
-    """The recorded peer; it cannot hear."""
+    """The recorded peer; written bytes are dropped."""
 
     def _send(self, data: Data) -> bool:
         return False
 
-    def _shut(self) -> None:
+    def _close_transport(self) -> None:
         pass
 
 
 class FileLink(Link):
-    """Replays one file."""
+    """A link that replays one file."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
@@ -58,7 +58,7 @@ class FileLink(Link):
             speed = -1.0
         if not 0 <= speed < float("inf"):
             raise LinkURLError(
-                f"{self.url}: the option speed={text} must be a number such as 1 or 10, or max"
+                f"{self.url.redacted}: the option speed={text} must be a number such as 1 or 10, or max"
             )
         return speed
 
@@ -66,10 +66,10 @@ class FileLink(Link):
         try:
             mode = self._path.stat().st_mode
             if stat.S_ISCHR(mode):
-                raise LinkError(f"cannot open {self.url}: it is a device: use serial://{self._path}")
+                raise LinkError(f"cannot open {self.url.redacted}: it is a device: use serial://{self._path}")
             file = self._path.open("rb")
         except OSError as error:
-            raise explain(self.url, error) from error
+            raise open_error(self.url, error) from error
         channel = FileChannel(f"file {self._path.name}", str(self._path), self._inbox.closed)
         self._inbox.opened(channel)
         self._spawn(self._replay(channel, file))
@@ -78,7 +78,7 @@ class FileLink(Link):
         with file:
             if looks_like_tlog(file.read(CHUNK)):
                 file.seek(0)
-                await self._replay_timed(channel, self._groups(file))
+                await self._replay_timed(channel, self._chunks(file))
             else:
                 file.seek(0)
                 await self._replay_plain(channel, file)
@@ -88,34 +88,34 @@ class FileLink(Link):
     async def _replay_plain(self, channel: Channel, file: BinaryIO) -> None:
         while (data := file.read(CHUNK)) and not channel.closed:
             self._inbox.put(channel, data, time())
-            await self._pause()
+            await self._wait_for_reader()
 
-    async def _replay_timed(self, channel: Channel, groups: Iterable[Timed]) -> None:
-        clock = Pace(self._speed, asyncio.get_running_loop().time())
+    async def _replay_timed(self, channel: Channel, groups: Iterable[TimedPacket]) -> None:
+        clock = ReplayClock(self._speed, asyncio.get_running_loop().time())
         for recorded, data in groups:
             due = clock.due(recorded)
             await asyncio.sleep(due - asyncio.get_running_loop().time())
             if channel.closed:
                 return
             self._inbox.put(channel, data, recorded)
-            await self._pause()
+            await self._wait_for_reader()
 
-    async def _pause(self) -> None:
-        """Let the reader of the events have its turn, and wait for it."""
-        await self._inbox.room()
+    async def _wait_for_reader(self) -> None:
+        """Let the reader of the events run, and wait until it has made room."""
+        await self._inbox.wait_for_room()
         await asyncio.sleep(0)
 
-    def _groups(self, file: BinaryIO) -> Iterator[Timed]:
-        """Packets of the same moment; at full speed all packets of a piece of the file."""
-        together = TOGETHER * self._speed if self._speed else float("inf")
+    def _chunks(self, file: BinaryIO) -> Iterator[TimedPacket]:
+        """Yield chunks of packets with nearly equal times; at full speed one chunk per block of the file."""
+        max_span = MAX_CHUNK_SPAN * self._speed if self._speed else float("inf")
         scanner = TlogScanner()
         while data := file.read(CHUNK):
-            yield from group(scanner.feed(data), together)
-        yield from group(scanner.finish(), together)
+            yield from group_packets(scanner.feed(data), max_span)
+        yield from group_packets(scanner.finish(), max_span)
 
 
-class Pace:
-    """When recorded moments are due in a replay that began at `start`."""
+class ReplayClock:
+    """The replay times of recorded times: `speed` is a factor, and `start` is when the replay began."""
 
     def __init__(self, speed: float, start: float) -> None:
         self._speed = speed
@@ -123,19 +123,19 @@ class Pace:
         self._last: float | None = None
 
     def due(self, recorded: float) -> float:
-        """The time of the replay for a recorded time; times that go back are due at once."""
+        """Return the replay time of a recorded time; a time before the previous one is due at once."""
         if self._last is not None and self._speed:
-            silence = min(max(recorded - self._last, 0.0), LONGEST_SILENCE)
+            silence = min(max(recorded - self._last, 0.0), MAX_SILENCE)
             self._due += silence / self._speed
         self._last = recorded
         return self._due
 
 
-def group(packets: Iterable[Timed], together: float) -> Iterator[Timed]:
-    """Join packets whose times are at most `together` seconds after the first of them."""
+def group_packets(packets: Iterable[TimedPacket], max_span: float) -> Iterator[TimedPacket]:
+    """Join packets whose times are at most `max_span` seconds after the first one."""
     first, parts = 0.0, list[bytes]()
     for recorded, data in packets:
-        if parts and not 0 <= recorded - first <= together:
+        if parts and not 0 <= recorded - first <= max_span:
             yield first, b"".join(parts)
             parts.clear()
         if not parts:

@@ -1,9 +1,11 @@
-"""Any link made worse on purpose: `udpout://host:port?loss=0.1&latency=200ms&seed=7`, or `impair(link, …)`.
+"""Impaired links: any link with loss, latency and so on, for tests.
 
-Both directions of each channel go through a flow of their own (see `impairment`), so a latency is there
-twice in a round trip. What the bandwidth's queue refuses counts as a drop of the channel; what is lost on
-the way is only in `stats`, since a real radio does not tell either. The channel that the inner link yields
-and the one seen outside are two: its counters tell what the program wrote and what reached it.
+They are opened by a URL with options, such as `udpout://host:port?loss=0.1&latency=200ms&seed=7`, or by
+`impair(link, …)`. Each direction of a channel passes through its own `Flow` (see `impairment`), so a round
+trip has twice the latency. A chunk that the bandwidth's queue refuses counts as dropped by the channel; a
+chunk lost in transit is counted in `stats` only, because a real radio does not report it either. The channel
+of the inner link is wrapped: the counters of the outer channel count the bytes that the program wrote and
+received.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class FlowDriver:
-    """Runs a flow by the event loop's clock and hands over what arrives."""
+    """Runs a flow by the clock of the event loop, and passes arriving chunks to a callback."""
 
     def __init__(self, flow: Flow, deliver: Callable[[bytes], object]) -> None:
         self.flow = flow
@@ -36,13 +38,13 @@ class FlowDriver:
         self._timer: asyncio.TimerHandle | None = None
 
     def send(self, data: bytes) -> bool:
-        """Send a chunk through the flow; without a delay it arrives at once."""
+        """Send a chunk through the flow; without delay it arrives at once."""
         accepted = self.flow.send(data, self._loop.time())
         self._run()
         return accepted
 
     def stop(self) -> None:
-        """Let what is on the way be lost."""
+        """Discard the chunks in transit."""
         if self._timer is not None:
             self._timer.cancel()
 
@@ -67,11 +69,11 @@ class ImpairedChannel(Channel):
 
     @property
     def stats(self) -> tuple[FlowStats, FlowStats]:
-        """What happened to the chunks on their way out, and in."""
+        """Statistics of the outgoing and the incoming flow."""
         return self._outgoing.flow.stats, self._incoming.flow.stats
 
     def receive(self, event: BytesReceived) -> None:
-        """Take what the inner channel received; its time is kept, later by the delay."""
+        """Pass an event of the inner channel through the incoming flow; its time is delayed too."""
         self._clock_offset = event.time - asyncio.get_running_loop().time()
         if not self._incoming.send(event.data):
             self.counters.dropped_in += 1
@@ -90,14 +92,16 @@ class ImpairedChannel(Channel):
     def _arrive(self, data: bytes) -> None:
         self._inbox.offer(self, data, self._clock_offset + asyncio.get_running_loop().time())
 
-    def _shut(self) -> None:
+    def _close_transport(self) -> None:
         self._outgoing.stop()
         self._incoming.stop()
         self._inner.close()
 
 
 class ImpairedLink(Link):
-    """A link around another one, which it opens and closes."""
+    """A wrapper around another link, which it opens and closes."""
+
+    logged = False
 
     def __init__(self, inner: Link, outgoing: Impairment, incoming: Impairment) -> None:
         super().__init__(inner.url, Options(inner.url))
@@ -108,25 +112,25 @@ class ImpairedLink(Link):
 
     @property
     def address(self) -> tuple[str, int] | None:
-        """The address of the inner link."""
+        """Host and port on which the inner link listens, or None."""
         return self._inner.address
 
     @property
     def counters(self) -> Counters:
-        """The sum over all channels, with what the inner link dropped."""
+        """Total counters of all channels, including chunks dropped by the inner link."""
         inner = self._inner.counters
         return super().counters + Counters(dropped_in=inner.dropped_in, dropped_out=inner.dropped_out)
 
     async def _open(self) -> None:
         await self._inner.open()
-        for channel in self._inner.channels:  # those that are open from the start are so here too
+        for channel in self._inner.channels:  # channels that are open from the start
             self._wrap(channel)
         self._spawn(self._follow())
 
     async def _follow(self) -> None:
         async for event in self._inner:
             self._handle(event)
-            await self._inbox.room()
+            await self._inbox.wait_for_room()
         self._inbox.end()
 
     def _handle(self, event: LinkEvent) -> None:
@@ -156,5 +160,14 @@ class ImpairedLink(Link):
 
 
 def impair(link: Link, impairment: Impairment, incoming: Impairment | None = None) -> Link:
-    """Wrap a link that is not open yet; `incoming` is for the other direction, the same if not given."""
+    """Wrap a link that is not open yet, so that its channels are impaired.
+
+    Args:
+        link: The link; the wrapper opens and closes it.
+        impairment: The impairment of sent bytes.
+        incoming: The impairment of received bytes; None for that of sent bytes.
+
+    Returns:
+        The wrapped link.
+    """
     return ImpairedLink(link, impairment, incoming or impairment)

@@ -1,15 +1,15 @@
-"""A model of a bad radio link, one direction of it: bytes in, bytes out, and the caller owns the time.
+"""A sans-IO model of one direction of a lossy link: chunks in, delayed or damaged chunks out.
 
-A chunk that is sent at `now` goes through these steps, each by its own chance:
+A chunk that is sent at `now` passes these steps, each with its own probability:
 
-1. bandwidth: chunks leave one behind the other at so many bytes a second; one that would make the queue in
-   front of the transmitter longer than `queue` bytes is dropped;
-2. loss: it took its time on the air and is gone;
-3. corruption: each byte may have bits flipped;
-4. latency, and up to `jitter` more or less; chunks stay in order,
-5. except one that is reordered: it is held back up to `hold` longer while later ones pass it.
+1. bandwidth: chunks are transmitted one after the other at `bandwidth` bytes per second; a chunk that would
+   exceed the transmitter's queue of `queue` bytes is dropped;
+2. loss: the chunk takes its transmission time, but never arrives;
+3. corruption: each byte may have flipped bits;
+4. delay: `latency`, plus or minus up to `jitter`; chunks stay in order;
+5. reordering: a reordered chunk is delayed by up to `hold` more, so that later chunks overtake it.
 
-A duplicated chunk goes through all steps twice. The same seed and the same calls give the same result.
+A duplicated chunk passes all steps twice. The same seed and the same calls give the same result.
 """
 
 from __future__ import annotations
@@ -29,7 +29,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Impairment:
-    """How bad: probabilities for each chunk (`corrupt`: for each byte), seconds, and bytes a second."""
+    """The parameters of an impaired link.
+
+    Attributes:
+        loss: Probability that a chunk is lost, 0 to 1.
+        duplicate: Probability that a chunk is sent twice, 0 to 1.
+        reorder: Probability that a chunk is overtaken by later ones, 0 to 1.
+        corrupt: Probability that a byte is changed, 0 to 1.
+        latency: Delay of each chunk in seconds.
+        jitter: Maximum deviation from the latency in seconds.
+        hold: Maximum additional delay of a reordered chunk in seconds.
+        bandwidth: Bytes per second; 0 is unlimited.
+        queue: Maximum number of bytes waiting for transmission.
+        seed: Seed of the random decisions.
+
+    Raises:
+        LinkURLError: A value is out of range.
+    """
 
     loss: float = 0.0
     duplicate: float = 0.0
@@ -38,21 +54,31 @@ class Impairment:
     latency: float = 0.0
     jitter: float = 0.0
     hold: float = 0.1
-    bandwidth: float = 0.0  # bytes a second; 0 is without limit
+    bandwidth: float = 0.0
     queue: int = 1 << 16
     seed: int = 0
 
     def __post_init__(self) -> None:
         for name in ("loss", "duplicate", "reorder", "corrupt"):
             if not 0 <= getattr(self, name) <= 1:
-                raise LinkURLError(f"{name} must be between 0 and 1, not {getattr(self, name)}")
+                raise LinkURLError(f"{name} must be between 0 and 1, got {getattr(self, name)}")
         for name in ("latency", "jitter", "hold", "bandwidth", "queue"):
             if not 0 <= getattr(self, name) < math.inf:
-                raise LinkURLError(f"{name} must be zero or more, not {getattr(self, name)}")
+                raise LinkURLError(f"{name} must be finite and not negative, got {getattr(self, name)}")
 
     @classmethod
     def from_options(cls, options: Options) -> Self | None:
-        """What a link's URL asks for; None if it asks for nothing."""
+        """Read the impairment from the options of a URL.
+
+        Args:
+            options: The options of the URL.
+
+        Returns:
+            The impairment, or None if the URL has none of its options.
+
+        Raises:
+            LinkURLError: An option is malformed or out of range.
+        """
         given = [field.name for field in fields(cls) if options.has(field.name)]
         if not given:
             return None
@@ -66,13 +92,13 @@ class Impairment:
             hold=options.seconds("hold", 0.1),
             bandwidth=options.size("bandwidth", 0),
             queue=options.size("queue", 1 << 16),
-            seed=options.whole("seed", 0, lowest=0),
+            seed=options.integer("seed", 0, minimum=0),
         )
 
 
 @dataclass(slots=True)
 class FlowStats:
-    """What happened to the chunks of one flow."""
+    """Counters of the chunks of one flow."""
 
     sent: int = 0
     delivered: int = 0
@@ -84,72 +110,92 @@ class FlowStats:
 
 
 class Flow:
-    """One direction of one impaired channel; `name` keeps flows of the same seed from being alike."""
+    """One direction of an impaired channel, driven by the caller's clock.
+
+    Args:
+        impairment: The parameters.
+        name: Part of the random seed, so that flows of one impairment differ.
+    """
 
     def __init__(self, impairment: Impairment, name: str = "") -> None:
         self.stats = FlowStats()
         self._model = impairment
         self._random = Random(f"{impairment.seed}/{name}")
-        self._free_at = -math.inf  # when the transmitter has sent all it has
+        self._idle_from = -math.inf  # time at which the transmitter has sent its whole queue
         self._last_due = -math.inf
         self._order = count()
-        self._on_the_way: list[tuple[float, int, bytes]] = []
+        self._in_transit: list[tuple[float, int, bytes]] = []
 
     def send(self, data: bytes, now: float) -> bool:
-        """Send a chunk; False if there was no room for it. A loss on the air is not told."""
+        """Send a chunk.
+
+        Args:
+            data: The bytes of the chunk.
+            now: Current time in seconds.
+
+        Returns:
+            False if the transmitter's queue is full; a lost chunk returns True.
+        """
         self.stats.sent += 1
         accepted = self._transmit(data, now)
-        if self._happens(self._model.duplicate):
+        if self._draw(self._model.duplicate):
             self.stats.duplicated += 1
             self._transmit(data, now)
         return accepted
 
     def receive(self, now: float) -> list[bytes]:
-        """The chunks that have arrived by now."""
+        """Return the chunks that have arrived.
+
+        Args:
+            now: Current time in seconds.
+
+        Returns:
+            The chunks in order of arrival.
+        """
         arrived = []
-        while self._on_the_way and self._on_the_way[0][0] <= now:
-            arrived.append(heappop(self._on_the_way)[2])
+        while self._in_transit and self._in_transit[0][0] <= now:
+            arrived.append(heappop(self._in_transit)[2])
         self.stats.delivered += len(arrived)
         return arrived
 
     def next_timeout(self) -> float | None:
-        """When the next chunk arrives; None if nothing is on the way."""
-        return self._on_the_way[0][0] if self._on_the_way else None
+        """Return the time at which the next chunk arrives, or None if none is in transit."""
+        return self._in_transit[0][0] if self._in_transit else None
 
     def _transmit(self, data: bytes, now: float) -> bool:
         departure = self._depart(len(data), now)
         if departure is None:
             self.stats.overflowed += 1
             return False
-        if self._happens(self._model.loss):
+        if self._draw(self._model.loss):
             self.stats.lost += 1
         else:
-            heappush(self._on_the_way, (self._arrival(departure), next(self._order), self._corrupt(data)))
+            heappush(self._in_transit, (self._arrival(departure), next(self._order), self._corrupt(data)))
         return True
 
     def _depart(self, size: int, now: float) -> float | None:
-        """When the last byte leaves the transmitter; None if the queue before it is full."""
+        """Return when the last byte leaves the transmitter, or None if its queue is full."""
         bandwidth = self._model.bandwidth
         if not bandwidth:
             return now
-        begin = max(now, self._free_at)
+        begin = max(now, self._idle_from)
         if begin > now and (begin - now) * bandwidth + size > self._model.queue:
             return None
-        self._free_at = begin + size / bandwidth
-        return self._free_at
+        self._idle_from = begin + size / bandwidth
+        return self._idle_from
 
     def _arrival(self, departure: float) -> float:
         model = self._model
         delay = model.latency + (self._random.uniform(-model.jitter, model.jitter) if model.jitter else 0.0)
         due = max(departure + max(delay, 0.0), self._last_due)
-        if self._happens(model.reorder):
+        if self._draw(model.reorder):
             self.stats.reordered += 1
             return due + self._random.uniform(0.0, model.hold)
         self._last_due = due
         return due
 
     def _corrupt(self, data: bytes) -> bytes:
-        """Flip bits; the distance to the next bad byte is drawn, not a chance for each byte."""
+        """Flip bits; the distance to the next changed byte is drawn at once, not byte by byte."""
         chance = self._model.corrupt
         if not chance:
             return data
@@ -166,5 +212,5 @@ class Flow:
             return 0
         return int(min(math.log1p(-self._random.random()) / math.log1p(-chance), 1e9))
 
-    def _happens(self, chance: float) -> bool:
+    def _draw(self, chance: float) -> bool:
         return chance > 0 and self._random.random() < chance

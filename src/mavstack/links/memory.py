@@ -1,12 +1,11 @@
-"""Links within one process: `a, b = memory_pair()`, or any number of links that meet under a name.
+"""Links within one process: `a, b = memory_pair()`, or any number of links with a common name.
 
     network = MemoryNetwork()
-    ground, copter, plane = (network.link("memory://field") for _ in range(3))
+    ground, copter, plane = (network.link("memory://fleet") for _ in range(3))
 
-Every other open link of the same name is a channel. The network is an object that the program owns, not a
-hidden register: two tests, or two fleets, cannot hear each other by accident. A write is delivered at
-once; the receiver's bounded queue is the only one, and a chunk it has no room for counts as dropped by the
-sender.
+Each other open link of the same name is a channel. The network is an object of the program, not a global
+registry, so that two tests or two fleets are isolated from each other. A written chunk is received at once:
+the only queue is that of the receiver, and a chunk for which it has no room counts as dropped by the sender.
 """
 
 from __future__ import annotations
@@ -28,7 +27,11 @@ if TYPE_CHECKING:
 
 
 class MemoryNetwork:
-    """Where memory links find each other; `clock` tells the time of what is received."""
+    """A network of memory links, which connect to all links of the same name.
+
+    Args:
+        clock: Returns the time of received chunks, in Unix seconds.
+    """
 
     def __init__(self, clock: Callable[[], float] = time) -> None:
         self.clock = clock
@@ -36,31 +39,41 @@ class MemoryNetwork:
         self._numbers = count(1)
 
     def link(self, url: str = "memory://pair") -> MemoryLink:
-        """A new link that meets all others of the same name once it is opened."""
+        """Create a link that connects to all links of the same name when it is opened.
+
+        Args:
+            url: A memory URL, such as `memory://fleet?receive_queue=64k`.
+
+        Returns:
+            The link, not open yet.
+
+        Raises:
+            LinkURLError: The URL is not a memory URL, or has an unknown option.
+        """
         parsed = parse_url(url)
         if parsed.scheme != "memory":
-            raise LinkURLError(f"{parsed} is not a memory link; a right one is memory://fleet")
+            raise LinkURLError(f"{parsed.redacted} is not a memory URL; for example: memory://fleet")
         options = Options(parsed)
         link = MemoryLink(parsed, options, self, f"{parsed.path}#{next(self._numbers)}")
-        options.finish()
+        options.refuse_unknown()
         return link
 
-    def join(self, link: MemoryLink) -> None:
-        """Make a channel between the link and each other one."""
+    def connect_all(self, link: MemoryLink) -> None:
+        """Connect the link to all other open links of its name."""
         others = self._open.setdefault(link.url.path, [])
         for other in others:
-            link.meet(other)
+            link.connect(other)
         others.append(link)
 
-    def leave(self, link: MemoryLink) -> None:
-        """Forget the link."""
+    def remove(self, link: MemoryLink) -> None:
+        """Remove a closed link."""
         others = self._open.get(link.url.path, [])
         if link in others:
             others.remove(link)
 
 
 class MemoryChannel(Channel):
-    """One end of a pair; what is written here is received by the other end."""
+    """One of two connected channels; written bytes are received by the other one."""
 
     def __init__(self, name: str, inbox: Inbox, clock: Callable[[], float]) -> None:
         super().__init__(f"memory {name}", name, inbox.closed)
@@ -73,28 +86,28 @@ class MemoryChannel(Channel):
         return other is not None and other.receive(bytes(data))
 
     def receive(self, data: bytes) -> bool:
-        """Take a chunk from the other end, if there is room."""
+        """Receive a chunk, if the receive queue has room."""
         if self._inbox.full:
             return False
         self._inbox.put(self, data, self._clock())
         return True
 
-    def _shut(self) -> None:
+    def _close_transport(self) -> None:
         other, self.other = self.other, None
         if other is not None:
             other.close("closed by the peer")
 
 
 class MemoryLink(Link):
-    """A link to all other links of the same name on one network."""
+    """A link to all other links of the same name in one network."""
 
     def __init__(self, url: LinkURL, options: Options, network: MemoryNetwork, name: str) -> None:
         super().__init__(url, options)
         self._network = network
         self._name = name
 
-    def meet(self, other: MemoryLink) -> None:
-        """Make a channel on each side."""
+    def connect(self, other: MemoryLink) -> None:
+        """Open a channel at both links."""
         mine = MemoryChannel(other._name, self._inbox, self._network.clock)
         theirs = MemoryChannel(self._name, other._inbox, self._network.clock)
         mine.other, theirs.other = theirs, mine
@@ -102,18 +115,27 @@ class MemoryLink(Link):
         other._inbox.opened(theirs)
 
     async def _open(self) -> None:
-        self._network.join(self)
+        self._network.connect_all(self)
 
     async def _stop(self) -> None:
-        self._network.leave(self)
+        self._network.remove(self)
 
 
 def memory_pair(clock: Callable[[], float] = time) -> tuple[MemoryLink, MemoryLink]:
-    """Two links that are each other's only peer once both are open."""
+    """Create two links that connect to each other.
+
+    Args:
+        clock: Returns the time of received chunks, in Unix seconds.
+
+    Returns:
+        Both links, not open yet.
+    """
     network = MemoryNetwork(clock)
     return network.link(), network.link()
 
 
-def refuse(url: LinkURL, options: Options) -> Link:
-    """The opener of memory URLs: which network is meant cannot be told from a URL alone."""
-    raise LinkURLError(f"{url} needs to know its network: open it by MemoryNetwork().link({str(url)!r})")
+def refuse_url(url: LinkURL, options: Options) -> Link:
+    """Refuse a memory URL in `open_link`, because it does not name its network."""
+    raise LinkURLError(
+        f"{url.redacted} needs a network: create the link by MemoryNetwork().link({url.redacted!r})"
+    )

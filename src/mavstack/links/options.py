@@ -1,7 +1,7 @@
-"""Typed reading of a link URL's options, and the refusal of those that nobody reads.
+"""Typed reading of the options of a link URL.
 
-Each backend reads what it knows while it is constructed; what is left over after that is a mistake of the
-user (`?buad=57600`), told together with the names that would have been right.
+Each backend reads its options while it is constructed. Options that are still unread after that are errors of
+the user (such as `?buad=57600`), and the error text names the known options.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import LinkURLError
+from mavstack.links.url import redact_options
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -22,7 +23,7 @@ _TIMES: Final[Mapping[str, float]] = MappingProxyType(
     {"us": 1e-6, "ms": 1e-3, "": 1.0, "s": 1.0, "min": 60.0}
 )
 _SIZES: Final[Mapping[str, float]] = MappingProxyType({"": 1, "k": 1 << 10, "m": 1 << 20, "g": 1 << 30})
-_PARTS: Final[Mapping[str, float]] = MappingProxyType({"": 1.0, "%": 0.01})
+_FRACTIONS: Final[Mapping[str, float]] = MappingProxyType({"": 1.0, "%": 0.01})
 _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
     {"yes": True, "true": True, "on": True, "1": True, "no": False, "false": False, "off": False, "0": False}
 )
@@ -30,64 +31,66 @@ _QUANTITY = re.compile(r"(\d+(?:\.\d*)?|\.\d+)(?:e([+-]?\d{1,2}))?\s*([a-z%]*)",
 
 
 class Options:
-    """The options of one URL."""
+    """The options of one link URL; every method raises `LinkURLError` if the value is malformed."""
 
     def __init__(self, url: LinkURL) -> None:
         self._url = url
         self._known: dict[str, None] = {}
 
     def has(self, name: str) -> bool:
-        """Whether the option is given."""
+        """Return whether the option is given."""
         self._known[name] = None
         return name in self._url.options
 
     def text(self, name: str, default: str = "") -> str:
-        """Any text."""
+        """Return the option as text."""
         return self._url.options[name] if self.has(name) else default
 
     def choice(self, name: str, choices: Sequence[str]) -> str:
-        """One of several words; the first is the default."""
+        """Return one of several words; the first one is the default."""
         value = self.text(name, choices[0])
         if value not in choices:
             self._refuse(name, "one of " + ", ".join(choices))
         return value
 
     def flag(self, name: str, *, default: bool) -> bool:
-        """Yes or no."""
+        """Return true for yes and false for no."""
         value = self.text(name, "yes" if default else "no").lower()
         if value not in _FLAGS:
             self._refuse(name, "yes or no")
         return _FLAGS[value]
 
-    def whole(self, name: str, default: int, lowest: int = 1) -> int:
-        """A whole number."""
+    def integer(self, name: str, default: int, minimum: int = 1) -> int:
+        """Return an integer of at least `minimum`."""
         value = self.text(name, str(default))
-        if not re.fullmatch(r"[0-9]{1,18}", value) or int(value) < lowest:
-            self._refuse(name, f"a whole number, {lowest} or more")
+        if not re.fullmatch(r"[0-9]{1,18}", value) or int(value) < minimum:
+            self._refuse(name, f"an integer of at least {minimum}")
         return int(value)
 
     def seconds(self, name: str, default: float) -> float:
-        """A time, such as 200ms or 1.5."""
+        """Return a time in seconds, given as 200ms or 1.5s."""
         return self._quantity(name, default, _TIMES, "a time such as 200ms or 1.5s")
 
     def size(self, name: str, default: int) -> int:
-        """A number of bytes, such as 64k or 4M."""
+        """Return a number of bytes, given as 64k or 4M."""
         return int(self._quantity(name, default, _SIZES, "a number of bytes such as 64k or 4M"))
 
     def fraction(self, name: str, default: float) -> float:
-        """A probability, such as 0.1 or 10%."""
-        value = self._quantity(name, default, _PARTS, "between 0 and 1, such as 0.1 or 10%")
+        """Return a probability, given as 0.1 or 10%."""
+        value = self._quantity(name, default, _FRACTIONS, "between 0 and 1, such as 0.1 or 10%")
         if value > 1:
             self._refuse(name, "between 0 and 1, such as 0.1 or 10%")
         return value
 
-    def finish(self) -> None:
-        """Refuse options that nobody read."""
+    def refuse_unknown(self) -> None:
+        """Raise `LinkURLError` if an option was not read by any of the other methods."""
         for name in self._url.options:
             if name not in self._known:
                 near = get_close_matches(name, self._known, n=1)
-                hint = f"did you mean {near[0]}?" if near else "it has " + ", ".join(sorted(self._known))
-                raise LinkURLError(f"{self._url}: {self._url.scheme} has no option {name!r}; {hint}")
+                hint = (
+                    f"did you mean {near[0]}?" if near else "known options: " + ", ".join(sorted(self._known))
+                )
+                raise LinkURLError(f"{self._url.redacted}: {self._url.scheme} has no option {name!r}; {hint}")
 
     def _quantity(self, name: str, default: float, units: Mapping[str, float], wanted: str) -> float:
         if not self.has(name):
@@ -99,5 +102,5 @@ class Options:
         return float(f"{match[1]}e{match[2] or 0}") * units[match[3].lower()]
 
     def _refuse(self, name: str, wanted: str) -> None:
-        value = self._url.options[name]
-        raise LinkURLError(f"{self._url}: the option {name}={value} must be {wanted}")
+        text = redact_options(f"?{name}={self._url.options[name]}")[1:]
+        raise LinkURLError(f"{self._url.redacted}: the option {text} must be {wanted}")

@@ -1,8 +1,8 @@
-"""From a URL to a link: a dictionary of backends, one file each, imported on first use.
+"""The registry of link backends by URL scheme; each backend is a module that is imported on first use.
 
-Other packages add schemes by an entry point of the group `mavstack.links`, named as the scheme, that loads
-to a callable taking a `LinkURL` and its `Options` and returning a `Link`. They are looked for only when a
-scheme is not one of ours.
+Other packages add schemes by entry points of the group `mavstack.links`. The entry point has the name of the
+scheme and loads a callable that takes a `LinkURL` and its `Options` and returns a `Link`. Entry points are
+looked up only for schemes that are not built in.
 """
 
 from __future__ import annotations
@@ -42,21 +42,31 @@ BACKENDS: Final[Mapping[str, str]] = MappingProxyType(
         "wsin": "ws:WsServer",
         "wssin": "ws:WsServer",
         "file": "file:FileLink",
-        "memory": "memory:refuse",
+        "memory": "memory:refuse_url",
     }
 )
 
 
 def open_link(url: str | LinkURL, **options: object) -> Link:
-    """The link of a URL: `async with` or `await` opens it. Options are added to those of the URL.
+    """Create the link of a URL; `async with` or `await` opens it.
 
-    Raises `LinkURLError` at once for a URL or an option that is not understood.
+    Args:
+        url: A link URL such as `udpin://0.0.0.0:14550`, a serial device, or the path of a file to replay.
+        options: Options in addition to those of the URL, such as `reconnect=False`.
+
+    Returns:
+        The link, not open yet.
+
+    Raises:
+        LinkURLError: The URL is malformed, or an option is unknown or malformed.
+        LinkError: A certificate cannot be read.
+        MissingExtraError: The scheme needs an optional dependency.
     """
-    parsed = (understand(url) if isinstance(url, str) else url).with_options(**options)
+    parsed = (resolve_url(url) if isinstance(url, str) else url).with_options(**options)
     reader = Options(parsed)
     impairment = Impairment.from_options(reader)
     link = _backend(parsed.scheme)(parsed, reader)
-    reader.finish()
+    reader.refuse_unknown()
     if impairment is None:
         return link
     from mavstack.links.impaired import impair
@@ -64,17 +74,17 @@ def open_link(url: str | LinkURL, **options: object) -> Link:
     return impair(link, impairment)
 
 
-def understand(text: str) -> LinkURL:
-    """Parse a URL; beyond `parse_url`, an existing file may be named without any scheme."""
+def resolve_url(text: str) -> LinkURL:
+    """Parse a URL, or the path of an existing file without a scheme; raises `LinkURLError`."""
     scheme, separator, _ = text.partition("://")
     if separator and scheme not in BACKENDS:
         return parse_url(text, plugins().names)
-    is_file = isfile(text)  # noqa: PTH113 - unlike Path's, this one does not raise for any text
+    is_file = isfile(text)  # noqa: PTH113 - unlike Path.is_file, it never raises
     return LinkURL("file", path=text) if is_file else parse_url(text)
 
 
 def plugins() -> EntryPoints:
-    """The schemes of other packages."""
+    """Return the entry points of other packages, by scheme."""
     from importlib.metadata import entry_points
 
     return entry_points(group=ENTRY_POINTS)
@@ -85,5 +95,5 @@ def _backend(scheme: str) -> Backend:
         backend: Backend = plugins()[scheme].load()
         return backend
     module, name = BACKENDS[scheme].split(":")
-    found: Backend = getattr(import_module(f"mavstack.links.{module}"), name)
-    return found
+    builtin: Backend = getattr(import_module(f"mavstack.links.{module}"), name)
+    return builtin

@@ -1,9 +1,9 @@
 """Serial ports: `serial:///dev/ttyACM0?baud=57600`, `serial://COM3`; needs the extra `serial`.
 
-The port is taken for this program alone, opened with 8 data bits, no parity and one stop bit, and with
-`flow=rtscts` or `flow=xonxoff` if asked. When the device is unplugged the link goes down and opens it again
-as soon as it is back. On POSIX the file descriptor is read by the event loop itself; on Windows, whose
-event loop cannot, by a thread (`threads=yes` does so anywhere).
+The port is opened exclusively, with 8 data bits, no parity and one stop bit; `flow=rtscts` or `flow=xonxoff`
+enable flow control. When the device is unplugged the link goes down, and it reopens the device when that is
+back. On POSIX the event loop reads the file descriptor; on Windows, where it cannot, a thread does
+(`threads=yes` uses threads on every system).
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from time import time
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkError, MissingExtraError
-from mavstack.links.connection import ClientLink, Connection
-from mavstack.links.explain import explain
-from mavstack.links.queued import QueuedConnection
-from mavstack.links.stream import StreamConnection
+from mavstack.links.connection import ClientLink, ConnectionChannel
+from mavstack.links.os_errors import open_error
+from mavstack.links.queued import QueuedChannel
+from mavstack.links.stream import StreamChannel
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,26 +33,26 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-BAUD = 57600  # what telemetry radios and MAVProxy use; USB ports ignore it
+DEFAULT_BAUD = 57600  # the rate of telemetry radios and MAVProxy; USB ports ignore it
 _READ_TIMEOUT = 0.1
 
 
 class SerialLink(ClientLink):
-    """One serial port; its only channel lives as long as the device is there."""
+    """A link over one serial port; its channel closes when the device is unplugged."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._baud = options.whole("baud", BAUD)
+        self._baud = options.integer("baud", DEFAULT_BAUD)
         self._flow = options.choice("flow", ("none", "rtscts", "xonxoff"))
         self._threads = options.flag("threads", default=sys.platform == "win32")
 
-    async def _connect(self) -> Connection:
+    async def _connect(self) -> ConnectionChannel:
         port = self._open_port()
         name = f"serial {self.url.path}"
         if self._threads:
-            return ThreadedSerial(name, self.url.path, self._inbox.closed, self._send_queue, port)
+            return ThreadedSerialChannel(name, self.url.path, self._inbox.closed, self._send_queue, port)
         try:
-            return await _watch(port, name, self._inbox.closed, self._send_queue)
+            return await _open_posix(port, name, self._inbox.closed, self._send_queue)
         except BaseException:
             port.close()
             raise
@@ -72,37 +72,44 @@ class SerialLink(ClientLink):
                 timeout=_READ_TIMEOUT,
             )
         except (serial.SerialException, OSError, ValueError) as error:
-            raise self._explain(error) from error
+            raise self._open_error(error) from error
 
-    def _explain(self, error: Exception) -> LinkError:
-        """Find out what pyserial hides: it wraps errors, on Windows in text only."""
+    def _open_error(self, error: Exception) -> LinkError:
+        """Convert an error of pyserial, which wraps the system's error, on Windows as text only."""
         code, text = getattr(error, "errno", None), str(error)
         if code == errno.ENOENT or "FileNotFoundError" in text:
-            return LinkError(f"cannot open {self.url}: there is no such device: {self.url.path}; {_found()}")
+            return LinkError(
+                f"cannot open {self.url.redacted}: no such device: {self.url.path}; {_available_ports()}"
+            )
         if code in (errno.EBUSY, errno.EAGAIN) or "PermissionError" in text:
-            return explain(self.url, OSError(errno.EBUSY, text))
+            return open_error(self.url, OSError(errno.EBUSY, text))
         if code == errno.EACCES:
             hint = "add yourself to the group that owns it (dialout or uucp) and log in again"
-            return LinkError(f"cannot open {self.url}: no permission for {self.url.path}: {hint}")
+            return LinkError(f"cannot open {self.url.redacted}: no permission for {self.url.path}: {hint}")
         if "configure port" in text or isinstance(error, ValueError):
             return LinkError(
-                f"cannot open {self.url}: not a serial port, or it has no baud rate {self._baud}: {text}"
+                f"cannot open {self.url.redacted}: not a serial port, or it does not support "
+                f"{self._baud} baud: {text}"
             )
-        return explain(self.url, OSError(code or 0, text))
+        return open_error(self.url, OSError(code or 0, text))
 
 
-def _found() -> str:
-    """The serial ports that this machine has, for an error's text."""
+def _available_ports() -> str:
+    """Return the serial ports of this machine as a sentence for an error text."""
     from serial.tools.list_ports import comports
 
     names = ", ".join(sorted(port.device for port in comports()))
-    return f"this machine has {names}" if names else "this machine has no serial ports now: is it plugged in?"
+    return (
+        f"this machine has {names}"
+        if names
+        else "this machine has no serial ports now: check that the device is plugged in"
+    )
 
 
-async def _watch(
-    port: Serial, name: str, gone: Callable[[Channel, str], None], send_queue: int
-) -> PosixSerial:
-    """Let the event loop read and write the port, by a descriptor for each direction."""
+async def _open_posix(
+    port: Serial, name: str, on_closed: Callable[[Channel, str], None], send_queue: int
+) -> PosixSerialChannel:
+    """Register the port with the event loop, by a descriptor for each direction."""
     _block_for_one_byte(port.fileno())
     loop = asyncio.get_running_loop()
     reader = asyncio.StreamReader()
@@ -114,11 +121,11 @@ async def _watch(
         os.fdopen(os.dup(port.fileno()), "wb", buffering=0),
     )
     writer = asyncio.StreamWriter(writing, protocol, None, loop)
-    return PosixSerial(name, gone, (reader, writer), send_queue, (reading, port))
+    return PosixSerialChannel(name, on_closed, (reader, writer), send_queue, (reading, port))
 
 
 def _block_for_one_byte(descriptor: int) -> None:
-    """Make a read without data fail with EAGAIN; as pyserial sets it up it would look like the end."""
+    """Make a read without data fail with EAGAIN; with pyserial's settings it returns end of file."""
     import termios
 
     settings = termios.tcgetattr(descriptor)
@@ -126,65 +133,65 @@ def _block_for_one_byte(descriptor: int) -> None:
     termios.tcsetattr(descriptor, termios.TCSANOW, settings)
 
 
-class PosixSerial(StreamConnection):
-    """A serial port read and written by the event loop."""
+class PosixSerialChannel(StreamChannel):
+    """A channel over a serial port, read and written by the event loop."""
 
     def __init__(
         self,
         name: str,
-        gone: Callable[[Channel, str], None],
+        on_closed: Callable[[Channel, str], None],
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
         send_queue: int,
         owned: tuple[asyncio.ReadTransport, Serial],
     ) -> None:
-        super().__init__(name, str(owned[1].port), gone, streams, send_queue)
+        super().__init__(name, str(owned[1].port), on_closed, streams, send_queue)
         self._reading, self._port = owned
 
-    def _shut(self) -> None:
-        super()._shut()
+    def _close_transport(self) -> None:
+        super()._close_transport()
         self._reading.close()
         with suppress(OSError):
             self._port.close()
 
 
-class ThreadedSerial(QueuedConnection):
-    """A serial port read and written by two threads."""
+class ThreadedSerialChannel(QueuedChannel):
+    """A channel over a serial port, read and written by two threads."""
 
     def __init__(
-        self, name: str, peer: str, gone: Callable[[Channel, str], None], send_queue: int, port: Serial
+        self, name: str, peer: str, on_closed: Callable[[Channel, str], None], send_queue: int, port: Serial
     ) -> None:
-        super().__init__(name, peer, gone, send_queue)
+        super().__init__(name, peer, on_closed, send_queue)
         self._port = port
         self._threads = ThreadPoolExecutor(2, thread_name_prefix=name)
-        self._hung_up = False
+        self._disconnected = False
 
     def abort(self) -> None:
-        """Close the port under the threads, which then end."""
+        """Close the port, which also ends the threads."""
         self._threads.shutdown(wait=False, cancel_futures=True)
         with suppress(OSError):
             self._port.close()
 
-    async def _receive_all(self, inbox: Inbox) -> str:
+    async def _receive_loop(self, inbox: Inbox) -> str:
         loop = asyncio.get_running_loop()
         try:
-            while not self._hung_up:
+            while not self._disconnected:
                 data = await loop.run_in_executor(self._threads, self._read)
                 if data and not self.closed:
                     inbox.put(self, data, time())
-                    await inbox.room()
+                    await inbox.wait_for_room()
         except OSError as error:
             return error.strerror or str(error)
         return "closed by the peer"
 
     def _read(self) -> bytes:
-        """Wait for a byte, and take what came with it."""
+        """Wait for a byte, and read all bytes available after it."""
         first: bytes = self._port.read(1)
         return first + self._port.read(self._port.in_waiting) if first else first
 
     async def _transmit(self, data: bytes) -> None:
         await asyncio.get_running_loop().run_in_executor(self._threads, self._port.write, data)
 
-    async def _hang_up(self) -> None:
-        self._hung_up = True
+    async def _disconnect(self) -> None:
+        self._disconnected = True
         with suppress(OSError):
             self._port.cancel_read()

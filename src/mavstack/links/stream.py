@@ -1,7 +1,7 @@
-"""A connection over asyncio's streams: TCP, TLS, unix sockets and, on POSIX, serial ports.
+"""Channels over asyncio's streams: TCP, TLS, unix sockets and, on POSIX, serial ports.
 
-The bounded queue for sending is the transport's own buffer; receiving stops while nobody makes room in the
-inbox, so that the kernel's flow control slows the peer and nothing is lost.
+The send queue is the transport's own buffer. Reading pauses while the receive queue is full, so that the
+kernel's flow control slows down the peer and no bytes are lost.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from time import time
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkClosedError
-from mavstack.links.connection import Connection
+from mavstack.links.connection import ConnectionChannel
 
 if TYPE_CHECKING:
     from asyncio.trsock import TransportSocket
@@ -22,50 +22,50 @@ if TYPE_CHECKING:
     from mavstack.links.channel import Channel, Data
     from mavstack.links.inbox import Inbox
 
-CHUNK = 1 << 16
+MAX_READ = 1 << 16
 
 
-class StreamConnection(Connection):
-    """One stream, read by its link's task and written at once or from the transport's buffer."""
+class StreamChannel(ConnectionChannel):
+    """A channel over one stream, read by a task of its link and written through the transport."""
 
     def __init__(
         self,
         name: str,
         peer: str,
-        gone: Callable[[Channel, str], None],
+        on_closed: Callable[[Channel, str], None],
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
         send_queue: int,
     ) -> None:
-        super().__init__(name, peer, gone)
+        super().__init__(name, peer, on_closed)
         self._reader, self._writer = streams
         self._send_queue = send_queue
         self._writer.transport.set_write_buffer_limits(high=send_queue // 2)
 
-    async def pump(self, inbox: Inbox) -> str:
-        """Read until the peer hangs up or fails."""
+    async def receive_all(self, inbox: Inbox) -> str:
+        """Read until the connection ends."""
         try:
-            while data := await self._reader.read(CHUNK):
+            while data := await self._reader.read(MAX_READ):
                 if not self.closed:
                     inbox.put(self, data, time())
-                    await inbox.room()
+                    await inbox.wait_for_room()
         except OSError as error:
             return error.strerror or str(error)
         return "closed by the peer"
 
     async def drain(self) -> None:
-        """Wait until less than half of the queue is in use."""
+        """Wait until less than half of the send queue is in use."""
         try:
             await self._writer.drain()
         except OSError as error:
             raise LinkClosedError(f"{self.name} is closed") from error
 
     async def wait_closed(self) -> None:
-        """Wait until the transport has sent what it buffered."""
+        """Wait until the transport has sent its buffer."""
         with suppress(OSError):
             await self._writer.wait_closed()
 
     def abort(self) -> None:
-        """Close the transport without sending what it buffered."""
+        """Close the transport without sending its buffer."""
         self._writer.transport.abort()
 
     def _send(self, data: Data) -> bool:
@@ -75,29 +75,29 @@ class StreamConnection(Connection):
         self._writer.write(data)
         return True
 
-    def _shut(self) -> None:
+    def _close_transport(self) -> None:
         self._writer.close()
 
 
 async def stop_accepting(sockets: Iterable[TransportSocket | socket.socket]) -> None:
-    """Let connections that were accepted a moment ago arrive, before their server is closed.
+    """Stop accepting, and wait for connections that the event loop is just accepting.
 
-    Closing at once would orphan them: asyncio drops such a connection without closing it, and its peer would
-    wait for ever.
+    If the server is closed at once, asyncio drops such a connection without closing it, and its peer waits
+    for ever.
     """
     for sock in sockets:
-        with suppress(NotImplementedError, RuntimeError):  # Windows' event loop accepts in another way
+        with suppress(NotImplementedError, RuntimeError):  # the event loop of Windows has no readers
             asyncio.get_running_loop().remove_reader(sock)
     for _ in range(3):
         await asyncio.sleep(0)
 
 
-def keep_alive(writer: asyncio.StreamWriter) -> None:
-    """Let the kernel find out, within about a minute, that a silent TCP peer is gone."""
+def enable_keepalive(writer: asyncio.StreamWriter) -> None:
+    """Enable TCP keepalive, so that a lost peer is detected within about a minute."""
     sock = writer.get_extra_info("socket")
     settings = {"SO_KEEPALIVE": 1, "TCP_KEEPIDLE": 30, "TCP_KEEPINTVL": 10, "TCP_KEEPCNT": 3}
     for name, value in settings.items():
-        option = getattr(socket, name, None)  # not every system has all of them
+        option = getattr(socket, name, None)  # not available on every system
         if option is not None:
             level = socket.SOL_SOCKET if name.startswith("SO_") else socket.IPPROTO_TCP
             with suppress(OSError):

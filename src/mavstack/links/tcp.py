@@ -1,4 +1,4 @@
-"""TCP: `tcpin://host:port` accepts peers, a channel each; `tcpout://host:port` connects."""
+"""TCP links: `tcpin://host:port` accepts connections, each a channel; `tcpout://host:port` connects."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import socket
 from typing import TYPE_CHECKING
 
 from mavstack.links.address import format_address, resolve
-from mavstack.links.connection import ClientLink, Connection, ServerLink
-from mavstack.links.explain import explain
-from mavstack.links.stream import StreamConnection, keep_alive, stop_accepting
+from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
+from mavstack.links.os_errors import open_error
+from mavstack.links.stream import StreamChannel, enable_keepalive, stop_accepting
 
 if TYPE_CHECKING:
     import ssl
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class TcpServer(ServerLink):
-    """Listens; every connection is a channel."""
+    """A link that listens; every connection is a channel."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
@@ -28,7 +28,7 @@ class TcpServer(ServerLink):
 
     @property
     def address(self) -> tuple[str, int] | None:
-        """The host and port that it listens on."""
+        """Host and port on which the link listens, or None before it is open."""
         return self._server.sockets[0].getsockname()[:2] if self._server and self._server.sockets else None
 
     async def _open(self) -> None:
@@ -37,13 +37,13 @@ class TcpServer(ServerLink):
                 self._accept, self.url.host, self.url.port, ssl=self._ssl
             )
         except OSError as error:
-            raise explain(self.url, error) from error
+            raise open_error(self.url, error) from error
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        keep_alive(writer)
+        enable_keepalive(writer)
         peer = format_address(writer.get_extra_info("peername"))
         name = f"{self.url.scheme} {peer}"
-        connection = StreamConnection(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+        connection = StreamChannel(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
         if self._admit(connection):
             self._spawn(self._serve_task(connection))
 
@@ -58,7 +58,7 @@ class TcpServer(ServerLink):
 
 
 class TcpClient(ClientLink):
-    """Connects to a server; the option `timeout` bounds each attempt."""
+    """A link that connects to a server; the option `timeout` limits each attempt in seconds."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
@@ -66,16 +66,16 @@ class TcpClient(ClientLink):
         self._ssl: ssl.SSLContext | None = None
         self._server_name = url.host
 
-    async def _connect(self) -> Connection:
+    async def _connect(self) -> ConnectionChannel:
         async with asyncio.timeout(self._timeout):
             reader, writer = await self._connect_any()
-        keep_alive(writer)
+        enable_keepalive(writer)
         peer = format_address(writer.get_extra_info("peername"))
         name = f"{self.url.scheme} {peer}"
-        return StreamConnection(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+        return StreamChannel(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
 
     async def _connect_any(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-        """Try the host's addresses in turn; the last failure is the one told."""
+        """Try all addresses of the host in turn; if all fail, raise the last error."""
         failure: OSError | None = None
         for _, address in await resolve(self.url.host, self.url.port, socket.SOCK_STREAM):
             try:

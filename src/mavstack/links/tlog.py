@@ -1,9 +1,9 @@
-"""The framing of a telemetry log: before each packet 8 bytes, big-endian microseconds since 1970.
+"""The framing of tlogs: before each packet 8 bytes of time, in big-endian microseconds since 1970.
 
-To pace a replay only the times and the lengths of the packets matter, so this scan looks at nothing but a
-packet's first three bytes: the magic (0xFE version 1, 0xFD version 2), the payload's length, and of version
-2 the flag that a signature follows. Junk between packets is kept, at the time of the packet before it: the
-parser behind the link counts it as it would have on the live link.
+To pace a replay only the times and lengths of the packets are needed, so this scanner reads the first three
+bytes of each packet: the magic (0xFE in version 1, 0xFD in version 2), the payload length, and in version 2
+the flag of a signature. Junk between packets is kept, with the time of the previous packet: the parser of the
+link counts it as it would on a live link.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from __future__ import annotations
 import re
 from typing import Final, TypeAlias
 
-Timed: TypeAlias = tuple[float, bytes]
+TimedPacket: TypeAlias = tuple[float, bytes]
 
-_STAMP: Final = 8
+_TIMESTAMP: Final = 8
 _V1: Final = 0xFE
-_HEADER: Final = 3  # bytes of a packet that tell its length
+_LENGTH_PREFIX: Final = 3  # first bytes of a packet, which determine its length
 _OVERHEAD_V1: Final = 8  # header and checksum
 _OVERHEAD_V2: Final = 12
 _SIGNATURE: Final = 13
@@ -23,22 +23,22 @@ _ENTRY = re.compile(rb"\x00[\x00-\x0e][\x00-\xff]{6}[\xfd\xfe]")  # a time befor
 
 
 class TlogScanner:
-    """Cuts a telemetry log, fed in pieces of any size, into timed packets."""
+    """Splits a tlog, in chunks of any size, into packets with their times."""
 
     def __init__(self) -> None:
         self._rest = b""
         self._time = 0.0
 
-    def feed(self, data: bytes) -> list[Timed]:
-        """The packets that are whole so far; their times are unix seconds."""
+    def feed(self, data: bytes) -> list[TimedPacket]:
+        """Add a chunk; return the complete packets with their times in Unix seconds."""
         data = self._rest + data
-        found: list[Timed] = []
+        found: list[TimedPacket] = []
         position, end = 0, len(data)
-        while position + _STAMP + _HEADER <= end:
+        while position + _TIMESTAMP + _LENGTH_PREFIX <= end:
             if not _is_entry(data, position):
                 position = self._skip_junk(data, position, found)
                 continue
-            start = position + _STAMP
+            start = position + _TIMESTAMP
             following = start + _packet_length(data, start)
             if following > end:
                 break
@@ -48,24 +48,24 @@ class TlogScanner:
         self._rest = data[position:]
         return found
 
-    def finish(self) -> list[Timed]:
-        """What is left of a log that ends within a packet."""
+    def finish(self) -> list[TimedPacket]:
+        """Return the rest of a log that ends within a packet."""
         rest, self._rest = self._rest, b""
         return [(self._time, rest)] if rest else []
 
-    def _skip_junk(self, data: bytes, position: int, found: list[Timed]) -> int:
-        """Find the next entry, or the last place where a cut one may begin."""
+    def _skip_junk(self, data: bytes, position: int, found: list[TimedPacket]) -> int:
+        """Return the start of the next entry, or the last position at which an incomplete one may start."""
         match = _ENTRY.search(data, position + 1)
-        following = match.start() if match else max(position + 1, len(data) - _STAMP)
+        following = match.start() if match else max(position + 1, len(data) - _TIMESTAMP)
         found.append((self._time, data[position:following]))
         return following
 
 
 def looks_like_tlog(data: bytes) -> bool:
-    """Whether two entries follow each other somewhere in the beginning of a file."""
+    """Return whether the beginning of a file contains two adjacent entries of a tlog."""
     for match in _ENTRY.finditer(data):
         start = match.end() - 1
-        if start + _HEADER > len(data):
+        if start + _LENGTH_PREFIX > len(data):
             return False
         following = start + _packet_length(data, start)
         if following == len(data) or _is_entry(data, following):

@@ -1,9 +1,9 @@
-"""TLS: `tls://host:port` and `tlsin://host:port`, TCP links inside TLS.
+"""TLS links: `tls://host:port` connects, `tlsin://host:port` listens; TCP links inside TLS.
 
-A client checks the server's certificate against the system's authorities, or against `ca=file.pem`, and the
-name in it against the host or `server_name=…`; `insecure=yes` checks nothing and is for trying out only.
-`cert=` and `key=` are its own certificate. A server needs `cert=` and `key=`; with `ca=` it asks every
-client for a certificate of that authority, and refuses those that have none.
+A client verifies the server's certificate against the system's authorities or against `ca=file.pem`, and its
+name against the host or `server_name=…`; `insecure=yes` disables both and is for tests only. `cert=` and
+`key=` are the client's own certificate. A server needs `cert=` and `key=`; with `ca=` it requires a
+certificate of that authority from every client.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class TlsServer(TcpServer):
-    """Listens for TLS; every connection is a channel."""
+    """A link that listens for TLS; every connection is a channel."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
@@ -28,7 +28,7 @@ class TlsServer(TcpServer):
 
 
 class TlsClient(TcpClient):
-    """Connects to a TLS server."""
+    """A link that connects to a TLS server."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
@@ -37,7 +37,7 @@ class TlsClient(TcpClient):
 
 
 def client_context(url: LinkURL, options: Options) -> ssl.SSLContext:
-    """What a client checks and shows, by the URL's options."""
+    """Create the TLS context of a client from the options of its URL."""
     ca, insecure = options.text("ca"), options.flag("insecure", default=False)
     context = ssl.create_default_context()
     context.minimum_version = ssl.TLSVersion.TLSv1_2
@@ -51,10 +51,10 @@ def client_context(url: LinkURL, options: Options) -> ssl.SSLContext:
 
 
 def server_context(url: LinkURL, options: Options) -> ssl.SSLContext:
-    """What a server checks and shows, by the URL's options."""
+    """Create the TLS context of a server from the options of its URL."""
     ca = options.text("ca")
     if not options.text("cert"):
-        raise LinkURLError(f"{url} has no certificate: add ?cert=cert.pem&key=key.pem")
+        raise LinkURLError(f"{url.redacted} has no certificate: add ?cert=cert.pem&key=key.pem")
     context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     if ca:
@@ -68,7 +68,9 @@ def _load_authority(url: LinkURL, context: ssl.SSLContext, ca: str) -> None:
     try:
         context.load_verify_locations(ca)
     except OSError as error:
-        raise LinkError(f"{url}: cannot read the authority {ca}: {error.strerror or error}") from error
+        raise LinkError(
+            f"{url.redacted}: cannot read the certificate authority {ca}: {error.strerror or error}"
+        ) from error
 
 
 def _load_own(url: LinkURL, context: ssl.SSLContext, options: Options) -> None:
@@ -78,9 +80,9 @@ def _load_own(url: LinkURL, context: ssl.SSLContext, options: Options) -> None:
     try:
         context.load_cert_chain(cert, key or None, password=_no_password)
     except (OSError, ValueError) as error:
-        raise LinkError(f"{url}: cannot use the certificate {cert} with its key: {error}") from error
+        raise LinkError(f"{url.redacted}: cannot use the certificate {cert} with its key: {error}") from error
 
 
 def _no_password() -> str:
-    """Refuse an encrypted key, where OpenSSL would otherwise ask on the terminal."""
-    raise ValueError("the key is encrypted; store it without a password")
+    """Refuse an encrypted key; without this callback OpenSSL prompts on the terminal."""
+    raise ValueError("the key is encrypted: store it without a password")

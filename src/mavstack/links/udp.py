@@ -1,15 +1,15 @@
-"""UDP: `udpin://host:port` listens, `udpout://host:port` sends to one peer.
+"""UDP links: `udpin://host:port` listens, `udpout://host:port` sends to one peer.
 
-On udpin each remote address is a channel, up to `max_peers`, and one that is silent for `idle` seconds is
-closed. On udpout there is one channel, open from the start; what comes back from any port of the peer
-belongs to it, and after a broadcast or to a multicast group what comes from anyone. A multicast group as
-host of udpin is joined.
+With udpin each remote address is a channel, up to `max_peers`; a channel that is silent for `idle` seconds is
+closed. A multicast group as the host is joined. With udpout there is one channel, open from the start: it
+receives datagrams from any port of the peer, and from everyone if the peer is a broadcast or multicast
+address.
 
-Datagrams are read many at each wake-up of the event loop and become one event each, handed over before the
-next is read, since more come meanwhile; if nobody reads the events they are dropped and counted, newest
-first. What the kernel dropped before that is in `kernel_drops`, where the system tells (Linux): a larger
-`socket_buffer` helps up to the system's limit, the sysctl net.core.rmem_max. Sending never waits and never
-fails: an unreachable peer today may be there tomorrow, so errors only count as drops.
+Datagrams are read in batches per wake-up of the event loop. Each becomes one event and is passed on before
+the next is read, because more arrive meanwhile; if the receive queue is full, new datagrams are dropped and
+counted. `kernel_drops` counts datagrams that the kernel dropped before that, where the system reports it
+(Linux): a larger `socket_buffer` helps, up to the system's limit (sysctl net.core.rmem_max). Sending never
+blocks and never raises: an unreachable peer may become reachable later, so errors only count as drops.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 from mavstack.links.address import Address, format_address, resolve
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Data
-from mavstack.links.explain import explain
+from mavstack.links.os_errors import open_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,47 +35,47 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-SOCKET_BUFFER = 4 << 20
-_BATCH = 256  # datagrams read before the event loop gets its turn again
-_LARGEST = 1 << 16
-_SO_MEMINFO = 55  # Linux; the ninth number it gives counts what the socket's buffer had no room for
+DEFAULT_SOCKET_BUFFER = 4 << 20
+MAX_BATCH = 256  # maximum number of datagrams read per wake-up of the event loop
+MAX_DATAGRAM = 1 << 16
+_SO_MEMINFO = 55  # Linux; its ninth number counts the datagrams dropped because the socket buffer was full
 
 
 class UdpChannel(Channel):
-    """One remote address."""
+    """A channel to one remote address."""
 
     def __init__(
-        self, name: str, address: Address, gone: Callable[[Channel, str], None], link: UdpLink
+        self, name: str, address: Address, on_closed: Callable[[Channel, str], None], link: UdpLink
     ) -> None:
-        super().__init__(name, format_address(address), gone)
+        super().__init__(name, format_address(address), on_closed)
         self.address = address
-        self.heard = time()
+        self.last_received = time()
         self._link = link
 
     def _send(self, data: Data) -> bool:
         return self._link.send_to(data, self.address)
 
-    def _shut(self) -> None:
-        self._link.forget(self)
+    def _close_transport(self) -> None:
+        self._link.remove_channel(self)
 
 
 class UdpLink(Link):
-    """What both directions share: one socket, read in batches."""
+    """Base of UDP links: one socket, read in batches."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._buffer = options.size("socket_buffer", SOCKET_BUFFER)
+        self._buffer = options.size("socket_buffer", DEFAULT_SOCKET_BUFFER)
         self._socket: socket.socket | None = None
         self._transport: asyncio.DatagramTransport | None = None
 
     @property
     def address(self) -> tuple[str, int] | None:
-        """The host and port that the socket is bound to."""
+        """Host and port to which the socket is bound, or None before the link is open."""
         return self._socket.getsockname()[:2] if self._socket else None
 
     @property
     def kernel_drops(self) -> int | None:
-        """The datagrams that came while the socket's buffer was full; None if the system does not tell."""
+        """Number of datagrams dropped by the kernel because the socket buffer was full; None if unknown."""
         if self._socket is None or sys.platform != "linux":
             return None
         try:
@@ -86,7 +86,7 @@ class UdpLink(Link):
             return None
 
     def send_to(self, data: Data, address: Address) -> bool:
-        """Send one datagram now; False if the kernel or the network does not take it."""
+        """Send one datagram; return false if the kernel refuses it."""
         if self._transport is not None:
             queued = self._transport.get_write_buffer_size()  # type: ignore[attr-defined]
             if queued + len(data) > self._send_queue:
@@ -99,29 +99,27 @@ class UdpLink(Link):
             return False
 
     def receive(self, data: bytes, address: Address) -> None:
-        """Take one datagram."""
+        """Receive one datagram from a transport."""
         self._datagram(data, address, time())
 
     @abstractmethod
-    def forget(self, channel: UdpChannel) -> None:
-        """Let go of a closed channel."""
+    def remove_channel(self, channel: UdpChannel) -> None:
+        """Remove a closed channel."""
 
     @abstractmethod
     def _datagram(self, data: bytes, address: Address, now: float) -> None:
-        """Give one datagram to its channel."""
+        """Pass one datagram to its channel."""
 
     def _make_socket(self, family: int) -> socket.socket:
         self._socket = sock = socket.socket(family, socket.SOCK_DGRAM)
         sock.setblocking(False)
         for option in (socket.SO_RCVBUF, socket.SO_SNDBUF):
-            with suppress(
-                OSError
-            ):  # some systems refuse what is over their limit instead of giving the limit
+            with suppress(OSError):  # some systems raise for a size above their limit
                 sock.setsockopt(socket.SOL_SOCKET, option, self._buffer)
         return sock
 
-    async def _watch(self, sock: socket.socket) -> None:
-        """Read in batches, or by a transport where the event loop watches no sockets (Windows)."""
+    async def _start_reading(self, sock: socket.socket) -> None:
+        """Read in batches, or by a transport if the event loop has no socket readers (Windows)."""
         loop = asyncio.get_running_loop()
         try:
             loop.add_reader(sock, self._readable, sock)
@@ -130,17 +128,17 @@ class UdpLink(Link):
 
     def _readable(self, sock: socket.socket) -> None:
         receive, datagram = sock.recvfrom, self._datagram
-        for _ in range(_BATCH):
+        for _ in range(MAX_BATCH):
             try:
-                data, address = receive(_LARGEST)
+                data, address = receive(MAX_DATAGRAM)
             except (BlockingIOError, InterruptedError):
                 return
-            except OSError:  # an ICMP error about something sent earlier; the next datagram may be fine
+            except OSError:  # an ICMP error about a datagram sent earlier
                 continue
             datagram(data, address, time())
 
     async def _stop(self) -> None:
-        """Read no more."""
+        """Stop reading."""
         if self._socket is not None and self._transport is None:
             with suppress(NotImplementedError):
                 asyncio.get_running_loop().remove_reader(self._socket)
@@ -154,11 +152,11 @@ class UdpLink(Link):
 
 
 class UdpListener(UdpLink):
-    """`udpin`: everyone who sends is a channel."""
+    """A udpin link: each sender is a channel."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._max_peers = options.whole("max_peers", 256)
+        self._max_peers = options.integer("max_peers", 256)
         self._idle = options.seconds("idle", 60.0)
         self._peers: dict[Address, UdpChannel] = {}
 
@@ -168,71 +166,71 @@ class UdpListener(UdpLink):
             sock = self._make_socket(family)
             self._bind(sock, address)
         except OSError as error:
-            raise explain(self.url, error) from error
-        await self._watch(sock)
+            raise open_error(self.url, error) from error
+        await self._start_reading(sock)
         if self._idle:
             self._spawn(self._close_idle())
 
     def _bind(self, sock: socket.socket, address: Address) -> None:
-        group = _ip(address)
+        group_address = _ip(address)
         if sys.platform == "win32":
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
-        if group.version != 4 or not group.is_multicast:
+        if group_address.version != 4 or not group_address.is_multicast:
             sock.bind(address)
             return
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # a group is there to be shared
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # several programs may join a group
         sock.bind(("", address[1]) if sys.platform == "win32" else address)
-        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group.packed + bytes(4))
+        sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group_address.packed + bytes(4))
 
     def _datagram(self, data: bytes, address: Address, now: float) -> None:
         channel = self._peers.get(address) or self._admit(address)
         if channel is not None:
-            channel.heard = now
+            channel.last_received = now
             self._inbox.deliver(channel, data, now)
 
     def _admit(self, address: Address) -> UdpChannel | None:
         if len(self._peers) >= self._max_peers or self._inbox.full or self._closed:
-            self._inbox.past.dropped_in += 1
+            self._inbox.drop()
             return None
         channel = UdpChannel(f"udpin {format_address(address)}", address, self._inbox.closed, self)
         self._peers[address] = channel
         self._inbox.opened(channel)
         return channel
 
-    def forget(self, channel: UdpChannel) -> None:
-        """A closed peer that sends again is a new channel."""
+    def remove_channel(self, channel: UdpChannel) -> None:
+        """Remove a closed channel; the peer gets a new one if it sends again."""
         del self._peers[channel.address]
 
     async def _close_idle(self) -> None:
         while True:
             await asyncio.sleep(self._idle / 4)
             oldest = time() - self._idle
-            for channel in [peer for peer in self._peers.values() if peer.heard < oldest]:
+            for channel in [peer for peer in self._peers.values() if peer.last_received < oldest]:
                 channel.close(f"silent for {self._idle:g} s")
 
 
 class UdpSender(UdpLink):
-    """`udpout`: one peer, told from the start."""
+    """A udpout link: one channel to a fixed peer."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self._channel: UdpChannel | None = None
-        self._anyone = False
+        self._accepts_any_sender = False
 
     async def _open(self) -> None:
         try:
             family, address = await _resolve_one(self.url)
             sock = self._make_socket(family)
-            self._anyone = self._reaches_many(sock, address)
+            self._accepts_any_sender = self._is_broadcast_or_multicast(sock, address)
             sock.bind(("::" if family == socket.AF_INET6 else "0.0.0.0", 0))  # noqa: S104
         except OSError as error:
-            raise explain(self.url, error) from error
-        await self._watch(sock)
+            raise open_error(self.url, error) from error
+        await self._start_reading(sock)
         self._channel = UdpChannel(f"udpout {format_address(address)}", address, self._inbox.closed, self)
         self._inbox.opened(self._channel)
 
-    def _reaches_many(self, sock: socket.socket, address: Address) -> bool:
-        """Whether the address is a multicast group or, as far as it shows, a broadcast address."""
+    def _is_broadcast_or_multicast(self, sock: socket.socket, address: Address) -> bool:
+        """Return whether the address is a multicast group or looks like a broadcast address."""
         target = _ip(address)
         if target.version == 4 and target.packed[3] == 255:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
@@ -241,19 +239,19 @@ class UdpSender(UdpLink):
 
     def _datagram(self, data: bytes, address: Address, now: float) -> None:
         channel = self._channel
-        if channel is not None and (self._anyone or address[0] == channel.address[0]):
+        if channel is not None and (self._accepts_any_sender or address[0] == channel.address[0]):
             self._inbox.deliver(channel, data, now)
         else:
-            self._inbox.past.dropped_in += 1
+            self._inbox.drop()
 
-    def forget(self, channel: UdpChannel) -> None:
-        """Nothing more can come: the link ends with its only channel."""
+    def remove_channel(self, channel: UdpChannel) -> None:
+        """End the link with its only channel."""
         self._channel = None
         asyncio.get_running_loop().call_soon(self._inbox.end)
 
 
 class _Protocol(asyncio.DatagramProtocol):
-    """The way for event loops that watch no sockets."""
+    """The transport protocol for event loops without socket readers."""
 
     def __init__(self, link: UdpLink) -> None:
         self._link = link
@@ -263,9 +261,9 @@ class _Protocol(asyncio.DatagramProtocol):
 
 
 async def _resolve_one(url: LinkURL) -> tuple[int, Address]:
-    """The host's address, IPv4 if it has both: `localhost` must be where 0.0.0.0 listens."""
-    found = await resolve(url.host, url.port, socket.SOCK_DGRAM)
-    return min(found, key=lambda entry: entry[0] != socket.AF_INET)
+    """Resolve the host, preferring IPv4: `localhost` must reach a listener on 0.0.0.0."""
+    addresses = await resolve(url.host, url.port, socket.SOCK_DGRAM)
+    return min(addresses, key=lambda entry: entry[0] != socket.AF_INET)
 
 
 def _ip(address: Address) -> ipaddress.IPv4Address | ipaddress.IPv6Address:

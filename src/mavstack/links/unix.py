@@ -1,4 +1,4 @@
-"""Unix sockets: `unix://path` connects, `unixin://path` listens. Not on Windows."""
+"""Unix socket links: `unix://path` connects, `unixin://path` listens. Not available on Windows."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkError
-from mavstack.links.connection import ClientLink, Connection, ServerLink
-from mavstack.links.explain import explain
-from mavstack.links.stream import StreamConnection, stop_accepting
+from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
+from mavstack.links.os_errors import open_error
+from mavstack.links.stream import StreamChannel, stop_accepting
 
 if TYPE_CHECKING:
     from mavstack.links.options import Options
@@ -23,12 +23,13 @@ if TYPE_CHECKING:
 def _require_posix(url: LinkURL) -> None:
     if sys.platform == "win32":
         raise LinkError(
-            f"{url}: unix sockets do not exist on Windows; use tcpin:// and tcpout:// on 127.0.0.1"
+            f"cannot open {url.redacted}: unix sockets are not available on Windows; "
+            "use tcpin:// and tcpout:// on 127.0.0.1"
         )
 
 
 class UnixServer(ServerLink):
-    """Listens on a path; every connection is a channel."""
+    """A link that listens on a path; every connection is a channel."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
@@ -42,12 +43,12 @@ class UnixServer(ServerLink):
             _remove_stale(path)
             self._server = await asyncio.start_unix_server(self._accept, path)
         except OSError as error:
-            raise explain(self.url, error) from error
+            raise open_error(self.url, error) from error
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         peer = f"{self.url.path}#{next(self._numbers)}"
         name = f"unixin {peer}"
-        connection = StreamConnection(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+        connection = StreamChannel(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
         if self._admit(connection):
             self._spawn(self._serve_task(connection))
 
@@ -66,17 +67,17 @@ class UnixServer(ServerLink):
 
 
 class UnixClient(ClientLink):
-    """Connects to a listening path."""
+    """A link that connects to a listening path."""
 
-    async def _connect(self) -> Connection:
+    async def _connect(self) -> ConnectionChannel:
         _require_posix(self.url)
         streams = await asyncio.open_unix_connection(self.url.path)
         name = f"unix {self.url.path}"
-        return StreamConnection(name, self.url.path, self._inbox.closed, streams, self._send_queue)
+        return StreamChannel(name, self.url.path, self._inbox.closed, streams, self._send_queue)
 
 
 def _remove_stale(path: Path) -> None:
-    """Remove the socket of a dead server, and raise if the server is alive: asyncio would take its place."""
+    """Remove the socket of a dead server; raise if the server is alive, because asyncio would replace it."""
     if not path.exists() or not stat.S_ISSOCK(path.stat().st_mode):
         return
     with socket.socket(socket.AF_UNIX) as probe:
@@ -85,4 +86,4 @@ def _remove_stale(path: Path) -> None:
         except ConnectionRefusedError:
             path.unlink()
         else:
-            raise LinkError(f"cannot open unixin://{path}: another program listens there: close it first")
+            raise LinkError(f"cannot open unixin://{path}: another program listens on it: close that program")

@@ -1,11 +1,11 @@
-"""Link URLs: what users type, understood once.
+"""Parsing of link URLs.
 
-Our own form is `scheme://where?option=value&…`. The forms of other programs are read as their users mean
-them: `udp:host:port` listens and `tcp:host:port` connects (pymavlink, MAVProxy), `/dev/ttyACM0,57600` and
-`serial:///dev/ttyACM0:57600` carry the baud rate behind the device, `COM3` is a serial port, and a path or
-a `*.tlog` name is a file to replay. A bare `host:port` is refused: to one program it means listening, to
-another sending. Parsing is pure, `str()` of a parsed URL is its canonical form, and parsing that again
-gives the same URL.
+The canonical form is `scheme://address?option=value&…`. The forms of other programs are accepted with their
+meaning: `udp:host:port` listens and `tcp:host:port` connects (pymavlink, MAVProxy), `/dev/ttyACM0,57600` and
+`serial:///dev/ttyACM0:57600` have the baud rate after the device, `COM3` is a serial port, and a path or a
+`*.tlog` name is a file to replay. A bare `host:port` is refused, because some programs listen on it and
+others send to it. Parsing does no input or output; `str()` of a parsed URL is its canonical form, which
+parses to an equal URL.
 """
 
 from __future__ import annotations
@@ -67,7 +67,15 @@ _BARE_SERIAL = re.compile(r"/dev/.+|COM\d+([:,]\d+)?|\\\\\.\\COM\d+([:,]\d+)?", 
 
 @dataclass(frozen=True, slots=True)
 class LinkURL:
-    """A parsed URL: the canonical scheme, where it leads, and its options as text."""
+    """A parsed link URL.
+
+    Attributes:
+        scheme: The canonical scheme, such as `udpin`.
+        host: The host name or address, or an empty string.
+        port: The port, or 0.
+        path: The path, device or file, or an empty string.
+        options: The options as text.
+    """
 
     scheme: str
     host: str = ""
@@ -77,21 +85,50 @@ class LinkURL:
 
     def __str__(self) -> str:
         host = f"[{self.host}]" if ":" in self.host else self.host
-        where = f"{host}:{self.port}" if self.host else ""
+        address = f"{host}:{self.port}" if self.host else ""
         query = "?" + urlencode(self.options, safe="/:.") if self.options else ""
-        return f"{self.scheme}://{where}{quote(self.path, safe=_PATH_SAFE)}{query}"
+        return f"{self.scheme}://{address}{quote(self.path, safe=_PATH_SAFE)}{query}"
+
+    @property
+    def redacted(self) -> str:
+        """The canonical form with `***` in place of keys, passwords and tokens, for errors and logs."""
+        return redact_options(str(self))
 
     def with_options(self, **options: object) -> LinkURL:
-        """The same URL with options added or replaced; True and False are written yes and no."""
+        """Return the URL with options added or replaced.
+
+        Args:
+            options: The options by name; True and False become yes and no.
+
+        Returns:
+            A new URL.
+        """
         texts = {name: _option_text(value) for name, value in options.items()}
         return replace(self, options={**self.options, **texts})
 
 
 _PATH_SAFE = "/:\\,.~@+=&"
+_SECRET_OPTION = re.compile(r"([?&][^=&]*(?:pass|secret|token|key)[^=&]*=)[^&]+", re.IGNORECASE)
+
+
+def redact_options(text: str) -> str:
+    """Replace the values of the secret options in the text of a URL by `***`."""
+    return _SECRET_OPTION.sub(r"\1***", text)
 
 
 def parse_url(text: str, plugins: Collection[str] = ()) -> LinkURL:
-    """Understand a URL; raises `LinkURLError`, which shows a right one. `plugins` are further schemes."""
+    """Parse a link URL.
+
+    Args:
+        text: The URL, or a form of another program.
+        plugins: Schemes beyond the built-in ones.
+
+    Returns:
+        The parsed URL.
+
+    Raises:
+        LinkURLError: The URL is malformed; the text contains a valid example.
+    """
     text = text.strip()
     if not text:
         _refuse(text, "it is empty")
@@ -112,18 +149,16 @@ def parse_url(text: str, plugins: Collection[str] = ()) -> LinkURL:
 
 
 def _parse_bare(text: str) -> LinkURL:
-    """What has no scheme: a device, a file, or a mistake."""
+    """Parse a text without a scheme: a device or a file."""
     body, _, _ = text.partition("?")
     if _BARE_SERIAL.fullmatch(body):
         return _parse_path(text, "serial", *_split_query(text, text, "serial"))
     if "/" in body or "\\" in body or body.lower().endswith(_RECORDINGS):
         return _parse_path(text, "file", *_split_query(text, text, "file"))
     if re.fullmatch(r"\S+:\d+", text):
-        problem = (
-            f"it does not say how: udpin://{text} listens, udpout://{text} sends, tcpout://{text} connects"
-        )
-        raise LinkURLError(f"cannot understand the link {text!r}: {problem}")
-    return _refuse(text, "it has no scheme, and is no device or file either")
+        problem = f"it has no scheme: udpin://{text} listens, udpout://{text} sends, tcpout://{text} connects"
+        raise LinkURLError(f"invalid link URL {redact_options(text)!r}: {problem}")
+    return _refuse(text, "it has no scheme, and is not a device or file")
 
 
 def _parse_path(text: str, scheme: str, body: str, options: dict[str, str]) -> LinkURL:
@@ -135,7 +170,7 @@ def _parse_path(text: str, scheme: str, body: str, options: dict[str, str]) -> L
     if not body.strip("/"):
         _refuse(
             text,
-            {"serial": "it names no device", "memory": "it has no name"}.get(scheme, "it has no path"),
+            {"serial": "it has no device", "memory": "it has no name"}.get(scheme, "it has no path"),
             scheme,
         )
     return LinkURL(scheme, path=body, options=options)
@@ -169,9 +204,9 @@ def _port(text: str, scheme: str, digits: str | None) -> int:
     if not (digits.isascii() and digits.isdigit()):
         _refuse(text, f"the port {digits!r} is not a number", scheme)
     port = int(digits)
-    lowest = 0 if scheme in _LISTENERS else 1
-    if not lowest <= port <= 65535:
-        _refuse(text, f"the port {port} is not between {lowest} and 65535", scheme)
+    minimum = 0 if scheme in _LISTENERS else 1
+    if not minimum <= port <= 65535:
+        _refuse(text, f"the port {port} is not between {minimum} and 65535", scheme)
     return port
 
 
@@ -181,7 +216,7 @@ def _split_query(text: str, rest: str, scheme: str) -> tuple[str, dict[str, str]
     try:
         pairs = parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query))
     except ValueError:
-        _refuse(text, f"its options {query!r} are not of the form name=value&name=value", scheme)
+        _refuse(text, "its options do not have the form name=value&name=value", scheme)
     options = dict(pairs)
     if len(options) < len(pairs):
         _refuse(text, "an option is given twice", scheme)
@@ -194,11 +229,11 @@ def _option_text(value: object) -> str:
 
 def _unknown_scheme(text: str, scheme: str) -> NoReturn:
     near = get_close_matches(scheme, [*EXAMPLES, *_ALIASES], n=1)
-    hint = f"did you mean {near[0]}?" if near else "there are " + ", ".join(EXAMPLES)
-    _refuse(text, f"there is no scheme {scheme!r}; {hint}", near[0] if near else "udpin")
+    hint = f"did you mean {near[0]}?" if near else "known schemes: " + ", ".join(EXAMPLES)
+    _refuse(text, f"unknown scheme {scheme!r}; {hint}", near[0] if near else "udpin")
 
 
 def _refuse(text: str, problem: str, scheme: str = "udpin") -> NoReturn:
     scheme = _ALIASES[scheme][0] if scheme in _ALIASES else scheme
     example = EXAMPLES.get(scheme, EXAMPLES["udpin"])
-    raise LinkURLError(f"cannot understand the link {text!r}: {problem}; a right one is {example}")
+    raise LinkURLError(f"invalid link URL {redact_options(text)!r}: {problem}; for example: {example}")

@@ -1,8 +1,8 @@
-"""WebSocket: `ws://` and `wss://host/path` connect, `wsin://` and `wssin://host:port` listen; extra `web`.
+"""WebSocket links: `ws://` and `wss://host/path` connect, `wsin://` and `wssin://host:port` listen.
 
-Each binary message is a chunk. A text message is not ours: it is dropped and counted. The server refuses
-connections made by web pages, which any site open in the user's browser could make, unless the page's
-origin is named by `origin=https://…`; `origin=*` lets all in.
+They need the extra `web`. Each binary message is a chunk; text messages are dropped and counted. The server
+refuses connections from web pages, because any page open in the user's browser could connect, unless the
+origin of the page is given by `origin=https://…`; `origin=*` accepts all origins.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from urllib.parse import quote
 
 from mavstack.errors import LinkError, MissingExtraError
 from mavstack.links.address import format_address
-from mavstack.links.connection import ClientLink, Connection, ServerLink
-from mavstack.links.explain import explain
-from mavstack.links.queued import QueuedConnection
+from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
+from mavstack.links.os_errors import open_error
+from mavstack.links.queued import QueuedChannel
 from mavstack.links.stream import stop_accepting
 from mavstack.links.tls import client_context, server_context
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import ssl
     from collections.abc import Callable, Sequence
 
-    from websockets.asyncio.connection import Connection as WebSocket
+    from websockets.asyncio.connection import ConnectionChannel as WebSocket
     from websockets.asyncio.server import Server, ServerConnection
     from websockets.typing import Origin
 
@@ -41,31 +41,31 @@ if TYPE_CHECKING:
     from mavstack.links.options import Options
     from mavstack.links.url import LinkURL
 
-_LARGEST = 1 << 20
+MAX_MESSAGE = 1 << 20
 
 
-class WsConnection(QueuedConnection):
-    """One WebSocket."""
+class WsChannel(QueuedChannel):
+    """A channel over one WebSocket."""
 
     def __init__(
-        self, scheme: str, gone: Callable[[Channel, str], None], send_queue: int, socket: WebSocket
+        self, scheme: str, on_closed: Callable[[Channel, str], None], send_queue: int, socket: WebSocket
     ) -> None:
         peer = format_address(socket.remote_address)
-        super().__init__(f"{scheme} {peer}", peer, gone, send_queue)
+        super().__init__(f"{scheme} {peer}", peer, on_closed, send_queue)
         self._socket = socket
 
     def abort(self) -> None:
         """Drop the connection without a closing handshake."""
         self._socket.transport.abort()
 
-    async def _receive_all(self, inbox: Inbox) -> str:
+    async def _receive_loop(self, inbox: Inbox) -> str:
         try:
             async for message in self._socket:
                 if isinstance(message, str):
-                    self.counters.dropped_in += 1
+                    inbox.drop(self.counters)
                 elif not self.closed:
                     inbox.put(self, message, time())
-                    await inbox.room()
+                    await inbox.wait_for_room()
         except ConnectionClosed as error:
             return f"connection lost ({error})"
         return "closed by the peer"
@@ -73,13 +73,13 @@ class WsConnection(QueuedConnection):
     async def _transmit(self, data: bytes) -> None:
         await self._socket.send(data)
 
-    async def _hang_up(self) -> None:
+    async def _disconnect(self) -> None:
         with suppress(WebSocketException, OSError):
             await self._socket.close()
 
 
 class WsServer(ServerLink):
-    """Listens; every WebSocket is a channel."""
+    """A link that listens; every WebSocket is a channel."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
@@ -89,7 +89,7 @@ class WsServer(ServerLink):
 
     @property
     def address(self) -> tuple[str, int] | None:
-        """The host and port that it listens on."""
+        """Host and port on which the link listens, or None before it is open."""
         sockets = list(self._server.sockets) if self._server else []
         return sockets[0].getsockname()[:2] if sockets else None
 
@@ -97,10 +97,11 @@ class WsServer(ServerLink):
         try:
             self._server = await serve(
                 self._accept, self.url.host, self.url.port,
-                origins=self._origins(), ssl=self._ssl, compression=None, max_size=_LARGEST, close_timeout=1,
+                origins=self._origins(), ssl=self._ssl,
+                compression=None, max_size=MAX_MESSAGE, close_timeout=1,
             )  # fmt: skip
         except OSError as error:
-            raise explain(self.url, error) from error
+            raise open_error(self.url, error) from error
 
     def _origins(self) -> Sequence[Origin | None] | None:
         if self._origin == "*":
@@ -108,7 +109,7 @@ class WsServer(ServerLink):
         return [None, self._origin] if self._origin else [None]  # type: ignore[list-item]
 
     async def _accept(self, socket: ServerConnection) -> None:
-        connection = WsConnection(self.url.scheme, self._inbox.closed, self._send_queue, socket)
+        connection = WsChannel(self.url.scheme, self._inbox.closed, self._send_queue, socket)
         if self._admit(connection):
             await asyncio.wait({self._spawn(self._serve_task(connection))})
 
@@ -123,22 +124,24 @@ class WsServer(ServerLink):
 
 
 class WsClient(ClientLink):
-    """Connects to a WebSocket server; the option `timeout` bounds each attempt."""
+    """A link that connects to a WebSocket server; the option `timeout` limits each attempt in seconds."""
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self._timeout = options.seconds("timeout", 5.0)
-        self._settings: dict[str, Any] = {"compression": None, "max_size": _LARGEST, "close_timeout": 1}
+        self._settings: dict[str, Any] = {"compression": None, "max_size": MAX_MESSAGE, "close_timeout": 1}
         if url.scheme == "wss":
             self._settings["ssl"] = client_context(url, options)
 
-    async def _connect(self) -> Connection:
+    async def _connect(self) -> ConnectionChannel:
         host = f"[{self.url.host}]" if ":" in self.url.host else self.url.host
         address = f"{self.url.scheme}://{host}:{self.url.port}{quote(self.url.path)}"
         try:
             socket = await connect(address, open_timeout=self._timeout, **self._settings)
         except InvalidHandshake as error:
-            raise LinkError(f"cannot open {self.url}: the server refused the WebSocket: {error}") from error
+            raise LinkError(
+                f"cannot open {self.url.redacted}: the server refused the WebSocket: {error}"
+            ) from error
         except WebSocketException as error:
-            raise LinkError(f"cannot open {self.url}: {error}") from error
-        return WsConnection(self.url.scheme, self._inbox.closed, self._send_queue, socket)
+            raise LinkError(f"cannot open {self.url.redacted}: {error}") from error
+        return WsChannel(self.url.scheme, self._inbox.closed, self._send_queue, socket)
