@@ -275,7 +275,7 @@ def _radio(words: Sequence[str]) -> Callable[[Vehicle], bool]:
 
     def switch(vehicle: Vehicle) -> bool:
         vehicle.autopilot.radio.switch(not off)
-        return off and vehicle.autopilot.radio.fitted
+        return off and vehicle.autopilot.radio.has_transmitter
 
     return switch
 

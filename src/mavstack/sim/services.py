@@ -82,8 +82,8 @@ class Services:
         self.logs = engine.add(LogServer(local, vehicle.storage.logs))
         for service in (PingServer(local), TimesyncServer(local)):
             engine.add(service)
-        vehicle.on(ModeChanged, self._mode_changed)
-        vehicle.on(ParameterWritten, vehicle.parameters.written)
+        vehicle.on_event(ModeChanged, self._mode_changed)
+        vehicle.on_event(ParameterWritten, vehicle.parameters.written)
 
     def port_of(self, state: ChannelState) -> Port | None:
         """Return the port of a channel; None if it was closed meanwhile."""

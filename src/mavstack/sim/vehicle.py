@@ -205,7 +205,7 @@ class SimulatedVehicle:
         if listener not in self.listeners:
             self.listeners.append(listener)
 
-    def on(self, kind: type[AnyEvent], reaction: Callable[[AnyEvent], None]) -> None:
+    def on_event(self, kind: type[AnyEvent], reaction: Callable[[AnyEvent], None]) -> None:
         """Call `reaction` with each event of a class out of the services."""
         self._reactions[kind].append(reaction)
 
@@ -213,7 +213,7 @@ class SimulatedVehicle:
         """Say that a service's method was called, so that what it wants to send goes out."""
         self.engine.touch(service)
 
-    def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
         """Say something by STATUSTEXT, and write it into the log."""
         self.services.texts.say(text, severity)
         self.touch(self.services.texts)

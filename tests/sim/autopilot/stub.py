@@ -143,7 +143,7 @@ class StubVehicle:
     parameters: dict[str, Any] = field(default_factory=dict)
     entered: list[tuple[int, str]] = field(default_factory=list)
 
-    def on(self, kind: Any, reaction: Any) -> None:
+    def on_event(self, kind: Any, reaction: Any) -> None:
         self.reactions[kind].append(reaction)
 
     def tell(self, event: Event) -> None:
@@ -151,7 +151,7 @@ class StubVehicle:
         for reaction in self.reactions[type(event)]:
             reaction(event)
 
-    def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
         self.said.append(text)
 
     def touch(self, service: Any) -> None: ...

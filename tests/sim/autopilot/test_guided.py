@@ -92,7 +92,7 @@ def test_a_yaw_of_a_turned_frame_counts_from_its_heading() -> None:
 def test_frames_that_the_firmware_ignores_change_nothing() -> None:
     flight = guided(setpoint_frames=frozenset({F.LOCAL_NED}))
     assert not flight.autopilot.guided.set(LocalSetpoint(position=(9.0, 0.0, 0.0), frame=F.BODY_NED))
-    assert flight.autopilot.guided.aim is None
+    assert flight.autopilot.guided.command is None
 
 
 @pytest.mark.parametrize(

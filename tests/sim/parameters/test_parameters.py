@@ -95,7 +95,7 @@ def test_vehicles_share_nothing() -> None:
 @pytest.mark.parametrize(("firmware", "type_"), list(product(Firmware, VehicleType)))
 def test_a_client_lists_the_whole_table(firmware, type_) -> None:
     flight = Flight(firmware, type_)
-    flight.run(flight.client.fetch_all(flight.network.now))
+    flight.run(flight.client.download(flight.network.now))
     assert flight.client.complete
     listed = flight.client.parameters
     table = flight.parameters.table
@@ -112,7 +112,7 @@ def test_the_server_speaks_as_the_firmware_does(firmware) -> None:
     encoding = Encoding.C_CAST if firmware is Firmware.ARDUPILOT else Encoding.BYTEWISE
     assert isinstance(flight.server, ParameterServer)
     assert flight.server.encoding is encoding
-    flight.run(flight.client.fetch_all(flight.network.now))
+    flight.run(flight.client.download(flight.network.now))
     assert ("_HASH_CHECK" in dict(flight.heard())) is (firmware is Firmware.PX4)
 
 

@@ -19,7 +19,7 @@ from mavstack.services import Address
 from mavstack.services.command import Command
 from mavstack.services.modes.names import px4_modes_of
 from mavstack.sim.simulation import Simulation
-from mavstack.sim.telemetry import Link, use_link
+from mavstack.sim.telemetry import LinkMode, set_link_mode
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.waiting import step_until
 
@@ -41,7 +41,7 @@ class Pilot:
     def __init__(self, kind: str = "copter", *, seed: int = 1, ready: bool = True) -> None:
         self.simulation = Simulation(seed=seed)
         self.vehicle = self.simulation.add(VehicleType(kind), Firmware.PX4)
-        use_link(self.vehicle, Link.MINIMAL)  # what is not looked at is not made
+        set_link_mode(self.vehicle, LinkMode.MINIMAL)  # what is not looked at is not made
         self.port = self.vehicle.open_port("ground")
         self._parser = Parser(Dialect.load("all"))
         self._sequence = 0

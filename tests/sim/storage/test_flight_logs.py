@@ -384,7 +384,7 @@ def test_over_the_network(kind) -> None:
         data = ends.run(ends.logs, ends.logs.download(entry, ends.network.now)).result()
         assert data == content(logs, entry.id)
     for path in paths(store):
-        data = ends.run(ends.files, ends.files.read_file(path, ends.network.now)).result()
+        data = ends.run(ends.files, ends.files.download(path, ends.network.now)).result()
         assert data == store[path]
     ends.run(ends.logs, ends.logs.erase(ends.network.now)).result()
     assert logs.logs() == []

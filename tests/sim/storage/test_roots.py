@@ -240,9 +240,9 @@ def test_over_the_network(vehicle) -> None:
         assert network.run(lambda: operation.done, timeout=600)
         return operation.result()
 
-    assert unpack(run(client.read_file("@PARAM/param.pck?withdefaults=1", network.now))).whole
+    assert unpack(run(client.download("@PARAM/param.pck?withdefaults=1", network.now))).whole
     run(
-        client.write_file(
+        client.upload(
             "@MISSION/rally.dat", pack_plan(Plan.of(PLAN.items[1:], PlanType.RALLY)), network.now
         )
     )
@@ -250,4 +250,4 @@ def test_over_the_network(vehicle) -> None:
     listed = run(client.list_directory("/", network.now))
     assert [entry.name for entry in listed] == ["@MISSION", "@PARAM", "@SYS", "APM"]
     for path in ("@SYS/uarts.txt", "@MISSION/mission.dat"):
-        assert run(client.read_file(path, network.now)) == read(vehicle.ardupilot, path)
+        assert run(client.download(path, network.now)) == read(vehicle.ardupilot, path)

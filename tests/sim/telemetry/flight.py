@@ -1,4 +1,4 @@
-"""A real vehicle with its services and its telemetry, whose autopilot has the modes of the autopilot's tests.
+"""A simulated vehicle with its services and telemetry, and the modes of the autopilot tests.
 
 flight = Flight(VehicleType.COPTER, Firmware.PX4)
 flight.run(5.0)
@@ -14,7 +14,7 @@ from mavstack.dialects import Dialect, Message, common
 from mavstack.services import Address
 from mavstack.sim.motion import World
 from mavstack.sim.parameters import Parameters
-from mavstack.sim.telemetry import provide_ardupilot, provide_px4
+from mavstack.sim.telemetry import publish_ardupilot, publish_px4
 from mavstack.sim.vehicle import SimulatedVehicle
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from mavstack.wire import Encoder, Packet, Parser
@@ -29,38 +29,40 @@ AnyMessage = TypeVar("AnyMessage", bound=Message)
 START = 1_700_000_000.0
 RATE = 50.0
 GROUND = Address(255, 190)
-KINDS = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
-NAMES = [f"{firmware}-{kind}" for kind, firmware in KINDS]
+VEHICLES = [(vehicle_type, firmware) for vehicle_type in VehicleType for firmware in Firmware]
+VEHICLE_IDS = [f"{firmware}-{vehicle_type}" for vehicle_type, firmware in VEHICLES]
 
 
 class TelemetryProfile(StubProfile):
-    """A profile that only has telemetry."""
+    """A firmware profile that has only telemetry."""
 
-    def __init__(self, kind: VehicleType, firmware: Firmware) -> None:
-        super().__init__(new_flight_parameters(kind), usual_behaviours())
+    def __init__(self, vehicle_type: VehicleType, firmware: Firmware) -> None:
+        super().__init__(new_flight_parameters(vehicle_type), usual_behaviours())
         self.transmitter = firmware is Firmware.ARDUPILOT
         self._firmware = firmware
 
     def provide(self, vehicle: Any) -> None:
         self._flight_parameters.body = vehicle.body
-        (provide_px4 if self._firmware is Firmware.PX4 else provide_ardupilot)(vehicle)
+        (publish_px4 if self._firmware is Firmware.PX4 else publish_ardupilot)(vehicle)
 
 
 def new_vehicle(
     world: World,
-    kind: VehicleType = VehicleType.COPTER,
+    vehicle_type: VehicleType = VehicleType.COPTER,
     firmware: Firmware = Firmware.ARDUPILOT,
     *,
     home: Home = DEFAULT_HOME,
     system: int = 1,
     **parameters: float,
 ) -> SimulatedVehicle:
-    """Put a vehicle into a world; some parameters may be other than usual."""
-    table = Parameters(firmware, kind, system)
+    """Add a vehicle to a world, with some parameters set."""
+    table = Parameters(firmware, vehicle_type, system)
     for name, value in parameters.items():
         table.set(name, value)
-    profile = TelemetryProfile(kind, firmware)
-    return SimulatedVehicle(world.add(kind, home), kind, firmware, Address(system, 1), profile, table, START)
+    profile = TelemetryProfile(vehicle_type, firmware)
+    return SimulatedVehicle(
+        world.add(vehicle_type, home), vehicle_type, firmware, Address(system, 1), profile, table, START
+    )
 
 
 class Flight:
@@ -68,14 +70,14 @@ class Flight:
 
     def __init__(
         self,
-        kind: VehicleType = VehicleType.COPTER,
+        vehicle_type: VehicleType = VehicleType.COPTER,
         firmware: Firmware = Firmware.ARDUPILOT,
         *,
         system: int = 1,
         **parameters: float,
     ) -> None:
         self.world = World(seed=1, rate=RATE)
-        self.vehicle = new_vehicle(self.world, kind, firmware, system=system, **parameters)
+        self.vehicle = new_vehicle(self.world, vehicle_type, firmware, system=system, **parameters)
         self.port = self.vehicle.open_port("ground")
         self.packets: list[tuple[float, Packet]] = []
         self._encoder = Encoder(*GROUND)
@@ -105,7 +107,7 @@ class Flight:
         step_until(holds, self.step, lambda: self.now, timeout=timeout)
 
     def send(self, message: Message) -> None:
-        """Let the peer send something."""
+        """Send a message from the peer to the vehicle."""
         self.vehicle.receive(self.port, self._encoder.encode(message, self.now))
 
     def command(self, command: int, *params: float) -> None:
@@ -113,30 +115,30 @@ class Flight:
         self.send(common.CommandLong(target_system=1, target_component=1, command=command, **fields))
 
     def fly(self, seconds: float = 15.0) -> Flight:
-        """Arm, and leave the ground if the type can."""
+        """Arm, and take off if the type can."""
         self.run(3.0)
         assert not self.vehicle.autopilot.arm()
         self.vehicle.autopilot.enter(TAKEOFF, "test")
         self.run(seconds)
         return self
 
-    # What was heard
+    # Received messages
 
     def rates(self, seconds: float) -> Counter[str]:
-        """How often each message comes in the next seconds, in all."""
+        """Count each message that is received in the next seconds."""
         self.packets.clear()
         self.run(seconds)
         return Counter(type(packet.message).__name__ for _, packet in self.packets)
 
-    def newest(self, kind: type[AnyMessage], *, timeout: float = 11.0) -> AnyMessage:
-        """The next message of a kind."""
+    def newest(self, vehicle_type: type[AnyMessage], *, timeout: float = 11.0) -> AnyMessage:
+        """Return the next message of a type."""
         self.packets.clear()
         steps = 0
         while True:
             for _, packet in self.packets:
-                if isinstance(packet.message, kind):
+                if isinstance(packet.message, vehicle_type):
                     return packet.message
-            assert steps < timeout * RATE, f"no {kind.__name__} within {timeout} s"
+            assert steps < timeout * RATE, f"no {vehicle_type.__name__} within {timeout} s"
             self.packets.clear()
             self.step()
             steps += 1

@@ -1,4 +1,4 @@
-"""Whatever the body is like and whatever the vehicle does: each message can be made, and sent."""
+"""Random bodies and all states of a flight: every message can be built and encoded."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 
 from mavstack.sim.motion.geodesy import LocalFrame
 from mavstack.sim.motion.readings import BatteryState, EstimateHealth, Motion, SensorReadings, Wind
-from mavstack.sim.telemetry.ardupilot import ONLY, ardupilot_producers
+from mavstack.sim.telemetry.ardupilot import TYPES_SENDING, ardupilot_producers
 from mavstack.sim.telemetry.producers import Producers
 from mavstack.sim.telemetry.px4 import px4_producers
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.wire import Encoder
 from tests.sim.autopilot.stub import GUIDED, LAND, RETURN
-from tests.sim.telemetry.flight import KINDS, NAMES, Flight
+from tests.sim.telemetry.flight import VEHICLE_IDS, VEHICLES, Flight
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
@@ -35,7 +35,7 @@ INTEGERS = {
 
 @dataclass
 class AnyBody:
-    """A body as telemetry reads it."""
+    """A body as telemetry reads it, with arbitrary values."""
 
     truth: Motion
     estimate: Motion
@@ -52,12 +52,12 @@ class AnyBody:
     frame: LocalFrame
 
 
-def _tuples(kind, numbers):
+def _tuples(vehicle_type, numbers):
     fields = {
         name: INTEGERS.get(name, st.booleans() if hint in (bool, "bool") else numbers)
-        for name, hint in kind.__annotations__.items()
+        for name, hint in vehicle_type.__annotations__.items()
     }
-    return st.builds(kind, **fields)
+    return st.builds(vehicle_type, **fields)
 
 
 BODIES = st.builds(
@@ -79,33 +79,35 @@ BODIES = st.builds(
 
 
 @cache
-def _flight(kind: VehicleType, firmware: Firmware) -> Flight:
+def _flight(vehicle_type: VehicleType, firmware: Firmware) -> Flight:
     flight = (
-        Flight(kind, firmware, RNGFND1_TYPE=1) if firmware is Firmware.ARDUPILOT else Flight(kind, firmware)
+        Flight(vehicle_type, firmware, RNGFND1_TYPE=1)
+        if firmware is Firmware.ARDUPILOT
+        else Flight(vehicle_type, firmware)
     )
     return flight.fly(3.0)
 
 
 def _producers(flight: Flight):
-    of = Producers(flight.vehicle)
-    return (px4_producers if flight.vehicle.firmware is Firmware.PX4 else ardupilot_producers)(of)
+    producers = Producers(flight.vehicle)
+    return (px4_producers if flight.vehicle.firmware is Firmware.PX4 else ardupilot_producers)(producers)
 
 
 def _send_all(flight: Flight) -> set[type[Message]]:
-    """Make and encode every message that the vehicle can send; which there were."""
+    """Build and encode every message that the vehicle can send; return the types of those that exist."""
     encoder, made = Encoder(1, 1), set()
-    for kind, produce in _producers(flight).items():
+    for vehicle_type, produce in _producers(flight).items():
         message = produce(flight.now)
         if message is not None:
-            assert type(message).__mavlink_row__[0] == kind.__mavlink_row__[0]
+            assert type(message).__mavlink_row__[0] == vehicle_type.__mavlink_row__[0]
             assert encoder.encode(message, flight.now)
-            made.add(kind)
+            made.add(vehicle_type)
     return made
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(body=BODIES, which=st.sampled_from(KINDS), target=st.none() | st.tuples(NUMBER, NUMBER, NUMBER))
-def test_any_body(body, which, target):
+@given(body=BODIES, which=st.sampled_from(VEHICLES), target=st.none() | st.tuples(NUMBER, NUMBER, NUMBER))
+def test_random_bodies(body, which, target):
     flight = _flight(*which)
     vehicle, autopilot = flight.vehicle, flight.vehicle.autopilot
     real, vehicle.body = vehicle.body, body
@@ -117,10 +119,10 @@ def test_any_body(body, which, target):
     assert len(made) >= 25
 
 
-@pytest.mark.parametrize(("kind", "firmware"), KINDS, ids=NAMES)
-def test_every_state_of_a_flight(kind, firmware):
-    """Boot, ready, armed, on the way, without satellites, coming home, landed; over a link of MAVLink 2."""
-    flight = Flight(kind, firmware)
+@pytest.mark.parametrize(("vehicle_type", "firmware"), VEHICLES, ids=VEHICLE_IDS)
+def test_every_state_of_a_flight(vehicle_type, firmware):
+    """Boot, ready, armed, guided, without GPS, returning, landed; over a MAVLink 2 link."""
+    flight = Flight(vehicle_type, firmware)
     states = [
         lambda: None,
         lambda: flight.run(3.0),
@@ -158,8 +160,8 @@ def test_every_state_of_a_flight(kind, firmware):
         "Rangefinder",
     }
     missing = {
-        kind.__name__
-        for kind in _producers(flight).keys() - every
-        if flight.vehicle.type in ONLY.get(kind, VehicleType)
+        vehicle_type.__name__
+        for vehicle_type in _producers(flight).keys() - every
+        if flight.vehicle.type in TYPES_SENDING.get(vehicle_type, VehicleType)
     }
     assert missing <= rare

@@ -1,4 +1,4 @@
-"""Which messages come, and how often: by themselves, by parameters, and as clients ask."""
+"""Streamed messages and their rates: by default, by parameters, and on request."""
 
 from __future__ import annotations
 
@@ -6,33 +6,33 @@ import pytest
 
 from mavstack.dialects import ardupilotmega as dialect
 from mavstack.dialects import common
-from mavstack.sim.telemetry import Link, use_link
-from mavstack.sim.telemetry.ardupilot import GROUPS, ONLY
+from mavstack.sim.telemetry import LinkMode, set_link_mode
+from mavstack.sim.telemetry.ardupilot import GROUPS, TYPES_SENDING
 from mavstack.sim.telemetry.px4 import RATES
 from mavstack.sim.vehicle_types import Firmware, VehicleType
-from tests.sim.telemetry.flight import KINDS, NAMES, Flight
+from tests.sim.telemetry.flight import VEHICLE_IDS, VEHICLES, Flight
 
 PX4, ARDUPILOT = Firmware.PX4, Firmware.ARDUPILOT
 _SECONDS = 20.0
-#: The issue's list, by who sends them; others are only for some types, or only in flight.
-EVERYWHERE = {"SysStatus", "GpsRawInt", "BatteryStatus", "Vibration", "ServoOutputRaw", "Attitude", "VfrHud"}
-EVERYWHERE |= {"GlobalPositionInt", "LocalPositionNed", "ScaledPressure", "MissionCurrent", "Heartbeat"}
-OF_ARDUPILOT = {"EkfStatusReport", "RcChannels", "RawImu", "NavControllerOutput", "SystemTime", "Ahrs"}
-OF_PX4 = {"EstimatorStatus", "ExtendedSysState", "HomePosition", "AttitudeQuaternion", "Altitude"}
+#: Messages that every type sends, by firmware; others are sent by some types or in flight only.
+SENT_BY_ALL = {"SysStatus", "GpsRawInt", "BatteryStatus", "Vibration", "ServoOutputRaw", "Attitude", "VfrHud"}
+SENT_BY_ALL |= {"GlobalPositionInt", "LocalPositionNed", "ScaledPressure", "MissionCurrent", "Heartbeat"}
+SENT_BY_ARDUPILOT = {"EkfStatusReport", "RcChannels", "RawImu", "NavControllerOutput", "SystemTime", "Ahrs"}
+SENT_BY_PX4 = {"EstimatorStatus", "ExtendedSysState", "HomePosition", "AttitudeQuaternion", "Altitude"}
 
 
-@pytest.mark.parametrize(("kind", "firmware"), KINDS, ids=NAMES)
-def test_every_type_sends_at_least_the_usual_set(kind, firmware):
-    flight = Flight(kind, firmware)
+@pytest.mark.parametrize(("vehicle_type", "firmware"), VEHICLES, ids=VEHICLE_IDS)
+def test_every_type_sends_the_common_messages(vehicle_type, firmware):
+    flight = Flight(vehicle_type, firmware)
     flight.run(3.0)
     heard = set(flight.rates(11.0))
-    assert heard >= EVERYWHERE | (OF_PX4 if firmware is PX4 else OF_ARDUPILOT)
-    if kind in (VehicleType.PLANE, VehicleType.VTOL):
+    assert heard >= SENT_BY_ALL | (SENT_BY_PX4 if firmware is PX4 else SENT_BY_ARDUPILOT)
+    if vehicle_type in (VehicleType.PLANE, VehicleType.VTOL):
         assert ("WindCov" if firmware is PX4 else "Wind") in heard
     assert flight.port.state.unsendable == 0
 
 
-def test_ardupilots_groups_come_at_the_rate_of_their_parameters():
+def test_ardupilot_groups_follow_their_rate_parameters():
     rates = {
         "RAW_SENS": 1,
         "EXT_STAT": 2,
@@ -51,21 +51,26 @@ def test_ardupilots_groups_come_at_the_rate_of_their_parameters():
         dialect.DistanceSensor,
         dialect.Rangefinder,
     }
-    for name, _, kinds in GROUPS:
-        for kind in kinds:
-            if VehicleType.COPTER in ONLY.get(kind, VehicleType) and kind not in silent:
-                assert heard[kind.__name__] == pytest.approx(rates[name] * _SECONDS, abs=1), kind
+    for name, _, message_types in GROUPS:
+        for vehicle_type in message_types:
+            if (
+                VehicleType.COPTER in TYPES_SENDING.get(vehicle_type, VehicleType)
+                and vehicle_type not in silent
+            ):
+                assert heard[vehicle_type.__name__] == pytest.approx(rates[name] * _SECONDS, abs=1), (
+                    vehicle_type
+                )
 
 
-@pytest.mark.parametrize("kind", VehicleType)
-def test_a_ground_stations_usual_rate_is_four_a_second(kind):
-    flight = Flight(kind, ARDUPILOT)
+@pytest.mark.parametrize("vehicle_type", VehicleType)
+def test_ardupilot_default_rate_is_four_hertz(vehicle_type):
+    flight = Flight(vehicle_type, ARDUPILOT)
     flight.run(3.0)
     heard = flight.rates(5.0)
     assert heard["Attitude"] == heard["RawImu"] == heard["SysStatus"] == pytest.approx(20, abs=1)
 
 
-def test_a_parameter_set_in_flight_changes_the_rate_at_once():
+def test_parameter_change_in_flight_changes_the_rate():
     flight = Flight(VehicleType.PLANE, ARDUPILOT, SR0_EXTRA1=4)
     flight.run(3.0)
     flight.send(
@@ -85,7 +90,7 @@ def test_a_parameter_set_in_flight_changes_the_rate_at_once():
     assert flight.rates(5.0)["Attitude"] <= 1
 
 
-def test_ardupilot_obeys_requests_for_groups():
+def test_ardupilot_follows_request_data_stream():
     flight = Flight(VehicleType.COPTER, ARDUPILOT, **{f"SR0_{name}": 0 for name, _, _ in GROUPS})
     flight.run(3.0)
     assert set(flight.rates(5.0)) <= {"Heartbeat", "CurrentMode"}
@@ -104,35 +109,35 @@ def test_ardupilot_obeys_requests_for_groups():
     assert heard["AttitudeQuaternion"] == 0
 
 
-@pytest.mark.parametrize("link", Link)
-@pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.PLANE])
-def test_px4s_rates_are_those_of_its_link(kind, link):
-    flight = Flight(kind, PX4)
+@pytest.mark.parametrize("link", LinkMode)
+@pytest.mark.parametrize("vehicle_type", [VehicleType.COPTER, VehicleType.PLANE])
+def test_px4_rates_follow_the_link_mode(vehicle_type, link):
+    flight = Flight(vehicle_type, PX4)
     flight.run(3.0)
-    use_link(flight.vehicle, link)
+    set_link_mode(flight.vehicle, link)
     flight.run(1.0)
     heard = flight.rates(_SECONDS)
     missing = {common.NavControllerOutput, common.OrbitExecutionStatus, common.PositionTargetGlobalInt}
     missing |= {common.RcChannels}
-    copter = kind is VehicleType.COPTER
+    copter = vehicle_type is VehicleType.COPTER
     missing |= {common.WindCov} if copter else {common.EscInfo, common.EscStatus}
     for row in RATES:
-        expected = 0.0 if row[0] in missing else row[1 + tuple(Link).index(link)]
+        expected = 0.0 if row[0] in missing else row[1 + tuple(LinkMode).index(link)]
         expected = min(expected, 50.0) * _SECONDS
         assert heard[row[0].__name__] == pytest.approx(expected, abs=max(1.0, 0.02 * expected)), row[0]
 
 
-def test_px4_on_its_simulations_links_is_as_busy_as_the_real_one():
+def test_px4_total_rates_match_sitl():
     flight = Flight(VehicleType.COPTER, PX4)
     flight.run(3.0)
     assert flight.rates(10.0).total() / 10.0 == pytest.approx(372.8, rel=0.01)
-    use_link(flight.vehicle, Link.ONBOARD)
+    set_link_mode(flight.vehicle, LinkMode.ONBOARD)
     flight.run(1.0)
-    # 50 of its ATTITUDE a second do not fit into steps of 20 ms
+    # the onboard link sends ATTITUDE at 100 Hz, but a step takes 20 ms
     assert flight.rates(10.0).total() / 10.0 == pytest.approx(428.8 - 50.0, rel=0.01)
 
 
-def test_px4_does_not_know_groups():
+def test_px4_ignores_request_data_stream():
     flight = Flight(VehicleType.COPTER, PX4)
     flight.run(3.0)
     flight.send(
@@ -144,7 +149,7 @@ def test_px4_does_not_know_groups():
 
 
 @pytest.mark.parametrize("firmware", Firmware)
-def test_an_interval_can_be_set_and_set_back(firmware):
+def test_message_interval_can_be_set_and_reset(firmware):
     flight = Flight(VehicleType.COPTER, firmware)
     flight.run(3.0)
     usual = flight.rates(5.0)["Attitude"]
@@ -155,20 +160,22 @@ def test_an_interval_can_be_set_and_set_back(firmware):
 
 
 @pytest.mark.parametrize("firmware", Firmware)
-@pytest.mark.parametrize("kind", [common.ExtendedSysState, common.HomePosition, common.AttitudeQuaternion])
-def test_what_is_not_sent_can_be_asked_for(firmware, kind):
+@pytest.mark.parametrize(
+    "vehicle_type", [common.ExtendedSysState, common.HomePosition, common.AttitudeQuaternion]
+)
+def test_message_without_a_stream_can_be_requested(firmware, vehicle_type):
     flight = Flight(VehicleType.COPTER, firmware)
     flight.run(3.0)
-    flight.command(common.MavCmd.SET_MESSAGE_INTERVAL, kind.__mavlink_row__[0], -1)
+    flight.command(common.MavCmd.SET_MESSAGE_INTERVAL, vehicle_type.__mavlink_row__[0], -1)
     flight.run(0.1)
-    assert flight.rates(3.0)[kind.__name__] == 0
+    assert flight.rates(3.0)[vehicle_type.__name__] == 0
     flight.packets.clear()
-    flight.command(common.MavCmd.REQUEST_MESSAGE, kind.__mavlink_row__[0])
+    flight.command(common.MavCmd.REQUEST_MESSAGE, vehicle_type.__mavlink_row__[0])
     flight.run(0.1)
-    assert [packet.message for _, packet in flight.packets if isinstance(packet.message, kind)]
+    assert [packet.message for _, packet in flight.packets if isinstance(packet.message, vehicle_type)]
 
 
-def test_neighbours_of_a_fleet_do_not_send_in_the_same_steps():
+def test_vehicles_of_a_fleet_start_streams_at_different_times():
     first = [_first_attitude(system) for system in range(1, 9)]
     assert len({round(moment, 3) for moment in first}) >= 6
 
@@ -179,7 +186,7 @@ def _first_attitude(system: int) -> float:
     return next(now for now, packet in flight.packets if isinstance(packet.message, common.Attitude))
 
 
-def test_px4s_parameter_chooses_the_link_of_the_next_boot():
+def test_px4_parameter_sets_the_link_mode_of_the_next_boot():
     flight = Flight(VehicleType.COPTER, PX4, MAV_0_MODE=2)
     flight.run(3.0)
     assert flight.rates(2.0)["HighresImu"] == pytest.approx(100, abs=2)

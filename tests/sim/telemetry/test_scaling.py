@@ -1,4 +1,4 @@
-"""Numbers of any size become what their fields can hold."""
+"""Conversion of numbers of any size to the range of their fields."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ RANGES = [
 ]
 
 
-@pytest.mark.parametrize(("scale", "least", "most"), RANGES, ids=lambda value: getattr(value, "__name__", ""))
+@pytest.mark.parametrize(("scale", "low", "high"), RANGES, ids=lambda value: getattr(value, "__name__", ""))
 @given(value=ANY)
-def test_always_in_range(scale, least, most, value):
+def test_result_is_in_range(scale, low, high, value):
     result = scale(value)
     assert isinstance(result, int)
-    assert least <= result <= most
+    assert low <= result <= high
 
 
 @pytest.mark.parametrize(
@@ -54,15 +54,15 @@ def test_always_in_range(scale, least, most, value):
         (scaling.centidegrees, nan, 65535),
     ],
 )
-def test_nearest_or_marked(scale, value, expected):
+def test_rounding_clipping_and_unknown(scale, value, expected):
     assert scale(value) == expected
 
 
 @given(value=st.floats(-100.0, 100.0))
-def test_whole_degrees_are_a_direction(value):
+def test_whole_degrees_match_the_direction(value):
     assert 0 <= scaling.whole_degrees(value) < 360
     assert abs((scaling.whole_degrees(value) * pi / 180 - value + pi) % (2 * pi) - pi) < 0.02
 
 
-def test_unknown_is_given():
+def test_given_unknown_marker():
     assert scaling.int16(nan, 32767) == 32767

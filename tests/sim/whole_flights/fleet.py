@@ -12,7 +12,7 @@ from mavstack.links import Impairment, MemoryNetwork, impair
 from mavstack.node import Node
 from mavstack.sim.runner import Runner
 from mavstack.sim.simulation import RATE, Simulation
-from mavstack.sim.telemetry.px4 import Link, use_link
+from mavstack.sim.telemetry.px4 import LinkMode, set_link_mode
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from tests.sim.whole_flights.station import SAMPLES, Flight, Sample, Station
@@ -37,7 +37,7 @@ SETTING_OUT = 6.0
 def whisper(vehicle: SimulatedVehicle) -> None:
     """Let a vehicle send little: most of the time of a test would go into telemetry."""
     if vehicle.firmware is Firmware.PX4:
-        use_link(vehicle, Link.MINIMAL)
+        set_link_mode(vehicle, LinkMode.MINIMAL)
         return
     for stream in STREAMS:
         vehicle.parameters.set(f"SR0_{stream}", 1 if stream in ("EXT_STAT", "POSITION") else 0)
@@ -135,7 +135,9 @@ async def fly(here: Station, system: int, flight: Flight, with_log: bool) -> Non
         await here.wait_until(lambda: not journal.armed, f"{name} landed")
     else:
         last = flight.plan.order[-1]
-        await here.wait_until(lambda: any(seq == last for _, seq in journal.current), f"{name} at its last item")
+        await here.wait_until(
+            lambda: any(seq == last for _, seq in journal.current), f"{name} at its last item"
+        )
         await asyncio.sleep(SETTING_OUT)
         await here.wait_until(lambda: at_rest(flight), f"{name} at rest", timeout=120)
         await remote.command(CMD.COMPONENT_ARM_DISARM, 0)

@@ -147,7 +147,7 @@ def _radio(autopilot: Autopilot) -> Iterator[str]:
 def _throttle(autopilot: Autopilot) -> Iterator[str]:
     if not autopilot.radio.present or autopilot.vehicle.type is VehicleType.SUB:
         return
-    if autopilot.mode.by_hand and _throttle_is_open(autopilot):
+    if autopilot.mode.manual_control and _throttle_is_open(autopilot):
         copter = autopilot.vehicle.type is VehicleType.COPTER
         yield "Throttle too high" if copter else "Throttle (RC3) is not neutral"
 
@@ -218,7 +218,7 @@ class PreArmWatch:
         if int(_number(autopilot.vehicle.parameters, "ARMING_OPTIONS")) & _QUIET_OPTION:
             return
         for problem in prearm_problems(autopilot):
-            autopilot.vehicle.say(f"PreArm: {problem}", common.MavSeverity.CRITICAL)
+            autopilot.vehicle.send_statustext(f"PreArm: {problem}", common.MavSeverity.CRITICAL)
 
 
 def _number(parameters: Parameters, name: str, default: float = 0.0) -> float:

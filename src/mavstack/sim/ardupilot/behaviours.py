@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import ardupilotmega
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours import Land, ReturnToLaunch, Takeoff
-from mavstack.sim.autopilot.behaviours.steps import go_there
+from mavstack.sim.autopilot.behaviours.steps import fly_to
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -62,7 +62,7 @@ class Trail:
         most = min(max(int(self._autopilot.vehicle.parameters.get("SRTL_POINTS", 300)), 0), _MOST_POINTS)
         if len(self.points) > most:
             self.lost, self.points = True, []
-            self._autopilot.vehicle.say("SmartRTL deactivated: buffer full")
+            self._autopilot.vehicle.send_statustext("SmartRTL deactivated: buffer full")
 
 
 class NoseWatch:
@@ -109,13 +109,13 @@ class SmartReturn(Behaviour):
         trail = trail_of(autopilot)
         points = trail.points if trail is not None else []
         while len(points) > 1:
-            yield from go_there(autopilot, points[-1])
+            yield from fly_to(autopilot, points[-1])
             points.pop()
         if autopilot.vehicle.type.flies:
             self.landing = True
             yield from Land(autopilot, points[0] if points else None).fly()
         elif points:
-            yield from go_there(autopilot, points[0])
+            yield from fly_to(autopilot, points[0])
         while True:
             yield
 
@@ -183,7 +183,7 @@ class WingTakeoff(Behaviour):
         else:
             altitude = self._altitude()
             part = Takeoff(autopilot, altitude, forward=True)
-            self._say(altitude)
+            self._send_statustext(altitude)
             for _ in part.fly():
                 self.taking_off = part.taking_off
                 yield
@@ -191,13 +191,13 @@ class WingTakeoff(Behaviour):
         while True:
             yield
 
-    def _say(self, altitude: float) -> None:
+    def _send_statustext(self, altitude: float) -> None:
         vehicle, here = self.autopilot.vehicle, self.autopilot.body.estimate
         speed = hypot(here.velocity_north, here.velocity_east)
         distance = float(vehicle.parameters.get("TKOFF_DIST", 200.0))
         heading = degrees(here.yaw) % 360
-        vehicle.say(f"Triggered AUTO. GPS speed = {speed:.1f}")
-        vehicle.say(f"Takeoff to {altitude:.0f}m for {distance:.1f}m heading {heading:.1f} deg")
+        vehicle.send_statustext(f"Triggered AUTO. GPS speed = {speed:.1f}")
+        vehicle.send_statustext(f"Takeoff to {altitude:.0f}m for {distance:.1f}m heading {heading:.1f} deg")
 
     def _altitude(self) -> float:
         return max(float(self.autopilot.vehicle.parameters.get("TKOFF_ALT", 50.0)), 5.0)

@@ -99,24 +99,26 @@ class ArdupilotMaintenance(MaintenanceCommands):
     def say_begun(self, name: str) -> None:
         """As the sensor's driver says it."""
         if name in _BEGUN:
-            self.vehicle.say(_BEGUN[name])
+            self.vehicle.send_statustext(_BEGUN[name])
 
     def say_done(self, name: str) -> None:
         """As the sensor's driver says it."""
-        self.vehicle.say(_DONE[name])
+        self.vehicle.send_statustext(_DONE[name])
         if name == "baro" and self.vehicle.type in (VehicleType.PLANE, VehicleType.VTOL):
-            self.vehicle.say("Airspeed 1 calibrated")
+            self.vehicle.send_statustext("Airspeed 1 calibrated")
 
     def store(self, request: CommandRequest) -> common.MavResult:
         """PREFLIGHT_STORAGE: only the reset to defaults; parameters are saved as they are set."""
         if whole(request.command.param1) != _RESET:
             return _RESULT.DENIED
         self.vehicle.parameters.reset()
-        self.vehicle.say("All parameters reset, reboot board", common.MavSeverity.WARNING)
+        self.vehicle.send_statustext("All parameters reset, reboot board", common.MavSeverity.WARNING)
         return _RESULT.ACCEPTED
 
     def test_motor(self, request: CommandRequest) -> Outcome:
         """DO_MOTOR_TEST."""
         result = super().test_motor(request)
-        self.vehicle.say("starting motor test" if result == _RESULT.ACCEPTED else "finished motor test")
+        self.vehicle.send_statustext(
+            "starting motor test" if result == _RESULT.ACCEPTED else "finished motor test"
+        )
         return result

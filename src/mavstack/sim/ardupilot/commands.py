@@ -83,7 +83,7 @@ class ArdupilotArming(ArmingCommands):
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED
         for problem in prearm_problems(self.autopilot):
-            self.vehicle.say(f"PreArm: {problem}", common.MavSeverity.CRITICAL)
+            self.vehicle.send_statustext(f"PreArm: {problem}", common.MavSeverity.CRITICAL)
         return _RESULT.ACCEPTED
 
 
@@ -166,14 +166,14 @@ class ArdupilotMission(MissionCommands):
         if autopilot.mode.number == autopilot.profile.guided and autopilot.armed and not autopilot.landed:
             autopilot.guided.go_to(autopilot.maneuvers.stopping_point)
             return _RESULT.ACCEPTED
-        self.vehicle.say("Failed to pause", _INFO)
+        self.vehicle.send_statustext("Failed to pause", _INFO)
         return _RESULT.FAILED
 
     def go_on(self) -> common.MavResult:
         """Go on in AUTO."""
         if self.autopilot.mission.flying and self.autopilot.mission.resume():
             return _RESULT.ACCEPTED
-        self.vehicle.say("Failed to resume", _INFO)
+        self.vehicle.send_statustext("Failed to resume", _INFO)
         return _RESULT.FAILED
 
 
@@ -244,7 +244,7 @@ class ArdupilotSystem(CommandGroup):
     def send_banner(self, request: CommandRequest) -> common.MavResult:
         """DO_SEND_BANNER."""
         for line in banner_of(self.vehicle):
-            self.vehicle.say(line, _INFO)
+            self.vehicle.send_statustext(line, _INFO)
         return _RESULT.ACCEPTED
 
     def reset_battery(self, request: CommandRequest) -> common.MavResult:
@@ -260,7 +260,7 @@ class ArdupilotSystem(CommandGroup):
         wanted = whole(request.command.param1)
         if wanted is None or not 1 <= wanted <= _MOST_SOURCES:
             return _RESULT.DENIED
-        self.vehicle.say(f"Using EKF Source Set {wanted}", _INFO)
+        self.vehicle.send_statustext(f"Using EKF Source Set {wanted}", _INFO)
         return _RESULT.ACCEPTED
 
 

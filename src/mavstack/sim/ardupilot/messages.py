@@ -41,7 +41,7 @@ class ArdupilotMessages(Service):
             case common.ParamRequestList() if now - self._banner_at >= _BANNER_PAUSE:
                 self._banner_at = now
                 for line in banner_of(self._vehicle):
-                    self._vehicle.say(line, common.MavSeverity.INFO)
+                    self._vehicle.send_statustext(line, common.MavSeverity.INFO)
             case common.SetHomePosition(target_system=self.local.system) as message:
                 self._set_home(message)
 

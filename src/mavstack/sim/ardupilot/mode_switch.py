@@ -78,6 +78,6 @@ class ModeSwitch:
             return
         failure = self._mode_failure(autopilot, mode)
         if failure is not None:
-            autopilot.vehicle.say(failure)
+            autopilot.vehicle.send_statustext(failure)
         else:
             autopilot.enter(number, "switch")

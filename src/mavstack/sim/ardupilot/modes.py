@@ -82,7 +82,7 @@ def _mode(
         behaviour,
         flags=flags,
         needs_position=position,
-        by_hand=hand,
+        manual_control=hand,
         may_arm=arm,
     )
 

@@ -238,7 +238,7 @@ class RoverMovement(ArdupilotMovement):
         """DO_CHANGE_SPEED: over ground, while the autopilot drives."""
         if whole(request.command.param1) not in (common.SpeedType.AIRSPEED, common.SpeedType.GROUNDSPEED):
             return _RESULT.DENIED
-        if self.autopilot.mode.by_hand or not request.command.param2 > 0:
+        if self.autopilot.mode.manual_control or not request.command.param2 > 0:
             return _RESULT.FAILED
         return super().change_speed(request)
 

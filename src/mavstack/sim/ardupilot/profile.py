@@ -19,7 +19,7 @@ from mavstack.sim.ardupilot.simulation_parameters import SimulationParameters
 from mavstack.sim.ardupilot.texts import BootTexts, armed_text, disarmed_text
 from mavstack.sim.autopilot.commands.home import home_position
 from mavstack.sim.autopilot.interfaces import FirmwareProfile
-from mavstack.sim.telemetry import provide_ardupilot
+from mavstack.sim.telemetry import publish_ardupilot
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -72,12 +72,12 @@ class ArdupilotProfile(FirmwareProfile):
 
     def provide(self, vehicle: Vehicle) -> None:
         """Telemetry and versions."""
-        provide_ardupilot(vehicle)
+        publish_ardupilot(vehicle)
         provide_versions(vehicle.messages, version_of(vehicle))
 
     def booted(self, vehicle: Vehicle) -> None:
         """The rest is said as things settle (`BootTexts`)."""
-        vehicle.say("Initialising ArduPilot", common.MavSeverity.INFO)
+        vehicle.send_statustext("Initialising ArduPilot", common.MavSeverity.INFO)
 
     # Arming
 
@@ -91,11 +91,11 @@ class ArdupilotProfile(FirmwareProfile):
 
     def armed(self, autopilot: Autopilot) -> None:
         """The motors were armed."""
-        autopilot.vehicle.say(armed_text(self.type), common.MavSeverity.INFO)
+        autopilot.vehicle.send_statustext(armed_text(self.type), common.MavSeverity.INFO)
 
     def disarmed(self, autopilot: Autopilot) -> None:
         """The motors were disarmed: the mission begins anew."""
-        autopilot.vehicle.say(disarmed_text(self.type), common.MavSeverity.INFO)
+        autopilot.vehicle.send_statustext(disarmed_text(self.type), common.MavSeverity.INFO)
         autopilot.mission.reset()
         autopilot.mission.restore(autopilot.mission.first)
 

@@ -63,12 +63,12 @@ class Calibrations:
         else:
             self.position = 0
             self._send_position(_SUCCESS)
-            self._autopilot.vehicle.say("Calibration successful", common.MavSeverity.CRITICAL)
+            self._autopilot.vehicle.send_statustext("Calibration successful", common.MavSeverity.CRITICAL)
         return True
 
     def _ask(self) -> None:
         text = f"Place vehicle {_POSITIONS[self.position - 1]} and press any key."
-        self._autopilot.vehicle.say(text, common.MavSeverity.CRITICAL)
+        self._autopilot.vehicle.send_statustext(text, common.MavSeverity.CRITICAL)
         self._due = self._autopilot.now
 
     def _send_position(self, position: int) -> None:

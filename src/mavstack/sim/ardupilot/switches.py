@@ -74,7 +74,7 @@ def _arm(autopilot: Autopilot, *, on: bool) -> bool:
         return True
     problems = autopilot.arm()
     for problem in problems:
-        autopilot.vehicle.say(problem)
+        autopilot.vehicle.send_statustext(problem)
     return not problems
 
 

@@ -40,11 +40,11 @@ class BootTexts:
 
     def _settle(self) -> Iterator[None]:
         autopilot = self._autopilot
-        self._say("Calibrating barometer")
-        self._say("Barometer 1 calibration complete")
+        self._send_statustext("Calibrating barometer")
+        self._send_statustext("Barometer 1 calibration complete")
         if autopilot.vehicle.type in (VehicleType.PLANE, VehicleType.VTOL):
-            self._say("Airspeed 1 calibrated")
-        self._say("ArduPilot Ready")
+            self._send_statustext("Airspeed 1 calibrated")
+        self._send_statustext("ArduPilot Ready")
         while not autopilot.booted:
             yield
         for words in ("initialised", "tilt alignment complete", "MAG0 initial yaw alignment complete"):
@@ -52,11 +52,11 @@ class BootTexts:
         yield
         while not autopilot.has_position:
             yield
-        self._say("GPS 1: detected u-blox")
+        self._send_statustext("GPS 1: detected u-blox")
         self._of_each("origin set")
         while autopilot.home is None:
             yield
-        self._say(f"Field Elevation Set: {autopilot.home.altitude:.0f}m")
+        self._send_statustext(f"Field Elevation Set: {autopilot.home.altitude:.0f}m")
         uses_gps = False
         while True:
             if autopilot.has_position and not uses_gps:
@@ -69,7 +69,7 @@ class BootTexts:
 
     def _of_each(self, words: str) -> None:
         for number in range(_IMUS):
-            self._say(f"EKF3 IMU{number} {words}")
+            self._send_statustext(f"EKF3 IMU{number} {words}")
 
-    def _say(self, text: str) -> None:
-        self._autopilot.vehicle.say(text, _INFO)
+    def _send_statustext(self, text: str) -> None:
+        self._autopilot.vehicle.send_statustext(text, _INFO)

@@ -1,7 +1,7 @@
-"""The autopilot of one simulated vehicle: its mode, whether it is armed, where home is, and what it does.
+"""The autopilot of one simulated vehicle: modes, arming, home and the tick.
 
-Ten times a second it looks at the vehicle (`tick`): watches first (radio, ground link, battery, fence), each
-of which may change the mode, then the behaviour of the mode. What differs between firmwares is the profile's.
+The autopilot ticks ten times a second: first the watches (radio, ground link, battery, fence), each of which
+may change the mode, then the behaviour of the mode. The firmware profile holds what differs between firmwares.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from mavstack.dialects import common
 from mavstack.services.mission import MissionItem
 from mavstack.sim.autopilot.commands.tasks import Tasks
 from mavstack.sim.autopilot.fence import FenceWatch
-from mavstack.sim.autopilot.guided import GuidedTarget
+from mavstack.sim.autopilot.guided import GuidedFlight
 from mavstack.sim.autopilot.maneuvers import maneuvers_of
 from mavstack.sim.autopilot.mission import MissionRunner
 from mavstack.sim.autopilot.payload import Payload
@@ -31,20 +31,20 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode, Vehicle
     from mavstack.sim.autopilot.state import Watch
 
-#: From power to readiness: sensors settle and the first position is found.
+#: Time from power-on until the sensors are settled and the position is known, in seconds.
 BOOT_TIME = 2.0
-#: Slower than this in all directions on the ground is at rest.
+#: A vehicle on the ground that is slower than this, in m/s, is at rest.
 _AT_REST = 0.3
-#: For so long the vehicle is at rest before it counts as landed.
+#: Time at rest until the vehicle counts as landed, in seconds.
 _LANDED_AFTER = 0.5
 
-#: As plain numbers: they are put together on each tick.
+#: Plain integers, because the flags are combined on each tick.
 _CUSTOM, _ARMED = int(common.MavModeFlag.CUSTOM_MODE_ENABLED), int(common.MavModeFlag.SAFETY_ARMED)
 _LANDED = common.MavLandedState
 
 
 class SimulatedAutopilot:
-    """Flies one vehicle."""
+    """An autopilot: its state, its mode, and the parts that fly one vehicle."""
 
     def __init__(self, vehicle: Vehicle, profile: FirmwareProfile) -> None:
         self.vehicle = vehicle
@@ -52,7 +52,7 @@ class SimulatedAutopilot:
         self.profile = profile
         self.flight_parameters = profile.flight_parameters(vehicle)
         self.maneuvers = maneuvers_of(self)
-        self.guided = GuidedTarget(self)
+        self.guided = GuidedFlight(self)
         self.radio = RadioControl(
             vehicle,
             transmitter=profile.transmitter,
@@ -62,15 +62,15 @@ class SimulatedAutopilot:
         self.armed = False
         self.armed_at = self.disarmed_at = -inf
         self.home: Home | None = None
-        #: Whether somebody said where home is, so that arming does not move it.
+        #: True if home was set by a command, so that arming does not move it.
         self.home_locked = False
-        #: Where the vehicle is on its way to or what it circles, in local metres; for telemetry.
+        #: The point that the vehicle flies to or circles, in local metres; for telemetry.
         self.target: tuple[float, float, float] | None = None
         self.payload = Payload(self)
         self.tasks = Tasks(vehicle)
         self.watches: list[Watch] = [self.tasks, self.payload]
         self.mission, self.fence, self.rally = MissionRunner(self), FenceWatch(self), RallyPoints(self)
-        #: What the watches found, by name; any of these makes the vehicle's state critical.
+        #: Names of the active failsafes; any of them makes the vehicle's state critical.
         self.failsafes: set[str] = set()
         self.terminated = False
         self.disarm_reason = ""
@@ -81,19 +81,19 @@ class SimulatedAutopilot:
         self._script: Iterator[None] | None = None
         self._at_rest_since: float | None = vehicle.now
         self.landed = True
-        #: Whether there was a fix since the boot.
+        #: True if there was a position fix since the boot.
         self._located = False
 
-    # What it is doing
+    # State
 
     @property
     def behaviour(self) -> RunningBehaviour | None:
-        """What the mode does now; None while disarmed."""
+        """The behaviour of the current mode; None while disarmed."""
         return self._behaviour
 
     @property
     def booted(self) -> bool:
-        """Whether it is ready to look at the world."""
+        """True when start-up is complete."""
         return self.now - self.booted_at >= BOOT_TIME
 
     @property
@@ -117,21 +117,21 @@ class SimulatedAutopilot:
 
     @property
     def base_mode(self) -> int:
-        """HEARTBEAT's flags."""
+        """The flags of HEARTBEAT's `base_mode`."""
         flags = int(self.mode.flags) | _CUSTOM
         return flags | _ARMED if self.armed else flags
 
     @property
     def has_position(self) -> bool:
-        """Whether it knows where it is."""
+        """True while the position estimate is good."""
         return self._located and self.booted and self.body.health.horizontal
 
     # Time
 
     def tick(self, now: float) -> None:
-        """Look at the vehicle and act."""
+        """Run the watches and the behaviour once, at the time `now`."""
         self.now = now
-        self._look_at_ground(now)
+        self._check_ground(now)
         self._located = self._located or self.body.sensors.gps_fix >= common.GpsFixType["_3D_FIX"]
         if self.home is None and self.has_position:
             self.set_home_here()
@@ -140,7 +140,7 @@ class SimulatedAutopilot:
         self._fly()
         self._disarm_after_landing(now)
 
-    def _look_at_ground(self, now: float) -> None:
+    def _check_ground(self, now: float) -> None:
         body, truth = self.body, self.body.truth
         speed = sqrt(truth.velocity_north**2 + truth.velocity_east**2 + truth.velocity_down**2)
         resting = body.on_ground and speed < _AT_REST
@@ -176,19 +176,28 @@ class SimulatedAutopilot:
     # Modes
 
     def find_mode(self, number: int) -> Mode | None:
-        """The mode of a `custom_mode`."""
+        """Return the mode of a `custom_mode`; None if the firmware has none of that number."""
         return self._modes.get(number)
 
     def may_enter(self, available: AvailableMode, source: Address) -> str | None:
-        """Why a mode may not be entered now; for the service that is asked for it."""
+        """Return why the mode service may not enter a mode now; None if it may."""
         return self.profile.mode_refusal(self, self._modes[available.custom_mode])
 
     def entered(self, number: int, source: Address | None) -> None:
-        """Somebody changed the mode through the service."""
+        """Begin a mode that was changed through the mode service."""
         self._begin(self._modes[number], "commanded" if source else self.mode_reason)
 
     def enter(self, number: int, reason: str, *, commanded: bool = False) -> bool:
-        """Enter a mode of the autopilot's own accord, or as part of a command; False if it cannot be."""
+        """Enter a mode, for a command or a failsafe.
+
+        Args:
+            number: The mode's `custom_mode`.
+            reason: The reason of the change, for the log.
+            commanded: True if a command asked for the mode.
+
+        Returns:
+            False if the mode cannot be entered.
+        """
         mode = self._modes[number]
         if mode.needs_position and not self.has_position and self.armed:
             return False
@@ -199,13 +208,13 @@ class SimulatedAutopilot:
         return True
 
     def restart_behaviour(self) -> None:
-        """Begin what the mode does anew, as after arming."""
+        """Restart the behaviour of the current mode, as after arming."""
         self._begin(self.mode, self.mode_reason)
 
     def _begin(self, mode: Mode, reason: str) -> None:
         self.end_behaviour()
         before, self.mode, self.mode_reason = self.mode, mode, reason
-        self.maneuvers.forget_choices()
+        self.maneuvers.reset_choices()
         if mode is not before:
             self.vehicle.mode_entered(mode, reason)
         if self.armed and not self.terminated:
@@ -213,16 +222,25 @@ class SimulatedAutopilot:
             self._script = self._behaviour.fly()
 
     def end_behaviour(self) -> None:
-        """Stop doing what the mode does."""
+        """Stop the current behaviour."""
         script, self._script, self._behaviour = self._script, None, None
         self.target = None
-        if isinstance(script, GeneratorType) and not script.gi_running:  # it may itself be what ends it
+        if (
+            isinstance(script, GeneratorType) and not script.gi_running
+        ):  # the script itself may have ended the behaviour
             script.close()
 
     # Arming
 
     def arm(self, *, force: bool = False) -> list[str]:
-        """Arm; gives the reasons why not, none if it is armed now."""
+        """Arm.
+
+        Args:
+            force: Skip the arming checks.
+
+        Returns:
+            The reasons for a refusal; an empty list if the vehicle is armed now.
+        """
         if self.armed:
             return []
         problems = [] if force else list(self.profile.arming_problems(self))
@@ -247,19 +265,19 @@ class SimulatedAutopilot:
         self.profile.disarmed(self)
 
     def terminate(self) -> None:
-        """End the flight: motors off, for good."""
+        """Terminate the flight: stop the motors for good."""
         self.terminated = True
         self.disarm("terminated")
 
     # Home
 
     def set_home_here(self) -> None:
-        """Make the place where the vehicle is its home."""
+        """Set home to the current position."""
         here = self.body.estimate
         self.set_home(*self.body.frame.to_global(here.north, here.east, here.down), yaw=here.yaw)
 
     def set_home(self, latitude: float, longitude: float, altitude: float, *, yaw: float = 0.0) -> None:
-        """Make a place home; altitude above mean sea level."""
+        """Set home: degrees, metres above mean sea level, radians."""
         self.home = Home(latitude, longitude, altitude, degrees(yaw))
         self.vehicle.mission.home = MissionItem(
             common.MavCmd.NAV_WAYPOINT,
@@ -272,14 +290,14 @@ class SimulatedAutopilot:
 
     @property
     def home_position(self) -> tuple[float, float, float]:
-        """Home in local metres; where the vehicle began if there is none yet."""
+        """Home in local metres; the place of the start while there is no home."""
         if self.home is None:
             return 0.0, 0.0, 0.0
         return self.body.frame.to_local(self.home.latitude, self.home.longitude, self.home.altitude)
 
     @property
     def altitude(self) -> float:
-        """Above home, in metres."""
+        """Altitude above home, in metres."""
         return self.home_position[2] - self.body.estimate.down
 
 

@@ -1,15 +1,15 @@
-"""What a vehicle does in a mode, as a script.
+"""The behaviour of a vehicle in a mode, as a script.
 
-`fly` is a generator: what stands before a `yield` is done in one tick of the autopilot, ten times a second;
-when it returns, the behaviour has reached its end and the mode says what follows. Leaving a mode closes the
-generator, so that a `finally` tidies up. Waiting is a loop with a `yield` in it:
+`fly` is a generator: the code before a `yield` runs in one tick of the autopilot, ten times a second. When it
+returns, the behaviour is complete and the mode names its successor. Leaving a mode closes the generator, so
+that a `finally` cleans up. Waiting is a loop with a `yield` in it:
 
-    autopilot.maneuvers.climb_to(altitude)
-    while not autopilot.maneuvers.is_at_altitude(altitude):
+    autopilot.maneuvers.hold(point)
+    while not autopilot.maneuvers.is_at_altitude(point[2]):
         yield
 
-The same scripts serve both firmwares and all types: flight parameters come from `autopilot.flight_parameters`, and how a type
-holds a place or follows a line is in `autopilot.maneuvers`.
+The scripts serve all firmwares and vehicle types: speeds and altitudes come from
+`autopilot.flight_parameters`, the ways to hold a position and to follow a line from `autopilot.maneuvers`.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
 
 class Behaviour(ABC):
-    """One script, begun when its mode is entered."""
+    """One script, started when its mode is entered."""
 
-    #: MAV_LANDED_STATE of what it does besides staying in the air.
+    #: The flight phase for MAV_LANDED_STATE.
     taking_off = False
     landing = False
-    #: Whether what comes by SET_POSITION_TARGET_* and SET_ATTITUDE_TARGET is followed.
+    #: True if SET_POSITION_TARGET_* and SET_ATTITUDE_TARGET are followed.
     takes_setpoints = False
 
     def __init__(self, autopilot: Autopilot) -> None:
@@ -37,4 +37,4 @@ class Behaviour(ABC):
 
     @abstractmethod
     def fly(self) -> Iterator[None]:
-        """Do it, a tick at a time."""
+        """Run the behaviour, one `yield` per tick."""

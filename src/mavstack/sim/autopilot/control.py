@@ -32,7 +32,7 @@ class RunningBehaviour(Protocol):
 class GuidedControl(Protocol):
     """Guided flight: the active guided command and the stream of setpoints."""
 
-    aim: RunningBehaviour | None
+    command: RunningBehaviour | None
 
     @property
     def stream_alive(self) -> bool:

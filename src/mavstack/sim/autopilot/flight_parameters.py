@@ -1,7 +1,7 @@
-"""How fast, how high, how near: the flight parameters that behaviours fly by, each from a parameter of the firmware.
+"""Flight parameters: the speeds, altitudes and radii that behaviours use.
 
-All are in metres, seconds and radians; they are read when they are needed, so that a parameter that is set
-in flight counts at once.
+Each is computed from a parameter of the firmware, in metres, seconds and radians, at the moment of use, so
+that a parameter that is set in flight takes effect immediately.
 """
 
 from __future__ import annotations
@@ -10,106 +10,106 @@ from abc import ABC, abstractmethod
 
 
 class FlightParameters(ABC):
-    """What behaviours ask for; a firmware answers from its parameters."""
+    """The flight parameters of one vehicle; each firmware computes them from its own parameters."""
 
     @property
     @abstractmethod
     def takeoff_altitude(self) -> float:
-        """Of a take-off that names none, above the ground."""
+        """Default altitude of a takeoff, in metres above the ground."""
 
     @property
     @abstractmethod
     def cruise_speed(self) -> float:
-        """Over ground for what hovers, drives or swims; through the air for a wing."""
+        """Speed in m/s: over ground for a vehicle that can stop, through the air for a wing."""
 
     @property
     @abstractmethod
     def climb_speed(self) -> float:
-        """Upwards."""
+        """Climb rate, in m/s."""
 
     @property
     @abstractmethod
     def sink_speed(self) -> float:
-        """Downwards, positive."""
+        """Descent rate, in m/s, positive."""
 
     @property
     @abstractmethod
     def land_speed(self) -> float:
-        """Downwards near the ground, positive."""
+        """Descent rate near the ground, in m/s, positive."""
 
     @property
     @abstractmethod
     def acceptance_radius(self) -> float:
-        """How near counts as reached."""
+        """Distance at which a point counts as reached, in metres."""
 
     @property
     @abstractmethod
     def loiter_radius(self) -> float:
-        """Of circles that name none; negative: counter-clockwise."""
+        """Default radius of a circle, in metres; negative means counter-clockwise."""
 
     @property
     @abstractmethod
     def return_altitude(self) -> float:
-        """Above home, on the way back; -infinite: as high as it is."""
+        """Altitude of the return, in metres above home; -infinity keeps the current altitude."""
 
     @property
     @abstractmethod
     def return_loiter_time(self) -> float:
-        """Over home before landing; infinite: stay there."""
+        """Wait above home before the landing, in seconds; infinity stays there."""
 
     @property
     @abstractmethod
     def setpoint_timeout(self) -> float:
-        """How long a velocity that is not repeated is flown."""
+        """Time that a velocity setpoint is flown if it is not repeated, in seconds."""
 
     @property
     @abstractmethod
     def disarm_delay(self) -> float:
-        """From landing to disarming; infinite: never by itself."""
+        """Time from landing to disarming, in seconds; infinity never disarms."""
 
-    # By hand
+    # Manual flight
 
     @property
     @abstractmethod
     def lean_angle(self) -> float:
-        """The most that the pilot's sticks lean what hovers, or bank a wing."""
+        """Maximum lean of a hovering vehicle or bank of a wing at full stick, in radians."""
 
     @property
     @abstractmethod
     def pilot_climb_speed(self) -> float:
-        """Upwards and downwards, at full throttle stick."""
+        """Climb and descent rate at full throttle stick, in m/s."""
 
     @property
     @abstractmethod
     def pilot_yaw_rate(self) -> float:
-        """At full yaw stick."""
+        """Yaw rate at full stick, in rad/s."""
 
     @property
     @abstractmethod
     def acro_rate(self) -> float:
-        """Of roll and pitch, at full stick in rate modes."""
+        """Roll and pitch rate at full stick in rate modes, in rad/s."""
 
-    # Landing and coming home
+    # Landing and return
 
     @property
     @abstractmethod
     def land_slow_altitude(self) -> float:
-        """Below this height above the ground it sinks at `land_speed`."""
+        """Height above the ground below which the vehicle descends at `land_speed`, in metres."""
 
     @property
     @abstractmethod
     def land_disarm_delay(self) -> float:
-        """From touch-down of a landing to disarming; `disarm_delay` is for all other modes."""
+        """Time from the touchdown of a landing to disarming, in seconds; other modes use `disarm_delay`."""
 
     @property
     @abstractmethod
     def return_descend_altitude(self) -> float:
-        """Above home, where `return_loiter_time` is spent; infinite: as high as it came back."""
+        """Altitude of the wait above home, in metres above home; infinity keeps the return altitude."""
 
     @property
     @abstractmethod
     def return_cone_slope(self) -> float:
-        """Near home it climbs only to distance x slope before it returns; 0: always to `return_altitude`."""
+        """Near home the vehicle climbs only to distance times this slope; 0 always climbs to `return_altitude`."""
 
     @property
     @abstractmethod
@@ -119,38 +119,38 @@ class FlightParameters(ABC):
     @property
     @abstractmethod
     def flare_altitude(self) -> float:
-        """Above the ground, where a wing that lands raises its nose."""
+        """Height above the ground where a landing wing raises its nose, in metres."""
 
     # Circles
 
     @property
     @abstractmethod
     def circle_radius(self) -> float:
-        """Of the mode that circles or orbits; negative: counter-clockwise."""
+        """Radius of the circle or orbit mode, in metres; negative means counter-clockwise."""
 
     @property
     @abstractmethod
     def circles_where_it_is(self) -> bool:
-        """Whether the mode circles the place where it was entered, rather than one a radius ahead."""
+        """True if the circle mode circles its place of entry, False if it circles a point one radius ahead."""
 
     @property
     @abstractmethod
     def circle_speed(self) -> float:
-        """Along that circle, for what hovers, drives or swims."""
+        """Speed along the circle of that mode, in m/s; wings fly at their cruise speed."""
 
-    # Guided
+    # Guided flight
 
     @property
     @abstractmethod
     def setpoint_frames(self) -> frozenset[int]:
-        """MAV_FRAMEs that are followed in SET_POSITION_TARGET_LOCAL_NED; others are ignored."""
+        """The frames that SET_POSITION_TARGET_LOCAL_NED may use; setpoints in other frames are ignored."""
 
     @property
     @abstractmethod
     def thrust_is_climb(self) -> bool:
-        """Whether the thrust of an attitude setpoint means climbing (0.5: stay), not thrust."""
+        """True if the thrust of an attitude setpoint means a climb rate (0.5 holds the altitude)."""
 
     @property
     @abstractmethod
     def forward_beyond(self) -> float:
-        """A VTOL that hovers flies forward to what is farther than this; infinite: it stays as it is."""
+        """Distance beyond which a hovering VTOL flies forward, in metres; infinity never."""

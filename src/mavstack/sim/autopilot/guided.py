@@ -1,9 +1,9 @@
-"""What others want a vehicle to fly to: `autopilot.guided`, filled by commands and by setpoints.
+"""Guided flight: the target that commands and setpoints give, as `autopilot.guided`.
 
-Setpoints come in many frames; here they become aims (`behaviours.aims`) in local metres, at the moment they
-come, since some count from where the vehicle is or is turned to just then. Whether they are followed is the
-mode's to say: a behaviour with `takes_setpoints`. A stream is watched in any mode, because one firmware
-enters its offboard mode only when there already is one.
+Setpoints come in many frames. They are converted into guided commands in local metres at the moment of
+reception, since some are relative to the current position or heading. The behaviour of the mode decides
+whether they are followed (`takes_setpoints`). A stream is monitored in any mode, because PX4 enters its
+offboard mode only when there is a stream.
 """
 
 from __future__ import annotations
@@ -26,30 +26,30 @@ if TYPE_CHECKING:
 
 _F = common.MavFrame
 NOTHING: Axes = (None, None, None)
-#: Frames whose axes are the vehicle's forward and right, and those whose positions count from where it is.
+#: Frames with axes forward and right, and frames with positions relative to the vehicle.
 _TURNED = frozenset({_F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD, _F.LOCAL_FRD})
 _FROM_HERE = frozenset({_F.LOCAL_OFFSET_NED, _F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD})
-#: Setpoints that come less often than this are no stream.
+#: Maximum interval between two setpoints of a stream, in seconds.
 STREAM_INTERVAL = 0.55
-#: Nobody means more than this: metres, m/s.
+#: Bounds of setpoints: metres, metres, m/s.
 _FAR, _HIGH, _FAST = 2.0e6, 1.0e5, 100.0
 
 
-class GuidedTarget:
-    """The newest aim of one vehicle."""
+class GuidedFlight:
+    """The active guided command of one vehicle."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
-        self.aim: RunningBehaviour | None = None
-        self._streamed: GuidedCommand | None = None
-        self._heard_at: deque[float] = deque(maxlen=2)
-        autopilot.vehicle.on(SetpointReceived, self._received)
+        self.command: RunningBehaviour | None = None
+        self._stream_command: GuidedCommand | None = None
+        self._received_at: deque[float] = deque(maxlen=2)
+        autopilot.vehicle.on_event(SetpointReceived, self._received)
 
-    # By command
+    # Commands
 
     def clear(self) -> None:
-        """Nothing to fly to any more."""
-        self.aim = None
+        """Drop the active guided command."""
+        self.command = None
 
     def go_to(
         self,
@@ -59,8 +59,8 @@ class GuidedTarget:
         radius: float | None = None,
         yaw: float | None = None,
     ) -> None:
-        """Go to a point and stay there; a wing circles it with `radius`, negative: counter-clockwise."""
-        self._pursue(GoTo(self._autopilot, point, speed=speed, radius=radius, yaw=yaw))
+        """Go to a point and stay there; a wing circles it with `radius`, negative for counter-clockwise."""
+        self._follow_command(GoTo(self._autopilot, point, speed=speed, radius=radius, yaw=yaw))
 
     def fly_velocity(
         self,
@@ -72,8 +72,8 @@ class GuidedTarget:
         yaw_rate: float | None = None,
     ) -> None:
         """Fly with a velocity until `flight_parameters.setpoint_timeout` has passed."""
-        aim = Motion(self._autopilot, NOTHING, (north, east, down), NOTHING, yaw=yaw, yaw_rate=yaw_rate)
-        self._pursue(aim)
+        command = Motion(self._autopilot, NOTHING, (north, east, down), NOTHING, yaw=yaw, yaw_rate=yaw_rate)
+        self._follow_command(command)
 
     def orbit(
         self,
@@ -84,51 +84,54 @@ class GuidedTarget:
         yaw_behaviour: int = common.OrbitYawBehaviour.HOLD_FRONT_TO_CIRCLE_CENTER,
         turns: float | None = None,
     ) -> None:
-        """Circle a point; radius > 0: clockwise."""
-        self.aim = Orbit(
+        """Circle a point; a positive radius means clockwise."""
+        self.command = Orbit(
             self._autopilot, centre, radius, speed=speed, yaw_behaviour=yaw_behaviour, turns=turns
         )
 
     def take_off(
         self, altitude: float | None = None, *, down: float | None = None, yaw: float | None = None
     ) -> None:
-        """Leave the ground and stay above it."""
-        self.aim = Takeoff(self._autopilot, altitude, down=down, yaw=yaw)
+        """Take off and stay above the place of the start."""
+        self.command = Takeoff(self._autopilot, altitude, down=down, yaw=yaw)
 
-    # By setpoints
+    # Setpoints
 
     @property
     def stream_alive(self) -> bool:
-        """Whether setpoints come more than twice a second, and lately."""
-        if len(self._heard_at) < 2:
+        """True while setpoints arrive more often than twice a second."""
+        if len(self._received_at) < 2:
             return False
-        before, last = self._heard_at
+        before, last = self._received_at
         patience = max(self._autopilot.flight_parameters.setpoint_timeout, STREAM_INTERVAL)
         return last - before <= STREAM_INTERVAL and self._autopilot.vehicle.now - last <= patience
 
     def follow_stream(self) -> None:
-        """Fly after the newest setpoint of the stream."""
-        self.aim = self._streamed if self.stream_alive else None
+        """Follow the latest setpoint of the stream."""
+        self.command = self._stream_command if self.stream_alive else None
 
     def _received(self, event: SetpointReceived) -> None:
         self.set(event.setpoint)
 
     def set(self, setpoint: Setpoint) -> bool:
-        """Take a setpoint; False if this vehicle cannot follow it."""
-        aim = self._read(setpoint)
-        if aim is None:
+        """Accept a setpoint; returns False if this vehicle cannot follow it."""
+        command = self._read(setpoint)
+        if command is None:
             return False
-        self._heard_at.append(self._autopilot.vehicle.now)
-        if self._streamed is None or not self._streamed.renew(aim):
-            self._streamed = aim
+        self._received_at.append(self._autopilot.vehicle.now)
+        if self._stream_command is None or not self._stream_command.renew(command):
+            self._stream_command = command
         behaviour = self._autopilot.behaviour
         if behaviour is not None and behaviour.takes_setpoints:
-            self._pursue(self._streamed)
+            self._follow_command(self._stream_command)
         return True
 
-    def _pursue(self, aim: GuidedCommand) -> None:
-        if not (isinstance(self.aim, GuidedCommand) and (self.aim is aim or self.aim.renew(aim))):
-            self.aim = aim
+    def _follow_command(self, command: GuidedCommand) -> None:
+        if not (
+            isinstance(self.command, GuidedCommand)
+            and (self.command is command or self.command.renew(command))
+        ):
+            self.command = command
 
     def _read(self, setpoint: Setpoint) -> GuidedCommand | None:
         match setpoint:
@@ -167,7 +170,7 @@ class GuidedTarget:
         )
 
     def _turned(self, setpoint: LocalSetpoint | GlobalSetpoint, axes: Axes) -> Axes:
-        """Axes of the vehicle as those of the ground; forward and right go together."""
+        """Rotate vehicle axes into ground axes; forward and right belong together."""
         forward, right, down = axes
         if setpoint.frame not in _TURNED or (forward is None and right is None):
             return axes

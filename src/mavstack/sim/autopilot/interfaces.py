@@ -105,7 +105,7 @@ class Mode:
     flags: int = _FLAGS.STABILIZE_ENABLED
     needs_position: bool = True
     #: True if the pilot's sticks fly the mode, so that it cannot continue without them.
-    by_hand: bool = False
+    manual_control: bool = False
     #: True if the vehicle may be armed in the mode.
     may_arm: bool = True
     #: The `custom_mode` that follows when the behaviour ends; None: the mode stays.

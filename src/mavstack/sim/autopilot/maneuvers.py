@@ -1,7 +1,7 @@
-"""How each type of vehicle holds a place, goes to one, and knows that it is there.
+"""Maneuvers of each vehicle type: hold a position, fly to one, and detect the arrival.
 
-What hovers, drives or swims stops at its target. A wing cannot: it holds a place by circling it, has reached
-a point when it has passed it, and climbs and sinks on its way. A VTOL is one or the other.
+A vehicle that hovers, drives or dives stops at its target. A wing circles to hold a position, has reached a
+point when it has passed it, and climbs and descends on its way. A VTOL does either.
 Points are local metres: north, east, down.
 """
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 Point: TypeAlias = tuple[float, float, float]
 
-#: How near in altitude counts as there.
+#: Altitude error at which an altitude counts as reached, in metres.
 _ALTITUDE_REACHED = 1.0
 _WING_ALTITUDE_REACHED = 8.0
-#: A wing's line to nowhere in particular is so long.
+#: Length of a wing's line without a target, in metres.
 _AHEAD = 2000.0
-#: The share of its acceleration with which a vehicle plans to stop.
+#: Share of the maximum acceleration that a planned stop uses.
 _BRAKING = 0.6
 
 
@@ -49,68 +49,68 @@ class ManeuverHost(Protocol):
 
 
 class Maneuvers:
-    """What stops at its target: copter, sub, VTOL in hover."""
+    """Maneuvers of a vehicle that stops at its target: copter, sub, VTOL in hover."""
 
-    #: Whether it needs a circle to stay somewhere.
+    #: True if the vehicle circles to hold a position.
     circles = False
 
     def __init__(self, autopilot: ManeuverHost) -> None:
         self.autopilot = autopilot
         self.body = autopilot.body
-        #: The speed that a command or a mission item chose; None: the usual one.
+        #: The speed chosen by a command or mission item, in m/s; None: the flight parameters.
         self.speed: float | None = None
         self.climb: float | None = None
         self.sink: float | None = None
-        #: The yaw that a command or mission item chose; None: as the vehicle likes.
+        #: The yaw chosen by a command or mission item, in radians; None: free.
         self.yaw: float | None = None
         self._repeat: Callable[[], None] = lambda: None
 
-    # Where it is
+    # Position
 
     @property
     def place(self) -> Point:
-        """Where it believes to be."""
+        """The estimated position."""
         here = self.body.estimate
         return here.north, here.east, here.down
 
     @property
     def height(self) -> float:
-        """Above the ground or the water: by the rangefinder where it reaches, else as it believes."""
+        """Height above the ground or water, in metres: by the rangefinder in its range, else by the estimate."""
         measured = self.body.sensors.distance
         return measured if isfinite(measured) else -self.body.estimate.down
 
     @property
     def stopping_point(self) -> Point:
-        """Where it comes to rest if it brakes now."""
+        """The point where the vehicle comes to rest if it brakes now."""
         here = self.body.estimate
         speed = hypot(here.velocity_north, here.velocity_east)
         seconds = speed / (2 * _BRAKING * max(self.body.limits.acceleration, 0.1))
         return here.north + here.velocity_north * seconds, here.east + here.velocity_east * seconds, here.down
 
     def distance(self, point: Point) -> float:
-        """To a point over the ground."""
+        """Return the distance to a point over the ground, in metres."""
         north, east, _ = self.place
         return hypot(point[0] - north, point[1] - east)
 
     def bearing(self, point: Point) -> float:
-        """To a point, in radians from north."""
+        """Return the bearing of a point, in radians from north."""
         north, east, _ = self.place
         return atan2(point[1] - east, point[0] - north)
 
     def ahead(self, distance: float, course: float | None = None) -> Point:
-        """A point as high as it is, on a course or straight ahead."""
+        """Return a point at the current altitude, on a course or straight ahead."""
         north, east, down = self.place
         course = self.body.estimate.yaw if course is None else course
         return north + cos(course) * distance, east + sin(course) * distance, down
 
-    # Going
+    # Motion
 
-    def forget_choices(self) -> None:
-        """Fly by the usual flight parameters again."""
+    def reset_choices(self) -> None:
+        """Discard the chosen speeds and yaw."""
         self.speed = self.climb = self.sink = self.yaw = None
 
     def hold(self, point: Point | None = None, *, radius: float | None = None) -> Point:
-        """Stay at a point, or where it comes to rest; `radius` of the circle of what circles."""
+        """Hold a point, or the stopping point; `radius` is the circle's for a vehicle that circles."""
         point = point or self.stopping_point
         self.go_to(point)
         return point
@@ -124,7 +124,15 @@ class Maneuvers:
         speed: float | None = None,
         sink: float | None = None,
     ) -> None:
-        """Go to a point, along the line from `start` if there is one, and stay there."""
+        """Go to a point and stay there.
+
+        Args:
+            point: The target.
+            start: The start of the line to follow; None for the straight way.
+            yaw: The heading in radians; None for the chosen one.
+            speed: m/s; None for the chosen one.
+            sink: The descent rate in m/s; None for the chosen one.
+        """
         flight_parameters = self.autopilot.flight_parameters
         self.autopilot.target = point
         chosen = self.yaw
@@ -143,50 +151,50 @@ class Maneuvers:
     def circle(
         self, centre: Point, radius: float, *, speed: float | None = None, yaw: float | None = None
     ) -> None:
-        """Circle a point; radius > 0: clockwise seen from above."""
+        """Circle a point; a positive radius means clockwise, seen from above."""
         self.autopilot.target = centre
         self._repeat = lambda: Maneuvers.circle(self, centre, radius, yaw=yaw)
         speed = speed or self.speed or self.autopilot.flight_parameters.cruise_speed
         self.body.circle(*centre, copysign(max(abs(radius), 1.0), radius), speed=speed, yaw=yaw)
 
-    def again(self) -> None:
-        """Have what was chosen meanwhile count for the way that it is on."""
+    def reissue(self) -> None:
+        """Apply speeds and yaw that were chosen since to the motion in progress."""
         if self.autopilot.target is not None:
             self._repeat()
 
     def fly_on(self, course: float | None = None, *, down: float | None = None) -> None:
-        """Go far on a course, or straight ahead; to another altitude at once."""
+        """Fly far along a course, or straight ahead, to another altitude on the way."""
         north, east, here = self.place
         down = here if down is None else down
         far_north, far_east, _ = self.ahead(_AHEAD, course)
         self.go_to((far_north, far_east, down), start=(north, east, down))
 
-    # Having arrived
+    # Arrival
 
     def has_reached(self, point: Point, radius: float | None = None) -> bool:
-        """Whether it is at a point that it was sent to."""
+        """Return whether the vehicle has reached a point."""
         near = self.distance(point) <= (radius or self.autopilot.flight_parameters.acceptance_radius)
         return near and self.is_at_altitude(point[2])
 
     def is_at_altitude(self, down: float) -> bool:
-        """Whether it is as high as it was sent."""
+        """Return whether the vehicle is at the altitude of its target."""
         return abs(self.place[2] - down) <= _ALTITUDE_REACHED
 
     def has_entered_circle(self, centre: Point, radius: float) -> bool:
-        """Whether it is on the circle rather than on its way there."""
+        """Return whether the vehicle is on the circle rather than on its way to it."""
         return abs(self.distance(centre) - abs(radius)) <= max(0.3 * abs(radius), 1.0)
 
 
 class SurfaceManeuvers(Maneuvers):
-    """What only moves in the plane: rover and boat."""
+    """Maneuvers of a rover or boat, which moves in the plane."""
 
     def is_at_altitude(self, down: float) -> bool:
-        """Always: it cannot be elsewhere."""
+        """Return True: the vehicle cannot leave the surface."""
         return True
 
 
 class WingManeuvers(Maneuvers):
-    """What flies on: a plane, a VTOL in forward flight."""
+    """Maneuvers of a wing: a plane, a VTOL in forward flight."""
 
     circles = True
 
@@ -195,7 +203,7 @@ class WingManeuvers(Maneuvers):
         self._start: Point | None = None
 
     def hold(self, point: Point | None = None, *, radius: float | None = None) -> Point:
-        """Circle a point, or where it is."""
+        """Circle a point, or the current position."""
         point = point or self.place
         self.circle(point, radius or self.autopilot.flight_parameters.loiter_radius)
         return point
@@ -209,12 +217,12 @@ class WingManeuvers(Maneuvers):
         speed: float | None = None,
         sink: float | None = None,
     ) -> None:
-        """Fly the line to a point and on; its course is its yaw."""
+        """Fly the line to a point and beyond; the yaw is the course."""
         self._start = start or self.place
         super().go_to(point, start=self._start, speed=speed, sink=sink)
 
     def has_reached(self, point: Point, radius: float | None = None) -> bool:
-        """Near enough, or past the line through the point across the way to it."""
+        """Return whether the point is near, or behind the vehicle along its line."""
         if self.distance(point) <= (radius or self.autopilot.flight_parameters.acceptance_radius):
             return True
         if self._start is None:
@@ -224,7 +232,7 @@ class WingManeuvers(Maneuvers):
         return (north - point[0]) * along[0] + (east - point[1]) * along[1] > 0 and hypot(*along) > 1.0
 
     def is_at_altitude(self, down: float) -> bool:
-        """As near as a wing holds it in turns."""
+        """Return whether the altitude is within the error of a wing in turns."""
         return abs(self.place[2] - down) <= _WING_ALTITUDE_REACHED
 
     def spiral(self, centre: Point, down: float) -> None:
@@ -233,16 +241,16 @@ class WingManeuvers(Maneuvers):
 
 
 class VtolManeuvers(WingManeuvers):
-    """Both, by how it flies now."""
+    """Maneuvers of a VTOL, by its current flight mode."""
 
     @property
     def hovers(self) -> bool:
-        """Whether its lift motors carry it, or are to."""
+        """True if the lift motors carry the vehicle, or are about to."""
         return not self.body.flies_forward
 
     @property
     def circles(self) -> bool:  # type: ignore[override]
-        """Whether it flies on its wing."""
+        """True in forward flight."""
         return not self.hovers
 
     def hold(self, point: Point | None = None, *, radius: float | None = None) -> Point:
@@ -267,13 +275,13 @@ class VtolManeuvers(WingManeuvers):
             super().go_to(point, start=start, yaw=yaw, speed=speed, sink=sink)
 
     def has_reached(self, point: Point, radius: float | None = None) -> bool:
-        """By how it flies."""
+        """Return whether a point is reached, by the current flight mode."""
         if self.hovers:
             return Maneuvers.has_reached(self, point, radius)
         return super().has_reached(point, radius)
 
     def is_at_altitude(self, down: float) -> bool:
-        """By how it flies."""
+        """Return whether the altitude is reached, by the current flight mode."""
         return Maneuvers.is_at_altitude(self, down) if self.hovers else super().is_at_altitude(down)
 
 
@@ -286,5 +294,5 @@ _MANEUVERS: dict[VehicleType, type[Maneuvers]] = {
 
 
 def maneuvers_of(autopilot: ManeuverHost) -> Maneuvers:
-    """How the autopilot's type of vehicle is handled."""
+    """Return the maneuvers of the autopilot's vehicle type."""
     return _MANEUVERS.get(autopilot.vehicle.type, Maneuvers)(autopilot)

@@ -1,7 +1,7 @@
-"""What a vehicle carries and commands move: servos, relays, gripper, parachute, camera, gimbal.
+"""The payload of a vehicle: servos, relays, gripper, parachute, camera, gimbal.
 
-Both firmwares' commands and missions act on it, and telemetry reads it. What is repeated (a servo that goes
-to and fro, pictures every few seconds or metres) goes on with the autopilot's ticks.
+Commands and missions of both firmwares act on it, and telemetry reads it. Repeated actions (a servo that
+cycles, pictures every few seconds or metres) run with the autopilot's ticks.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _HIGHEST_RATE = 10.0
 
 @dataclass(slots=True)
 class Gimbal:
-    """Where a gimbal points, in radians; yaw from the nose, or from north if it is locked."""
+    """Direction of a gimbal in radians; yaw from the nose, or from north if it is locked."""
 
     roll: float = 0.0
     pitch: float = 0.0
@@ -36,7 +36,7 @@ class Gimbal:
 
 @dataclass(slots=True)
 class _Repetition:
-    """Something that is done again and again."""
+    """A repeated action."""
 
     act: Callable[[int], None]
     period: float
@@ -47,7 +47,7 @@ class _Repetition:
 
 @dataclass(slots=True)
 class _Trigger:
-    """Pictures every so many metres."""
+    """Pictures at a distance in metres."""
 
     distance: float
     last: Point = field(default=(inf, inf, inf))
@@ -58,24 +58,24 @@ class Payload:
 
     def __init__(self, autopilot: AutopilotState) -> None:
         self._autopilot = autopilot
-        #: PWM that commands gave, by the servo's number, beginning at 1.
+        #: Commanded PWM by servo number from 1.
         self.servos: dict[int, int] = {}
         self.relays: dict[int, bool] = {}
         self.gripper_closed = False
         self.parachute_enabled = False
         self.parachute_released = False
         self.sprayer = False
-        #: Metres of line that are out.
+        #: Length of the unwound line, in metres.
         self.winch = 0.0
         self.images = 0
         self.recording = False
         self.zoom = 0.0
         self.focus = 0.0
         self.gimbal = Gimbal()
-        #: The motor that is being tested, 0 for none, and its throttle from 0 to 1.
+        #: The motor under test, 0 for none, and its throttle from 0 to 1.
         self.motor_tested, self.motor_throttle = 0, 0.0
         self.motor_tested_until = -inf
-        #: What the nose or the gimbal keeps looking at, in local metres.
+        #: The point that the nose or the gimbal looks at, in local metres.
         self.region_of_interest: Point | None = None
         self._repetitions: dict[str, _Repetition] = {}
         self._trigger: _Trigger | None = None
@@ -83,7 +83,7 @@ class Payload:
     # Outputs
 
     def set_servo(self, number: int, pwm: int) -> bool:
-        """Move a servo; False if there is no such servo."""
+        """Move a servo; returns False if there is no such servo."""
         if not 1 <= number <= SERVOS:
             return False
         self._repetitions.pop(f"servo {number}", None)
@@ -91,7 +91,7 @@ class Payload:
         return True
 
     def repeat_servo(self, number: int, pwm: int, count: float, period: float) -> bool:
-        """Move a servo between a position and its middle, `count` times."""
+        """Move a servo between a position and its middle `count` times, with a period in seconds."""
         if not self.set_servo(number, pwm):
             return False
 
@@ -102,7 +102,7 @@ class Payload:
         return True
 
     def set_relay(self, number: int, *, on: bool) -> bool:
-        """Switch a relay; False if there is no such relay."""
+        """Switch a relay; returns False if there is no such relay."""
         if not 0 <= number < RELAYS:
             return False
         self._repetitions.pop(f"relay {number}", None)
@@ -110,7 +110,7 @@ class Payload:
         return True
 
     def repeat_relay(self, number: int, count: float, period: float) -> bool:
-        """Switch a relay to and fro, `count` times."""
+        """Toggle a relay `count` times, with a period in seconds."""
         if not self.set_relay(number, on=not self.relays.get(number, False)):
             return False
 
@@ -121,11 +121,11 @@ class Payload:
         return True
 
     def grip(self, *, closed: bool) -> None:
-        """Take hold, or let go."""
+        """Close or open the gripper."""
         self.gripper_closed = closed
 
     def release_parachute(self) -> bool:
-        """Let the parachute out, which stops the motors; False if it is not enabled or was let out before."""
+        """Release the parachute and stop the motors; returns False if it is disabled or released already."""
         if not self.parachute_enabled or self.parachute_released:
             return False
         self.parachute_released = True
@@ -133,7 +133,7 @@ class Payload:
         return True
 
     def wind(self, action: int, length: float, rate: float) -> None:
-        """Let line out: relaxed (0), by so many metres (1), or at a rate in metres a second (2)."""
+        """Run the winch: relax (0), unwind by `length` metres (1), or unwind at `rate` m/s (2)."""
         self._repetitions.pop("winch", None)
         if action == 1:
             self.winch = max(self.winch + length, 0.0)
@@ -146,14 +146,14 @@ class Payload:
             self._repeat("winch", pull, period, inf)
 
     def test_motor(self, number: int, throttle: float, seconds: float) -> None:
-        """Turn one motor for a while, at a share of its throttle in percent."""
+        """Run one motor for some seconds, at a throttle in percent."""
         self.motor_tested, self.motor_throttle = number, min(max(throttle, 0.0), 100.0) / 100
         self.motor_tested_until = self._autopilot.now + seconds
 
     # Camera
 
     def take_image(self) -> None:
-        """Take one picture, and tell where."""
+        """Take one picture and send CAMERA_IMAGE_CAPTURED."""
         self.images += 1
         vehicle, here = self._autopilot.vehicle, self._autopilot.body.estimate
         latitude, longitude, altitude = self._autopilot.body.frame.to_global(here.north, here.east, here.down)
@@ -172,33 +172,33 @@ class Payload:
         )
 
     def take_images(self, period: float, count: float) -> None:
-        """Take pictures every `period` seconds, `count` of them; infinite: until it is told to stop."""
+        """Take `count` pictures, one every `period` seconds; an infinite count runs until it is stopped."""
         self.take_image()
         if count > 1:
             self._repeat("camera", lambda _: self.take_image(), period, count - 1)
 
     def take_images_every(self, distance: float) -> None:
-        """Take a picture every `distance` metres; 0 ends that."""
+        """Take a picture every `distance` metres; 0 stops it."""
         self._trigger = _Trigger(distance) if distance > 0 else None
 
     def stop_images(self) -> None:
-        """Take no more pictures."""
+        """Stop taking pictures."""
         self._repetitions.pop("camera", None)
         self._trigger = None
 
     @property
     def takes_images(self) -> bool:
-        """Whether pictures are taken again and again."""
+        """True while pictures are taken repeatedly."""
         return "camera" in self._repetitions or self._trigger is not None
 
     def clear_region(self) -> None:
-        """Look ahead again."""
+        """Point the gimbal ahead."""
         self.region_of_interest, self.gimbal = None, Gimbal()
 
     # Time
 
     def tick(self, now: float) -> None:
-        """Do what is repeated, and look at the region of interest."""
+        """Run the repeated actions, and point at the region of interest."""
         for name, repetition in tuple(self._repetitions.items()):
             if now >= repetition.due:
                 repetition.due = now + repetition.period
@@ -208,21 +208,21 @@ class Payload:
                     self._repetitions.pop(name, None)
         if self.motor_tested and now >= self.motor_tested_until:
             self.motor_tested, self.motor_throttle = 0, 0.0
-        self._look_at_trigger()
-        self._look_at_region()
+        self._check_trigger()
+        self._point_at_region()
 
     def _repeat(self, name: str, act: Callable[[int], None], period: float, count: float) -> None:
         if count > 0:
             period = max(period, 1 / _HIGHEST_RATE)
             self._repetitions[name] = _Repetition(act, period, count, self._autopilot.now + period)
 
-    def _look_at_trigger(self) -> None:
+    def _check_trigger(self) -> None:
         trigger, place = self._trigger, self._autopilot.maneuvers.place
         if trigger is not None and dist(trigger.last[:2], place[:2]) >= trigger.distance:
             trigger.last = place
             self.take_image()
 
-    def _look_at_region(self) -> None:
+    def _point_at_region(self) -> None:
         region = self.region_of_interest
         if region is not None:
             north, east, down = self._autopilot.maneuvers.place

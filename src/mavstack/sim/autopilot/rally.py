@@ -1,7 +1,7 @@
-"""Rally points: where to return to instead of home.
+"""Rally points: return destinations besides home.
 
-ArduPilot takes the nearest one within RALLY_LIMIT_KM; with RALLY_INCL_HOME home counts as one. PX4 takes the
-nearest of them and home.
+ArduPilot returns to the nearest one within RALLY_LIMIT_KM, or home if RALLY_INCL_HOME is set and home is
+nearer. PX4 returns to the nearest of them and home.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ class RallyPoints:
 
     def __init__(self, autopilot: AutopilotState) -> None:
         self._autopilot = autopilot
-        autopilot.vehicle.on(PlanReplaced, self._plan_replaced)
+        autopilot.vehicle.on_event(PlanReplaced, self._plan_replaced)
 
     @property
     def points(self) -> list[Point]:
-        """All of them, in local metres."""
+        """All rally points in local metres."""
         items = self._autopilot.vehicle.plans.get(PlanType.RALLY).items
         return [place_of(self._autopilot, item) for item in items]
 
     def nearest(self) -> Point | None:
-        """The one to return to, as high as it was given; None: home is to be taken."""
+        """Return the nearest rally point at its own altitude; None if home is the destination."""
         maneuvers = self._autopilot.maneuvers
         nearest = min(self.points, key=maneuvers.distance, default=None)
         if nearest is None:
@@ -52,7 +52,7 @@ class RallyPoints:
         return nearest
 
     def destination(self) -> Point:
-        """Where to return to: the place of a rally point or home, as high as home."""
+        """Return the destination of a return: a rally point or home, at the altitude of home."""
         nearest = self.nearest()
         return self._home if nearest is None else (nearest[0], nearest[1], self._home[2])
 
@@ -78,11 +78,11 @@ class RallyPoints:
     def _plan_replaced(self, event: PlanReplaced) -> None:
         vehicle = self._autopilot.vehicle
         if event.plan.type == PlanType.RALLY and event.plan.items and vehicle.firmware is Firmware.ARDUPILOT:
-            vehicle.say("Rally points received")
+            vehicle.send_statustext("Rally points received")
 
 
 def check_rally_item(item: MissionItem, firmware: Firmware) -> int:
-    """Judge one item of rally points: MAV_MISSION_RESULT."""
+    """Validate one rally point: MAV_MISSION_RESULT."""
     if item.command != common.MavCmd.NAV_RALLY_POINT:
         return _RESULT.UNSUPPORTED
     frames = GLOBAL_FRAMES - _TERRAIN if firmware is Firmware.PX4 else GLOBAL_FRAMES

@@ -117,13 +117,13 @@ class VehicleState(Protocol):
     def services(self) -> ServiceAccess:
         """The services that parts of the autopilot use directly."""
 
-    def on(self, kind: EventClass[AnyEvent], reaction: Callable[[AnyEvent], None]) -> None:
+    def on_event(self, kind: EventClass[AnyEvent], reaction: Callable[[AnyEvent], None]) -> None:
         """Call `reaction` with each event of a class from the services."""
 
     def touch(self, service: Service) -> None:
         """Schedule a service whose method was called, so that its messages are sent."""
 
-    def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
         """Send a STATUSTEXT, and log it."""
 
     def armed_changed(self) -> None:

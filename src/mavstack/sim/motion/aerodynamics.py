@@ -79,7 +79,7 @@ def _apply_air_moments(state: StateArray, attack: Array, stalled: Array, slip: A
 
 def apply_drive(state: StateArray, wanted: Array) -> None:
     """Bring the driving motor towards the demanded share of thrust, and add its force."""
-    aim = clip(wanted, 0.0, 1.0) * thrust_factor(state) * state.drive_left
-    state.drive_thrust += (aim - state.drive_thrust) * state.drive_response
+    command = clip(wanted, 0.0, 1.0) * thrust_factor(state) * state.drive_left
+    state.drive_thrust += (command - state.drive_thrust) * state.drive_response
     fade = clip(1.0 - state.airspeed / state.drive_speed, 0.0, 1.0)
     state.force += state.forward * (state.drive * fade * state.drive_thrust)

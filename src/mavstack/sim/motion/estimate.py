@@ -41,11 +41,11 @@ def update(state: StateArray, step: float) -> None:
     drift = state.drift_velocity
     good = 1.0 - lost
     drift += step * (state.drift_bias * lost - drift * good)
-    aim = state.spoof + GPS_DEVIATION * wander[3:6]
-    aim[2] = state.baro_drift + BARO_DEVIATION * wander[12]
+    command = state.spoof + GPS_DEVIATION * wander[3:6]
+    command[2] = state.baro_drift + BARO_DEVIATION * wander[12]
     follow = np.minimum(step / POSITION_LAG, 1.0)
-    error[:2] += (aim[:2] - error[:2]) * (follow * good) + drift[:2] * lost * step
-    error[2] += (aim[2] - error[2]) * follow
+    error[:2] += (command[:2] - error[:2]) * (follow * good) + drift[:2] * lost * step
+    error[2] += (command[2] - error[2]) * follow
     state.gps_lost_time[:] = (state.gps_lost_time + step) * lost
     state.yaw_error += (state.compass_offset - state.yaw_error) * (step / HEADING_LAG)
     np.add(state.position, error, out=state.position_estimate)

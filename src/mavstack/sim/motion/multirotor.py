@@ -97,6 +97,6 @@ def apply_motor_failures(state: StateArray) -> None:
 def apply_lift(state: StateArray, wanted: Array) -> None:
     """Bring the lifting motors towards the demanded lift, and add their force."""
     most = state.lift * state.lift_left * thrust_factor(state)
-    aim = np.minimum(clip(wanted, 0.0, state.lift) * thrust_factor(state), most)
-    state.lift_thrust += (aim - state.lift_thrust) * state.lift_response
+    command = np.minimum(clip(wanted, 0.0, state.lift) * thrust_factor(state), most)
+    state.lift_thrust += (command - state.lift_thrust) * state.lift_response
     state.force -= state.below * state.lift_thrust

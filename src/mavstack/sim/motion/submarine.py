@@ -56,8 +56,8 @@ def _apply_direct_demands(state: StateArray) -> Array:
 def apply_forces(state: StateArray, wanted: Array) -> None:
     """Add the forces of thrusters, water and buoyancy."""
     most = state.lift
-    aim = np.minimum(np.maximum(wanted, -most), most) * (thrust_factor(state) * state.lift_left)
-    state.thrust += (aim - state.thrust) * state.lift_response
+    command = np.minimum(np.maximum(wanted, -most), most) * (thrust_factor(state) * state.lift_left)
+    state.thrust += (command - state.thrust) * state.lift_response
     state.lift_thrust[:] = length(state.thrust)
     drag = DRAG + DRAG_SQUARED * length(state.velocity)
     state.force += state.thrust - state.velocity * drag

@@ -84,8 +84,8 @@ def apply_forces(state: StateArray, turn: Array, throttle: Array, grip: float, s
         -state.angular_acceleration * step,
         state.angular_acceleration * step,
     )
-    aim = throttle * thrust_factor(state) * state.drive_left
-    state.drive_thrust += (aim - state.drive_thrust) * state.drive_response
+    command = throttle * thrust_factor(state) * state.drive_left
+    state.drive_thrust += (command - state.drive_thrust) * state.drive_response
     ahead, aside = dot(state.velocity, state.forward), dot(state.velocity, state.right)
     state.force += state.forward * (state.drive * (state.drive_thrust - ahead / state.drive_speed))
     state.force -= state.right * (grip * aside)

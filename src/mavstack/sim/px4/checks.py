@@ -97,7 +97,7 @@ def _mode(autopilot: Autopilot) -> Iterator[str]:
         yield "Preflight Fail: Mode not suitable for arming"
     if mode.needs_position and not autopilot.has_position:
         yield "Preflight Fail: No valid global position estimate"
-    if mode.by_hand and not autopilot.radio.present:
+    if mode.manual_control and not autopilot.radio.present:
         yield "Preflight Fail: No manual control input"
     if mode.number == MISSION and not _has_mission(autopilot):
         yield "Preflight Fail: No valid mission available"
@@ -156,7 +156,7 @@ class PreflightWatch:
         self._due = now + 1.0
         found = frozenset(problem for problem in problems_of(self._autopilot) if problem not in _OF_MODES)
         for problem in sorted(found - self._said):
-            self._autopilot.vehicle.say(problem, common.MavSeverity.CRITICAL)
+            self._autopilot.vehicle.send_statustext(problem, common.MavSeverity.CRITICAL)
         self._said = found
         self._state.healthy = not found
 

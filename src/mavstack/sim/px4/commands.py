@@ -58,7 +58,7 @@ class Px4Arming(ArmingCommands):
         """COMPONENT_ARM_DISARM."""
         wanted, force = request.command.param1, number(request.command.param2)
         if not isfinite(wanted) or round(wanted) not in (0, 1):
-            self.vehicle.say(f"Unsupported ARM_DISARM param: {wanted:.3f}", _CRITICAL)
+            self.vehicle.send_statustext(f"Unsupported ARM_DISARM param: {wanted:.3f}", _CRITICAL)
             return _RESULT.UNSUPPORTED
         forced = round(force) == _FORCE
         return self.arm(force=False) if round(wanted) else self.disarm(force=forced)
@@ -76,7 +76,7 @@ class Px4Arming(ArmingCommands):
     def run_checks(self, request: CommandRequest) -> common.MavResult:
         """RUN_PREARM_CHECKS."""
         for problem in () if self.autopilot.armed else problems_of(self.autopilot):
-            self.vehicle.say(problem, _CRITICAL)
+            self.vehicle.send_statustext(problem, _CRITICAL)
         return _RESULT.ACCEPTED
 
     def terminate(self, request: CommandRequest) -> common.MavResult:
@@ -121,11 +121,11 @@ class ModeCommands(CommandGroup):
         if refused is None:
             return _RESULT.ACCEPTED
         if request.source.component == _PLANNER:
-            self.vehicle.say(refused, _CRITICAL)
+            self.vehicle.send_statustext(refused, _CRITICAL)
         return _RESULT.TEMPORARILY_REJECTED
 
     def _unsupported(self, kind: str) -> common.MavResult:
-        self.vehicle.say(f"Unsupported {kind} mode", _CRITICAL)
+        self.vehicle.send_statustext(f"Unsupported {kind} mode", _CRITICAL)
         return _RESULT.TEMPORARILY_REJECTED
 
 
@@ -169,7 +169,7 @@ class Px4Mission(MissionCommands):
         """MISSION_START: from item param 1, or where it was."""
         mission = self.autopilot.mission
         if not mission.valid():
-            self.vehicle.say("Mission start denied! No valid mission", _CRITICAL)
+            self.vehicle.send_statustext("Mission start denied! No valid mission", _CRITICAL)
             return _RESULT.DENIED
         first = request.command.param1
         if not -1 <= first < len(mission.items):
@@ -190,7 +190,7 @@ class Px4Mission(MissionCommands):
     def _fly(self) -> common.MavResult:
         refused = choose_mode(self.vehicle, MISSION)
         if refused is not None or not arm(self.vehicle, self._state, BY_MISSION):
-            self.vehicle.say(refused or unavailable("Mission"), _CRITICAL)
+            self.vehicle.send_statustext(refused or unavailable("Mission"), _CRITICAL)
             return _RESULT.TEMPORARILY_REJECTED
         return _RESULT.ACCEPTED
 

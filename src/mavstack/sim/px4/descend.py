@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
-from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
+from mavstack.sim.autopilot.behaviours.steps import ClimbControl, transition
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,7 +43,7 @@ class Descend(Behaviour):
 
     def _glide(self) -> Iterator[None]:
         """What has no motors to hover on comes down gliding; a VTOL hovers first."""
-        yield from become(self.autopilot, forward=False)
+        yield from transition(self.autopilot, forward=False)
         while self.autopilot.maneuvers.circles and not self.autopilot.landed:
             self.autopilot.body.hold_attitude(_BANK, _NOSE_DOWN, None, 0.0, yaw_rate=0.0)
             yield

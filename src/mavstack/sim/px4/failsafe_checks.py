@@ -139,16 +139,16 @@ class Px4Checks:
     # Links
 
     def _look_at_sticks(self, now: float) -> None:
-        heard_at = self._autopilot.radio.heard_at
-        lost = now - heard_at > float(self._parameters["COM_RC_LOSS_T"])
+        received_at = self._autopilot.radio.received_at
+        lost = now - received_at > float(self._parameters["COM_RC_LOSS_T"])
         if lost == self._sticks_lost:
             return
         self._sticks_lost = lost
         if lost:
-            self._last_heard = heard_at
-            self._say("Manual control lost")
+            self._last_heard = received_at
+            self._send_statustext("Manual control lost")
         elif self._last_heard is not None:
-            self._say(f"Manual control regained after {now - self._last_heard:.1f} s")
+            self._send_statustext(f"Manual control regained after {now - self._last_heard:.1f} s")
 
     def _sticks_missed(self, intended: int) -> bool:
         if not self._sticks_lost or self._sticks_lost_at_arming:
@@ -162,7 +162,7 @@ class Px4Checks:
         lost = silence is not None and silence > float(self._parameters["COM_DL_LOSS_T"])
         if lost != self._station_lost:
             self._station_lost = lost
-            self._say("Connection to ground station lost" if lost else "GCS connection regained")
+            self._send_statustext("Connection to ground station lost" if lost else "GCS connection regained")
 
     def _station_missed(self, intended: int) -> bool:
         if not self._station_lost or not self._autopilot.armed or intended == modes.LAND:
@@ -186,5 +186,5 @@ class Px4Checks:
     def _int(self, name: str) -> int:
         return int(self._parameters[name])
 
-    def _say(self, text: str) -> None:
-        self._autopilot.vehicle.say(text, _INFO)
+    def _send_statustext(self, text: str) -> None:
+        self._autopilot.vehicle.send_statustext(text, _INFO)

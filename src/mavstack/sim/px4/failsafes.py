@@ -168,23 +168,25 @@ class Px4Failsafes:
         if act is Act.WARN:
             if cause:
                 text = WARNINGS.get(cause, f"Failsafe warning: {cause}")
-                self._say(text, _SEVERITIES.get(cause, _CRITICAL if cause in WARNINGS else _WARNING))
+                self._send_statustext(
+                    text, _SEVERITIES.get(cause, _CRITICAL if cause in WARNINGS else _WARNING)
+                )
             return
         before = cause or "Failsafe activated"
         if act is Act.HOLD and later is not Act.NONE:
-            self._say(f"{before}: switching to {WORDS[later]} in {delay:.0f} seconds")
-            self._say(f"Failsafe activated: entering Hold for {delay:.0f} seconds")
+            self._send_statustext(f"{before}: switching to {WORDS[later]} in {delay:.0f} seconds")
+            self._send_statustext(f"Failsafe activated: entering Hold for {delay:.0f} seconds")
             return
         if not cause and act in _DISENGAGED:
             before += ": Autopilot disengaged, switching to " + WORDS[act]
         else:
             before += ": switching to " + WORDS[act]
-        self._say(before)
+        self._send_statustext(before)
         if act is not Act.TERMINATE:  # which the profile tells, whoever terminates
-            self._say("Failsafe activated")
+            self._send_statustext("Failsafe activated")
 
-    def _say(self, text: str, severity: int = _CRITICAL) -> None:
-        self._autopilot.vehicle.say(text, severity)
+    def _send_statustext(self, text: str, severity: int = _CRITICAL) -> None:
+        self._autopilot.vehicle.send_statustext(text, severity)
 
 
 #: What the checks call it.

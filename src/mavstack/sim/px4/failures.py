@@ -95,7 +95,7 @@ def faults_of(vehicle: Vehicle, unit: int, kind: int, instance: int) -> tuple[st
         motors = AIRFRAMES[vehicle.type].motors
         numbers = range(1, motors + 1) if instance == 0 else range(instance, min(instance, motors) + 1)
         return tuple(f"motor {motor} {_MOTORS[common.FailureType(kind)]}" for motor in numbers)
-    if unit == _UNIT.SYSTEM_RC_SIGNAL and kind in _TRANSMITTER and vehicle.autopilot.radio.fitted:
+    if unit == _UNIT.SYSTEM_RC_SIGNAL and kind in _TRANSMITTER and vehicle.autopilot.radio.has_transmitter:
         return (_TRANSMITTER[common.FailureType(kind)],)
     return _FAULTS.get((unit, kind), ())
 
@@ -106,7 +106,7 @@ def inject(vehicle: Vehicle, unit: int, kind: int, instance: int) -> None:
     word = next(word for word, number in TYPES.items() if number == kind)
     which = f"instance {instance}" if instance else "all instances"
     text = f"Cleared: {name}, {which}" if kind == _TYPE.OK else f"Injected: {name} {word}, {which}"
-    vehicle.say(text, common.MavSeverity.WARNING)
+    vehicle.send_statustext(text, common.MavSeverity.WARNING)
     faults = faults_of(vehicle, unit, kind, instance)
     if unit == _UNIT.SYSTEM_MAVLINK_SIGNAL:
         vehicle.autopilot.tasks.afterwards(lambda: _inject_all(vehicle, faults))

@@ -40,9 +40,9 @@ class LandingWatch:
     def _changed(self) -> None:
         autopilot = self._autopilot
         if autopilot.landed:
-            autopilot.vehicle.say("Landing detected")
+            autopilot.vehicle.send_statustext("Landing detected")
             return
-        autopilot.vehicle.say("Takeoff detected")
+        autopilot.vehicle.send_statustext("Takeoff detected")
         self._state.has_flown = True
         if self._number("COM_HOME_EN") and autopilot.has_position and not autopilot.home_locked:
             autopilot.set_home_here()

@@ -94,13 +94,13 @@ class Px4MaintenanceCommands(MaintenanceCommands):
     def calibrating(self, wanted: list[str]) -> Script:
         """Calibrate, and say how far it is; a barometer's has no progress."""
         for name in wanted:
-            self.vehicle.say(f"[cal] calibration started: 2 {name}")
+            self.vehicle.send_statustext(f"[cal] calibration started: 2 {name}")
             for percent in range(0, 101, 10):
                 if name != "baro":
-                    self.vehicle.say(f"[cal] progress <{percent}>")
+                    self.vehicle.send_statustext(f"[cal] progress <{percent}>")
                 yield from waiting(self.vehicle, _STEP)
             self._heal(name)
-            self.vehicle.say(f"[cal] calibration done: {name}")
+            self.vehicle.send_statustext(f"[cal] calibration done: {name}")
         self._state.calibrating = ""
         return _RESULT.ACCEPTED
 

@@ -81,7 +81,7 @@ def _may_enter(autopilot: Autopilot, mode: Mode) -> bool:
         return True
     if mode.needs_position and not autopilot.has_position:
         return False
-    if mode.by_hand:
+    if mode.manual_control:
         return autopilot.radio.present
     if mode.number == OFFBOARD:
         return autopilot.guided.stream_alive

@@ -106,7 +106,7 @@ class _Row:
     flags: int
     standard: int = _STANDARD.NON_STANDARD
     types: frozenset[VehicleType] = _ALL
-    by_hand: bool = False
+    manual_control: bool = False
     needs_position: bool = True
     may_arm: bool = True
     selectable: bool = True
@@ -115,16 +115,16 @@ class _Row:
 
 #: In the order of the firmware's own numbers, which is that of its list.
 _TABLE: Final = (
-    _Row(MANUAL, "Manual", Manual, _RAW, by_hand=True, needs_position=False),
+    _Row(MANUAL, "Manual", Manual, _RAW, manual_control=True, needs_position=False),
     _Row(
         ALTITUDE, "Altitude", AltitudeHold, _BY_STICKS, _STANDARD.ALTITUDE_HOLD, _FLOATING,
-        by_hand=True, needs_position=False,
+        manual_control=True, needs_position=False,
     ),
-    _Row(POSITION, "Position", PositionHold, _BY_STICKS, by_hand=True),
+    _Row(POSITION, "Position", PositionHold, _BY_STICKS, manual_control=True),
     _Row(MISSION, "Mission", Mission, _AUTOMATIC, _STANDARD.MISSION),
     _Row(HOLD, "Hold", Hold, _AUTOMATIC),
     _Row(RETURN, "Return", Px4Return, _AUTOMATIC, _STANDARD.SAFE_RECOVERY, may_arm=False),
-    _Row(ACRO, "Acro", Acro, _RAW, by_hand=True, needs_position=False),
+    _Row(ACRO, "Acro", Acro, _RAW, manual_control=True, needs_position=False),
     _Row(
         DESCEND, "Descend", Descend, _AUTOMATIC,
         needs_position=False, may_arm=False, selectable=False,
@@ -133,7 +133,7 @@ _TABLE: Final = (
         TERMINATION, "Termination", Nothing, 0, needs_position=False, may_arm=False, selectable=False,
     ),
     _Row(OFFBOARD, "Offboard", Offboard, _STABLE, needs_position=False),
-    _Row(STABILIZED, "Stabilized", Stabilize, _BY_STICKS, by_hand=True, needs_position=False),
+    _Row(STABILIZED, "Stabilized", Stabilize, _BY_STICKS, manual_control=True, needs_position=False),
     _Row(TAKEOFF, "Takeoff", Nothing, _AUTOMATIC, _STANDARD.TAKEOFF, _FLYING, then=HOLD),
     _Row(
         LAND, "Land", Land, _AUTOMATIC, _STANDARD.LAND, _FLYING, needs_position=False, may_arm=False,
@@ -165,7 +165,7 @@ def _mode(row: _Row, kind: VehicleType, behaviour: Make) -> Mode:
         behaviour,
         flags=_flags(row, kind),
         needs_position=row.needs_position,
-        by_hand=row.by_hand,
+        manual_control=row.manual_control,
         may_arm=row.may_arm,
         then=row.then,
         label=row.name,

@@ -78,7 +78,7 @@ class Px4Movement(MovementCommands):
         """Enter a mode, or say why not."""
         refused = choose_mode(self.vehicle, mode)
         if refused is not None:
-            self.vehicle.say(refused, _CRITICAL)
+            self.vehicle.send_statustext(refused, _CRITICAL)
             return _RESULT.TEMPORARILY_REJECTED
         return _RESULT.ACCEPTED
 
@@ -86,14 +86,14 @@ class Px4Movement(MovementCommands):
         """NAV_RETURN_TO_LAUNCH."""
         result = self.enter(RETURN)
         if result == _RESULT.ACCEPTED:
-            self.vehicle.say("Returning to launch")
+            self.vehicle.send_statustext("Returning to launch")
         return result
 
     def land(self, request: CommandRequest) -> common.MavResult:
         """NAV_LAND: here, whatever place the command names."""
         result = self.enter(LAND)
         if result == _RESULT.ACCEPTED:
-            self.vehicle.say("Landing at current position")
+            self.vehicle.send_statustext("Landing at current position")
         return result
 
     def take_off(self, request: CommandRequest) -> common.MavResult:
@@ -174,13 +174,13 @@ class Px4Movement(MovementCommands):
             return _RESULT.ACCEPTED
         most = float(self.vehicle.parameters["MC_ORBIT_RAD_MAX"])
         if abs(wanted.radius) > most:
-            self.vehicle.say("Orbit radius limit exceeded", _CRITICAL)
+            self.vehicle.send_statustext("Orbit radius limit exceeded", _CRITICAL)
             wanted = replace(wanted, radius=copysign(most, wanted.radius))
         self._state.orbit = wanted
         return self._refuse_orbit() if choose_mode(self.vehicle, ORBIT) is not None else _RESULT.ACCEPTED
 
     def _refuse_orbit(self) -> common.MavResult:
-        self.vehicle.say("Orbit command rejected", _CRITICAL)
+        self.vehicle.send_statustext("Orbit command rejected", _CRITICAL)
         return _RESULT.TEMPORARILY_REJECTED
 
     # How

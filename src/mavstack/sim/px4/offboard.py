@@ -25,7 +25,7 @@ _FALLBACKS: Final = (RETURN, LAND, DESCEND, HOLD)
 
 def setpoints_lost(autopilot: Autopilot) -> None:
     """Do it, and say so."""
-    autopilot.vehicle.say("Failsafe activated", _CRITICAL)
+    autopilot.vehicle.send_statustext("Failsafe activated", _CRITICAL)
     autopilot.failsafes.add("offboard")
     action = int(autopilot.vehicle.parameters["COM_OBL_RC_ACT"])
     if action == _TERMINATE:
@@ -39,7 +39,7 @@ def setpoints_lost(autopilot: Autopilot) -> None:
 def _enter_first(autopilot: Autopilot, wanted: int) -> None:
     for number in (wanted, *_FALLBACKS):
         mode = autopilot.find_mode(number)
-        if mode is None or (mode.by_hand and not autopilot.radio.present):
+        if mode is None or (mode.manual_control and not autopilot.radio.present):
             continue
         if autopilot.enter(number, SETPOINTS_LOST):
             return

@@ -22,14 +22,14 @@ NOT_LANDED: Final = "Disarming denied: not landed"
 def arm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
     """Arm, or say why not; whether it is armed."""
     if state.calibrating:
-        vehicle.say("Arming denied: calibrating", _CRITICAL)
+        vehicle.send_statustext("Arming denied: calibrating", _CRITICAL)
         return False
     state.arming_reason = reason
     problems = vehicle.autopilot.arm(force=force)
     for problem in problems:
-        vehicle.say(problem, _CRITICAL)
+        vehicle.send_statustext(problem, _CRITICAL)
     if problems:
-        vehicle.say(REFUSED, _CRITICAL)
+        vehicle.send_statustext(REFUSED, _CRITICAL)
     return not problems
 
 
@@ -37,7 +37,7 @@ def disarm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = Fals
     """Disarm, in the air only if it is forced, or say why not; whether it is disarmed."""
     autopilot = vehicle.autopilot
     if autopilot.armed and not force and vehicle.type.flies and not autopilot.landed:
-        vehicle.say(NOT_LANDED, _CRITICAL)
+        vehicle.send_statustext(NOT_LANDED, _CRITICAL)
         return False
     state.disarming_reason = reason
     autopilot.disarm("commanded")

@@ -19,7 +19,7 @@ from mavstack.sim.px4.mode_selection import refusal_of
 from mavstack.sim.px4.offboard import setpoints_lost
 from mavstack.sim.px4.shell import Console, Journal
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
-from mavstack.sim.telemetry import provide_px4
+from mavstack.sim.telemetry import publish_px4
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,7 +73,7 @@ class Px4Profile(FirmwareProfile):
         self.state.forget(self.hold)
         autopilot = vehicle.autopilot
         register_commands(vehicle, self.state)
-        vehicle.on(ModeChanged, lambda event: self._mode_changed(vehicle, event))
+        vehicle.on_event(ModeChanged, lambda event: self._mode_changed(vehicle, event))
         autopilot.watches.append(PreflightWatch(autopilot, self.state))
         if self.type.flies:
             autopilot.watches.append(LandingWatch(autopilot, self.state))
@@ -83,14 +83,14 @@ class Px4Profile(FirmwareProfile):
 
     def provide(self, vehicle: Vehicle) -> None:
         """Streams at PX4's rates, and the versions."""
-        provide_px4(vehicle)
+        publish_px4(vehicle)
         provide_versions(vehicle.messages, version_of(vehicle))
 
     # What it says
 
     def armed(self, autopilot: Autopilot) -> None:
         """By whom."""
-        autopilot.vehicle.say(f"Armed by {self.state.arming_reason}")
+        autopilot.vehicle.send_statustext(f"Armed by {self.state.arming_reason}")
         self.state.has_flown = False  # it may be armed again before anybody looked at it disarmed
         self.state.arming_reason = BY_COMMAND
 
@@ -100,10 +100,10 @@ class Px4Profile(FirmwareProfile):
         self.state.disarming_reason = None
         autopilot.failsafes.discard("offboard")
         if autopilot.terminated:
-            autopilot.vehicle.say("Failsafe activated", common.MavSeverity.CRITICAL)
+            autopilot.vehicle.send_statustext("Failsafe activated", common.MavSeverity.CRITICAL)
             autopilot.enter(modes.TERMINATION, "terminated")
             return
-        autopilot.vehicle.say(f"Disarmed by {reason}")
+        autopilot.vehicle.send_statustext(f"Disarmed by {reason}")
         if autopilot.mode.number != self.state.mode_after_disarming:
             autopilot.enter(self.state.mode_after_disarming, "disarmed")
 

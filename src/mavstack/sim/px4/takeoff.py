@@ -36,14 +36,14 @@ class Px4Takeoff(Takeoff):
 
     def _chosen(self) -> float:
         """As high as it was told, in local metres."""
-        autopilot, say = self.autopilot, self.autopilot.vehicle.say
+        autopilot, send_statustext = self.autopilot, self.autopilot.vehicle.send_statustext
         here = autopilot.maneuvers.place[2]
         altitude, self._state.takeoff_altitude = self._state.takeoff_altitude, None
         if altitude is None or not isfinite(altitude):
             height = autopilot.flight_parameters.takeoff_altitude
-            say(f"Using default takeoff altitude: {height:.1f} m")
+            send_statustext(f"Using default takeoff altitude: {height:.1f} m")
             return here - height
         down = autopilot.body.frame.altitude - altitude
         if down > here:
-            say("Already higher than takeoff altitude", common.MavSeverity.CRITICAL)
+            send_statustext("Already higher than takeoff altitude", common.MavSeverity.CRITICAL)
         return min(down, here)

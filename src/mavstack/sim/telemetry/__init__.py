@@ -1,6 +1,6 @@
-"""Telemetry of simulated vehicles: what each firmware sends by itself, and how often."""
+"""Telemetry of simulated vehicles: the messages that each firmware streams, and their rates."""
 
-from mavstack.sim.telemetry.ardupilot import provide_ardupilot
-from mavstack.sim.telemetry.px4 import Link, provide_px4, use_link
+from mavstack.sim.telemetry.ardupilot import publish_ardupilot
+from mavstack.sim.telemetry.px4 import LinkMode, publish_px4, set_link_mode
 
-__all__ = ["Link", "provide_ardupilot", "provide_px4", "use_link"]
+__all__ = ["LinkMode", "publish_ardupilot", "publish_px4", "set_link_mode"]

@@ -1,12 +1,13 @@
-"""What ArduPilot sends by itself: groups of messages, each at the rate that a parameter gives.
+"""ArduPilot's streams: groups of messages, each at the rate of a parameter.
 
-A group's rate in hertz is the parameter SR0_ (from 4.7 on MAV1_) and the group's name; it counts from the
-moment that it is set. REQUEST_DATA_STREAM asks for a group by its number, and SET_MESSAGE_INTERVAL for one
-message. Counted on ArduPlane 4.1 in SITL with SR0_* 1: each message of its groups once a second, 26 messages
-together; asked for 4 Hz as MAVProxy does, 4.0 of each and 100 together. On ArduCopter 3.5.7, whose rates are
-0: nothing but HEARTBEAT until somebody asks, then 4.2 of each and 110 together, for a stream comes a whole
-number of scheduler ticks apart. Newer versions have other groups: AHRS3, SENSOR_OFFSETS, HWSTATUS and
-RC_CHANNELS_RAW went out, FENCE_STATUS, POSITION_TARGET_GLOBAL_INT, WIND and DISTANCE_SENSOR came in.
+A group's rate in hertz is the parameter SR0_ (from 4.7 on MAV1_) plus the group's name; a new value applies
+at once. REQUEST_DATA_STREAM sets the rate of a group by its number, SET_MESSAGE_INTERVAL that of one message.
+Measured on ArduPlane 4.1 in SITL with SR0_* 1: each message of its groups at 1 Hz, 26 messages in total;
+after a request for 4 Hz as MAVProxy makes it, 4.0 of each and 100 in total. On ArduCopter 3.5.7, whose rates
+are 0: nothing but HEARTBEAT until a request, then 4.2 of each and 110 in total, because the interval of a
+stream is a whole number of scheduler ticks. Newer versions have other groups: AHRS3, SENSOR_OFFSETS, HWSTATUS
+and RC_CHANNELS_RAW were removed, FENCE_STATUS, POSITION_TARGET_GLOBAL_INT, WIND and DISTANCE_SENSOR were
+added.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega as dialect
-from mavstack.sim.telemetry.producers import Producers, change_rates, ids_of, provide_all
+from mavstack.sim.telemetry.producers import Producers, change_rates, message_ids, publish_all
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -23,14 +24,14 @@ if TYPE_CHECKING:
     from mavstack.services.message_request.server import Producer
     from mavstack.services.parameters import Value
     from mavstack.sim.autopilot.interfaces import Vehicle
-    from mavstack.sim.telemetry.producers import Kind
+    from mavstack.sim.telemetry.producers import MessageType
 
 _GROUP = dialect.MavDataStream
 _ALL, _WINGED = frozenset(VehicleType), frozenset({VehicleType.PLANE, VehicleType.VTOL})
 _FLYING = _WINGED | {VehicleType.COPTER}
 
-#: The groups: the end of the parameter's name, the number in REQUEST_DATA_STREAM, and the messages.
-GROUPS: tuple[tuple[str, int, tuple[Kind, ...]], ...] = (
+#: Stream groups: suffix of the parameter's name, number in REQUEST_DATA_STREAM, messages.
+GROUPS: tuple[tuple[str, int, tuple[MessageType, ...]], ...] = (
     (
         "RAW_SENS",
         _GROUP.RAW_SENSORS,
@@ -66,61 +67,69 @@ GROUPS: tuple[tuple[str, int, tuple[Kind, ...]], ...] = (
         ),
     ),
 )
-#: Messages that only some types send; all others are sent by every type.
-ONLY: dict[Kind, frozenset[VehicleType]] = {
+#: Vehicle types that send a message; messages not listed are sent by every type.
+TYPES_SENDING: dict[MessageType, frozenset[VehicleType]] = {
     dialect.Airspeed: _WINGED,
     dialect.AoaSsa: _WINGED,
     dialect.EscTelemetry1To4: frozenset({VehicleType.COPTER, VehicleType.VTOL}),
     dialect.Wind: _FLYING,
     dialect.WaterDepth: frozenset({VehicleType.BOAT}),
 }
-#: The rate of all groups, if the vehicle has no parameter for it: what ground stations ask for.
-USUAL_RATE = 4.0
+#: Rate in hertz of a group without a parameter: the one that ground stations request.
+DEFAULT_RATE = 4.0
 _PREFIXES = ("SR0_", "MAV1_")
 
 
-def provide_ardupilot(vehicle: Vehicle) -> None:
-    """Let a vehicle send what ArduPilot sends."""
+def publish_ardupilot(vehicle: Vehicle) -> None:
+    """Publish ArduPilot's streams on a vehicle's message server."""
     producers = {
-        kind: produce
-        for kind, produce in ardupilot_producers(Producers(vehicle)).items()
-        if vehicle.type in ONLY.get(kind, _ALL)
+        message_type: produce
+        for message_type, produce in ardupilot_producers(Producers(vehicle)).items()
+        if vehicle.type in TYPES_SENDING.get(message_type, _ALL)
     }
     rates, data_streams = {}, {}
-    for ending, number, kinds in GROUPS:
-        members = tuple(kind for kind in kinds if kind in producers)
+    for ending, number, message_types in GROUPS:
+        members = tuple(message_type for message_type in message_types if message_type in producers)
         rate, name = _rate(vehicle, ending)
         rates.update(dict.fromkeys(members, rate))
-        data_streams[int(number)] = ids_of(members)
+        data_streams[int(number)] = message_ids(members)
         if name is not None:
-            vehicle.parameters.on_change(name, _follow(vehicle, members))
-    provide_all(vehicle, producers, rates)
+            vehicle.parameters.on_change(name, _rate_setter(vehicle, members))
+    publish_all(vehicle, producers, rates)
     data_streams[int(_GROUP.ALL)] = frozenset().union(*data_streams.values())
     vehicle.messages.data_streams = data_streams
 
 
 def _rate(vehicle: Vehicle, ending: str) -> tuple[float, str | None]:
-    """A group's rate, and the parameter that it comes from."""
+    """Return a group's rate in hertz, and the name of the parameter that sets it."""
     for prefix in _PREFIXES:
         if prefix + ending in vehicle.parameters:
             return float(vehicle.parameters[prefix + ending]), prefix + ending
-    return USUAL_RATE, None
+    return DEFAULT_RATE, None
 
 
-def _follow(vehicle: Vehicle, kinds: tuple[Kind, ...]) -> Callable[[Value], None]:
-    def follow(rate: Value) -> None:
-        change_rates(vehicle, dict.fromkeys(kinds, float(rate)))
+def _rate_setter(vehicle: Vehicle, message_types: tuple[MessageType, ...]) -> Callable[[Value], None]:
+    """Return the callback that applies a parameter's new rate to messages."""
 
-    return follow
+    def set_rate(rate: Value) -> None:
+        change_rates(vehicle, dict.fromkeys(message_types, float(rate)))
 
-
-def ardupilot_producers(of: Producers) -> dict[Kind, Producer]:
-    """Everything that ArduPilot can send, those first that it sends by itself."""
-    return {**_grouped(of), **_on_request(of)}
+    return set_rate
 
 
-def _grouped(of: Producers) -> dict[Kind, Producer]:
-    motion, sensors, status, control = of.motion, of.sensors, of.status, of.control
+def ardupilot_producers(producers: Producers) -> dict[MessageType, Producer]:
+    """Return the producers of all messages that ArduPilot can send, streamed ones first."""
+    return {**_grouped_producers(producers), **_requestable_producers(producers)}
+
+
+def _grouped_producers(producers: Producers) -> dict[MessageType, Producer]:
+    """Return the producers of messages in stream groups."""
+    motion, sensors, status, control = (
+        producers.motion,
+        producers.sensors,
+        producers.status,
+        producers.control,
+    )
     return {
         dialect.Attitude: motion.attitude,
         dialect.GlobalPositionInt: motion.global_position,
@@ -129,7 +138,7 @@ def _grouped(of: Producers) -> dict[Kind, Producer]:
         dialect.Simstate: motion.simstate,
         dialect.Ahrs: motion.ahrs,
         dialect.Ahrs2: motion.ahrs2,
-        dialect.AoaSsa: motion.angles_of_air,
+        dialect.AoaSsa: motion.flow_angles,
         dialect.Wind: motion.wind,
         dialect.EkfStatusReport: motion.ekf_status,
         dialect.RawImu: sensors.raw_imu,
@@ -160,8 +169,14 @@ def _grouped(of: Producers) -> dict[Kind, Producer]:
     }
 
 
-def _on_request(of: Producers) -> dict[Kind, Producer]:
-    motion, sensors, status, control = of.motion, of.sensors, of.status, of.control
+def _requestable_producers(producers: Producers) -> dict[MessageType, Producer]:
+    """Return the producers of messages that are sent on request only."""
+    motion, sensors, status, control = (
+        producers.motion,
+        producers.sensors,
+        producers.status,
+        producers.control,
+    )
     return {
         dialect.AttitudeQuaternion: motion.attitude_quaternion,
         dialect.ScaledImu: sensors.scaled_imu(1),

@@ -1,7 +1,7 @@
-"""What goes in and comes out of the controllers: sticks, targets, actuators and motors.
+"""Messages about control: RC channels, targets, actuators and motors.
 
-The controllers of a simulated vehicle fly by demands of position and speed; so the attitude that was reached
-is told as the one that was asked for, and as the target what the autopilot is on its way to.
+The controllers of a simulated vehicle fly position and velocity demands. The attitude target is therefore the
+estimated attitude, and the position target is the point that the autopilot flies to.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
-    from mavstack.sim.telemetry.view import View
+    from mavstack.sim.telemetry.view import VehicleView
 
 _MASK = common.PositionTargetTypemask
 _ONLY_POSITION = int(
@@ -32,39 +32,39 @@ _ONLY_POSITION = int(
 )
 _NO_POSITION = int(_MASK.X_IGNORE | _MASK.Y_IGNORE | _MASK.Z_IGNORE)
 _CHANNELS_USED = 16
-#: Motors that a speed controller reports about, and what they turn per microsecond of pulse above idle.
+#: Number of motors with ESC telemetry; pulse at idle, and rpm per microsecond above it.
 _MOTORS = {VehicleType.COPTER: 4, VehicleType.VTOL: 4}
-_IDLE, _TURNS = 1000, 14.0
+_IDLE_PULSE, _RPM_PER_MICROSECOND = 1000, 14.0
 
 
 class ControlMessages:
     """Producers of messages about control."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: VehicleView) -> None:
         self._view = view
         self._body = view.body
         self._autopilot = view.autopilot
         self._motors = _MOTORS.get(view.vehicle.type, 0)
         self._escs = 0
 
-    # Sticks and actuators
+    # RC channels and actuators
 
     def channels(self, now: float) -> Message:
-        """RC_CHANNELS, all zero if there is no radio."""
+        """Return RC_CHANNELS, all zero without a radio."""
         radio = self._autopilot.radio
         return common.RcChannels(self._view.milliseconds(now), _CHANNELS_USED, *(*radio.channels, radio.rssi))
 
     def channels_if_heard(self, now: float) -> Message | None:
-        """RC_CHANNELS, only while a radio is heard."""
+        """Return RC_CHANNELS, only while a radio is received."""
         return self.channels(now) if self._autopilot.radio.present else None
 
     def raw_channels(self, now: float) -> Message:
-        """RC_CHANNELS_RAW: the first eight."""
+        """Return RC_CHANNELS_RAW with the first eight channels."""
         radio = self._autopilot.radio
         return common.RcChannelsRaw(self._view.milliseconds(now), 0, *(*radio.channels[:8], radio.rssi))
 
     def servos(self, now: float) -> Message:
-        """SERVO_OUTPUT_RAW."""
+        """Return SERVO_OUTPUT_RAW."""
         commanded = self._autopilot.payload.servos
         pulses = [
             uint16(commanded.get(number, pulse), 0) for number, pulse in enumerate(self._body.servos, start=1)
@@ -72,25 +72,25 @@ class ControlMessages:
         return common.ServoOutputRaw(self._view.microseconds(now) & 0xFFFFFFFF, 0, *pulses)
 
     def actuators(self, now: float) -> Message:
-        """ACTUATOR_OUTPUT_STATUS: the same as shares, -1 to 1."""
+        """Return ACTUATOR_OUTPUT_STATUS, outputs scaled to -1 to 1."""
         pulses = tuple(min(max((pulse - 1500.0) / 500.0, -1.0), 1.0) for pulse in self._body.servos)
         return common.ActuatorOutputStatus(
             self._view.microseconds(now), 0xFFFF, (*pulses, *(0.0,) * (32 - len(pulses)))
         )
 
     def escs(self, now: float) -> Message | None:
-        """ESC_STATUS of up to four motors; none for what has no such controllers."""
+        """Return ESC_STATUS of up to four motors; None on types without ESC telemetry."""
         if not self._motors:
             return None
         battery = self._body.battery
         count = self._motors
         share = battery.current / count
         return common.EscStatus(
-            0, self._view.microseconds(now), self._turns(), (battery.voltage,) * 4, (share,) * 4
+            0, self._view.microseconds(now), self._rpm(), (battery.voltage,) * 4, (share,) * 4
         )
 
     def esc_information(self, now: float) -> Message | None:
-        """ESC_INFO of the same."""
+        """Return ESC_INFO; None on types without ESC telemetry."""
         if not self._motors:
             return None
         self._escs += 1
@@ -106,7 +106,7 @@ class ControlMessages:
         )
 
     def esc_telemetry(self, now: float) -> Message | None:
-        """ESC_TELEMETRY_1_TO_4."""
+        """Return ESC_TELEMETRY_1_TO_4; None on types without ESC telemetry."""
         if not self._motors:
             return None
         battery = self._body.battery
@@ -117,31 +117,34 @@ class ControlMessages:
             voltage=(uint16(battery.voltage * 100.0, 0),) * 4,
             current=(uint16(battery.current * 100.0 / count, 0),) * 4,
             totalcurrent=(uint16(battery.consumed / count, 0),) * 4,
-            rpm=tuple(min(turns, UINT16_MAX) for turns in self._turns()),
+            rpm=tuple(min(turns, UINT16_MAX) for turns in self._rpm()),
             count=(self._escs & 0xFFFF,) * 4,
         )
 
-    def _turns(self) -> tuple[int, ...]:
-        return tuple(uint16(max(pulse - _IDLE, 0) * _TURNS, 0) for pulse in self._body.servos[:4])
+    def _rpm(self) -> tuple[int, ...]:
+        """Return the motors' revolutions per minute."""
+        return tuple(
+            uint16(max(pulse - _IDLE_PULSE, 0) * _RPM_PER_MICROSECOND, 0) for pulse in self._body.servos[:4]
+        )
 
     # Targets
 
     def attitude_target(self, now: float) -> Message:
-        """ATTITUDE_TARGET."""
-        own = self._body.estimate
+        """Return ATTITUDE_TARGET."""
+        estimate = self._body.estimate
         return common.AttitudeTarget(
             self._view.milliseconds(now),
             0,
-            quaternion(own.roll, own.pitch, own.yaw),
-            own.roll_rate,
-            own.pitch_rate,
-            own.yaw_rate,
+            quaternion(estimate.roll, estimate.pitch, estimate.yaw),
+            estimate.roll_rate,
+            estimate.pitch_rate,
+            estimate.yaw_rate,
             self._body.throttle,
         )
 
     def local_target(self, now: float) -> Message:
-        """POSITION_TARGET_LOCAL_NED, with no position while there is no target."""
-        own, target = self._body.estimate, self._autopilot.target
+        """Return POSITION_TARGET_LOCAL_NED, without position while there is no target."""
+        estimate, target = self._body.estimate, self._autopilot.target
         north, east, down = target if target is not None else (nan, nan, nan)
         return common.PositionTargetLocalNed(
             self._view.milliseconds(now),
@@ -150,18 +153,18 @@ class ControlMessages:
             north,
             east,
             down,
-            own.velocity_north,
-            own.velocity_east,
-            own.velocity_down,
-            own.acceleration_north,
-            own.acceleration_east,
-            own.acceleration_down,
-            own.yaw,
-            own.yaw_rate,
+            estimate.velocity_north,
+            estimate.velocity_east,
+            estimate.velocity_down,
+            estimate.acceleration_north,
+            estimate.acceleration_east,
+            estimate.acceleration_down,
+            estimate.yaw,
+            estimate.yaw_rate,
         )
 
     def local_target_if_guided(self, now: float) -> Message | None:
-        """POSITION_TARGET_LOCAL_NED, only in guided mode and with a target."""
+        """Return POSITION_TARGET_LOCAL_NED, only in guided mode and with a target."""
         autopilot = self._autopilot
         target = autopilot.target
         if target is None or autopilot.mode.number != autopilot.profile.guided:
@@ -171,14 +174,15 @@ class ControlMessages:
         )
 
     def global_target(self, now: float) -> Message | None:
-        """POSITION_TARGET_GLOBAL_INT, while there is a target."""
+        """Return POSITION_TARGET_GLOBAL_INT, while there is a target."""
         return self._global_target(now, common.MavFrame.GLOBAL)
 
     def global_target_int(self, now: float) -> Message | None:
-        """POSITION_TARGET_GLOBAL_INT, in the frame that PX4 names."""
+        """Return POSITION_TARGET_GLOBAL_INT in the frame that PX4 reports."""
         return self._global_target(now, common.MavFrame.GLOBAL_INT)
 
     def _global_target(self, now: float, frame: int) -> Message | None:
+        """Return POSITION_TARGET_GLOBAL_INT in a frame."""
         target = self._autopilot.target
         if target is None:
             return None
@@ -193,29 +197,32 @@ class ControlMessages:
         )
 
     def navigation(self, now: float) -> Message:
-        """NAV_CONTROLLER_OUTPUT, all errors zero while there is no target."""
-        own, target = self._body.estimate, self._autopilot.target
-        north, east, down = target if target is not None else (own.north, own.east, own.down)
-        north, east = north - own.north, east - own.east
-        bearing = int16(degrees(atan2(east, north) if north or east else own.yaw))
+        """Return NAV_CONTROLLER_OUTPUT, all errors zero while there is no target."""
+        estimate, target = self._body.estimate, self._autopilot.target
+        north, east, down = target if target is not None else (estimate.north, estimate.east, estimate.down)
+        north, east = north - estimate.north, east - estimate.east
+        bearing = int16(degrees(atan2(east, north) if north or east else estimate.yaw))
         return common.NavControllerOutput(
-            degrees(own.roll),
-            degrees(own.pitch),
+            degrees(estimate.roll),
+            degrees(estimate.pitch),
             bearing,
             bearing,
             uint16(hypot(north, east)),
-            own.down - down,
+            estimate.down - down,
             0.0,
             0.0,
         )
 
     def navigation_if_steered(self, now: float) -> Message | None:
-        """NAV_CONTROLLER_OUTPUT, as PX4 sends it: only for what flies forward or drives, with a target."""
+        """Return NAV_CONTROLLER_OUTPUT as PX4 sends it.
+
+        PX4 sends it only for vehicles that fly forward or drive, and have a target.
+        """
         forward = self._body.flies_forward or self._view.vehicle.type not in _MOTORS
         return self.navigation(now) if forward and self._autopilot.target is not None else None
 
     def orbit(self, now: float) -> Message | None:
-        """ORBIT_EXECUTION_STATUS, while the vehicle orbits."""
+        """Return ORBIT_EXECUTION_STATUS, while the vehicle orbits."""
         orbit = self._orbit()
         if orbit is None:
             return None
@@ -230,7 +237,8 @@ class ControlMessages:
         )
 
     def _orbit(self) -> Orbit | None:
-        behaviour, aim = self._autopilot.behaviour, self._autopilot.guided.aim
+        """Return the orbit that is flown."""
+        behaviour, command = self._autopilot.behaviour, self._autopilot.guided.command
         if isinstance(behaviour, Orbit):
             return behaviour
-        return aim if behaviour is not None and isinstance(aim, Orbit) else None
+        return command if behaviour is not None and isinstance(command, Orbit) else None

@@ -1,6 +1,6 @@
-"""What is fitted, in use and in order, as the masks of SYS_STATUS say it for each firmware.
+"""SYS_STATUS masks of sensors: present, enabled and healthy, as each firmware reports them.
 
-The bits are plain numbers, since masks are put together for each message.
+The bits are plain integers for speed, because masks are combined for each message.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from mavstack.dialects import common
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
-    from mavstack.sim.telemetry.view import View
+    from mavstack.sim.telemetry.view import VehicleView
 
 _BIT = common.MavSysStatusSensor
 _IMU = int(_BIT.SENSOR_3D_GYRO | _BIT.SENSOR_3D_ACCEL)
 _COMPASS, _BAROMETER = int(_BIT.SENSOR_3D_MAG), int(_BIT.SENSOR_ABSOLUTE_PRESSURE)
-_AIR, _GPS = int(_BIT.SENSOR_DIFFERENTIAL_PRESSURE), int(_BIT.SENSOR_GPS)
+_AIRSPEED, _GPS = int(_BIT.SENSOR_DIFFERENTIAL_PRESSURE), int(_BIT.SENSOR_GPS)
 _MOTORS, _BATTERY = int(_BIT.SENSOR_MOTOR_OUTPUTS), int(_BIT.SENSOR_BATTERY)
 _RADIO = int(_BIT.SENSOR_RC_RECEIVER)
 _LOGGING, _PREARM = int(_BIT.LOGGING), int(_BIT.PREARM_CHECK)
@@ -24,35 +24,35 @@ _FENCE, _AHRS, _TERRAIN = int(_BIT.GEOFENCE), int(_BIT.AHRS), int(_BIT.TERRAIN)
 _ATTITUDE = int(_BIT.SENSOR_ATTITUDE_STABILIZATION)
 _CONTROL = int(_BIT.SENSOR_ANGULAR_RATE_CONTROL | _BIT.SENSOR_YAW_POSITION) | _ATTITUDE
 _POSITION = int(_BIT.SENSOR_Z_ALTITUDE_CONTROL | _BIT.SENSOR_XY_POSITION_CONTROL)
-#: What every vehicle has.
-_ALWAYS = _IMU | _COMPASS | _BAROMETER | _GPS | _MOTORS | _LOGGING | _BATTERY | _RADIO | _PREARM
+#: Sensors of every vehicle.
+_ON_EVERY_VEHICLE = _IMU | _COMPASS | _BAROMETER | _GPS | _MOTORS | _LOGGING | _BATTERY | _RADIO | _PREARM
 _FIX_3D = 3
-#: Beyond this the compass does not fit the rest.
+#: Test ratio above which the compass is unhealthy.
 _GATE = 1.0
 #: A failsafe whose name begins with this makes the battery unhealthy.
 _BATTERY_FAILSAFE = "battery"
 
 
-class Masks(NamedTuple):
-    """The three masks."""
+class SensorMasks(NamedTuple):
+    """The three masks of SYS_STATUS."""
 
     present: int
     enabled: int
     health: int
 
 
-class Health:
-    """The masks of one vehicle."""
+class SensorHealth:
+    """SYS_STATUS masks of one vehicle."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: VehicleView) -> None:
         self._view = view
-        self._fitted = _ALWAYS | _AIR if view.winged else _ALWAYS
+        self._fitted = _ON_EVERY_VEHICLE | _AIRSPEED if view.winged else _ON_EVERY_VEHICLE
         self._ardupilot = self._fitted | _CONTROL | _POSITION | _AHRS | _FENCE
         if view.vehicle.type is not VehicleType.SUB:
             self._ardupilot |= _TERRAIN
 
-    def ardupilot(self) -> Masks:
-        """As ArduPilot reports: position control is enabled in modes that hold a position."""
+    def ardupilot(self) -> SensorMasks:
+        """Return ArduPilot's masks: position control is enabled in modes that hold a position."""
         view = self._view
         autopilot = view.autopilot
         present = self._ardupilot
@@ -64,39 +64,39 @@ class Health:
         if view.parameter("BATT_MONITOR", 4) <= 0:
             present &= ~_BATTERY
             enabled &= ~_BATTERY
-        wrong = self._wrong()
+        faults = self._faults()
         if not view.health.attitude or not autopilot.booted:
-            wrong |= _AHRS
-        return Masks(present, enabled, present & ~wrong)
+            faults |= _AHRS
+        return SensorMasks(present, enabled, present & ~faults)
 
-    def px4(self) -> Masks:
-        """As PX4 reports: what is not present is healthy unless something complains about it."""
+    def px4(self) -> SensorMasks:
+        """Return PX4's masks: an absent sensor is healthy unless a check reports it."""
         radio = self._view.autopilot.radio.present
         present = self._fitted & ~_PREARM
         if not radio:
             present &= ~_RADIO
         enabled = present | _RADIO
-        health = present | _AIR | _ATTITUDE | _AHRS | _PREARM
-        return Masks(present, enabled, health & ~self._wrong())
+        health = present | _AIRSPEED | _ATTITUDE | _AHRS | _PREARM
+        return SensorMasks(present, enabled, health & ~self._faults())
 
-    def _wrong(self) -> int:
-        """What both firmwares find out in the same way."""
+    def _faults(self) -> int:
+        """Return the unhealthy sensors that both firmwares detect in the same way."""
         view = self._view
         body, autopilot = view.body, view.autopilot
-        wrong = 0
+        faults = 0
         if view.sensors.gps_fix < _FIX_3D:
-            wrong |= _GPS
+            faults |= _GPS
         if view.health.compass_variance > _GATE:
-            wrong |= _COMPASS
+            faults |= _COMPASS
         if not autopilot.radio.present:
-            wrong |= _RADIO
+            faults |= _RADIO
         if not view.ready:
-            wrong |= _PREARM
+            faults |= _PREARM
         if (
             any(name.startswith(_BATTERY_FAILSAFE) for name in autopilot.failsafes)
             or not body.battery.remaining > 0
         ):
-            wrong |= _BATTERY
+            faults |= _BATTERY
         if autopilot.terminated:
-            wrong |= _MOTORS
-        return wrong
+            faults |= _MOTORS
+        return faults

@@ -1,4 +1,4 @@
-"""All producers of one vehicle's messages, and how they are handed to its message server."""
+"""All message producers of one vehicle, and their publication on its message server."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mavstack.sim.telemetry.control_messages import ControlMessages
 from mavstack.sim.telemetry.motion_messages import MotionMessages
 from mavstack.sim.telemetry.sensor_messages import SensorMessages
 from mavstack.sim.telemetry.status_messages import StatusMessages
-from mavstack.sim.telemetry.view import View
+from mavstack.sim.telemetry.view import VehicleView
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,47 +18,49 @@ if TYPE_CHECKING:
     from mavstack.services.message_request.server import Producer
     from mavstack.sim.autopilot.interfaces import Vehicle
 
-Kind: TypeAlias = "type[Message]"
-Rates: TypeAlias = "Mapping[Kind, float]"
+MessageType: TypeAlias = "type[Message]"
+Rates: TypeAlias = "Mapping[MessageType, float]"
 
-#: Vehicles begin their streams at different moments within so many seconds, so that a fleet's messages do not
-#: all fall due in one step.
-SPREAD = 0.25
-#: A vehicle's share of the spread follows from its system id; no two neighbours are near each other.
+#: Vehicles start their streams at different moments within this many seconds, so that the messages of a fleet
+#: are not all due in the same step.
+START_SPREAD = 0.25
+#: Golden ratio: neighbouring system ids get distant shares of the spread.
 _GOLDEN = 0.6180339887498949
 
 
 class Producers:
-    """One boot's producers, by what they look at."""
+    """Message producers of one boot, by subject."""
 
     def __init__(self, vehicle: Vehicle) -> None:
-        self.view = view = View(vehicle)
+        self.view = view = VehicleView(vehicle)
         self.motion = MotionMessages(view)
         self.sensors = SensorMessages(view)
         self.status = StatusMessages(view)
         self.control = ControlMessages(view)
 
 
-def provide_all(vehicle: Vehicle, producers: Mapping[Kind, Producer], rates: Rates) -> None:
-    """Give a vehicle's server each producer, at its rate in hertz; those without one wait to be asked."""
-    first = vehicle.now + SPREAD * (vehicle.address.system * _GOLDEN % 1.0)
-    for kind, produce in producers.items():
-        vehicle.messages.provide(kind, produce, interval=interval_of(rates.get(kind, 0.0)), now=first)
+def publish_all(vehicle: Vehicle, producers: Mapping[MessageType, Producer], rates: Rates) -> None:
+    """Publish each producer at its rate in hertz; messages without a rate are sent on request only."""
+    first = vehicle.now + START_SPREAD * (vehicle.address.system * _GOLDEN % 1.0)
+    for message_type, produce in producers.items():
+        vehicle.messages.provide(
+            message_type, produce, interval=interval_of(rates.get(message_type, 0.0)), now=first
+        )
     vehicle.touch(vehicle.messages)
 
 
 def change_rates(vehicle: Vehicle, rates: Rates) -> None:
-    """Send kinds of messages at other rates from now on."""
-    for kind, rate in rates.items():
-        vehicle.messages.set_interval(kind, interval_of(rate), vehicle.now)
+    """Change the rates (hertz) of messages from now on."""
+    for message_type, rate in rates.items():
+        vehicle.messages.set_interval(message_type, interval_of(rate), vehicle.now)
     vehicle.touch(vehicle.messages)
 
 
 def interval_of(rate: float) -> float:
-    """Seconds between two messages; 0 for a rate of 0."""
+    """Return the seconds between two messages; 0 for a rate of 0."""
     return 1.0 / rate if rate > 0 else 0.0
 
 
-def ids_of(kinds: tuple[Kind, ...]) -> frozenset[int]:
-    """The message ids of classes."""
-    return frozenset(message_id_of(kind) for kind in kinds)
+def message_ids(message_types: tuple[MessageType, ...]) -> frozenset[int]:
+    """Return the message ids of classes."""
+    return frozenset(message_id_of(message_type) for message_type in message_types)

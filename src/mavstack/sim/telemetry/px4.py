@@ -1,13 +1,14 @@
-"""What PX4 sends by itself: each message at the rate that the kind of link has for it.
+"""PX4's streams: each message at the rate of the link's MAVLink mode.
 
-Counted on PX4 1.17 in SITL (SIH quadrotor), 20 s each, on the ground: 372.8 messages/s on the link to the
-ground station (14550) and 428.8 on the onboard link (14540), each rate as below, but for what a copter lacks
-(NAV_CONTROLLER_OUTPUT, WIND_COV) or has only on its way (POSITION_TARGET_GLOBAL_INT, ORBIT_EXECUTION_STATUS).
-Among these are HEARTBEAT and CURRENT_MODE, which others send here, and a few that nobody sends here: what is
-in development still (GNSS_INTEGRITY, ESTIMATOR_SENSOR_FUSION_STATUS), and the sequence of events.
+Measured on PX4 1.17 in SITL (SIH quadrotor), 20 s each, on the ground: 372.8 messages/s on the link to the
+ground station (14550) and 428.8 on the onboard link (14540), each rate as below, except for messages that a
+copter lacks (NAV_CONTROLLER_OUTPUT, WIND_COV) or sends only with a target (POSITION_TARGET_GLOBAL_INT,
+ORBIT_EXECUTION_STATUS). These include HEARTBEAT and CURRENT_MODE, which other modules send here, and a few
+that are not simulated: messages in development (GNSS_INTEGRITY, ESTIMATOR_SENSOR_FUSION_STATUS), and the
+event sequence.
 
-A step is the shortest interval: at 50 steps/s, ATTITUDE comes 50 times a second on the onboard link.
-REQUEST_DATA_STREAM is not heard, as PX4 does not know it.
+The shortest interval is one step: at 50 steps/s, ATTITUDE is sent at 50 Hz on the onboard link.
+REQUEST_DATA_STREAM is ignored, as PX4 does not implement it.
 """
 
 from __future__ import annotations
@@ -17,17 +18,17 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.telemetry.link_messages import LinkMessages
-from mavstack.sim.telemetry.producers import Producers, change_rates, provide_all
+from mavstack.sim.telemetry.producers import Producers, change_rates, publish_all
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from mavstack.services.message_request.server import Producer
     from mavstack.sim.autopilot.interfaces import Vehicle
-    from mavstack.sim.telemetry.producers import Kind
+    from mavstack.sim.telemetry.producers import MessageType
 
 
-class Link(StrEnum):
-    """What PX4 has rates for; `GROUND` is the link that its simulation starts for a ground station."""
+class LinkMode(StrEnum):
+    """A MAVLink mode of PX4; `GROUND` is the link that its simulation starts for a ground station."""
 
     GROUND = "ground"
     NORMAL = "normal"
@@ -35,8 +36,8 @@ class Link(StrEnum):
     MINIMAL = "minimal"
 
 
-#: Message, and its rate in hertz on each link: GROUND, NORMAL, ONBOARD, MINIMAL.
-RATES: tuple[tuple[Kind, float, float, float, float], ...] = (
+#: Messages, and their rates in hertz in each mode: GROUND, NORMAL, ONBOARD, MINIMAL.
+RATES: tuple[tuple[MessageType, float, float, float, float], ...] = (
     (common.Altitude, 1.0, 1.0, 10.0, 0.5),
     (common.Attitude, 50.0, 15.0, 100.0, 10.0),
     (common.AttitudeQuaternion, 50.0, 10.0, 50.0, 0.0),
@@ -74,41 +75,46 @@ RATES: tuple[tuple[Kind, float, float, float, float], ...] = (
     (common.Vibration, 0.1, 0.1, 0.5, 0.0),
     (common.WindCov, 0.5, 0.5, 10.0, 0.0),
 )
-#: Only a vehicle that flies by its wings estimates the wind unless its parameters say so.
+#: Types that estimate the wind even without drag fusion.
 _ESTIMATES_WIND = frozenset({VehicleType.PLANE, VehicleType.VTOL})
 _DRAG_FUSION = "EKF2_DRAG_CTRL"
-#: What a parameter of links that are no more than serial ports calls them.
-_MODES = {0: Link.GROUND, 2: Link.ONBOARD, 7: Link.MINIMAL}
+#: Values of MAV_0_MODE.
+_MODES = {0: LinkMode.GROUND, 2: LinkMode.ONBOARD, 7: LinkMode.MINIMAL}
 _MODE = "MAV_0_MODE"
 
 
-def provide_px4(vehicle: Vehicle, link: Link | str | None = None) -> None:
-    """Let a vehicle send what PX4 sends over a link; if none is given, MAV_0_MODE says which."""
+def publish_px4(vehicle: Vehicle, link: LinkMode | str | None = None) -> None:
+    """Publish PX4's streams on a vehicle's message server.
+
+    Args:
+        vehicle: The vehicle.
+        link: The MAVLink mode; None to read it from the parameter MAV_0_MODE.
+    """
     if link is None:
-        link = _MODES.get(int(vehicle.parameters.get(_MODE, 0)), Link.GROUND)
+        link = _MODES.get(int(vehicle.parameters.get(_MODE, 0)), LinkMode.GROUND)
     vehicle.messages.data_streams = {}
-    provide_all(vehicle, px4_producers(Producers(vehicle)), rates_of(vehicle, Link(link)))
+    publish_all(vehicle, px4_producers(Producers(vehicle)), link_rates(vehicle, LinkMode(link)))
 
 
-def use_link(vehicle: Vehicle, link: Link | str) -> None:
-    """Send at another kind of link's rates from now on, until the next boot."""
-    change_rates(vehicle, rates_of(vehicle, Link(link)))
+def set_link_mode(vehicle: Vehicle, link: LinkMode | str) -> None:
+    """Send at the rates of another MAVLink mode until the next boot."""
+    change_rates(vehicle, link_rates(vehicle, LinkMode(link)))
 
 
-def rates_of(vehicle: Vehicle, link: Link) -> dict[Kind, float]:
-    """The rates of a kind of link."""
-    column = tuple(Link).index(link)
-    rates = {kind: each[column] for kind, *each in RATES}
+def link_rates(vehicle: Vehicle, link: LinkMode) -> dict[MessageType, float]:
+    """Return the rates (hertz) of a MAVLink mode."""
+    column = tuple(LinkMode).index(link)
+    rates = {message_type: each[column] for message_type, *each in RATES}
     wind = vehicle.type in _ESTIMATES_WIND or vehicle.parameters.get(_DRAG_FUSION, 0) == 1
     return rates if wind else {**rates, common.WindCov: 0.0}
 
 
-def px4_producers(of: Producers) -> dict[Kind, Producer]:
-    """Everything that PX4 can send."""
-    link = LinkMessages(of.view)
+def px4_producers(producers: Producers) -> dict[MessageType, Producer]:
+    """Return the producers of all messages that PX4 can send."""
+    link = LinkMessages(producers.view)
     return {
-        **_motion(of),
-        **_state(of),
+        **_motion_producers(producers),
+        **_state_producers(producers),
         common.LinkNodeStatus: link.node_status,
         common.Ping: link.ping,
         common.Timesync: link.timesync,
@@ -119,8 +125,9 @@ def px4_producers(of: Producers) -> dict[Kind, Producer]:
     }
 
 
-def _motion(of: Producers) -> dict[Kind, Producer]:
-    motion, sensors = of.motion, of.sensors
+def _motion_producers(producers: Producers) -> dict[MessageType, Producer]:
+    """Return the producers of motion and sensor messages."""
+    motion, sensors = producers.motion, producers.sensors
     return {
         common.Attitude: motion.attitude,
         common.AttitudeQuaternion: motion.attitude_quaternion,
@@ -144,8 +151,9 @@ def _motion(of: Producers) -> dict[Kind, Producer]:
     }
 
 
-def _state(of: Producers) -> dict[Kind, Producer]:
-    status, control = of.status, of.control
+def _state_producers(producers: Producers) -> dict[MessageType, Producer]:
+    """Return the producers of status and control messages."""
+    status, control = producers.status, producers.control
     return {
         common.SysStatus: status.system,
         common.ExtendedSysState: status.extended,

@@ -1,7 +1,7 @@
-"""What the sensors say, before any estimator: IMUs, pressure, receiver of satellites, rangefinder, vibration.
+"""Raw sensor messages: IMUs, pressure, GNSS receiver, rangefinder, vibration.
 
-There are as many of a kind as there are messages for it: the second and the third inertial unit see the same
-as the first, with a bias of their own.
+Each message of a sensor kind has its own simulated sensor: the second and third IMU read the same as the
+first, with a bias of their own.
 """
 
 from __future__ import annotations
@@ -26,113 +26,123 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.sim.motion import SensorReadings
-    from mavstack.sim.telemetry.view import View
+    from mavstack.sim.telemetry.view import VehicleView
 
-#: m/s2 to thousandths of the standard gravity, rad/s to mrad/s, gauss to milligauss.
+#: Factors of m/s2 to milli-g, rad/s to mrad/s and gauss to milligauss.
 _MILLI_G, _MILLI = 1000.0 / 9.80665, 1000.0
-#: What the rangefinder can measure, in centimetres.
-_NEAREST, _FARTHEST = 5, 5000
-#: A receiver's dilution of precision for each metre of its error.
+#: Range of the rangefinder in centimetres.
+_MIN_DISTANCE, _MAX_DISTANCE = 5, 5000
+#: Dilution of precision per metre of position error.
 _DILUTION = 0.78
 _ALL_FIELDS = 0x1FFF
 _WITHOUT_AIR = _ALL_FIELDS & ~int(common.HighresImuUpdatedFlags.DIFF_PRESSURE)
-_LEAST_COURSE_SPEED = 0.1
+_MIN_COURSE_SPEED = 0.1
 _FIX_3D = 3
 _DOWNWARD = common.MavSensorOrientation.PITCH_270
-#: Shakes in m/s2: at rest, and per unit of throttle.
-_STILL, _SHAKEN = 0.005, 12.0
+#: Vibration in m/s2: at rest, and per unit of throttle.
+_VIBRATION_AT_REST, _VIBRATION_PER_THROTTLE = 0.005, 12.0
 
-_Nine = tuple[int, int, int, int, int, int, int, int, int]
+_ImuFields = tuple[int, int, int, int, int, int, int, int, int]
 
 
 class SensorMessages:
-    """Producers of messages about what the sensors read."""
+    """Producers of messages with sensor readings."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: VehicleView) -> None:
         self._view = view
         self._body = view.body
 
     # Inertial units
 
     def raw_imu(self, now: float) -> Message:
-        """RAW_IMU, in the units of SCALED_IMU as ArduPilot sends it."""
-        felt = self._view.sensors
+        """Return RAW_IMU, in the units of SCALED_IMU as ArduPilot sends it."""
+        readings = self._view.sensors
         return common.RawImu(
-            self._view.microseconds(now), *_nine(felt, 0.0), id=0, temperature=int16(felt.temperature * 100.0)
+            self._view.microseconds(now),
+            *_imu_fields(readings, 0.0),
+            id=0,
+            temperature=int16(readings.temperature * 100.0),
         )
 
     def scaled_imu(self, number: int) -> Callable[[float], Message]:
-        """The producer of SCALED_IMU (1), SCALED_IMU2 (2) or SCALED_IMU3 (3)."""
-        kind = (common.ScaledImu, common.ScaledImu2, common.ScaledImu3)[number - 1]
+        """Return the producer of SCALED_IMU (1), SCALED_IMU2 (2) or SCALED_IMU3 (3)."""
+        message_type = (common.ScaledImu, common.ScaledImu2, common.ScaledImu3)[number - 1]
         bias = 0.002 * (number - 1)
 
         def produce(now: float) -> Message:
-            felt = self._view.sensors
-            return kind(
-                self._view.milliseconds(now), *_nine(felt, bias), temperature=int16(felt.temperature * 100.0)
+            readings = self._view.sensors
+            return message_type(
+                self._view.milliseconds(now),
+                *_imu_fields(readings, bias),
+                temperature=int16(readings.temperature * 100.0),
             )
 
         return produce
 
     def highres_imu(self, now: float) -> Message:
-        """HIGHRES_IMU."""
-        felt = self._view.sensors
+        """Return HIGHRES_IMU."""
+        readings = self._view.sensors
         return common.HighresImu(
             self._view.microseconds(now),
-            felt.acceleration_x,
-            felt.acceleration_y,
-            felt.acceleration_z,
-            felt.gyro_x,
-            felt.gyro_y,
-            felt.gyro_z,
-            felt.magnetic_x,
-            felt.magnetic_y,
-            felt.magnetic_z,
-            felt.pressure,
-            felt.differential_pressure,
-            pressure_altitude(felt.pressure),
-            felt.temperature,
+            readings.acceleration_x,
+            readings.acceleration_y,
+            readings.acceleration_z,
+            readings.gyro_x,
+            readings.gyro_y,
+            readings.gyro_z,
+            readings.magnetic_x,
+            readings.magnetic_y,
+            readings.magnetic_z,
+            readings.pressure,
+            readings.differential_pressure,
+            pressure_altitude(readings.pressure),
+            readings.temperature,
             _ALL_FIELDS if self._view.winged else _WITHOUT_AIR,
         )
 
     def vibration(self, now: float) -> Message:
-        """VIBRATION."""
-        level = _STILL + (_SHAKEN * abs(self._body.throttle) if self._view.autopilot.armed else 0.0)
+        """Return VIBRATION."""
+        level = _VIBRATION_AT_REST + (
+            _VIBRATION_PER_THROTTLE * abs(self._body.throttle) if self._view.autopilot.armed else 0.0
+        )
         return common.Vibration(self._view.microseconds(now), level, level, level * 1.3)
 
     # Pressure
 
     def pressure(self, now: float) -> Message:
-        """SCALED_PRESSURE."""
-        felt = self._view.sensors
+        """Return SCALED_PRESSURE."""
+        readings = self._view.sensors
         return common.ScaledPressure(
             self._view.milliseconds(now),
-            felt.pressure,
-            felt.differential_pressure,
-            int16(felt.temperature * 100.0),
+            readings.pressure,
+            readings.differential_pressure,
+            int16(readings.temperature * 100.0),
         )
 
     def second_pressure(self, now: float) -> Message:
-        """SCALED_PRESSURE2: the other barometer."""
-        felt = self._view.sensors
+        """Return SCALED_PRESSURE2: the second barometer."""
+        readings = self._view.sensors
         return common.ScaledPressure2(
-            self._view.milliseconds(now), felt.pressure + 0.02, 0.0, int16(felt.temperature * 100.0)
+            self._view.milliseconds(now), readings.pressure + 0.02, 0.0, int16(readings.temperature * 100.0)
         )
 
-    # Satellites
+    # GNSS
 
     def gps_raw(self, now: float) -> Message:
-        """GPS_RAW_INT, with the time since boot."""
+        """Return GPS_RAW_INT with the time since boot."""
         return self._gps_raw(self._view.microseconds(now))
 
     def gps_raw_with_date(self, now: float) -> Message:
-        """GPS_RAW_INT, with the receiver's own time: Unix time, once it has any fix."""
+        """Return GPS_RAW_INT with the receiver's time: Unix time once it has a fix."""
         has_time = self._view.sensors.gps_fix >= _FIX_3D
         return self._gps_raw(round(now * 1e6) if has_time else self._view.microseconds(now))
 
     def _gps_raw(self, time_usec: int) -> Message:
-        felt = self._view.sensors
-        if not self._view.autopilot.booted:  # who waits for a fix before it arms must not be refused then
+        """Return GPS_RAW_INT with a timestamp in microseconds."""
+        readings = self._view.sensors
+        if (
+            not self._view.autopilot.booted
+        ):  # a client that waits for a fix before arming must not be refused afterwards
             return common.GpsRawInt(
                 time_usec,
                 common.GpsFixType.NO_FIX,
@@ -141,102 +151,103 @@ class SensorMessages:
                 vel=UINT16_MAX,
                 cog=UINT16_MAX,
             )
-        fixed = felt.gps_fix >= _FIX_3D
-        speed = hypot(felt.gps_velocity_north, felt.gps_velocity_east)
-        altitude = int32(felt.gps_altitude * 1e3)
+        fixed = readings.gps_fix >= _FIX_3D
+        speed = hypot(readings.gps_velocity_north, readings.gps_velocity_east)
+        altitude = int32(readings.gps_altitude * 1e3)
         return common.GpsRawInt(
             time_usec=time_usec,
-            fix_type=felt.gps_fix,
-            lat=degrees_e7(felt.gps_latitude),
-            lon=degrees_e7(felt.gps_longitude),
+            fix_type=readings.gps_fix,
+            lat=degrees_e7(readings.gps_latitude),
+            lon=degrees_e7(readings.gps_longitude),
             alt=altitude,
-            eph=uint16(felt.gps_eph * _DILUTION * 100.0) if fixed else UINT16_MAX,
-            epv=uint16(felt.gps_epv * _DILUTION * 100.0) if fixed else UINT16_MAX,
+            eph=uint16(readings.gps_eph * _DILUTION * 100.0) if fixed else UINT16_MAX,
+            epv=uint16(readings.gps_epv * _DILUTION * 100.0) if fixed else UINT16_MAX,
             vel=uint16(speed * 100.0) if fixed else UINT16_MAX,
-            cog=_course(felt) if fixed and speed > _LEAST_COURSE_SPEED else 0 if fixed else UINT16_MAX,
-            satellites_visible=min(max(felt.gps_satellites, 0), 254),
+            cog=_course(readings) if fixed and speed > _MIN_COURSE_SPEED else 0 if fixed else UINT16_MAX,
+            satellites_visible=min(max(readings.gps_satellites, 0), 254),
             alt_ellipsoid=altitude,
-            h_acc=uint32(felt.gps_eph * 1e3) if fixed else 0,
-            v_acc=uint32(felt.gps_epv * 1e3) if fixed else 0,
+            h_acc=uint32(readings.gps_eph * 1e3) if fixed else 0,
+            v_acc=uint32(readings.gps_epv * 1e3) if fixed else 0,
             vel_acc=400 if fixed else 0,
         )
 
     # Distance
 
     def distance_sensor(self, now: float) -> Message:
-        """DISTANCE_SENSOR, looking down; what is too far reads as just beyond its range."""
+        """Return DISTANCE_SENSOR, looking down; a distance out of range reads as just beyond the maximum."""
         distance = self._distance()
         return common.DistanceSensor(
             time_boot_ms=self._view.milliseconds(now),
-            min_distance=_NEAREST,
-            max_distance=_FARTHEST,
-            current_distance=uint16(distance * 100.0, _FARTHEST + 1),
+            min_distance=_MIN_DISTANCE,
+            max_distance=_MAX_DISTANCE,
+            current_distance=uint16(distance * 100.0, _MAX_DISTANCE + 1),
             type=common.MavDistanceSensor.LASER,
             orientation=_DOWNWARD,
             signal_quality=100 if isfinite(distance) else 1,
         )
 
     def rangefinder(self, now: float) -> Message:
-        """RANGEFINDER: metres, and the voltage of a sensor that says them by one."""
+        """Return RANGEFINDER: metres, and the voltage of an analogue sensor."""
         distance = self._distance()
         if not isfinite(distance):
-            distance = _FARTHEST / 100.0 + 0.01
+            distance = _MAX_DISTANCE / 100.0 + 0.01
         return ardupilotmega.Rangefinder(distance=distance, voltage=distance * 0.1)
 
     def _distance(self) -> float:
-        """What the rangefinder says: on the ground, the least that it can."""
-        return _NEAREST / 100.0 if self._view.body.on_ground else self._view.sensors.distance
+        """Return the measured distance in metres; the minimum on the ground."""
+        return _MIN_DISTANCE / 100.0 if self._view.body.on_ground else self._view.sensors.distance
 
     def has_rangefinder(self) -> bool:
-        """Whether ArduPilot's parameters say that there is one."""
+        """Return whether ArduPilot's parameters enable a rangefinder."""
         return self._view.parameter("RNGFND1_TYPE", 0) > 0
 
     def distance_sensor_if_fitted(self, now: float) -> Message | None:
-        """DISTANCE_SENSOR, if the parameters say that there is one."""
+        """Return DISTANCE_SENSOR, if the parameters enable a rangefinder."""
         return self.distance_sensor(now) if self.has_rangefinder() else None
 
     def rangefinder_if_fitted(self, now: float) -> Message | None:
-        """RANGEFINDER, if the parameters say that there is one."""
+        """Return RANGEFINDER, if the parameters enable a rangefinder."""
         return self.rangefinder(now) if self.has_rangefinder() else None
 
     def airspeed(self, now: float) -> Message:
-        """AIRSPEED, with the pressure that it follows from."""
-        felt = self._view.sensors
+        """Return AIRSPEED, with its differential pressure."""
+        readings = self._view.sensors
         return common.Airspeed(
-            0, self._body.airspeed, int16(felt.temperature * 100.0), felt.differential_pressure, 0
+            0, self._body.airspeed, int16(readings.temperature * 100.0), readings.differential_pressure, 0
         )
 
     def water_depth(self, now: float) -> Message:
-        """WATER_DEPTH: a boat's echo sounder, over a bottom that is nowhere in reach."""
-        own, place = self._body.estimate, self._view.place
+        """Return WATER_DEPTH: a boat's echo sounder above a bottom out of range."""
+        estimate, position = self._body.estimate, self._view.position
         return ardupilotmega.WaterDepth(
             time_boot_ms=self._view.milliseconds(now),
             healthy=1,
-            lat=degrees_e7(place.latitude),
-            lng=degrees_e7(place.longitude),
-            alt=place.altitude,
-            roll=own.roll,
-            pitch=own.pitch,
-            yaw=own.yaw,
-            distance=_FARTHEST / 100.0,
+            lat=degrees_e7(position.latitude),
+            lng=degrees_e7(position.longitude),
+            alt=position.altitude,
+            roll=estimate.roll,
+            pitch=estimate.pitch,
+            yaw=estimate.yaw,
+            distance=_MAX_DISTANCE / 100.0,
             temperature=nan,
         )
 
 
-def _nine(felt: SensorReadings, bias: float) -> _Nine:
-    """Acceleration, rates and magnetic field as the IMU messages have them."""
+def _imu_fields(readings: SensorReadings, bias: float) -> _ImuFields:
+    """Return acceleration, body rates and magnetic field in the units of the IMU messages."""
     return (
-        int16(felt.acceleration_x * _MILLI_G),
-        int16(felt.acceleration_y * _MILLI_G),
-        int16(felt.acceleration_z * _MILLI_G),
-        int16((felt.gyro_x + bias) * _MILLI),
-        int16((felt.gyro_y - bias) * _MILLI),
-        int16((felt.gyro_z + bias) * _MILLI),
-        int16(felt.magnetic_x * _MILLI),
-        int16(felt.magnetic_y * _MILLI),
-        int16(felt.magnetic_z * _MILLI),
+        int16(readings.acceleration_x * _MILLI_G),
+        int16(readings.acceleration_y * _MILLI_G),
+        int16(readings.acceleration_z * _MILLI_G),
+        int16((readings.gyro_x + bias) * _MILLI),
+        int16((readings.gyro_y - bias) * _MILLI),
+        int16((readings.gyro_z + bias) * _MILLI),
+        int16(readings.magnetic_x * _MILLI),
+        int16(readings.magnetic_y * _MILLI),
+        int16(readings.magnetic_z * _MILLI),
     )
 
 
-def _course(felt: SensorReadings) -> int:
-    return centidegrees(atan2(felt.gps_velocity_east, felt.gps_velocity_north))
+def _course(readings: SensorReadings) -> int:
+    """Return the course over ground in hundredths of a degree."""
+    return centidegrees(atan2(readings.gps_velocity_east, readings.gps_velocity_north))

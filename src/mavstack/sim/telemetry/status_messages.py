@@ -1,4 +1,4 @@
-"""How the vehicle is: its sensors' state, battery, power, time, home, mission and fence."""
+"""Messages about the vehicle's state: sensor health, battery, power, time, home, mission and fence."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.sim.telemetry.health import Health
+from mavstack.sim.telemetry.health import SensorHealth
 from mavstack.sim.telemetry.scaling import (
     INT16_MAX,
     UINT16_MAX,
@@ -24,39 +24,39 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.sim.motion import BatteryState
-    from mavstack.sim.telemetry.health import Masks
-    from mavstack.sim.telemetry.view import View
+    from mavstack.sim.telemetry.health import SensorMasks
+    from mavstack.sim.telemetry.view import VehicleView
 
 _CHARGE = common.MavBatteryChargeState
 _FUNCTION, _TYPE = common.MavBatteryFunction, common.MavBatteryType
 _VTOL = common.MavVtolState
-#: What the processor has to do, in thousandths.
+#: Processor load in thousandths.
 _LOAD_IDLE, _LOAD_ARMED = 117, 173
 _SUPPLY_MILLIVOLTS = 5000
 _PROCESSOR_MILLIVOLTS = 3300
 _FREE_BYTES = 131_072
-#: Where a cell's slot ends and the next one begins, if a voltage needs more than one.
-_MOST_MILLIVOLTS = 65_534
+#: Largest voltage in one cell slot; a larger one continues in the next slot.
+_MAX_MILLIVOLTS = 65_534
 _NO_CELLS = (UINT16_MAX,) * 9
-#: Beyond this, in seconds, nobody knows how long the battery lasts.
-_LONGEST = 86_400.0
+#: Maximum time remaining in seconds; beyond it the time is unknown.
+_MAX_TIME_REMAINING = 86_400.0
 _GROUND_SPACING = 100
 
 
 class StatusMessages:
     """Producers of messages about the vehicle's state."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: VehicleView) -> None:
         self._view = view
         self._body = view.body
         self._vehicle, self._autopilot = view.vehicle, view.autopilot
         self._px4 = view.vehicle.firmware is Firmware.PX4
-        health = Health(view)
-        self._masks: Callable[[], Masks] = health.px4 if self._px4 else health.ardupilot
+        health = SensorHealth(view)
+        self._masks: Callable[[], SensorMasks] = health.px4 if self._px4 else health.ardupilot
         self._is_vtol = view.vehicle.type is VehicleType.VTOL
 
     def system(self, now: float) -> Message:
-        """SYS_STATUS."""
+        """Return SYS_STATUS."""
         present, enabled, health = self._masks()
         battery = self._body.battery
         return common.SysStatus(
@@ -70,22 +70,22 @@ class StatusMessages:
         )
 
     def extended(self, now: float) -> Message:
-        """EXTENDED_SYS_STATE."""
+        """Return EXTENDED_SYS_STATE."""
         return common.ExtendedSysState(self._vtol_state(), self._autopilot.landed_state)
 
     def time(self, now: float) -> Message:
-        """SYSTEM_TIME."""
+        """Return SYSTEM_TIME."""
         return common.SystemTime(round(now * 1e6), self._view.milliseconds(now))
 
     def battery(self, now: float) -> Message:
-        """BATTERY_STATUS of the only battery."""
+        """Return BATTERY_STATUS of the only battery."""
         battery = self._body.battery
         temperature = battery.temperature
         return common.BatteryStatus(
             battery_function=_FUNCTION.ALL if self._px4 else _FUNCTION.UNKNOWN,
             type=_TYPE.LIPO if self._px4 else _TYPE.UNKNOWN,
             temperature=int16(temperature * 100.0, INT16_MAX) if isfinite(temperature) else INT16_MAX,
-            voltages=_slots(battery.voltage),
+            voltages=_cell_slots(battery.voltage),
             current_battery=int16(battery.current * 100.0, -1),
             current_consumed=int32(battery.consumed, -1),
             energy_consumed=-1 if self._px4 else int32(battery.consumed * battery.voltage * 0.036, -1),
@@ -95,7 +95,7 @@ class StatusMessages:
         )
 
     def flight(self, now: float) -> Message:
-        """FLIGHT_INFORMATION: armed and taken off when, in microseconds since boot for all the names."""
+        """Return FLIGHT_INFORMATION; despite their names, its times are microseconds since boot."""
         autopilot = self._autopilot
         armed = self._view.microseconds(autopilot.armed_at) if autopilot.armed else 0
         return common.FlightInformation(
@@ -106,11 +106,11 @@ class StatusMessages:
         )
 
     def power(self, now: float) -> Message:
-        """POWER_STATUS."""
+        """Return POWER_STATUS."""
         return common.PowerStatus(_SUPPLY_MILLIVOLTS, 0, common.MavPowerStatus.BRICK_VALID)
 
     def processor(self, now: float) -> Message:
-        """MCU_STATUS."""
+        """Return MCU_STATUS."""
         return ardupilotmega.McuStatus(
             0,
             int16((self._view.sensors.temperature + 15.0) * 100.0),
@@ -120,24 +120,24 @@ class StatusMessages:
         )
 
     def memory(self, now: float) -> Message:
-        """MEMINFO."""
+        """Return MEMINFO."""
         return ardupilotmega.Meminfo(0, UINT16_MAX, _FREE_BYTES)
 
     def hardware(self, now: float) -> Message:
-        """HWSTATUS."""
+        """Return HWSTATUS."""
         return ardupilotmega.Hwstatus(_SUPPLY_MILLIVOLTS, 0)
 
     def mission(self, now: float) -> Message:
-        """MISSION_CURRENT."""
+        """Return MISSION_CURRENT."""
         return self._vehicle.mission.current_message()
 
     def fence(self, now: float) -> Message | None:
-        """FENCE_STATUS, while there is a fence."""
+        """Return FENCE_STATUS, while a fence is enabled."""
         fence = self._autopilot.fence
         return fence.status() if fence.enabled else None
 
     def home(self, now: float) -> Message | None:
-        """HOME_POSITION, once there is a home."""
+        """Return HOME_POSITION, once home is set."""
         home = self._autopilot.home
         if home is None:
             return None
@@ -155,7 +155,7 @@ class StatusMessages:
         )
 
     def origin(self, now: float) -> Message | None:
-        """GPS_GLOBAL_ORIGIN, once the estimate has one."""
+        """Return GPS_GLOBAL_ORIGIN, once the estimate has one."""
         if not self._view.was_positioned:
             return None
         frame = self._body.frame
@@ -167,19 +167,20 @@ class StatusMessages:
         )
 
     def terrain(self, now: float) -> Message:
-        """TERRAIN_REPORT: the ground is as high everywhere as where the vehicle began."""
-        place, ground = self._view.place, self._body.frame.altitude
+        """Return TERRAIN_REPORT: the ground is flat, at the altitude of the start."""
+        position, ground = self._view.position, self._body.frame.altitude
         return common.TerrainReport(
-            degrees_e7(place.latitude),
-            degrees_e7(place.longitude),
+            degrees_e7(position.latitude),
+            degrees_e7(position.longitude),
             _GROUND_SPACING,
             ground,
-            place.altitude - ground,
+            position.altitude - ground,
             pending=0,
             loaded=504,
         )
 
     def _vtol_state(self) -> int:
+        """Return the MAV_VTOL_STATE."""
         if not self._is_vtol:
             return _VTOL.UNDEFINED
         transition, forward = self._body.transition, self._body.flies_forward
@@ -188,7 +189,8 @@ class StatusMessages:
         return _VTOL.MC if transition <= 0.0 else _VTOL.TRANSITION_TO_MC
 
     def _charge_state(self, battery: BatteryState) -> int:
-        limits = self._share_limits if self._px4 else self._voltage_limits
+        """Return the MAV_BATTERY_CHARGE_STATE."""
+        limits = self._charge_limits if self._px4 else self._voltage_limits
         emergency, critical, low = limits(battery)
         if emergency:
             return _CHARGE.EMERGENCY
@@ -196,8 +198,8 @@ class StatusMessages:
             return _CHARGE.CRITICAL
         return _CHARGE.LOW if low else _CHARGE.OK
 
-    def _share_limits(self, battery: BatteryState) -> tuple[bool, bool, bool]:
-        """PX4 goes by the share that is left."""
+    def _charge_limits(self, battery: BatteryState) -> tuple[bool, bool, bool]:
+        """Return PX4's (emergency, critical, low), by the remaining charge."""
         parameter, left = self._view.parameter, battery.remaining
         return (
             left < parameter("BAT_EMERGEN_THR", 0.05),
@@ -206,27 +208,27 @@ class StatusMessages:
         )
 
     def _voltage_limits(self, battery: BatteryState) -> tuple[bool, bool, bool]:
-        """ArduPilot goes by voltage and charge, each only if it is set, and knows no third limit."""
+        """Return ArduPilot's limits, by voltage and charge if set; there is no emergency limit."""
         parameter, left = self._view.parameter, battery.capacity - battery.consumed
         critical = battery.voltage < parameter("BATT_CRT_VOLT", 0.0) or left < parameter("BATT_CRT_MAH", 0.0)
         low = battery.voltage < parameter("BATT_LOW_VOLT", 0.0) or left < parameter("BATT_LOW_MAH", 0.0)
         return False, critical, low
 
 
-def _slots(volts: float) -> tuple[int, ...]:
-    """A voltage of all cells together: in the first slot, and in those behind it what does not fit there."""
+def _cell_slots(volts: float) -> tuple[int, ...]:
+    """Return the total voltage in the first cell slot, and the excess in the next slots."""
     millivolts = volts * 1e3
-    if millivolts <= _MOST_MILLIVOLTS:
+    if millivolts <= _MAX_MILLIVOLTS:
         return (uint16(millivolts), *_NO_CELLS)
-    full = int(min(millivolts / _MOST_MILLIVOLTS, 9.0)) if millivolts == millivolts else 0
-    rest = uint16(millivolts - full * _MOST_MILLIVOLTS)
-    return (*(_MOST_MILLIVOLTS,) * full, rest, *_NO_CELLS)[:10]
+    full = int(min(millivolts / _MAX_MILLIVOLTS, 9.0)) if millivolts == millivolts else 0
+    rest = uint16(millivolts - full * _MAX_MILLIVOLTS)
+    return (*(_MAX_MILLIVOLTS,) * full, rest, *_NO_CELLS)[:10]
 
 
 def _time_remaining(battery: BatteryState) -> int:
-    """Seconds until it is empty at this current; 0 if that cannot be told."""
+    """Return the seconds until the battery is empty at the present current; 0 if unknown."""
     left = battery.capacity * battery.remaining
     if not (battery.current > 0.01 and left > 0):
         return 0
     seconds = left * 3.6 / battery.current
-    return max(int(seconds), 1) if seconds < _LONGEST else 0
+    return max(int(seconds), 1) if seconds < _MAX_TIME_REMAINING else 0

@@ -1,7 +1,7 @@
-"""What the producers of messages look at: one vehicle, with what several of them need computed once a step.
+"""The vehicle as message producers see it, with shared values computed once per step.
 
-A view belongs to one boot of the vehicle. Readings and places on Earth are kept for the step they were
-computed in, the place of home until there is another home, and what the arming checks say for a second.
+A view belongs to one boot of the vehicle. Readings and global positions are cached for the step in which they
+were computed, the position of home until home changes, and the result of the arming checks for a second.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ if TYPE_CHECKING:
     from mavstack.sim.motion import Body, EstimateHealth, SensorReadings
     from mavstack.sim.vehicle_types import Home
 
-#: For so long the answer of the arming checks is believed.
-_CHECKED_FOR = 1.0
+#: Seconds for which the result of the arming checks is cached.
+_PREARM_INTERVAL = 1.0
 _NEVER = float("-inf")
 _WINGED = (VehicleType.PLANE, VehicleType.VTOL)
 
 
-class Place(NamedTuple):
-    """Degrees, and metres above mean sea level."""
+class GlobalPosition(NamedTuple):
+    """Latitude and longitude in degrees, altitude in metres above mean sea level."""
 
     latitude: float
     longitude: float
     altitude: float
 
 
-class View:
+class VehicleView:
     """One vehicle as telemetry sees it."""
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -40,46 +40,46 @@ class View:
         self.parameters = vehicle.parameters
         self.booted_at = vehicle.booted_at
         self.winged = vehicle.type in _WINGED
-        self._place_at = self._truth_at = self._sensors_at = self._health_at = self._ready_at = _NEVER
+        self._position_at = self._truth_at = self._sensors_at = self._health_at = self._ready_at = _NEVER
         self._sensors: SensorReadings
         self._health: EstimateHealth
-        self._place = self._truth = Place(nan, nan, nan)
+        self._position = self._truth = GlobalPosition(nan, nan, nan)
         self._home: Home | None = None
         self._home_position = (0.0, 0.0, 0.0)
         self._ready = False
         self._was_positioned = False
 
     def milliseconds(self, now: float) -> int:
-        """Since boot, as `time_boot_ms`."""
+        """Return the milliseconds since boot, as `time_boot_ms`."""
         return round((now - self.booted_at) * 1e3) & 0xFFFFFFFF
 
     def microseconds(self, now: float) -> int:
-        """Since boot, as `time_usec`."""
+        """Return the microseconds since boot, as `time_usec`."""
         return round((now - self.booted_at) * 1e6)
 
     @property
-    def place(self) -> Place:
-        """Where the vehicle believes to be."""
+    def position(self) -> GlobalPosition:
+        """Estimated global position in degrees and metres."""
         now = self.vehicle.now
-        if now != self._place_at:
+        if now != self._position_at:
             here = self.body.estimate
-            self._place = Place(*self.body.frame.to_global(here.north, here.east, here.down))
-            self._place_at = now
-        return self._place
+            self._position = GlobalPosition(*self.body.frame.to_global(here.north, here.east, here.down))
+            self._position_at = now
+        return self._position
 
     @property
-    def true_place(self) -> Place:
-        """Where the vehicle is."""
+    def true_position(self) -> GlobalPosition:
+        """True global position in degrees and metres."""
         now = self.vehicle.now
         if now != self._truth_at:
             here = self.body.truth
-            self._truth = Place(*self.body.frame.to_global(here.north, here.east, here.down))
+            self._truth = GlobalPosition(*self.body.frame.to_global(here.north, here.east, here.down))
             self._truth_at = now
         return self._truth
 
     @property
     def sensors(self) -> SensorReadings:
-        """What the sensors read."""
+        """Sensor readings of this step."""
         now = self.vehicle.now
         if now != self._sensors_at:
             self._sensors, self._sensors_at = self.body.sensors, now
@@ -87,7 +87,7 @@ class View:
 
     @property
     def health(self) -> EstimateHealth:
-        """How good the estimate is."""
+        """Health of the estimate."""
         now = self.vehicle.now
         if now != self._health_at:
             self._health, self._health_at = self.body.health, now
@@ -95,19 +95,19 @@ class View:
 
     @property
     def has_position(self) -> bool:
-        """Whether the estimate knows now where it is."""
+        """True while the estimate has a valid position."""
         return self.autopilot.booted and self.health.horizontal
 
     @property
     def was_positioned(self) -> bool:
-        """Whether the estimate ever knew since boot where it is: from then on it has a position to tell."""
+        """True if the estimate has had a valid position since boot."""
         if not self._was_positioned:
             self._was_positioned = self.has_position
         return self._was_positioned
 
     @property
     def home(self) -> tuple[float, float, float]:
-        """Home in local metres; where the vehicle began if there is none yet."""
+        """Home in local metres (north, east, down); the start if home is not set."""
         home = self.autopilot.home
         if home is not self._home:
             self._home, self._home_position = home, self.autopilot.home_position
@@ -115,28 +115,28 @@ class View:
 
     @property
     def altitude(self) -> float:
-        """Above home, as the vehicle believes."""
+        """Estimated altitude above home in metres."""
         return self.home[2] - self.body.estimate.down
 
     @property
     def ready(self) -> bool:
-        """Whether the firmware's checks find nothing wrong, or it is armed."""
+        """True if the vehicle is armed or the firmware's arming checks pass."""
         if self.autopilot.armed:
             return True
         now = self.vehicle.now
-        if not 0 <= now - self._ready_at < _CHECKED_FOR:
+        if not 0 <= now - self._ready_at < _PREARM_INTERVAL:
             self._ready_at = now
             problems = self.autopilot.profile.prearm_problems(self.autopilot)
             self._ready = next(iter(problems), None) is None
         return self._ready
 
     def parameter(self, name: str, default: float) -> float:
-        """A parameter as a number, or `default` if this vehicle does not have it."""
+        """Return a parameter as a number, or `default` if the vehicle does not have it."""
         return float(self.parameters.get(name, default))
 
 
 def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
-    """An attitude as w, x, y, z."""
+    """Return an attitude in radians as (w, x, y, z)."""
     sr, cr = sin(roll * 0.5), cos(roll * 0.5)
     sp, cp = sin(pitch * 0.5), cos(pitch * 0.5)
     sy, cy = sin(yaw * 0.5), cos(yaw * 0.5)

@@ -20,7 +20,9 @@ def hold_sticks(flight: Flight, seconds: float, **moved: float) -> None:
     flight.run(seconds)
 
 
-def by_hand(behaviour: type[Manual], kind: VehicleType = VehicleType.COPTER, height: float = 20.0) -> Flight:
+def manual_control(
+    behaviour: type[Manual], kind: VehicleType = VehicleType.COPTER, height: float = 20.0
+) -> Flight:
     flight = Flight(kind)
     if kind.flies:
         flight.in_the_air(height)
@@ -33,7 +35,7 @@ def by_hand(behaviour: type[Manual], kind: VehicleType = VehicleType.COPTER, hei
 
 @pytest.mark.parametrize("behaviour", [Manual, Stabilize, AltitudeHold, PositionHold])
 def test_a_copter_rolls_right_and_flies_right(behaviour: type[Manual]) -> None:
-    flight = by_hand(behaviour)
+    flight = manual_control(behaviour)
     hold_sticks(flight, 2.0, roll=0.6, throttle=0.52)
     assert flight.body.truth.roll > 0.03
     assert flight.body.truth.velocity_east > 1.0
@@ -41,14 +43,14 @@ def test_a_copter_rolls_right_and_flies_right(behaviour: type[Manual]) -> None:
 
 @pytest.mark.parametrize("behaviour", [Manual, Stabilize, AltitudeHold, PositionHold])
 def test_a_copter_with_the_stick_pushed_flies_ahead(behaviour: type[Manual]) -> None:
-    flight = by_hand(behaviour)
+    flight = manual_control(behaviour)
     hold_sticks(flight, 2.0, pitch=-0.6, throttle=0.52)
     assert flight.body.truth.velocity_north > 1.0
 
 
 @pytest.mark.parametrize("behaviour", [AltitudeHold, PositionHold])
 def test_the_throttle_climbs_and_centred_it_stays_as_high(behaviour: type[Manual]) -> None:
-    flight = by_hand(behaviour)
+    flight = manual_control(behaviour)
     hold_sticks(flight, 4.0, throttle=0.9)
     assert flight.body.truth.velocity_down == pytest.approx(-2.5 * 0.783, abs=0.5)
     hold_sticks(flight, 4.0)
@@ -60,14 +62,14 @@ def test_the_throttle_climbs_and_centred_it_stays_as_high(behaviour: type[Manual
 
 
 def test_leaning_in_altitude_hold_keeps_the_altitude() -> None:
-    flight = by_hand(AltitudeHold)
+    flight = manual_control(AltitudeHold)
     hold_sticks(flight, 6.0, pitch=-0.7)
     assert flight.height == pytest.approx(20.0, abs=2.0)
     assert flight.speed > 5
 
 
 def test_position_hold_stays_where_it_stopped() -> None:
-    flight = by_hand(PositionHold)
+    flight = manual_control(PositionHold)
     hold_sticks(flight, 3.0, pitch=-1.0)
     assert flight.speed > 4.0
     hold_sticks(flight, 6.0)
@@ -78,13 +80,13 @@ def test_position_hold_stays_where_it_stopped() -> None:
 
 @pytest.mark.parametrize("behaviour", [Stabilize, AltitudeHold, PositionHold, Acro])
 def test_the_yaw_stick_turns_a_copter(behaviour: type[Manual]) -> None:
-    flight = by_hand(behaviour)
+    flight = manual_control(behaviour)
     hold_sticks(flight, 2.0, yaw=0.5)
     assert flight.body.truth.yaw_rate == pytest.approx(1.5 * 0.457, abs=0.15)
 
 
 def test_acro_turns_at_rates() -> None:
-    flight = by_hand(Acro)
+    flight = manual_control(Acro)
     hold_sticks(flight, 0.5, roll=0.3)
     assert flight.body.truth.roll_rate == pytest.approx(3.0 * 0.239, abs=0.3)
 
@@ -113,7 +115,7 @@ def test_the_throttle_lifts_it_off(behaviour: type[Manual]) -> None:
 
 
 def test_lowered_to_the_ground_by_hand_it_rests() -> None:
-    flight = by_hand(AltitudeHold, height=4.0)
+    flight = manual_control(AltitudeHold, height=4.0)
     hold_sticks(flight, 8.0, throttle=0.0)
     assert flight.autopilot.landed
     flight.run_until(lambda: not flight.autopilot.armed, timeout=12)
@@ -122,7 +124,7 @@ def test_lowered_to_the_ground_by_hand_it_rests() -> None:
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])
 @pytest.mark.parametrize("behaviour", [Stabilize, AltitudeHold, PositionHold])
 def test_a_wing_banks_into_a_turn(kind: VehicleType, behaviour: type[Manual]) -> None:
-    flight = by_hand(behaviour, kind, 60.0)
+    flight = manual_control(behaviour, kind, 60.0)
     hold_sticks(flight, 8.0, throttle=0.6)
     before = flight.body.truth.yaw
     hold_sticks(flight, 3.0, roll=0.7, throttle=0.6)
@@ -131,7 +133,7 @@ def test_a_wing_banks_into_a_turn(kind: VehicleType, behaviour: type[Manual]) ->
 
 
 def test_a_wing_keeps_its_course_and_altitude() -> None:
-    flight = by_hand(PositionHold, VehicleType.PLANE, 60.0)
+    flight = manual_control(PositionHold, VehicleType.PLANE, 60.0)
     hold_sticks(flight, 12.0)
     motion = flight.body.truth
     course, height = atan2(motion.velocity_east, motion.velocity_north), flight.height
@@ -146,7 +148,7 @@ def test_a_wing_keeps_its_course_and_altitude() -> None:
 @pytest.mark.parametrize("behaviour", ALL)
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT])
 def test_what_drives_goes_and_turns(kind: VehicleType, behaviour: type[Manual]) -> None:
-    flight = by_hand(behaviour, kind)
+    flight = manual_control(behaviour, kind)
     flight.run(5)
     assert flight.distance() < 2.0
     hold_sticks(flight, 6.0, throttle=0.9)
@@ -161,7 +163,7 @@ def test_what_drives_goes_and_turns(kind: VehicleType, behaviour: type[Manual]) 
 
 @pytest.mark.parametrize("behaviour", [Manual, Stabilize, AltitudeHold, PositionHold])
 def test_a_sub_dives_and_swims(behaviour: type[Manual]) -> None:
-    flight = by_hand(behaviour, VehicleType.SUB)
+    flight = manual_control(behaviour, VehicleType.SUB)
     hold_sticks(flight, 12.0, throttle=0.1)
     assert flight.body.truth.down > 1.5
     hold_sticks(flight, 6.0, pitch=-0.8)

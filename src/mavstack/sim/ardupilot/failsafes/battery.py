@@ -50,7 +50,9 @@ class BatteryFailsafes:
 
     def _act(self, level: str, word: str) -> None:
         battery, firmware = self._autopilot.body.battery, self._firmware
-        firmware.say(f"Battery 1 is {word} {battery.voltage:.2f}V used {battery.consumed:.0f} mAh")
+        firmware.send_statustext(
+            f"Battery 1 is {word} {battery.voltage:.2f}V used {battery.consumed:.0f} mAh"
+        )
         action = int(firmware.number(f"BATT_FS_{level}_ACT"))
         order = firmware.battery_priorities
         urgency = order.index(action) if action in order else self._least

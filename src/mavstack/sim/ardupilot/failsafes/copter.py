@@ -49,14 +49,14 @@ class CopterFailsafes(FirmwareFailsafes):
             lambda: self.radio_lost("FS_THR_ENABLE"),
             lambda: self.number("RC_FS_TIMEOUT"),
             self._radio,
-            lambda: self.say("Radio Failsafe Cleared"),
+            lambda: self.send_statustext("Radio Failsafe Cleared"),
         )
         self.watch(
             "ground",
             lambda: self.ground_lost("FS_GCS_ENABLE", "FS_GCS_TIMEOUT"),
             lambda: 0.0,
             self._ground,
-            lambda: self.say("GCS Failsafe Cleared"),
+            lambda: self.send_statustext("GCS Failsafe Cleared"),
         )
 
     # What it does about each
@@ -90,7 +90,7 @@ class CopterFailsafes(FirmwareFailsafes):
             self._do(LAND, "GCS")
         elif autopilot.mode.number == _MODE.AUTO and self.option("FS_OPTIONS", _GROUND_IN_AUTO):
             self._announce("GCS", "Continuing Auto Mode")
-        elif autopilot.mode.by_hand and self.option("FS_OPTIONS", _GROUND_BY_HAND):
+        elif autopilot.mode.manual_control and self.option("FS_OPTIONS", _GROUND_BY_HAND):
             self._announce("GCS", "Continuing Pilot Control")
         else:
             self._announce("GCS")
@@ -112,7 +112,7 @@ class CopterFailsafes(FirmwareFailsafes):
     # Parts
 
     def _announce(self, cause: str, done: str = "") -> None:
-        self.say(f"{cause} Failsafe - {done}" if done else f"{cause} Failsafe")
+        self.send_statustext(f"{cause} Failsafe - {done}" if done else f"{cause} Failsafe")
 
     def _goes_on_landing(self, cause: str, action: int) -> bool:
         """Whether it lands already, and nothing shall keep it from that."""
@@ -161,5 +161,5 @@ class CopterFailsafes(FirmwareFailsafes):
         mode, text, second = first
         if not self.enter(mode, cause):
             if text:
-                self.say(text)
+                self.send_statustext(text)
             self._enter_first(second, cause)

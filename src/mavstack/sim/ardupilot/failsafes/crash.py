@@ -45,7 +45,7 @@ class CrashCheck:
             self._sink, self._boosted = 0.0, False
             return
         self._look_at_thrust(now)
-        self._look_at_ground(now)
+        self._check_ground(now)
 
     def _look_at_thrust(self, now: float) -> None:
         motor = next((number for number in range(1, 5) if f"motor {number}" in self._faults), None)
@@ -58,13 +58,13 @@ class CrashCheck:
             self._sinking_since = now
         if not self._boosted and now - self._sinking_since >= _THRUST_PATIENCE:
             self._boosted = True
-            self._firmware.say(f"Potential Thrust Loss ({motor})", _EMERGENCY)
+            self._firmware.send_statustext(f"Potential Thrust Loss ({motor})", _EMERGENCY)
 
     @property
     def _faults(self) -> dict[str, str]:
         return self._autopilot.vehicle.faults.active
 
-    def _look_at_ground(self, now: float) -> None:
+    def _check_ground(self, now: float) -> None:
         autopilot = self._autopilot
         if not autopilot.body.on_ground:
             self._hit, self._sink = None, autopilot.body.truth.velocity_down
@@ -76,7 +76,7 @@ class CrashCheck:
             return
         if self._firmware.number("FS_CRASH_CHECK") and autopilot.mode.number != _ACRO:
             angle = min(_DEGREES_OF_SPEED * self._hit[1], _MOST_DEGREES)
-            self._firmware.say(
+            self._firmware.send_statustext(
                 f"Crash: Disarming: AngErr={angle:.0f}>{_ANGLE}, Accel=0.0<{_ACCELERATION:.1f}", _EMERGENCY
             )
             autopilot.disarm("crash")

@@ -62,7 +62,9 @@ class EstimatorCheck:
         if glitching != self._glitching:
             self._glitching = glitching
             if self._autopilot.vehicle.type is VehicleType.COPTER:
-                self._firmware.say("GPS Glitch or Compass error" if glitching else "Glitch cleared", CRITICAL)
+                self._firmware.send_statustext(
+                    "GPS Glitch or Compass error" if glitching else "Glitch cleared", CRITICAL
+                )
 
     # What is bad
 
@@ -91,7 +93,7 @@ class EstimatorCheck:
         self._autopilot.failsafes.add("estimate")
         if now - self._warned_at > _WARN_AGAIN:
             self._warned_at = now
-            self._firmware.say("EKF variance", CRITICAL)
+            self._firmware.send_statustext("EKF variance", CRITICAL)
         if self._autopilot.armed:
             self._acted = self._act()
 
@@ -100,7 +102,9 @@ class EstimatorCheck:
             self._autopilot.failsafes.discard("estimate")
             rover = self._autopilot.vehicle.type.on_surface
             if self._acted or rover:
-                self._firmware.say("EKF failsafe cleared" if rover else "EKF Failsafe Cleared", CRITICAL)
+                self._firmware.send_statustext(
+                    "EKF failsafe cleared" if rover else "EKF Failsafe Cleared", CRITICAL
+                )
             self._acted = False
 
     def _act(self) -> bool:
@@ -116,10 +120,10 @@ class EstimatorCheck:
             return False
         if not autopilot.mode.needs_position and action != _LAND_EVEN_BY_HAND:
             return False
-        by_hand = action == _ALT_HOLD and "radio" not in autopilot.failsafes
-        if not (by_hand and firmware.enter(_COPTER.ALT_HOLD, "EKF")):
+        manual_control = action == _ALT_HOLD and "radio" not in autopilot.failsafes
+        if not (manual_control and firmware.enter(_COPTER.ALT_HOLD, "EKF")):
             firmware.enter(_COPTER.LAND, "EKF")
-        firmware.say(f"EKF Failsafe: changed to {autopilot.mode.name} Mode", CRITICAL)
+        firmware.send_statustext(f"EKF Failsafe: changed to {autopilot.mode.name} Mode", CRITICAL)
         return True
 
     def _quadplane(self) -> bool:
@@ -135,5 +139,5 @@ class EstimatorCheck:
             return False
         if action == _ROVER_HOLD:
             self._firmware.enter(_ROVER.HOLD, "EKF")
-        self._firmware.say("EKF failsafe", CRITICAL)
+        self._firmware.send_statustext("EKF failsafe", CRITICAL)
         return True

@@ -68,7 +68,7 @@ class FirmwareFailsafes:
             return True
         failure = self._mode_failure(autopilot, mode)
         if failure is not None:
-            self.say(failure)
+            self.send_statustext(failure)
             return False
         return autopilot.enter(number, f"{cause} failsafe")
 
@@ -80,9 +80,9 @@ class FirmwareFailsafes:
         """Forget channels that are overridden over the link: the radio control has them again."""
         self.autopilot.radio.clear_overrides()
 
-    def say(self, text: str, severity: int = WARNING) -> None:
+    def send_statustext(self, text: str, severity: int = WARNING) -> None:
         """By STATUSTEXT."""
-        self.autopilot.vehicle.say(text, severity)
+        self.autopilot.vehicle.send_statustext(text, severity)
 
     def number(self, parameter: str) -> float:
         """The value of a parameter; 0 if this firmware does not have it."""

@@ -59,8 +59,8 @@ class PlaneFailsafes(FirmwareFailsafes):
             "throttle",
             self._radio_lost,
             lambda: self.number("RC_FS_TIMEOUT"),
-            lambda: self.say("Throttle failsafe on"),
-            lambda: self.say("Throttle failsafe off"),
+            lambda: self.send_statustext("Throttle failsafe on"),
+            lambda: self.send_statustext("Throttle failsafe off"),
         )
         self.watch(
             "radio",
@@ -74,14 +74,14 @@ class PlaneFailsafes(FirmwareFailsafes):
             self._radio_lost,
             lambda: self.number("FS_LONG_TIMEOUT"),
             lambda: self._long("RC Long"),
-            lambda: self.say("RC Long Failsafe Cleared"),
+            lambda: self.send_statustext("RC Long Failsafe Cleared"),
         )
         self.watch(
             "ground",
             self._ground_lost,
             lambda: 0.0,
             lambda: self._long("GCS"),
-            lambda: self.say("GCS Failsafe Cleared"),
+            lambda: self.send_statustext("GCS Failsafe Cleared"),
         )
 
     def _radio_lost(self) -> bool:
@@ -103,9 +103,9 @@ class PlaneFailsafes(FirmwareFailsafes):
         wanted = self._short_mode(before)
         if wanted is not None and wanted != before and self.enter(wanted, "Radio"):
             self._before = before, wanted
-            self.say(f"RC Short Failsafe: switched to {self.autopilot.mode.name}")
+            self.send_statustext(f"RC Short Failsafe: switched to {self.autopilot.mode.name}")
         else:
-            self.say("RC Short Failsafe On")
+            self.send_statustext("RC Short Failsafe On")
 
     def _short_mode(self, mode: int) -> int | None:
         action = int(self.number("FS_SHORT_ACTN"))
@@ -119,10 +119,10 @@ class PlaneFailsafes(FirmwareFailsafes):
     def _short_over(self) -> None:
         if self._is_active("radio long"):
             return
-        self.say("RC Short Failsafe Cleared")
+        self.send_statustext("RC Short Failsafe Cleared")
         before, self._before = self._before, None
         if before is not None and self.autopilot.mode.number == before[1] and self.enter(before[0], "no"):
-            self.say(f"Flight mode {self.autopilot.mode.name} restored", _INFO)
+            self.send_statustext(f"Flight mode {self.autopilot.mode.name} restored", _INFO)
 
     def _long(self, cause: str) -> None:
         self.let_go()
@@ -130,7 +130,7 @@ class PlaneFailsafes(FirmwareFailsafes):
         wanted = self._long_mode(self.autopilot.mode.number)
         if wanted is not None:
             self.enter(wanted, cause)
-        self.say(f"{cause} Failsafe On: switched to {self.autopilot.mode.name}")
+        self.send_statustext(f"{cause} Failsafe On: switched to {self.autopilot.mode.name}")
 
     def _long_mode(self, mode: int) -> int | None:
         action = int(self.number("FS_LONG_ACTN"))
@@ -159,10 +159,10 @@ class PlaneFailsafes(FirmwareFailsafes):
         """BATT_FS_LOW_ACT, BATT_FS_CRT_ACT."""
         if action == _TERMINATE:
             if self.number("AFS_ENABLE"):
-                self.say(f"Terminating due to {word} battery", common.MavSeverity.CRITICAL)
+                self.send_statustext(f"Terminating due to {word} battery", common.MavSeverity.CRITICAL)
                 self.autopilot.terminate()
             else:
-                self.say("AFS not enabled, can't terminate the vehicle", _INFO)
+                self.send_statustext("AFS not enabled, can't terminate the vehicle", _INFO)
             return
         if action in (_QLAND, _LOITER_QLAND) and self.enter(_MODE.QLAND, "Battery"):
             return

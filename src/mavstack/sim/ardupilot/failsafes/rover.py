@@ -63,7 +63,7 @@ class RoverFailsafes(FirmwareFailsafes):
             self._lost.remove(cause)
             if "radio or ground" in failsafes and not self._lost:
                 failsafes.discard("radio or ground")
-                self.say(f"{cause} Failsafe Cleared", common.MavSeverity.INFO)
+                self.send_statustext(f"{cause} Failsafe Cleared", common.MavSeverity.INFO)
         if not self._lost or "radio or ground" in failsafes or not self._may_act():
             return
         if self.autopilot.now - self._since > self.number("FS_TIMEOUT"):
@@ -75,10 +75,10 @@ class RoverFailsafes(FirmwareFailsafes):
         return mode != _MODE.RTL and (mode != _MODE.HOLD or self.option("FS_OPTIONS", _ACTIVE_IN_HOLD))
 
     def _act(self, cause: str) -> None:
-        self.say(f"{cause} Failsafe")
+        self.send_statustext(f"{cause} Failsafe")
         self.let_go()
         if self.autopilot.mode.number == _MODE.AUTO and self.number(_ENABLED[cause]) == _GOES_ON:
-            self.say("Failsafe - Continuing Auto Mode")
+            self.send_statustext("Failsafe - Continuing Auto Mode")
         else:
             self._do(int(self.number("FS_ACTION")), cause)
 

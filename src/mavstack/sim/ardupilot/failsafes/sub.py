@@ -51,7 +51,7 @@ class SubFailsafes(FirmwareFailsafes):
         silence = ground_silence(self.autopilot)
         if silence is not None and silence > self.number("FS_GCS_TIMEOUT"):
             self._warned_at = now
-            self.say(f"MYGCS: {self.number('SYSID_MYGCS'):.0f}, heartbeat lost")
+            self.send_statustext(f"MYGCS: {self.number('SYSID_MYGCS'):.0f}, heartbeat lost")
 
     def _ground(self) -> None:
         action = int(self.number("FS_GCS_ENABLE"))
@@ -60,7 +60,7 @@ class SubFailsafes(FirmwareFailsafes):
             self.disarm("GCS")
 
     def _pilot(self) -> None:
-        self.say("Lost manual control", CRITICAL)
+        self.send_statustext("Lost manual control", CRITICAL)
         if self.number("FS_PILOT_INPUT") == _DISARM:
             self.disarm("Pilot input")
 
@@ -71,7 +71,7 @@ class SubFailsafes(FirmwareFailsafes):
         return health.compass_variance >= limit or health.velocity_variance >= limit
 
     def _estimate(self) -> None:
-        self.say("EKF bad")
+        self.send_statustext("EKF bad")
         if self.number("FS_EKF_ACTION") == _DISARM:
             self.disarm("EKF")
 

@@ -1,4 +1,4 @@
-"""What vehicles do in their modes, whichever firmware calls the mode what."""
+"""Behaviours: the scripts that the modes of all firmwares run."""
 
 from mavstack.sim.autopilot.behaviours.guided import Guided, Hold, Offboard
 from mavstack.sim.autopilot.behaviours.hold import Brake, Stop

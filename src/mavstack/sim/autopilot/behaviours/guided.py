@@ -1,8 +1,8 @@
-"""Flying to what others say: commands and setpoints through `autopilot.guided`.
+"""Behaviours that follow commands and setpoints through `autopilot.guided`.
 
-Guided    follows both; so ArduPilot's GUIDED
-Hold      stays where it is until a command says where else; so PX4's Hold, which DO_REPOSITION moves
-Offboard  follows setpoints while their stream lives; when it starves, the firmware says what follows
+Guided    follows both, as ArduPilot's GUIDED
+Hold      stays until a command gives another position, as PX4's Hold with DO_REPOSITION
+Offboard  follows setpoints while their stream lasts; then the firmware profile decides
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.guided_commands import GuidedCommand
-from mavstack.sim.autopilot.behaviours.steps import become
+from mavstack.sim.autopilot.behaviours.steps import transition
 from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _ENDED = object()
 
 
 class Guided(Behaviour):
-    """Fly after the newest aim; without one, stay. On the ground only a take-off is followed."""
+    """Follow the active guided command; without one, stay. On the ground only a takeoff is followed."""
 
     takes_setpoints = True
 
@@ -34,39 +34,39 @@ class Guided(Behaviour):
         autopilot.guided.clear()
 
     def fly(self) -> Iterator[None]:
-        """For ever."""
+        """Run until the mode is left."""
         guided = self.autopilot.guided
         if not self.autopilot.landed:
-            yield from become(self.autopilot, self._forward)
+            yield from transition(self.autopilot, self._forward)
         while True:
-            aim = guided.aim
-            if aim is None or self._must_stay(aim):
-                yield from self._rest(aim)
+            command = guided.command
+            if command is None or self._must_stay(command):
+                yield from self._rest(command)
             else:
-                yield from self._follow(aim)
+                yield from self._follow(command)
 
-    def _must_stay(self, aim: RunningBehaviour) -> bool:
-        """Whether it is on the ground, and this would not have it leave it."""
+    def _must_stay(self, command: RunningBehaviour) -> bool:
+        """Return whether the vehicle is on the ground and the command is no takeoff."""
         autopilot = self.autopilot
-        if not (autopilot.landed and autopilot.vehicle.type.flies) or isinstance(aim, Takeoff):
+        if not (autopilot.landed and autopilot.vehicle.type.flies) or isinstance(command, Takeoff):
             return False
-        return not self._may_lift_off(aim)
+        return not self._may_lift_off(command)
 
-    def _may_lift_off(self, aim: RunningBehaviour) -> bool:
+    def _may_lift_off(self, command: RunningBehaviour) -> bool:
         return False
 
-    def _rest(self, aim: RunningBehaviour | None) -> Iterator[None]:
-        """Stay until there is another aim."""
+    def _rest(self, command: RunningBehaviour | None) -> Iterator[None]:
+        """Stay until there is another command."""
         autopilot = self.autopilot
         if autopilot.landed and autopilot.vehicle.type.flies:
             autopilot.body.idle()
-            while autopilot.landed and autopilot.guided.aim is aim:
+            while autopilot.landed and autopilot.guided.command is command:
                 yield
-        elif autopilot.guided.aim is aim:
-            yield from become(autopilot, None)
+        elif autopilot.guided.command is command:
+            yield from transition(autopilot, None)
             autopilot.maneuvers.hold()
             forward = autopilot.body.flies_forward
-            while autopilot.guided.aim is aim and not self._touched_down():
+            while autopilot.guided.command is command and not self._touched_down():
                 if autopilot.body.flies_forward != forward:
                     return
                 yield
@@ -74,21 +74,21 @@ class Guided(Behaviour):
     def _touched_down(self) -> bool:
         return self.autopilot.landed and self.autopilot.vehicle.type.flies
 
-    def _follow(self, aim: RunningBehaviour) -> Iterator[None]:
-        """Until there is another aim, or the vehicle came down."""
+    def _follow(self, command: RunningBehaviour) -> Iterator[None]:
+        """Run a command until there is another one, or the vehicle has come down."""
         guided, body = self.autopilot.guided, self.autopilot.body
-        if not isinstance(aim, Takeoff):
-            yield from become(self.autopilot, self._forward)
-        script, forward = aim.fly(), body.flies_forward
+        if not isinstance(command, Takeoff):
+            yield from transition(self.autopilot, self._forward)
+        script, forward = command.fly(), body.flies_forward
         flying = True
-        while guided.aim is aim:
+        while guided.command is command:
             if not flying and body.flies_forward != forward:
-                script, flying = aim.fly(), True
+                script, flying = command.fly(), True
             forward = body.flies_forward
             flying = flying and next(script, _ENDED) is not _ENDED
-            self.taking_off, self.landing = aim.taking_off, aim.landing
+            self.taking_off, self.landing = command.taking_off, command.landing
             yield
-            if guided.aim is aim and self._must_stay(aim) and not aim.taking_off:
+            if guided.command is command and self._must_stay(command) and not command.taking_off:
                 break
         self.taking_off = self.landing = False
 
@@ -100,23 +100,23 @@ class Hold(Guided):
 
 
 class Offboard(Guided):
-    """Fly after the stream of setpoints."""
+    """Follow the stream of setpoints."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         super().__init__(autopilot)
         autopilot.guided.follow_stream()
 
     def fly(self) -> Iterator[None]:
-        """While the stream lives."""
+        """Run while the stream lasts."""
         script = super().fly()
         while self.autopilot.guided.stream_alive:
             next(script)
             yield
         self.autopilot.maneuvers.hold()
-        yield  # it is over before another mode begins
+        yield  # complete before another mode begins
         self.autopilot.profile.setpoints_lost(self.autopilot)
         while True:
             yield
 
-    def _may_lift_off(self, aim: RunningBehaviour) -> bool:
-        return isinstance(aim, GuidedCommand) and aim.lifts_off
+    def _may_lift_off(self, command: RunningBehaviour) -> bool:
+        return isinstance(command, GuidedCommand) and command.lifts_off

@@ -1,11 +1,10 @@
-"""What a guided vehicle may be after: each a script that begins when it is set and stays when it is there.
+"""Guided commands: scripts for the targets of guided flight.
 
-    GoTo      a point; a wing circles it, a VTOL that hovers may fly there on its wing
-    Motion    any mix of position, velocity and acceleration, axis by axis, for as long as it is repeated
-    Attitude  a lean, a heading or turning rates, and a thrust, for as long as it is repeated
+    GoTo      a point; a wing circles it, a hovering VTOL may fly there in forward flight
+    Motion    any mix of position, velocity and acceleration, per axis, while it is repeated
+    Attitude  an attitude or rates, and a thrust, while they are repeated
 
-Orbits and take-offs are aims as well, and are behaviours of their own. What is repeated with equal numbers
-only renews the aim that is flown.
+Orbits and takeoffs are behaviours of their own. A repeated equal command only renews the active one.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from math import asin, atan2, copysign, cos, hypot, sin
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.sim.autopilot.behaviour import Behaviour
-from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
+from mavstack.sim.autopilot.behaviours.steps import ClimbControl, transition
 from mavstack.sim.autopilot.state import TICK
 from mavstack.sim.vehicle_types import VehicleType
 
@@ -29,16 +28,16 @@ if TYPE_CHECKING:
 
 Axes: TypeAlias = "tuple[float | None, float | None, float | None]"
 
-#: m/s for each metre that is missing.
+#: m/s for each metre of position error.
 _POSITION_GAIN = 0.8
-#: A VTOL on its way forward hovers again when it is this near.
+#: A VTOL in forward flight hovers again at this distance, in metres.
 _HOVER_WITHIN = 120.0
-#: At this half throttle a setpoint whose thrust means climbing stays as high as it is.
+#: The thrust that holds the altitude where thrust means a climb rate.
 _NO_CLIMB = 0.5
 
 
 class GuidedCommand(Behaviour):
-    """One thing a guided vehicle is after."""
+    """One guided command."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         super().__init__(autopilot)
@@ -46,15 +45,15 @@ class GuidedCommand(Behaviour):
 
     @abstractmethod
     def key(self) -> Hashable:
-        """What makes two aims the same."""
+        """Return the value that is equal for equal commands."""
 
     @property
     def lifts_off(self) -> bool:
-        """Whether it would have a vehicle leave the ground."""
+        """True if the command makes a vehicle leave the ground."""
         return False
 
     def renew(self, other: Self) -> bool:
-        """Whether `other` says the same again: then this one goes on."""
+        """Renew this command if `other` is equal to it; returns whether it was."""
         if type(other) is not type(self) or other.key() != self.key():
             return False
         self._renewed_at = self.autopilot.now
@@ -62,12 +61,12 @@ class GuidedCommand(Behaviour):
 
     @property
     def in_time(self) -> bool:
-        """Whether it was said recently enough to be followed still."""
+        """True until the command times out."""
         return self.autopilot.now - self._renewed_at < self.autopilot.flight_parameters.setpoint_timeout
 
 
 class GoTo(GuidedCommand):
-    """Go to a point and stay there; `radius` is that of a wing's circle."""
+    """Go to a point and stay there; `radius` is the radius of a wing's circle."""
 
     def __init__(
         self,
@@ -84,7 +83,7 @@ class GoTo(GuidedCommand):
         self._speed, self._radius, self._yaw, self._yaw_rate = speed, radius, yaw, yaw_rate
 
     def key(self) -> Hashable:
-        """All of it, to a decimetre."""
+        """Return all values, positions rounded to a decimetre."""
         return (
             tuple(round(axis, 1) for axis in self.point),
             self._speed,
@@ -95,11 +94,11 @@ class GoTo(GuidedCommand):
 
     @property
     def lifts_off(self) -> bool:
-        """If the point is in the air."""
+        """True if the point is in the air."""
         return self.point[2] < self.autopilot.maneuvers.place[2] - 0.3
 
     def fly(self) -> Iterator[None]:
-        """Until it is there."""
+        """Run until the point is reached."""
         if self._is_far():
             yield from self._fly_forward()
         there = False
@@ -107,7 +106,7 @@ class GoTo(GuidedCommand):
             there = yield from (self._loiter() if self.autopilot.maneuvers.circles else self._hover())
 
     def _hover(self) -> Generator[None, None, bool]:
-        """Whether it got there before it flew on its wing."""
+        """Hover to the point; returns False if the vehicle went into forward flight before."""
         maneuvers = self.autopilot.maneuvers
         maneuvers.go_to(self.point, yaw=self._yaw, speed=self._speed)
         while not maneuvers.has_reached(self.point):
@@ -117,7 +116,7 @@ class GoTo(GuidedCommand):
         return True
 
     def _loiter(self) -> Generator[None, None, bool]:
-        """Whether it got onto its circle before it hovered."""
+        """Circle the point; returns False if the vehicle went into hover before."""
         maneuvers = self.autopilot.maneuvers
         radius = self._radius or self.autopilot.flight_parameters.loiter_radius
         maneuvers.go_to(self.point, speed=self._speed)
@@ -141,20 +140,20 @@ class GoTo(GuidedCommand):
         )
 
     def _fly_forward(self) -> Iterator[None]:
-        """There on the wing, and hovering again."""
+        """Fly to the point in forward flight, then hover."""
         autopilot = self.autopilot
         autopilot.body.transition_to(True)
         autopilot.maneuvers.go_to(self.point, speed=self._speed)
         while autopilot.maneuvers.distance(self.point) > _HOVER_WITHIN:
             yield
-        yield from become(autopilot, forward=False)
+        yield from transition(autopilot, forward=False)
 
 
 class Motion(GuidedCommand):
-    """Positions, velocities and accelerations of the axes in local metres; None leaves one alone.
+    """Position, velocity and acceleration per axis in local metres; None leaves an axis free.
 
-    Where a position has a velocity beside it, it moves with it. `turns_along` has the velocity turn with
-    the vehicle, as for one that drives.
+    A position with a velocity moves with that velocity. With `turns_along` the velocity turns with the
+    vehicle, as for a rover.
     """
 
     def __init__(
@@ -177,18 +176,18 @@ class Motion(GuidedCommand):
         self._begun = autopilot.now
 
     def key(self) -> Hashable:
-        """All of it; what moves is another with every message."""
+        """Return all values; a moving position differs with every message."""
         if self._position != (None, None, None) and self._velocity != (None, None, None):
             return id(self)
         return self._position, self._velocity, self._acceleration, self._yaw, self._yaw_rate, self._heading
 
     @property
     def lifts_off(self) -> bool:
-        """If it goes upwards."""
+        """True if the motion goes upwards."""
         return self._wanted()[2] < -0.1
 
     def fly(self) -> Iterator[None]:
-        """Until it was not repeated for too long; then it stops."""
+        """Run until the command times out, then stop."""
         while self.in_time:
             self._steer()
             yield
@@ -211,7 +210,7 @@ class Motion(GuidedCommand):
         return None if north is None or east is None or down is None else (north, east, down)
 
     def _wanted(self) -> Point:
-        """The velocity that follows from all of it."""
+        """Return the velocity that results from all inputs."""
         flight_parameters, maneuvers = self.autopilot.flight_parameters, self.autopilot.maneuvers
         passed = self.autopilot.now - self._begun
         closing, given = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
@@ -233,7 +232,7 @@ class Motion(GuidedCommand):
 
 
 class Attitude(GuidedCommand):
-    """What SET_ATTITUDE_TARGET says."""
+    """An attitude or rates with a thrust, from SET_ATTITUDE_TARGET."""
 
     def __init__(self, autopilot: Autopilot, setpoint: AttitudeSetpoint) -> None:
         super().__init__(autopilot)
@@ -242,16 +241,16 @@ class Attitude(GuidedCommand):
         self._climb = ClimbControl(autopilot)
 
     def key(self) -> Hashable:
-        """All of it."""
+        """Return the setpoint."""
         return self._setpoint
 
     @property
     def lifts_off(self) -> bool:
-        """If there is more thrust than hovering takes."""
+        """True if the thrust exceeds the hover thrust."""
         return (self._setpoint.thrust or 0.0) > _NO_CLIMB + 0.02
 
     def fly(self) -> Iterator[None]:
-        """Until it was not repeated for too long; then it levels out where it is."""
+        """Run until the command times out, then level out."""
         drives = self.autopilot.vehicle.type.on_surface
         while self.in_time:
             if drives:
@@ -281,7 +280,7 @@ class Attitude(GuidedCommand):
         return max(_NO_CLIMB if thrust is None else thrust, 0.0)
 
     def _drive(self) -> None:
-        """Thrust is a share of the speed, the heading where to."""
+        """Drive: the thrust is a share of the speed, the attitude's yaw the heading."""
         autopilot, rate = self.autopilot, self._setpoint.rates[2]
         heading = autopilot.body.estimate.yaw
         if self._angles is not None and not rate:
@@ -297,7 +296,7 @@ class Attitude(GuidedCommand):
 
 
 def euler(quaternion: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    """Roll, pitch and yaw of a rotation."""
+    """Return roll, pitch and yaw of a quaternion."""
     w, x, y, z = quaternion
     sine = min(max(2 * (w * y - z * x), -1.0), 1.0)
     return (

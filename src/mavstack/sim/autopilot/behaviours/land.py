@@ -1,13 +1,13 @@
-"""Coming down: straight, slower near the ground; or on a wing, by approach, glide, flare and roll-out.
+"""Landing: vertical, slower near the ground; or as a wing, by approach, glide, flare and roll-out.
 
 A wing's landing, seen from the side:
 
-    ●───────── down to the height of the approach, in circles
+    ●───────── descent to the approach altitude, in circles
               ╲  glide along a line of `glide_slope`
                ╲__ flare at `flare_altitude`: nose up, no power
                   ───── roll-out
 
-A VTOL hovers first. What drives stops, a sub surfaces. The autopilot disarms what has landed, after
+A VTOL hovers first. A surface vehicle stops, a sub surfaces. The autopilot disarms a landed vehicle after
 `land_disarm_delay`.
 """
 
@@ -17,7 +17,7 @@ from math import atan2, cos, hypot, pi, radians, remainder, sin, tau
 from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
-from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
+from mavstack.sim.autopilot.behaviours.steps import ClimbControl, transition
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -26,24 +26,25 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
-#: A descent aims so far below the ground that it never gets there before the ground does.
+#: Depth of a descent's target below the ground, in metres, so that the ground comes first.
 _BELOW = 60.0
 _WATER = 0.0
-#: A wing's approach begins at a height between these, and its flare raises the nose by so much.
+#: Bounds of the height where a wing's approach begins, in metres.
 _LOWEST, _HIGHEST = 15.0, 45.0
 _FLARE_PITCH = radians(5)
-#: It floats on for so many seconds before it touches down.
+#: Time that a wing floats before the touchdown, in seconds.
 _FLOATING = 4.0
-#: Against a wind stronger than this a wing lands.
+#: A wind stronger than this, in m/s, decides the direction of a wing's landing.
 _WIND = 1.5
-#: A wing leaves its last circle when its course is this near that of the approach.
+#: Course error at which a wing leaves its last circle for the approach.
 _ALIGNED = radians(25)
 
 
 class Land(Behaviour):
-    """Land at `point`, or here.
+    """Land at `point`, or at the current position.
 
-    `course` is how a wing comes in, in radians; with `direct` it does so from where it is, at once.
+    `course` is the course of a wing's approach in radians; with `direct` the approach begins immediately at
+    the current position.
     """
 
     landing = True
@@ -60,11 +61,11 @@ class Land(Behaviour):
     ) -> None:
         super().__init__(autopilot)
         self._point, self._course, self._yaw, self._direct = point, course, yaw, direct
-        #: Whether a VTOL lands as a plane does.
+        #: True if a VTOL lands as a plane does.
         self._forward = forward
 
     def fly(self) -> Iterator[None]:
-        """Until it is down, and on until it is disarmed."""
+        """Run until the mode is left: land, then wait for disarming."""
         kind = self.autopilot.vehicle.type
         if kind.on_surface:
             yield from self._stop()
@@ -93,12 +94,12 @@ class Land(Behaviour):
             yield
 
     def _descend(self) -> Iterator[None]:
-        """Over the point, hovering, then down."""
+        """Hover above the point, then descend."""
         autopilot = self.autopilot
         if not autopilot.landed:
             if self._point is not None:
                 yield from self._go_over(self._point)
-            yield from become(autopilot, forward=False)
+            yield from transition(autopilot, forward=False)
             if self._point is not None:
                 yield from self._go_over(self._point)
         place = self._point or autopilot.maneuvers.stopping_point
@@ -154,7 +155,7 @@ class WingLanding:
         self._touchdown = north - cos(self._course) * floated, east - sin(self._course) * floated, _WATER
 
     def fly(self) -> Iterator[None]:
-        """Until it stands."""
+        """Run until the wing stands."""
         if not self._autopilot.landed:
             start = self._handling.place
             if not self._direct:
@@ -168,7 +169,7 @@ class WingLanding:
         self._body.idle()
 
     def _choose_course(self) -> float:
-        """Against the wind; in calm air the way it would fly there."""
+        """Return the course against the wind; in calm air the direct course."""
         wind = self._body.wind
         if hypot(wind.north, wind.east) > _WIND and not self._direct:
             return atan2(-wind.east, -wind.north)
@@ -177,14 +178,14 @@ class WingLanding:
         return self._body.estimate.yaw
 
     def _approach_start(self) -> Point:
-        """Where the glide begins."""
+        """Return the point where the glide begins."""
         height = min(max(-self._handling.place[2], _LOWEST), _HIGHEST)
         back = height / max(self._autopilot.flight_parameters.glide_slope, 0.02)
         north, east, _ = self._touchdown
         return north - cos(self._course) * back, east - sin(self._course) * back, -height
 
     def _come_down_to(self, start: Point) -> Iterator[None]:
-        """To a circle beside the approach, round it down to its height, and off it along the approach."""
+        """Fly to a circle beside the approach, circle down to its altitude, and leave along the approach."""
         radius = self._autopilot.flight_parameters.loiter_radius
         side = self._course + (pi / 2 if radius > 0 else -pi / 2)
         centre = start[0] + cos(side) * abs(radius), start[1] + sin(side) * abs(radius), start[2]
@@ -205,7 +206,7 @@ class WingLanding:
         self._handling.go_to(self._touchdown, start=start, sink=max(flight_parameters.sink_speed, 3.0))
         while self._handling.height > flight_parameters.flare_altitude and not self._autopilot.landed:
             if self._handling.has_reached(self._touchdown, 1.0):
-                # it came in too high: on along the same slope
+                # too high at the end of the line: continue on the same slope
                 far, down = 1000.0, 1000.0 * max(flight_parameters.glide_slope, 0.02)
                 start = self._handling.place
                 beyond = (

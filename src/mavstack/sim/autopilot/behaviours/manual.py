@@ -1,4 +1,4 @@
-"""By hand: what the pilot's sticks mean in each kind of mode, for each type of vehicle.
+"""Manual flight: the meaning of the pilot's sticks in each kind of mode, for each vehicle type.
 
                 copter, VTOL in hover    wing                   sub                rover, boat
     Manual      lean, thrust             surfaces               thrusters          steering, throttle
@@ -7,7 +7,7 @@
     Altitude    lean, climb              course, climb          thrusters, climb   as Acro
     Position    speed, climb             course, climb          speed, climb       as Acro
 
-Sticks that are centred hold what there is to hold: altitude, course, place.
+Centred sticks hold altitude, course and position, where the mode controls them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from math import atan2, cos, radians, sin
 from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
-from mavstack.sim.autopilot.behaviours.steps import ClimbControl, become
+from mavstack.sim.autopilot.behaviours.steps import ClimbControl, transition
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -25,30 +25,30 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.radio import Sticks
 
-#: Sticks within this of their middle are centred.
+#: Deflection within which a stick counts as centred.
 _CENTRED = 0.08
-#: On the ground the motors idle below this throttle.
+#: Throttle below which the motors idle on the ground.
 _IDLE = 0.08
-#: In the modes that climb by the stick, it leaves the ground above this.
+#: Throttle stick above which the vehicle leaves the ground, in modes that control the climb.
 _LIFT_OFF = 0.6
 _WING_PITCH = radians(20)
-#: m/s of climb for each metre that is missing.
+#: m/s of climb for each metre of altitude error.
 _ALTITUDE_GAIN = 1.0
-#: How far ahead of a wing's course its stick puts the course wanted.
+#: Angle between a wing's course and the course that its full stick demands.
 _COURSE_LEAD = radians(35)
 
 
-def dead(stick: float) -> float:
-    """A stick from -1 to 1 with nothing around its middle."""
+def dead_zone(stick: float) -> float:
+    """Apply the dead zone to a stick from -1 to 1."""
     if abs(stick) <= _CENTRED:
         return 0.0
     return (stick - _CENTRED if stick > 0 else stick + _CENTRED) / (1 - _CENTRED)
 
 
-class ByHand(Behaviour):
-    """Flown by sticks, tick by tick."""
+class StickControl(Behaviour):
+    """Manual flight, tick by tick."""
 
-    #: From this throttle on a vehicle that flies leaves the ground.
+    #: Throttle at which an aircraft leaves the ground.
     lifts_off_at = _IDLE
 
     def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
@@ -56,16 +56,16 @@ class ByHand(Behaviour):
         self.body, self.flight_parameters = autopilot.body, autopilot.flight_parameters
         self._forward = forward
         self.climb = ClimbControl(autopilot)
-        #: As high as it is to stay while the throttle is centred, in local metres.
+        #: The altitude to hold while the throttle is centred, in local metres.
         self._held_down: float | None = None
-        #: The course of a wing while its stick is centred.
+        #: The course of a wing to hold while its stick is centred.
         self.held_course: float | None = None
 
     def fly(self) -> Iterator[None]:
-        """For ever."""
+        """Run until the mode is left."""
         autopilot = self.autopilot
         if not autopilot.landed:
-            yield from become(autopilot, self._forward)
+            yield from transition(autopilot, self._forward)
         while True:
             sticks = autopilot.radio.sticks
             if self._rests(sticks):
@@ -76,7 +76,7 @@ class ByHand(Behaviour):
             yield
 
     def steer(self, sticks: Sticks) -> None:
-        """Do what the sticks say: by how it flies."""
+        """Apply the sticks, by vehicle type and flight mode."""
         kind = self.autopilot.vehicle.type
         if kind.on_surface:
             self.drive(sticks)
@@ -88,131 +88,133 @@ class ByHand(Behaviour):
             self.hover(sticks)
 
     def hover(self, sticks: Sticks) -> None:
-        """A copter, a VTOL on its lifting motors."""
+        """Apply the sticks of a copter, or of a VTOL in hover."""
         self.body.sticks(*sticks)
 
     def glide(self, sticks: Sticks) -> None:
-        """A wing."""
+        """Apply the sticks of a wing."""
         self.body.sticks(*sticks)
 
     def dive(self, sticks: Sticks) -> None:
-        """A sub: its pitch stick, pushed, is forward."""
+        """Apply the sticks of a sub; a pushed pitch stick means forward."""
         self.body.sticks(sticks.roll, -sticks.pitch, self.middle(sticks), sticks.yaw)
 
     def drive(self, sticks: Sticks) -> None:
-        """A rover, a boat."""
+        """Apply the sticks of a rover or boat."""
         self.body.sticks(sticks.roll, 0.0, self.middle(sticks), sticks.yaw)
 
     def rested(self) -> None:
-        """It stands on the ground: forget what was held."""
+        """Discard the held altitude and course; the vehicle is on the ground."""
         self._held_down = self.held_course = None
 
     @staticmethod
     def middle(sticks: Sticks) -> float:
-        """The throttle of what can go both ways, -1 to 1."""
-        return dead(2 * sticks.throttle - 1)
+        """Return the throttle of a vehicle that can reverse, -1 to 1."""
+        return dead_zone(2 * sticks.throttle - 1)
 
     def _rests(self, sticks: Sticks) -> bool:
         flies = self.autopilot.vehicle.type.flies
         return flies and self.autopilot.landed and sticks.throttle < self.lifts_off_at
 
-    # What several of them do
+    # Shared by several modes
 
     def lean(self, sticks: Sticks, thrust: float) -> None:
-        """Lean as far as the sticks say, and turn at a rate."""
+        """Lean in proportion to the sticks, and turn at a rate."""
         most = self.flight_parameters.lean_angle
-        rate = dead(sticks.yaw) * self.flight_parameters.pilot_yaw_rate
+        rate = dead_zone(sticks.yaw) * self.flight_parameters.pilot_yaw_rate
         if rate:
             self.body.hold_attitude(sticks.roll * most, sticks.pitch * most, None, thrust, yaw_rate=rate)
         else:
             self.body.hold_attitude(sticks.roll * most, sticks.pitch * most, None, thrust)
 
     def climb_wanted(self, stick: float) -> float:
-        """Up for a stick that is pushed, -1 to 1; what it takes to stay as high for one that is centred."""
+        """Return the climb rate for a throttle stick from -1 to 1; a centred stick holds the altitude."""
         here = self.autopilot.maneuvers.place[2]
         if stick:
             self._held_down = None
             return stick * self.flight_parameters.pilot_climb_speed
         if self._held_down is None:
-            # it comes to rest a little later than the stick
+            # the vehicle comes to rest a little after the stick
             self._held_down = here + self.body.estimate.velocity_down * 0.5
         most = self.flight_parameters.pilot_climb_speed
         return min(max((here - self._held_down) * _ALTITUDE_GAIN, -most), most)
 
 
-class Manual(ByHand):
+class Manual(StickControl):
     """The sticks move the actuators."""
 
 
-class Stabilize(ByHand):
-    """The sticks lean the vehicle, which else stays level."""
+class Stabilize(StickControl):
+    """The sticks set the attitude; centred sticks level the vehicle."""
 
     def hover(self, sticks: Sticks) -> None:
-        """Thrust by the throttle."""
+        """Set attitude, and thrust by the throttle."""
         self.lean(sticks, sticks.throttle)
 
     def glide(self, sticks: Sticks) -> None:
-        """Bank and pitch."""
+        """Set bank and pitch."""
         bank = sticks.roll * self.flight_parameters.lean_angle
         self.body.hold_attitude(bank, sticks.pitch * _WING_PITCH, None, sticks.throttle)
 
 
-class Acro(ByHand):
-    """The sticks turn the vehicle, which stays as it is turned."""
+class Acro(StickControl):
+    """The sticks set turning rates; the vehicle keeps its attitude otherwise."""
 
     def hover(self, sticks: Sticks) -> None:
-        """Rates, and thrust by the throttle."""
+        """Set rates, and thrust by the throttle."""
         rate = self.flight_parameters.acro_rate
-        turn = dead(sticks.yaw) * self.flight_parameters.pilot_yaw_rate
-        self.body.hold_rates(dead(sticks.roll) * rate, dead(sticks.pitch) * rate, turn, sticks.throttle)
+        turn = dead_zone(sticks.yaw) * self.flight_parameters.pilot_yaw_rate
+        self.body.hold_rates(
+            dead_zone(sticks.roll) * rate, dead_zone(sticks.pitch) * rate, turn, sticks.throttle
+        )
 
     glide = hover
 
     def dive(self, sticks: Sticks) -> None:
-        """Rates, and thrust up and down."""
+        """Set rates, and vertical thrust."""
         self.hover(sticks)
 
     def drive(self, sticks: Sticks) -> None:
-        """A turning rate and a speed."""
+        """Set a turning rate and a speed."""
         steered(self, sticks)
 
 
-class AltitudeHold(ByHand):
-    """The sticks lean the vehicle, the throttle climbs."""
+class AltitudeHold(StickControl):
+    """The sticks set the attitude, the throttle the climb rate."""
 
     lifts_off_at = _LIFT_OFF
 
     def hover(self, sticks: Sticks) -> None:
-        """As high as it is while the throttle is centred."""
+        """Hold the altitude while the throttle is centred."""
         self.lean(sticks, self.climb.thrust(self.climb_wanted(self.middle(sticks))))
 
     def glide(self, sticks: Sticks) -> None:
-        """Course by bank; the pitch stick climbs."""
+        """Set the course by bank and the climb rate by the pitch stick."""
         course_and_climb(self, sticks)
 
     def dive(self, sticks: Sticks) -> None:
-        """The throttle dives; sideways as by hand."""
+        """Dive by the throttle; other axes are manual."""
         climb = self.climb_wanted(self.middle(sticks))
         error = climb + self.body.estimate.velocity_down
         up = min(max(error * 2.0, -1.0), 1.0)
         self.body.sticks(sticks.roll, -sticks.pitch, up, sticks.yaw)
 
     def drive(self, sticks: Sticks) -> None:
-        """A turning rate and a speed."""
+        """Set a turning rate and a speed."""
         steered(self, sticks)
 
 
 class PositionHold(AltitudeHold):
-    """The sticks say how fast over the ground; centred, it stays where it is."""
+    """The sticks set the ground speed; centred sticks hold the position."""
 
     def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot, forward=forward)
         self._holds = False
 
     def hover(self, sticks: Sticks) -> None:
-        """Forward and right by the sticks."""
-        forward, right = -dead(sticks.pitch), dead(sticks.roll)
-        turn, climb = dead(sticks.yaw), self.middle(sticks)
+        """Set forward and right speed by the sticks."""
+        forward, right = -dead_zone(sticks.pitch), dead_zone(sticks.roll)
+        turn, climb = dead_zone(sticks.yaw), self.middle(sticks)
         if not (forward or right or turn or climb):
             if not self._holds:
                 self.autopilot.maneuvers.hold()
@@ -229,22 +231,22 @@ class PositionHold(AltitudeHold):
         )
 
     def dive(self, sticks: Sticks) -> None:
-        """As a copter does."""
+        """Set forward and right speed, as a copter does."""
         self.hover(sticks)
 
     def rested(self) -> None:
-        """It stands on the ground: forget what was held."""
+        """Discard the held position; the vehicle is on the ground."""
         super().rested()
         self._holds = False
 
 
-def course_and_climb(hand: ByHand, sticks: Sticks) -> None:
-    """A wing keeps its course and altitude but for the sticks; its throttle chooses the airspeed."""
+def course_and_climb(hand: StickControl, sticks: Sticks) -> None:
+    """Hold course and altitude of a wing while the sticks are centred; the throttle sets the airspeed."""
     body, flight_parameters = hand.body, hand.flight_parameters
     here = body.estimate
-    climb = hand.climb_wanted(dead(sticks.pitch))
+    climb = hand.climb_wanted(dead_zone(sticks.pitch))
     course = atan2(here.velocity_east, here.velocity_north)
-    roll = dead(sticks.roll)
+    roll = dead_zone(sticks.roll)
     if roll:
         hand.held_course = None
         course += roll * _COURSE_LEAD
@@ -254,9 +256,9 @@ def course_and_climb(hand: ByHand, sticks: Sticks) -> None:
     body.fly_velocity(cos(course) * speed, sin(course) * speed, -climb)
 
 
-def steered(hand: ByHand, sticks: Sticks) -> None:
-    """A rover or boat turns at a rate and holds a speed, backwards by its motors alone."""
-    throttle, turn = hand.middle(sticks), dead(sticks.roll or sticks.yaw)
+def steered(hand: StickControl, sticks: Sticks) -> None:
+    """Set turning rate and speed of a rover or boat; only its motors reverse it."""
+    throttle, turn = hand.middle(sticks), dead_zone(sticks.roll or sticks.yaw)
     if throttle < 0:
         hand.body.sticks(sticks.roll, 0.0, throttle, sticks.yaw)
         return

@@ -1,4 +1,4 @@
-"""Flying the mission: `autopilot.mission` says what that is."""
+"""The behaviour of the mission mode: it flies `autopilot.mission`."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ if TYPE_CHECKING:
 
 
 class Mission(Behaviour):
-    """The mode that flies the mission."""
+    """Fly the mission."""
 
     def fly(self) -> Iterator[None]:
-        """Until the mode is left."""
+        """Run until the mode is left."""
         return self.autopilot.mission.fly()
 
     @property
     def taking_off(self) -> bool:  # type: ignore[override]
-        """Whether an item takes off."""
+        """True while an item takes off."""
         part = self.autopilot.mission.part
         return part is not None and part.taking_off
 
     @property
     def landing(self) -> bool:  # type: ignore[override]
-        """Whether an item lands."""
+        """True while an item lands."""
         part = self.autopilot.mission.part
         return part is not None and part.landing
 
     @property
     def takes_setpoints(self) -> bool:  # type: ignore[override]
-        """Whether an item follows setpoints."""
+        """True while an item follows setpoints."""
         part = self.autopilot.mission.part
         return part is not None and part.takes_setpoints

@@ -1,4 +1,4 @@
-"""Circling a point: as a mode, and as MAV_CMD_DO_ORBIT asks."""
+"""Circling a point: as a mode, and for MAV_CMD_DO_ORBIT."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviour import Behaviour
-from mavstack.sim.autopilot.behaviours.manual import ByHand
-from mavstack.sim.autopilot.behaviours.steps import become, stay_landed
+from mavstack.sim.autopilot.behaviours.manual import StickControl
+from mavstack.sim.autopilot.behaviours.steps import transition, idle_on_ground
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
 
 _YAW = common.OrbitYawBehaviour
-#: How far ahead of it a climb is aimed, in seconds.
+#: Time ahead at which a climb is targeted, in seconds.
 _AHEAD = 1.0
 
 
 class Orbit(Behaviour):
-    """Circle `centre`; `radius` > 0: clockwise seen from above. `turns` None: for ever."""
+    """Circle `centre`; a positive radius means clockwise, seen from above. `turns` None runs until the end."""
 
     def __init__(
         self,
@@ -40,12 +40,12 @@ class Orbit(Behaviour):
         self.speed = speed
         self.yaw_behaviour = yaw_behaviour
         self.turns = turns
-        #: How often it has been round since it first was on the circle.
+        #: Turns since the vehicle was first on the circle.
         self.turned = 0.0
 
     def fly(self) -> Iterator[None]:
-        """Until the last turn is done."""
-        yield from stay_landed(self.autopilot)
+        """Run until the last turn is complete."""
+        yield from idle_on_ground(self.autopilot)
         maneuvers = self.autopilot.maneuvers
         initial = self.autopilot.body.estimate.yaw
         while not maneuvers.has_entered_circle(self.centre, self.radius):
@@ -65,7 +65,7 @@ class Orbit(Behaviour):
         )
 
     def _yaw_on_circle(self, initial: float) -> float | None:
-        """None: towards the centre."""
+        """Return the yaw on the circle in radians; None turns towards the centre."""
         if self.yaw_behaviour == _YAW.HOLD_FRONT_TANGENT_TO_CIRCLE:
             return self._bearing() + copysign(pi / 2, self.radius)
         if self.yaw_behaviour == _YAW.HOLD_FRONT_TO_CIRCLE_CENTER:
@@ -73,23 +73,23 @@ class Orbit(Behaviour):
         return initial
 
     def _bearing(self) -> float:
-        """Of the vehicle as seen from the centre."""
+        """Return the bearing of the vehicle from the centre."""
         north, east, _ = self.autopilot.maneuvers.place
         return atan2(east - self.centre[1], north - self.centre[0])
 
 
 class Circle(Behaviour):
-    """The mode: around a point one radius ahead, or around where it is, as a wing always does."""
+    """Circle a point one radius ahead, or the current position, as a wing always does."""
 
     def __init__(self, autopilot: Autopilot, *, forward: bool | None = None) -> None:
         super().__init__(autopilot)
         self._forward = forward
 
     def fly(self) -> Iterator[None]:
-        """For ever."""
+        """Run until the mode is left."""
         autopilot = self.autopilot
-        yield from stay_landed(autopilot)
-        yield from become(autopilot, self._forward)
+        yield from idle_on_ground(autopilot)
+        yield from transition(autopilot, self._forward)
         maneuvers, flight_parameters = autopilot.maneuvers, autopilot.flight_parameters
         if maneuvers.circles:
             maneuvers.hold()
@@ -106,12 +106,12 @@ class Circle(Behaviour):
             yield
 
     def _climb_by_throttle(self, orbit: Orbit) -> None:
-        """What flies climbs and sinks as the pilot's throttle says, if there is a pilot."""
+        """Climb and descend by the pilot's throttle, if there is a pilot."""
         autopilot = self.autopilot
         radio = autopilot.radio
         if not (autopilot.vehicle.type.flies and radio.present):
             return
-        climb = ByHand.middle(radio.sticks) * autopilot.flight_parameters.pilot_climb_speed
+        climb = StickControl.middle(radio.sticks) * autopilot.flight_parameters.pilot_climb_speed
         if climb:
             north, east, _ = orbit.centre
             orbit.centre = north, east, autopilot.maneuvers.place[2] - climb * _AHEAD

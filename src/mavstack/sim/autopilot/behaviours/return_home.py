@@ -1,9 +1,9 @@
-"""Coming home: up, back, and then down or round, as the firmware's flight parameters say.
+"""Return to launch: climb, return, then descend or circle, by the flight parameters of the firmware.
 
-    climb to the return altitude ── go home ── wait over it ── land, or stay for ever
+    climb to the return altitude ── return ── wait above home ── land, or stay
 
-Home is a rally point where one is nearer. A wing waits in circles, and stays there if it is to wait for ever.
-What drives goes home and stops; a sub comes home as deep as it is and surfaces.
+A nearer rally point replaces home. A wing waits in circles, and stays there if the wait is infinite.
+A surface vehicle returns and stops; a sub returns at its depth and surfaces.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.land import Land
-from mavstack.sim.autopilot.behaviours.steps import become, change_altitude, go_there, wait
+from mavstack.sim.autopilot.behaviours.steps import transition, change_altitude, fly_to, wait
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class ReturnToLaunch(Behaviour):
-    """Come home; `forward`: a VTOL on its wing, or hovering; `lands` False: it only comes back."""
+    """Return home; `forward` makes a VTOL fly or hover, `lands` False omits the landing."""
 
     def __init__(self, autopilot: Autopilot, *, forward: bool | None = None, lands: bool = True) -> None:
         super().__init__(autopilot)
@@ -32,13 +32,13 @@ class ReturnToLaunch(Behaviour):
         self._lands = lands
 
     def fly(self) -> Iterator[None]:
-        """Until it is at home, and then for ever."""
+        """Run until the mode is left."""
         autopilot = self.autopilot
         if autopilot.landed and autopilot.vehicle.type.flies:
             yield from self._land(None)
         home = autopilot.rally.destination()
         if autopilot.vehicle.type.flies:
-            yield from become(autopilot, self._forward)
+            yield from transition(autopilot, self._forward)
             yield from self._fly_back(home)
         else:
             yield from self._drive_back(home)
@@ -48,7 +48,7 @@ class ReturnToLaunch(Behaviour):
     def _drive_back(self, home: Point) -> Iterator[None]:
         autopilot = self.autopilot
         here = autopilot.maneuvers.place[2]
-        yield from go_there(autopilot, (home[0], home[1], here))
+        yield from fly_to(autopilot, (home[0], home[1], here))
         if autopilot.vehicle.type is VehicleType.SUB and self._lands:
             yield from self._land(home)
 
@@ -68,7 +68,7 @@ class ReturnToLaunch(Behaviour):
         yield from self._land(home)
 
     def _way_down(self, home: Point) -> float:
-        """How high it comes back, in local metres; a wing that does not sink at home may sink at once."""
+        """Return the altitude of the return in local metres; a wing may descend early if it does not descend at home."""
         flight_parameters, maneuvers = self.autopilot.flight_parameters, self.autopilot.maneuvers
         climb, here = flight_parameters.return_altitude, maneuvers.place[2]
         if not isfinite(climb):
@@ -82,7 +82,7 @@ class ReturnToLaunch(Behaviour):
     def _go_over(self, over: Point) -> Iterator[None]:
         maneuvers = self.autopilot.maneuvers
         if not maneuvers.circles:
-            yield from go_there(self.autopilot, over)
+            yield from fly_to(self.autopilot, over)
             return
         radius = self.autopilot.flight_parameters.loiter_radius
         maneuvers.circle(over, radius)

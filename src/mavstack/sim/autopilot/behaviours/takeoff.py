@@ -1,4 +1,4 @@
-"""Leaving the ground: straight up, or as a wing does, with power and a raised nose."""
+"""Takeoff: vertical, or as a wing with power and a raised nose."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import radians
 from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
-from mavstack.sim.autopilot.behaviours.steps import become
+from mavstack.sim.autopilot.behaviours.steps import transition
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -14,18 +14,18 @@ if TYPE_CHECKING:
 
     from mavstack.sim.autopilot.interfaces import Autopilot
 
-#: A wing raises its nose by so much, and keeps its course until it is so high.
+#: Pitch of a wing's takeoff, and the height in metres up to which it keeps its course.
 _PITCH = radians(13)
 _STRAIGHT = 15.0
-#: How near the altitude, and how slow, a take-off is over.
+#: Altitude error in metres and vertical speed in m/s at which a takeoff is complete.
 _REACHED, _SLOW = 0.5, 0.15
 _WING_REACHED = 3.0
 
 
 class Takeoff(Behaviour):
-    """Climb to `altitude` above where it stands, or to `down` in local metres; then stay there.
+    """Climb by `altitude` metres, or to `down` in local metres, and stay there.
 
-    `forward`: a VTOL goes on to fly on its wing. What does not fly is where it should be already.
+    With `forward` a VTOL continues in forward flight. Vehicles that cannot fly hold their position.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Takeoff(Behaviour):
         self._forward = forward
 
     def fly(self) -> Iterator[None]:
-        """Until it is up."""
+        """Run until the altitude is reached."""
         kind = self.autopilot.vehicle.type
         if not kind.flies:
             self.autopilot.maneuvers.hold()
@@ -57,7 +57,7 @@ class Takeoff(Behaviour):
         self.taking_off = False
 
     def _target(self) -> float:
-        """How high, in local metres; never lower than it is."""
+        """Return the target in local metres; never below the current altitude."""
         autopilot = self.autopilot
         here = autopilot.maneuvers.place[2]
         ground = here if autopilot.landed else autopilot.home_position[2]
@@ -67,22 +67,22 @@ class Takeoff(Behaviour):
     def _rise(self, down: float) -> Iterator[None]:
         autopilot = self.autopilot
         north, east, _ = autopilot.maneuvers.place
-        yield from become(autopilot, forward=False)
+        yield from transition(autopilot, forward=False)
         yaw = autopilot.body.estimate.yaw if self._yaw is None else self._yaw
         autopilot.maneuvers.go_to((north, east, down), yaw=yaw)
         while autopilot.landed or not self._is_up(down):
             yield
         if self._forward:
-            yield from become(autopilot, forward=True)
+            yield from transition(autopilot, forward=True)
             autopilot.maneuvers.hold((north, east, down))
 
     def _is_up(self, down: float) -> bool:
-        """Whether it is there, and not still rising."""
+        """Return whether the vehicle is at the target and no longer climbing."""
         here = self.autopilot.body.estimate
         return abs(here.down - down) <= _REACHED and abs(here.velocity_down) <= _SLOW
 
     def _run_and_climb(self, down: float) -> Iterator[None]:
-        """Roll, raise the nose, and climb wings level; the turns come when there is height for them."""
+        """Roll, raise the nose, and climb with level wings; turns begin at a safe height."""
         autopilot, body = self.autopilot, self.autopilot.body
         north, east, ground = autopilot.maneuvers.place
         course = body.estimate.yaw

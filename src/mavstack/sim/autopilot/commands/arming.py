@@ -42,7 +42,7 @@ class ArmingCommands(CommandGroup):
         """Arm, or say why not."""
         problems = self.autopilot.arm(force=force)
         for problem in problems:
-            self.vehicle.say(problem, common.MavSeverity.CRITICAL)
+            self.vehicle.send_statustext(problem, common.MavSeverity.CRITICAL)
         return self.refusal if problems else _RESULT.ACCEPTED
 
     def disarm(self, *, force: bool) -> common.MavResult:
@@ -64,7 +64,7 @@ class ArmingCommands(CommandGroup):
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED
         for problem in self.autopilot.profile.arming_problems(self.autopilot):
-            self.vehicle.say(problem, common.MavSeverity.CRITICAL)
+            self.vehicle.send_statustext(problem, common.MavSeverity.CRITICAL)
         return _RESULT.ACCEPTED
 
     def terminate(self, request: CommandRequest) -> common.MavResult:

@@ -26,4 +26,4 @@ def fly_as_chosen(autopilot: Autopilot) -> None:
     if autopilot.mission.flying:
         autopilot.mission.keep_course()
     elif autopilot.behaviour is not None:
-        autopilot.maneuvers.again()
+        autopilot.maneuvers.reissue()

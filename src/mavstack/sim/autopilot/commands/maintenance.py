@@ -90,11 +90,11 @@ class MaintenanceCommands(CommandGroup):
 
     def say_begun(self, name: str) -> None:
         """A calibration begins."""
-        self.vehicle.say(f"Calibrating {name}")
+        self.vehicle.send_statustext(f"Calibrating {name}")
 
     def say_done(self, name: str) -> None:
         """A calibration is done."""
-        self.vehicle.say(f"{name.capitalize()} calibration done")
+        self.vehicle.send_statustext(f"{name.capitalize()} calibration done")
 
     # Storage
 

@@ -102,7 +102,7 @@ def _guarded(vehicle: Vehicle, handler: Callable[[CommandRequest], Outcome]) -> 
             return handler(request)
         except CommandRefusedError as refused:
             if refused.text:
-                vehicle.say(refused.text, common.MavSeverity.WARNING)
+                vehicle.send_statustext(refused.text, common.MavSeverity.WARNING)
             return refused.result
 
     return carry_out

@@ -33,7 +33,7 @@ class Tasks:
         self._told_at: dict[CommandRequest, float] = {}
         self._unanswered: list[Script] = []
         self._afterwards: Callable[[], None] | None = None
-        vehicle.on(CommandCancelRequested, self._cancelled)
+        vehicle.on_event(CommandCancelRequested, self._cancelled)
 
     def begin(self, request: CommandRequest, script: Script) -> None:
         """Go on with a script until it ends; the handler that calls this returns None."""

@@ -90,7 +90,7 @@ class ArdupilotFenceRules(FenceRules):
     def breached(self, watch: FenceControl, new: Breach) -> None:
         autopilot = self.autopilot
         if not autopilot.landed or not self.vehicle.type.flies:
-            self.vehicle.say(f"{names_of(new)} breached", _NOTICE)
+            self.vehicle.send_statustext(f"{names_of(new)} breached", _NOTICE)
         action = int(self.number("FENCE_ACTION"))
         if action == _REPORT or (autopilot.behaviour is not None and autopilot.behaviour.landing):
             return
@@ -105,11 +105,11 @@ class ArdupilotFenceRules(FenceRules):
         self.breached(watch, watch.breaches)
 
     def cleared(self, watch: FenceControl) -> None:
-        self.vehicle.say("Fence breach cleared", _NOTICE)
+        self.vehicle.send_statustext("Fence breach cleared", _NOTICE)
 
     def replaced(self, watch: FenceControl) -> None:
         if watch.fence.shapes:
-            self.vehicle.say("Fence received")
+            self.vehicle.send_statustext("Fence received")
 
     def problems(self, watch: FenceControl) -> Iterator[str]:
         if not watch.enabled:

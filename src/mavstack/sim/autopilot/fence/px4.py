@@ -61,7 +61,7 @@ class Px4FenceRules(FenceRules):
     def breached(self, watch: FenceControl, new: Breach) -> None:
         for bit, text in _TEXTS.items():
             if new & bit:
-                self.vehicle.say(text, _CRITICAL)
+                self.vehicle.send_statustext(text, _CRITICAL)
         autopilot = self.autopilot
         if autopilot.landed:
             return
@@ -86,6 +86,8 @@ class Px4FenceRules(FenceRules):
             return
         home, here = autopilot.home_position, autopilot.maneuvers.place
         if autopilot.home is not None and not watch.fence.permits(home[:2], union=True):
-            self.vehicle.say("Geofence invalid, doesn't contain Home position", _CRITICAL)
+            self.vehicle.send_statustext("Geofence invalid, doesn't contain Home position", _CRITICAL)
         elif not watch.fence.permits(here[:2], union=True):
-            self.vehicle.say("Geofence invalid, doesn't contain current vehicle position", _CRITICAL)
+            self.vehicle.send_statustext(
+                "Geofence invalid, doesn't contain current vehicle position", _CRITICAL
+            )

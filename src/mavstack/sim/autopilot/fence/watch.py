@@ -46,7 +46,7 @@ class FenceWatch:
         self._fence = Fence()
         self._worst = 0.0
         autopilot.watches.append(self)
-        autopilot.vehicle.on(PlanReplaced, self._plan_replaced)
+        autopilot.vehicle.on_event(PlanReplaced, self._plan_replaced)
 
     @property
     def fence(self) -> Fence:

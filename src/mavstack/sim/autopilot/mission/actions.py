@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.behaviours.steps import become
+from mavstack.sim.autopilot.behaviours.steps import transition
 from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
 from mavstack.sim.autopilot.mission.places import has_place, place_of
 from mavstack.sim.vehicle_types import VehicleType
@@ -102,7 +102,7 @@ def change_flight(step: Step) -> Iterator[None]:
         return
     step.mission.hovers = not forward
     step.mission.course.forget()
-    yield from become(step.autopilot, forward=forward)
+    yield from transition(step.autopilot, forward=forward)
 
 
 def limit_guided(step: Step) -> Iterator[None]:

@@ -175,7 +175,7 @@ class ArdupilotMissionRules(MissionRules):
 
     def replaced(self, mission: Mission, was: int) -> None:
         if mission.items:
-            mission.say("Flight plan received")
+            mission.send_statustext("Flight plan received")
         mission.restore(was)
         if not mission.flying:
             return
@@ -183,7 +183,7 @@ class ArdupilotMissionRules(MissionRules):
         if item != mission.flown and self.vehicle.type not in _WINGS:
             mission.begin_at(was)
             ending = ", restarted command" if item is not None else " but failed to restart command"
-            mission.say(f"Auto mission changed{ending}", _SEVERITY.CRITICAL)
+            mission.send_statustext(f"Auto mission changed{ending}", _SEVERITY.CRITICAL)
 
     # Flying
 
@@ -205,20 +205,20 @@ class ArdupilotMissionRules(MissionRules):
         return None
 
     def started(self, step: Step) -> None:
-        step.mission.say(f"Mission: {step.seq} {NAMES.get(step.item.command, '?')}")
+        step.mission.send_statustext(f"Mission: {step.seq} {NAMES.get(step.item.command, '?')}")
 
     def arrived(self, step: Step, hold: float) -> None:
         kind = self.vehicle.type
         if kind in _WINGS:
             away = step.maneuvers.distance(step.place())
-            step.mission.say(f"Reached waypoint #{step.seq} dist {away:.0f}m")
+            step.mission.send_statustext(f"Reached waypoint #{step.seq} dist {away:.0f}m")
         elif kind.on_surface:
             ending = f". Loiter for {hold:.0f} seconds" if hold > 0 else ""
-            step.mission.say(f"Reached waypoint #{step.seq}{ending}")
+            step.mission.send_statustext(f"Reached waypoint #{step.seq}{ending}")
 
     def waited(self, step: Step) -> None:
         if self.vehicle.type in {VehicleType.COPTER, VehicleType.SUB}:
-            step.mission.say(f"Reached command #{step.seq}")
+            step.mission.send_statustext(f"Reached command #{step.seq}")
 
     def reports(self, item: MissionItem) -> bool:
         return item.command not in _SILENT
@@ -250,10 +250,10 @@ class ArdupilotMissionRules(MissionRules):
             while True:
                 yield
         if kind in _WINGS:
-            mission.say("Mission complete, changing mode to RTL")
+            mission.send_statustext("Mission complete, changing mode to RTL")
             yield from mission.leave(autopilot.profile.return_to_launch, reason="mission end")
         if kind.on_surface:
-            mission.say("Mission Complete", _SEVERITY.NOTICE)
+            mission.send_statustext("Mission Complete", _SEVERITY.NOTICE)
         mission.set_course(mission.course.point or autopilot.maneuvers.place)
         while True:
             mission.keep_course()

@@ -61,7 +61,7 @@ class Mission(MissionControl, Protocol):
     def hand_over(self, seq: int) -> bool:
         """Complete an item that continues outside the mission; returns whether it was the last one."""
 
-    def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
         """Send a STATUSTEXT."""
 
     def set_course(self, point: Point, *, start: Point | None = None, yaw: float | None = None) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.sim.autopilot.behaviours.guided import Guided
 from mavstack.sim.autopilot.behaviours.land import Land
 from mavstack.sim.autopilot.behaviours.return_home import ReturnToLaunch
-from mavstack.sim.autopilot.behaviours.steps import become
+from mavstack.sim.autopilot.behaviours.steps import transition
 from mavstack.sim.autopilot.behaviours.takeoff import Takeoff
 from mavstack.sim.vehicle_types import VehicleType
 
@@ -57,7 +57,7 @@ def fly_as_usual(step: Step) -> Iterator[None]:
     """A VTOL flies forward where its firmware has it do so."""
     forward = step.mission.rules.waypoints_fly_forward and not step.mission.hovers
     if step.autopilot.vehicle.type is VehicleType.VTOL and forward and not step.autopilot.body.flies_forward:
-        yield from become(step.autopilot, forward=True)
+        yield from transition(step.autopilot, forward=True)
 
 
 def stay(step: Step, point: Point, seconds: float) -> Iterator[None]:

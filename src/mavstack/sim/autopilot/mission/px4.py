@@ -133,7 +133,7 @@ class Px4MissionRules(MissionRules):
         self._reached = None
         problem = self.problem(mission)
         if problem is not None:
-            mission.say(problem, _SEVERITY.CRITICAL)
+            mission.send_statustext(problem, _SEVERITY.CRITICAL)
         if mission.flying:
             mission.begin_at(mission.sequence)
 
@@ -166,11 +166,11 @@ class Px4MissionRules(MissionRules):
 
     def began(self, mission: Mission) -> None:
         if mission.exists and self.problem(mission) is None:
-            mission.say("Executing Mission")
+            mission.send_statustext("Executing Mission")
 
     def started(self, step: Step) -> None:
         if step.item.command in _TAKEOFFS and self.grounded:
-            step.mission.say(f"Climb to {self._height(step.item):.1f} meters above home")
+            step.mission.send_statustext(f"Climb to {self._height(step.item):.1f} meters above home")
 
     def reported(self, mission: Mission, seq: int) -> None:
         self._reached = told = object()
@@ -187,8 +187,8 @@ class Px4MissionRules(MissionRules):
         mission, profile = step.mission, self.autopilot.profile
         was_last = mission.hand_over(step.seq)
         if was_last:
-            mission.say("Mission finished, loitering")
-        mission.say("Returning to launch")
+            mission.send_statustext("Mission finished, loitering")
+        mission.send_statustext("Returning to launch")
         # Disarmed, it will be in the mode that it held in, and not begin the mission anew.
         modes = (profile.hold, profile.return_to_launch) if was_last else (profile.return_to_launch,)
         return mission.leave(*modes, reason="mission item")
@@ -206,9 +206,9 @@ class Px4MissionRules(MissionRules):
         autopilot, where = self.autopilot, "landed" if self.grounded else "loitering"
         if not mission.exists:
             ending = "refusing takeoff" if self.grounded else where
-            mission.say(f"No valid mission available, {ending}", _SEVERITY.CRITICAL)
+            mission.send_statustext(f"No valid mission available, {ending}", _SEVERITY.CRITICAL)
         else:
-            mission.say(f"Mission finished, {where}")
+            mission.send_statustext(f"Mission finished, {where}")
             if self.grounded:
                 mission.later(self._disarm, after=autopilot.flight_parameters.land_disarm_delay)
                 autopilot.body.idle()

@@ -64,8 +64,8 @@ class MissionRunner:
         #: The last point that the mission went to: where the next line begins.
         self.origin: Point | None = None
         autopilot.watches.append(self)
-        autopilot.vehicle.on(PlanReplaced, self._plan_replaced)
-        autopilot.vehicle.on(CurrentItemSet, self._current_set)
+        autopilot.vehicle.on_event(PlanReplaced, self._plan_replaced)
+        autopilot.vehicle.on_event(CurrentItemSet, self._current_set)
 
     # What it is doing
 
@@ -231,9 +231,9 @@ class MissionRunner:
         self._tell_reached(seq)
         return self._complete
 
-    def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
         """Say something by STATUSTEXT."""
-        self.autopilot.vehicle.say(text, severity)
+        self.autopilot.vehicle.send_statustext(text, severity)
 
     def set_course(self, point: Point, *, start: Point | None = None, yaw: float | None = None) -> None:
         """Fly a line to a point, from where the mission was last unless `start` says else."""
@@ -299,7 +299,7 @@ class MissionRunner:
     def _leave(self) -> None:
         self._flying = self.paused = False
         self.part = None
-        self.autopilot.maneuvers.forget_choices()
+        self.autopilot.maneuvers.reset_choices()
         self._last = None
         if self._complete:
             self._next = None

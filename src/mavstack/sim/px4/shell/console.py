@@ -33,8 +33,8 @@ class Console:
         self._line = ""
         self._escaping = False
         self._last = ""
-        vehicle.on(ShellOpened, lambda _: self._forget())
-        vehicle.on(ShellInput, self._typed)
+        vehicle.on_event(ShellOpened, lambda _: self._forget())
+        vehicle.on_event(ShellInput, self._typed)
 
     def _forget(self) -> None:
         self._line, self._last, self._escaping = "", "", False
