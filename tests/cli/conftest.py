@@ -11,11 +11,12 @@ import pytest
 from mavstack.cli.main import main
 from mavstack.dialects import common
 from mavstack.wire import Encoder, encode
-from tests.cli.harness import CliHarness
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from pathlib import Path
+
+    from tests.cli.harness import CliHarness
 
 START = 1_700_000_000_000_000
 
@@ -42,6 +43,8 @@ def mav(capsys) -> Callable[..., Result]:
 @pytest.fixture
 def simulate(monkeypatch) -> Callable[..., CliHarness]:
     """Make simulated vehicles that are ready to arm, for the commands of a test."""
+    from tests.cli.harness import CliHarness
+
     return lambda *kinds, ready=True: CliHarness(monkeypatch, *kinds, ready=ready)
 
 

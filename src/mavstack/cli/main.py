@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack import __version__
 from mavstack.cli.common.log_output import logging_to_outputs
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.registry import COMMANDS, command_parser, load_command
 from mavstack.errors import LinkURLError, MavstackError, UnknownDialectError
 

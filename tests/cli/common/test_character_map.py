@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.cli.common.character_map import Marked, draw_map
+from mavstack.cli.common.character_map import MapObject, draw_map
 
 DEGREE = 111_319.5
 
@@ -16,7 +16,7 @@ def rows(drawn) -> list[str]:
 
 def test_north_is_up_and_east_is_right():
     track = [(47.0, 8.0), (47.001, 8.0), (47.001, 8.002)]
-    drawn = rows(draw_map([Marked("1", "red", track, track[-1])], 40, 20))
+    drawn = rows(draw_map([MapObject("1", "red", track, track[-1])], 40, 20))
     marked = [(row, text.index("1")) for row, text in enumerate(drawn) if "1" in text]
     assert len(marked) == 1
     row, column = marked[0]
@@ -28,7 +28,7 @@ def test_north_is_up_and_east_is_right():
 
 
 def test_the_bar_is_as_long_as_it_says():
-    drawn = draw_map([Marked("1", "", [(47.0, 8.0), (47.0, 8.0 + 0.01)])], 60, 20)
+    drawn = draw_map([MapObject("1", "", [(47.0, 8.0), (47.0, 8.0 + 0.01)])], 60, 20)
     wide = 0.01 * DEGREE * 0.682  # cos(47°)
     metres_a_character = wide * 1.15 / 60
     assert drawn.bar_metres in {1, 2, 5, 10, 20, 50, 100, 200, 500}
@@ -37,7 +37,7 @@ def test_the_bar_is_as_long_as_it_says():
 
 
 def test_who_stands_still_is_in_the_middle():
-    drawn = rows(draw_map([Marked("X", "", [], (10.0, 10.0))], 21, 11))
+    drawn = rows(draw_map([MapObject("X", "", [], (10.0, 10.0))], 21, 11))
     assert drawn[5][10] == "X" or drawn[5][11] == "X"
 
 
@@ -47,7 +47,7 @@ def test_nothing_is_an_empty_map():
 
 @given(st.lists(st.lists(places, max_size=5), max_size=4), st.integers(0, 80), st.integers(0, 30))
 def test_any_places_fit_any_window(tracks, columns, height):
-    things = [Marked("1", "", track, track[-1] if track else None) for track in tracks]
+    things = [MapObject("1", "", track, track[-1] if track else None) for track in tracks]
     drawn = draw_map(things, columns, height)
     assert len(drawn.rows) == height
     assert all(len(row) == columns for row in drawn.rows)

@@ -4,12 +4,13 @@ from math import nan, pi
 
 import pytest
 
-from mavstack.cli.common.field_values import clean, message_values
+from mavstack.cli.common.text import printable
+from mavstack.cli.common.field_values import field_texts
 from mavstack.dialects import ardupilotmega, common
 
 
 def shown(message, field: str):
-    return next(value for value in message_values(message) if value.name == field)
+    return next(value for value in field_texts(message) if value.name == field)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +69,7 @@ def test_the_unknown_end_of_an_array_is_left_out():
 
 
 def test_text_from_the_wire_cannot_steer_the_terminal():
-    assert "\x1b" not in clean("\x1b[2J")
+    assert "\x1b" not in printable("\x1b[2J")
     message = common.Statustext(text="\x1b[31mred\n")
     assert shown(message, "text").text == "\N{REPLACEMENT CHARACTER}[31mred"
 
@@ -77,4 +78,4 @@ def test_every_message_of_every_kind_can_be_shown():
     from mavstack.dialects import Dialect
 
     for message in Dialect.load("all"):
-        assert len(message_values(message())) == len(message.definition.fields)
+        assert len(field_texts(message())) == len(message.definition.fields)

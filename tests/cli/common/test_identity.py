@@ -52,4 +52,4 @@ def test_without_heartbeat_the_component_id_tells():
 
 def test_values_that_nobody_knows_are_numbers():
     identity = identify(1, heartbeat(type=250, autopilot=251), ALL)
-    assert (identity.kind, identity.autopilot) == ("250", "251")
+    assert (identity.type_name, identity.autopilot) == ("250", "251")

@@ -5,7 +5,8 @@ import sys
 
 import pytest
 
-from mavstack.cli.common.transfer_progress import TransferProgress, duration_text, size_text
+from mavstack.cli.common.text import duration_text, size_text
+from mavstack.cli.common.transfer_progress import TransferProgress
 
 
 class Clock:

@@ -140,7 +140,7 @@ def test_names_that_would_lead_elsewhere(mav, harness, tmp_path, monkeypatch, na
 
     async def hostile(files, top, depth=0):
         yield top
-        yield ftp.Found(f"{top.path}/{name}", Entry(name, size=3))
+        yield ftp.RemotePath(f"{top.path}/{name}", Entry(name, size=3))
 
     monkeypatch.setattr(ftp, "walk", hostile)
     result = mav("ftp", "get", "-r", "/APM/scripts", "into")

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from mavstack.cli.ftp.paths import Found
+from mavstack.cli.ftp.paths import RemotePath
 from mavstack.cli.log.command import EXAMPLES, _ranges
-from mavstack.cli.log.files import match, name_for, time_text
+from mavstack.cli.log.files import match, local_file_name, time_text
 from mavstack.services.ftp import Entry
 from mavstack.services.log import LogEntry
 from mavstack.sim.vehicle_types import VehicleType
@@ -157,15 +157,15 @@ def test_a_vehicle_that_falls_silent(mav, harness, tmp_path):
 
 def test_names_and_times():
     dated, undated = LogEntry(12, TIME, 5), LogEntry(3, 0, 5)
-    assert name_for(dated, ".BIN") == "00000012.BIN"
-    assert name_for(dated, ".ulg") == "log_12_2026-11-21_10-00-00.ulg"
-    assert name_for(undated, ".ulg") == "log_3.ulg"
+    assert local_file_name(dated, ".BIN") == "00000012.BIN"
+    assert local_file_name(dated, ".ulg") == "log_12_2026-11-21_10-00-00.ulg"
+    assert local_file_name(undated, ".ulg") == "log_3.ulg"
     assert (time_text(dated), time_text(undated)) == ("2026-11-21 10:00:00", "")
 
 
 def test_files_of_one_size_are_not_guessed():
     files = [
-        Found(f"/{name}", Entry(name, size=size)) for name, size in (("a", 1), ("b", 1), ("c", 2), ("d", 0))
+        RemotePath(f"/{name}", Entry(name, size=size)) for name, size in (("a", 1), ("b", 1), ("c", 2), ("d", 0))
     ]
     logs = [LogEntry(1, 0, 1), LogEntry(2, 0, 2), LogEntry(3, 0, 0), LogEntry(4, 0, 9)]
     assert {number: found.path for number, found in match(logs, files).items()} == {2: "/c"}

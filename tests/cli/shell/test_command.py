@@ -25,7 +25,7 @@ def pipe(monkeypatch):
             for line in text.splitlines():
                 yield line
 
-        monkeypatch.setattr(shell, "typed_lines", lines)
+        monkeypatch.setattr(shell, "stdin_lines", lines)
         monkeypatch.setattr("sys.stdin", io.StringIO(text))
 
     return fill

@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.registry import COMMANDS
 from mavstack.cli.shell.runner import run_line

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.parsing import Unfinished, commands_of, unfinished_of
 
 #: What gives a parser trouble, more often than chance does.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell import raw
 from mavstack.cli.shell.runner import run_line
 from mavstack.dialects import ardupilotmega, common

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.registry import COMMANDS
 from mavstack.cli.shell.runner import run_line, run_lines, tell_failure
 from mavstack.errors import MavstackError

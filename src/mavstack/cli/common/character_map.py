@@ -1,6 +1,6 @@
-"""A map in characters: tracks in braille dots, vehicles as signs, north up, as large as its place allows.
+"""A map in characters: tracks in braille dots, vehicles as symbols, north up, scaled to its space.
 
-A character holds two by four dots, so that a window of 60 by 20 characters has 120 by 80 of them.
+A character holds two by four dots, so a window of 60 by 20 characters has 120 by 80 of them.
 """
 
 from __future__ import annotations
@@ -18,18 +18,19 @@ Place: TypeAlias = tuple[float, float]  # latitude, longitude in degrees
 _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 _BLANK = 0x2800
 _METRES_PER_DEGREE = 111_319.5
-#: A map shows at least so many metres, so that a vehicle that stands still does not fill it.
-_LEAST = 60.0
+#: Metres that a map shows at least, so that the track of a vehicle that stands still does not fill it.
+_MIN_EXTENT = 60.0
 _MARGIN = 1.15
-_NICE = (1, 2, 5)
-_LONGEST_BAR = 0.4
+_ROUND_STEPS = (1, 2, 5)
+#: Largest share of the width that the scale bar takes.
+_MAX_BAR = 0.4
 
 
 @dataclass(slots=True)
-class Marked:
-    """Something on the map: its track, its sign and the style of both."""
+class MapObject:
+    """An object on the map: its symbol, its style, its track and its place."""
 
-    sign: str
+    symbol: str
     style: str
     track: Sequence[Place]
     place: Place | None = None
@@ -39,40 +40,40 @@ class Marked:
 class Cell:
     """A character of the map and its style."""
 
-    sign: str = " "
+    symbol: str = " "
     style: str = ""
     dots: int = 0
 
 
 @dataclass(slots=True)
-class Map:
-    """The finished map: rows of cells, and how long a bar of so many characters is in metres."""
+class CharacterMap:
+    """A finished map: rows of cells, and a scale bar with its length in characters and in metres."""
 
     rows: list[list[Cell]] = field(default_factory=list)
     bar: int = 0
     bar_metres: int = 0
 
 
-def draw_map(things: Sequence[Marked], columns: int, rows: int) -> Map:
-    """Draw everything so that all of it is in view."""
+def draw_map(objects: Sequence[MapObject], columns: int, rows: int) -> CharacterMap:
+    """Draw a map of `columns` by `rows` characters that shows all objects."""
     cells = [[Cell() for _ in range(columns)] for _ in range(rows)]
-    places = [place for thing in things for place in (*thing.track, *([thing.place] if thing.place else []))]
+    places = [place for each in objects for place in (*each.track, *([each.place] if each.place else []))]
     if not places or columns < 2 or rows < 1:
-        return Map(cells)
+        return CharacterMap(cells)
     view = _View.around(places, columns, rows)
-    for thing in things:
-        for column, row in (view.dot(place) for place in _joined(thing.track)):
+    for each in objects:
+        for column, row in (view.dot(place) for place in _interpolated(each.track)):
             if 0 <= column < 2 * columns and 0 <= row < 4 * rows:
                 cell = cells[row // 4][column // 2]
                 cell.dots |= _DOTS[column % 2][row % 4]
-                cell.sign, cell.style = chr(_BLANK | cell.dots), thing.style
-    for thing in things:
-        if thing.place is not None:
-            column, row = view.dot(thing.place)
+                cell.symbol, cell.style = chr(_BLANK | cell.dots), each.style
+    for each in objects:
+        if each.place is not None:
+            column, row = view.dot(each.place)
             cell = cells[min(max(row // 4, 0), rows - 1)][min(max(column // 2, 0), columns - 1)]
-            cell.sign, cell.style = thing.sign, f"bold {thing.style}"
+            cell.symbol, cell.style = each.symbol, f"bold {each.style}"
     bar, metres = _bar(view.metres_per_dot, columns)
-    return Map(cells, bar, metres)
+    return CharacterMap(cells, bar, metres)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +89,13 @@ class _View:
         south, north = min(place[0] for place in places), max(place[0] for place in places)
         west, east = min(place[1] for place in places), max(place[1] for place in places)
         latitude, longitude = (south + north) / 2, (west + east) / 2
-        height = max((north - south) * _METRES_PER_DEGREE, _LEAST)
-        width = max((east - west) * _METRES_PER_DEGREE * cos(radians(latitude)), _LEAST)
+        height = max((north - south) * _METRES_PER_DEGREE, _MIN_EXTENT)
+        width = max((east - west) * _METRES_PER_DEGREE * cos(radians(latitude)), _MIN_EXTENT)
         scale = max(width / (2 * columns), height / (4 * rows)) * _MARGIN
         return cls(latitude, longitude, scale, columns, rows)
 
     def dot(self, place: Place) -> tuple[int, int]:
-        """The dot of a place: column from the left, row from the top."""
+        """Return the dot of a place: column from the left, row from the top."""
         north = (place[0] - self.latitude) * _METRES_PER_DEGREE
         east = (place[1] - self.longitude) * _METRES_PER_DEGREE * cos(radians(self.latitude))
         return (
@@ -103,8 +104,8 @@ class _View:
         )
 
 
-def _joined(track: Sequence[Place]) -> Iterable[Place]:
-    """The track with places between its own, so that it looks like a line."""
+def _interpolated(track: Sequence[Place]) -> Iterable[Place]:
+    """Yield the track with intermediate places, so that it looks like a line."""
     for (north, east), (to_north, to_east) in zip(track, list(track)[1:], strict=False):
         for part in range(4):
             share = part / 4
@@ -113,10 +114,10 @@ def _joined(track: Sequence[Place]) -> Iterable[Place]:
 
 
 def _bar(metres_per_dot: float, columns: int) -> tuple[int, int]:
-    """The longest bar of a round number of metres that fits into part of the width."""
-    longest = metres_per_dot * 2 * columns * _LONGEST_BAR
+    """Return the longest bar of a round number of metres that fits into part of the width."""
+    available = metres_per_dot * 2 * columns * _MAX_BAR
     metres, power = 1, 1
-    while power * _NICE[0] <= longest:
-        metres = max(nice * power for nice in _NICE if nice * power <= longest)
+    while power * _ROUND_STEPS[0] <= available:
+        metres = max(step * power for step in _ROUND_STEPS if step * power <= available)
         power *= 10
     return max(round(metres / (2 * metres_per_dot)), 1), metres

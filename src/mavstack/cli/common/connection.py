@@ -1,10 +1,11 @@
 """The connection of a command to a vehicle: `--url`, `--system`, `--timeout`.
 
-The URL comes from MAVSTACK_URL if it is not given, so that a session of commands names it once. A command waits
-for the vehicle's first heartbeat, does its work, and closes the connection. A failure is told in one line.
+The URL comes from MAVSTACK_URL if it is not given, so that a session of commands names it once. A command
+waits for the vehicle's first heartbeat, does its work, and closes the connection. A failure is told in one
+line.
 
-Inside `mav shell` the vehicle of the session is used: `SessionParser` offers no connection, and a command hands
-its work over instead of connecting.
+Inside `mav shell` the vehicle of the session is used: `SessionParser` offers no connection, and a command
+hands its work over instead of connecting.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace, _ActionsContainer
     from collections.abc import Awaitable, Callable
 
+    from mavstack.cli.common.actions import Actions
     from mavstack.vehicle import Connection, Vehicle
 
 DEFAULT_URL: Final = "udpin://0.0.0.0:14550"
@@ -54,6 +56,16 @@ def add_heartbeat_timeout(group: _ActionsContainer) -> None:
         metavar="SECONDS",
         help=f"wait this long for the vehicle's first heartbeat (default: {DEFAULT_HEARTBEAT_TIMEOUT:g})",
     )
+
+
+def add_vehicle_action(
+    actions: Actions, name: str, summary: str, run: Callable[[Namespace], int]
+) -> ArgumentParser:
+    """Add an action on a vehicle, with `--json` and the options that select the vehicle."""
+    parser = actions.add(name, summary, run)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_connection_options(parser)
+    return parser
 
 
 def connection_urls(arguments: Namespace) -> list[str]:

@@ -1,4 +1,4 @@
-"""Who is on a link, in words: what a HEARTBEAT says of its sender's kind, autopilot, mode and state."""
+"""The identity of a component in words, from its HEARTBEAT: type, autopilot, flight mode, armed, state."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _ABBREVIATIONS: Final = frozenset({"GCS", "ADSB", "VTOL", "GPS", "IMU", "ODID", 
 
 
 class Identity(NamedTuple):
-    """One component of one system, in words; empty where nothing is known."""
+    """A component of a system in words; an unknown part is empty."""
 
-    kind: str
+    type_name: str
     autopilot: str = ""
     mode: str = ""
     armed: bool | None = None
@@ -36,26 +36,26 @@ class Identity(NamedTuple):
 
 
 def identify(component: int, heartbeat: Packet | None, dialect: Dialect) -> Identity:
-    """What is known of a component, from its last HEARTBEAT if it sent one."""
+    """Return the identity of a component from its last HEARTBEAT, or from its id if it sent none."""
     message = heartbeat.message if heartbeat is not None and heartbeat.name == "HEARTBEAT" else None
     if message is None:
-        return Identity(words(_entry(dialect, "MAV_COMPONENT", component) or ""))
+        return Identity(entry_words(_entry(dialect, "MAV_COMPONENT", component) or ""))
     autopilot = int(message.autopilot)
-    state = words(getattr(message.system_status, "name", ""))
+    state = entry_words(getattr(message.system_status, "name", ""))
     if autopilot == _NO_AUTOPILOT:
-        return Identity(words(_name(message.type)), "", "", None, state)
+        return Identity(entry_words(_name(message.type)), "", "", None, state)
     armed = bool(message.base_mode & _ARMED)
-    name = _AUTOPILOTS.get(autopilot) or words(_name(message.autopilot))
-    return Identity(words(_name(message.type)), name, mode_in(message), armed, state)
+    name = _AUTOPILOTS.get(autopilot) or entry_words(_name(message.autopilot))
+    return Identity(entry_words(_name(message.type)), name, mode_name(message), armed, state)
 
 
-def mode_in(heartbeat: common.Heartbeat) -> str:
-    """The flight mode that a HEARTBEAT tells, as its autopilot calls it."""
+def mode_name(heartbeat: common.Heartbeat) -> str:
+    """Return the flight mode of a HEARTBEAT, as its autopilot calls it; empty if it has none."""
     return name_in(heartbeat) if int(heartbeat.base_mode) & _CUSTOM_MODE else ""
 
 
-def words(name: str) -> str:
-    """An enum entry's name as words: `GROUND_ROVER` is `ground rover`."""
+def entry_words(name: str) -> str:
+    """Return the name of an enum entry as words: `GROUND_ROVER` is `ground rover`."""
     return " ".join(word if word in _ABBREVIATIONS else word.lower() for word in name.split("_"))
 
 
@@ -66,5 +66,5 @@ def _entry(dialect: Dialect, enum: str, value: int) -> str | None:
 
 
 def _name(value: int) -> str:
-    """The name of an enum value, or its number if it has none."""
+    """Return the name of an enum value, or its number if it has none."""
     return str(getattr(value, "name", int(value)))

@@ -1,7 +1,8 @@
-"""A picture that fills the terminal while something runs, and leaves its last state behind.
+"""A display that fills the terminal while a command runs, and leaves its last state behind.
 
-Drawing runs in a thread of its own, so that the event loop goes on emptying the sockets; what is drawn is
-taken in the loop's own thread before.
+Rendering runs in a thread of its own, so that the event loop goes on reading the sockets. The snapshot to
+render is made before, in the thread of the event loop. Log lines for stderr are held back until the display
+ends.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from abc import ABC, abstractmethod
 from threading import Lock
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from mavstack.cli.common.log_output import stderr_log_held
 from mavstack.errors import MissingExtraError
 
 try:
@@ -19,66 +21,69 @@ try:
     from rich.live import Live
     from rich.text import Text
 except ImportError as error:
-    raise MissingExtraError("the live picture (a summary does without: --once)", "cli") from error
+    raise MissingExtraError("the live display (a summary does without: --once)", "cli") from error
 
 if TYPE_CHECKING:
     from typing import Self
 
-__all__ = ["LivePicture", "Text"]
+__all__ = ["LiveDisplay", "Text"]
 
-Taken = TypeVar("Taken")
+Snapshot = TypeVar("Snapshot")
 
-_REFRESH = 0.2
+_REFRESH_INTERVAL = 0.2
 
 
-class LivePicture(ABC, Generic[Taken]):
-    """Draws what `take` gives, several times a second, between entering and leaving."""
+class LiveDisplay(ABC, Generic[Snapshot]):
+    """Renders snapshots several times a second inside a `with` block."""
 
     def __init__(self) -> None:
         self._console = Console()
         self._live = Live(console=self._console, screen=True, auto_refresh=False)
-        self._drawing = Lock()
+        self._rendering = Lock()
         self._ended = False
         self._terminated = False
-        self._terminate: Any = signal.SIG_DFL
+        self._previous_handler: Any = signal.SIG_DFL
+        self._held_log = stderr_log_held()
 
     @abstractmethod
-    def take(self) -> Taken:
-        """What is to be drawn now."""
+    def snapshot(self) -> Snapshot:
+        """Return the state to render now."""
 
     @abstractmethod
-    def drawn(self, taken: Taken, width: int, height: int) -> list[Text]:
-        """The lines of a picture that fits."""
+    def lines(self, snapshot: Snapshot, width: int, height: int) -> list[Text]:
+        """Return the lines that show a snapshot on `width` columns and at most `height` lines."""
 
     def __enter__(self) -> Self:
-        self._terminate = signal.signal(signal.SIGTERM, self._leave)
+        self._held_log.__enter__()
+        self._previous_handler = signal.signal(signal.SIGTERM, self._terminate)
         self._live.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        with self._drawing:  # its thread may still be at the last one
+        with self._rendering:  # the thread may still render the last snapshot
             self._ended = True
         self._live.stop()
-        signal.signal(signal.SIGTERM, self._terminate)
-        self._console.print(self._group(self.take(), self._console.height - 2))
+        signal.signal(signal.SIGTERM, self._previous_handler)
+        self._console.print(self._group(self.snapshot(), self._console.height - 2))
+        self._held_log.__exit__(None, None, None)
         if self._terminated:
             raise SystemExit(128 + signal.SIGTERM)
 
     async def run(self) -> None:
-        """Redraw until cancelled."""
+        """Render until cancelled."""
         while True:
-            await asyncio.to_thread(self._draw, self.take())
-            await asyncio.sleep(_REFRESH)
+            await asyncio.to_thread(self._render, self.snapshot())
+            await asyncio.sleep(_REFRESH_INTERVAL)
 
-    def _leave(self, _number: int, _frame: object) -> None:
-        """End as Ctrl-C does, which the event loop turns into an orderly end, wherever the signal falls."""
+    def _terminate(self, _number: int, _frame: object) -> None:
+        """End as Ctrl-C does: the event loop turns SIGINT into an orderly end wherever the signal arrives."""
         self._terminated = True
         signal.raise_signal(signal.SIGINT)
 
-    def _draw(self, taken: Taken) -> None:
-        with self._drawing:
+    def _render(self, snapshot: Snapshot) -> None:
+        with self._rendering:
             if not self._ended:
-                self._live.update(self._group(taken, self._console.height), refresh=True)
+                self._live.update(self._group(snapshot, self._console.height), refresh=True)
 
-    def _group(self, taken: Taken, height: int) -> Group:
-        return Group(*self.drawn(taken, self._console.width, height))
+    def _group(self, snapshot: Snapshot, height: int) -> Group:
+        return Group(*self.lines(snapshot, self._console.width, height))

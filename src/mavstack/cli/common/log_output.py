@@ -27,7 +27,8 @@ _FILE_TIME: Final = "%Y-%m-%dT%H:%M:%S"
 def add_logging_options(parser: ArgumentParser) -> None:
     """Declare `-v` and `--log-file`.
 
-    They have no defaults in the parsed arguments, so that they may stand before and after the name of an action.
+    They have no defaults in the parsed arguments, so that they may stand before and after the name of an
+    action.
     """
     group = parser.add_argument_group(LOGGING_GROUP)
     group.add_argument(

@@ -1,14 +1,15 @@
-"""What several subcommands ask for in the same words: a dialect, and a choice of messages."""
+"""Options that several commands share: the dialect, a choice of messages, and types of arguments."""
 
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.dialects import Dialect
 
 if TYPE_CHECKING:
@@ -17,22 +18,22 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
 
 
-def add_dialect(parser: ArgumentParser) -> None:
-    """Offer `--dialect`; `all` knows every official message."""
+def add_dialect_option(parser: ArgumentParser) -> None:
+    """Declare `--dialect`; its default `all` knows every official message."""
     parser.add_argument(
-        "--dialect", default="all", metavar="NAME|FILE.xml", help="whose messages to know (default: all)"
+        "--dialect", default="all", metavar="NAME|FILE.xml", help="dialect of the messages (default: all)"
     )
 
 
 def load_dialect(name: str) -> Dialect:
-    """An official dialect by name, or one's own by the path of its file."""
+    """Load an official dialect by its name, or a custom one by the path of its file."""
     if name.lower().endswith(".xml") and Path(name).is_file():
         return Dialect.from_xml(name)
     return Dialect.load(name)
 
 
 def message_ids(dialect: Dialect, text: str) -> frozenset[int]:
-    """The ids that a comma-separated list of names, patterns such as `GPS*` and ids stands for."""
+    """Return the message ids of a comma-separated list of names, patterns such as `GPS*`, and ids."""
     found: set[int] = set()
     for word in filter(None, (part.strip().upper() for part in text.split(","))):
         found |= {int(word)} if word.isdecimal() else _matching(dialect, word)
@@ -41,19 +42,30 @@ def message_ids(dialect: Dialect, text: str) -> frozenset[int]:
     return frozenset(found)
 
 
+def finite_number(text: str) -> float:
+    """Parse a finite number, for argparse."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not isfinite(value):
+        raise ArgumentTypeError(f"{text!r} is not a number")
+    return value
+
+
 def seconds(text: str) -> float:
-    """A number of seconds over zero, for argparse."""
+    """Parse a positive number of seconds, for argparse."""
     try:
         value = float(text)
     except ValueError:
         value = 0.0
     if not 0 < value < float("inf"):
-        raise ArgumentTypeError(f"{text!r} is not a number of seconds over zero")
+        raise ArgumentTypeError(f"{text!r} is not a positive number of seconds")
     return value
 
 
 def system_id(text: str) -> int:
-    """A MAVLink system id, for argparse."""
+    """Parse a MAVLink system id, for argparse."""
     if not (text.isdecimal() and int(text) <= 255):
         raise ArgumentTypeError(f"{text!r} is not a system id, 0 to 255")
     return int(text)

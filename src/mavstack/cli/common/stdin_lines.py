@@ -1,8 +1,8 @@
-"""Lines that are typed while a command runs.
+"""Lines of standard input, read while a command runs.
 
-A thread reads them: a terminal that is made non-blocking for an event loop is so for everything that prints
-to it, and files cannot be waited for at all. The thread reads the descriptor itself and ends with the
-process.
+A thread reads them: a terminal that is made non-blocking for the event loop becomes non-blocking for every
+program that prints to it, and an event loop cannot wait for a regular file. The thread reads the descriptor
+itself and ends with the process.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ import os
 import sys
 from contextlib import suppress
 from threading import Thread
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-_MOST = 4096
+_MAX_CHUNK: Final = 4096
 
 
-async def typed_lines() -> AsyncIterator[str]:
-    """The lines of standard input as they come, until it ends; none if there is no such thing."""
+async def stdin_lines() -> AsyncIterator[str]:
+    """Yield the lines of standard input until it ends; none if there is no standard input."""
     try:
         descriptor = sys.stdin.fileno()
     except (AttributeError, ValueError, OSError):
@@ -30,17 +30,17 @@ async def typed_lines() -> AsyncIterator[str]:
     chunks: asyncio.Queue[bytes] = asyncio.Queue()
 
     def read() -> None:
-        with suppress(RuntimeError):  # the loop has ended meanwhile
+        with suppress(RuntimeError):  # the loop is closed
             while True:
                 try:
-                    data = os.read(descriptor, _MOST)
+                    data = os.read(descriptor, _MAX_CHUNK)
                 except OSError:
                     data = b""
                 loop.call_soon_threadsafe(chunks.put_nowait, data)
                 if not data:
                     return
 
-    Thread(target=read, name="mavstack-typed", daemon=True).start()
+    Thread(target=read, name="mavstack-stdin", daemon=True).start()
     rest = b""
     while data := await chunks.get():
         *lines, rest = (rest + data).split(b"\n")

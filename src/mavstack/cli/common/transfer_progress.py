@@ -1,81 +1,64 @@
-"""How far a transfer has come: one line on a terminal with rate and time left, nothing in a pipe.
+"""Progress of a transfer: one line on a terminal with rate and time left, nothing in a pipe.
 
-It begins to tell after half a second, so quick work leaves no trace. What is counted in bytes is told with
-its rate; anything else in percent alone.
+The line appears after half a second, so that a short transfer leaves no trace. A transfer counted in bytes
+shows its rate; any other shows only the percentage.
 """
 
 from __future__ import annotations
 
 import sys
 from time import monotonic
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Final, Self
+
+from mavstack.cli.common.text import duration_text, size_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
 
-_PATIENCE = 0.5
-_INTERVAL = 0.2
-_ERASE = "\r\x1b[K"
-_STEP = 1000.0
-_UNITS = ("B", "kB", "MB", "GB", "TB")
-_MINUTE, _HOUR = 60, 3600
-_LONGEST = 100 * _HOUR
-
-
-def size_text(size: float) -> str:
-    """A number of bytes for people: 1.5 MB."""
-    unit = 0
-    while size >= _STEP - 0.5 and unit < len(_UNITS) - 1:
-        size, unit = size / _STEP, unit + 1
-    return f"{size:.0f} B" if unit == 0 else f"{size:.{1 if size < 100 else 0}f} {_UNITS[unit]}"
-
-
-def duration_text(seconds: float) -> str:
-    """A time for people: 42 s, 3:07 min, 2:05 h."""
-    whole = round(seconds)
-    if whole < _MINUTE:
-        return f"{whole} s"
-    unit, sign = (_MINUTE, "min") if whole < _HOUR else (_HOUR, "h")
-    return f"{whole // unit}:{whole % unit * 60 // unit:02d} {sign}"
+#: Seconds before the first line, and between lines.
+SHOW_DELAY: Final = 0.5
+_SHOW_INTERVAL: Final = 0.2
+_ERASE: Final = "\r\x1b[K"
+_MAX_TIME_LEFT: Final = 360_000.0
 
 
 class TransferProgress:
-    """Called with how much is done of how much (0: not known); tells on stderr, if that is a terminal."""
+    """A progress callback that draws on stderr if that is a terminal."""
 
-    def __init__(self, what: str, *, in_bytes: bool = True, clock: Callable[[], float] = monotonic) -> None:
-        self._what = what
+    def __init__(self, title: str, *, in_bytes: bool = True, clock: Callable[[], float] = monotonic) -> None:
+        self._title = title
         self._in_bytes = in_bytes
         self._clock = clock
-        self._began = clock()
+        self._started = clock()
         self._first: int | None = None
-        self._next = self._began + _PATIENCE
+        self._next = self._started + SHOW_DELAY
         self._shown = False
-        self._wanted = sys.stderr.isatty()
+        self._enabled = sys.stderr.isatty()
 
     def __call__(self, done: int, total: int) -> None:
-        """Take note of it."""
+        """Report that `done` of `total` is transferred; a total of 0 is unknown."""
         now = self._clock()
         if self._first is None:
-            self._first = done  # what was there before it began says nothing of the rate
-        if self._wanted and now >= self._next:
-            self._next = now + _INTERVAL
+            self._first = done  # the rate counts only this transfer, not the part that it resumes
+        if self._enabled and now >= self._next:
+            self._next = now + _SHOW_INTERVAL
             self._shown = True
             print(f"{_ERASE}{self.text(done, total)}", end="", file=sys.stderr, flush=True)
 
     def text(self, done: int, total: int) -> str:
-        """The line."""
+        """Return the progress line."""
         parts = [f"{min(100 * done // total, 100)} %"] if total > 0 else []
         rate = self._rate(done)
         if self._in_bytes:
             parts.append(f"{size_text(done)} of {size_text(total)}" if total > 0 else size_text(done))
             parts += [f"{size_text(rate)}/s"] if rate > 0 else []
-        if rate > 0 and total > done and (left := (total - done) / rate) < _LONGEST:
+        if rate > 0 and total > done and (left := (total - done) / rate) < _MAX_TIME_LEFT:
             parts.append(f"{duration_text(left)} left")
-        return f"{self._what}: {', '.join(parts)}"
+        return f"{self._title}: {', '.join(parts)}"
 
     def _rate(self, done: int) -> float:
-        elapsed = self._clock() - self._began
+        elapsed = self._clock() - self._started
         return (done - (self._first or 0)) / elapsed if elapsed > 0 else 0.0
 
     def __enter__(self) -> Self:

@@ -142,7 +142,7 @@ def _summary(watch: FleetWatch, system: int) -> dict[str, Any]:
     identity = seen.identity
     return {
         "system": system,
-        "vehicle": f"{identity.autopilot} {identity.kind}",
+        "vehicle": f"{identity.autopilot} {identity.type_name}",
         "mode": identity.mode,
         "armed": identity.armed,
         "latitude": seen.latitude,

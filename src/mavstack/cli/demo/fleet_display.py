@@ -5,14 +5,14 @@ from __future__ import annotations
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.character_map import Marked, draw_map
-from mavstack.cli.common.live_display import LivePicture, Text
+from mavstack.cli.common.character_map import MapObject, draw_map
+from mavstack.cli.common.live_display import LiveDisplay, Text
 from mavstack.cli.watch.snapshot import duration_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavstack.cli.common.character_map import Cell, Map
+    from mavstack.cli.common.character_map import Cell, CharacterMap
     from mavstack.cli.demo.fleet_state import FleetWatch, Moment, Seen
 
 _STYLES = ("cyan", "green", "yellow", "magenta", "blue", "red", "bright_white")
@@ -23,7 +23,7 @@ _LOW, _CRITICAL = 30, 15
 _BAR = 8
 
 
-class FleetPicture(LivePicture["Moment"]):
+class FleetPicture(LiveDisplay["Moment"]):
     """Shows what a fleet does, on the whole terminal, and leaves the last picture behind."""
 
     def __init__(self, title: str, watch: FleetWatch) -> None:
@@ -68,7 +68,7 @@ def _map(moment: Moment, width: int, room: int) -> Iterator[Text]:
     if room < _LEAST_MAP:
         return
     things = [
-        Marked(
+        MapObject(
             _sign(seen.system),
             style_of(seen),
             list(seen.track),
@@ -119,9 +119,9 @@ def _line(seen: Seen, now: float, kind: int, mode: int, wide: bool) -> Text:
     line = Text().append(f"{_numbered(seen.system):>3}  ", f"bold {style}")
     if now - seen.heard > _SILENT:
         return line.append(
-            f"{identity.autopilot} {identity.kind}  silent for {now - seen.heard:.0f} s", "dim"
+            f"{identity.autopilot} {identity.type_name}  silent for {now - seen.heard:.0f} s", "dim"
         )
-    line.append(f"{f'{identity.autopilot} {identity.kind}'[: kind - 1]:<{kind}}")
+    line.append(f"{f'{identity.autopilot} {identity.type_name}'[: kind - 1]:<{kind}}")
     line.append(f"{identity.mode[: mode - 1]:<{mode}}", "yellow")
     line.append(f"{'ARMED' if identity.armed else 'disarmed':<9}", "bold red" if identity.armed else "green")
     line.append(f"{seen.height:>6.1f} m{seen.speed:>5.1f} m/s")

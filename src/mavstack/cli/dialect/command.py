@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.options import load_dialect
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mavstack.cli.watch.summary import columns
+from mavstack.cli.common.output import table_lines
 from mavstack.errors import UnknownMessageError
 
 if TYPE_CHECKING:
@@ -160,7 +160,7 @@ def _entry(dialect: Dialect, wanted: str) -> Found:
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]], left: set[str]) -> str:
-    return "\n".join(columns(head, rows, left))
+    return "\n".join(table_lines(head, rows, left))
 
 
 def _type(item: FieldDefinition) -> str:

@@ -26,7 +26,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Examine everything."""
     from mavstack.cli.doctor.checks import Status, examine
-    from mavstack.cli.watch.summary import columns
+    from mavstack.cli.common.output import table_lines
     from mavstack.errors import MavstackError
 
     findings = examine()
@@ -42,7 +42,7 @@ def run(arguments: Namespace) -> int:
             (item.name, item.status.value, item.detail + (f": {item.remedy}" if item.remedy else ""))
             for item in findings
         ]
-        print("\n".join(columns(("CHECK", "STATUS", "DETAIL"), rows, {"CHECK", "STATUS", "DETAIL"})))
+        print("\n".join(table_lines(("CHECK", "STATUS", "DETAIL"), rows, {"CHECK", "STATUS", "DETAIL"})))
     if failed:
-        raise MavstackError(f"{', '.join(item.name for item in failed)} should work, but does not")
+        raise CommandError(f"{', '.join(item.name for item in failed)} should work, but does not")
     return 0

@@ -1,4 +1,4 @@
-"""`mav ftp`: the files on a vehicle."""
+"""`mav ftp`: list, download, upload and manage the files on a vehicle."""
 
 from __future__ import annotations
 
@@ -7,18 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_connection_options, run_on_vehicle
-from mavstack.cli.common.field_values import clean
-from mavstack.cli.common.transfer_progress import TransferProgress, size_text
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.output import align_columns, print_json
+from mavstack.cli.common.text import printable, size_text
+from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download, target_for
-from mavstack.cli.ftp.paths import Found, find, is_pattern, join, local_name, look_up, split, walk
-from mavstack.cli.param.text import columns, print_json
+from mavstack.cli.ftp.paths import RemotePath, find, is_pattern, join, local_name, look_up, split, walk
 from mavstack.errors import FileDenied, MavstackError, RemoteTimeout
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Callable
 
     from mavstack.node.ftp import Ftp
     from mavstack.vehicle import Vehicle
@@ -42,44 +41,50 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "ftp", EXAMPLES)
-    listing = _action(actions, "ls", "list a directory", list_files)
-    listing.add_argument("path", nargs="?", default="/", metavar="PATH", help="or a pattern (default: /)")
-    getting = _action(actions, "get", "fetch files", get)
-    getting.add_argument("path", metavar="REMOTE", help="a file, a pattern, or with -r a directory")
-    getting.add_argument("local", nargs="?", metavar="LOCAL", help="a file or a directory (default: here)")
-    getting.add_argument("-r", "--recursive", action="store_true", help="a directory with all that is in it")
-    putting = _action(actions, "put", "store a file on the vehicle, and compare checksums", put)
-    putting.add_argument("local", metavar="LOCAL")
-    putting.add_argument("path", metavar="REMOTE", help="a file or a directory")
-    removing = _action(actions, "rm", "remove files", remove)
-    removing.add_argument("paths", nargs="+", metavar="PATH")
-    removing.add_argument(
-        "-r", "--recursive", action="store_true", help="directories with all that is in them"
+    action = add_vehicle_action(actions, "ls", "list a directory", list_files)
+    action.add_argument(
+        "path", nargs="?", default="/", metavar="PATH", help="directory, file or pattern (default: /)"
     )
-    making = _action(actions, "mkdir", "make directories", make)
-    making.add_argument("paths", nargs="+", metavar="PATH")
-    renaming = _action(actions, "rename", "rename or move a file or a directory", rename)
-    renaming.add_argument("path", metavar="FROM")
-    renaming.add_argument("to", metavar="TO")
-    checking = _action(actions, "crc", "show the checksums of files (CRC-32 of MAVLink FTP)", checksum)
-    checking.add_argument("paths", nargs="+", metavar="PATH")
+    action = add_vehicle_action(actions, "get", "download files", get)
+    action.add_argument("path", metavar="REMOTE", help="file or pattern; with -r also a directory")
+    action.add_argument(
+        "local", nargs="?", metavar="LOCAL", help="file or directory (default: the current directory)"
+    )
+    _add_recursive(action, "download directories with their contents")
+    action = add_vehicle_action(actions, "put", "upload a file, and compare checksums", put)
+    action.add_argument("local", metavar="LOCAL", help="file on this machine")
+    action.add_argument("path", metavar="REMOTE", help="file or directory on the vehicle")
+    action = add_vehicle_action(actions, "rm", "remove files", remove)
+    action.add_argument("paths", nargs="+", metavar="PATH", help="file or pattern; with -r also a directory")
+    _add_recursive(action, "remove directories with their contents")
+    action = add_vehicle_action(actions, "mkdir", "make directories", make_directories)
+    action.add_argument("paths", nargs="+", metavar="PATH", help="directory on the vehicle")
+    action = add_vehicle_action(actions, "rename", "rename or move a file or a directory", rename)
+    action.add_argument("path", metavar="FROM", help="path on the vehicle")
+    action.add_argument("to", metavar="TO", help="new path on the vehicle")
+    action = add_vehicle_action(actions, "crc", "show checksums of files (CRC-32 of MAVLink FTP)", checksum)
+    action.add_argument("paths", nargs="+", metavar="PATH", help="file on the vehicle")
+
+
+def _add_recursive(parser: ArgumentParser, text: str) -> None:
+    parser.add_argument("-r", "--recursive", action="store_true", help=text)
 
 
 def run(arguments: Namespace) -> int:
-    """Carry out the action that was chosen."""
+    """Run the chosen action."""
     code: int = arguments.run_action(arguments)
     return code
 
 
 def list_files(arguments: Namespace) -> int:
-    """`mav ftp ls`."""
+    """Run `mav ftp ls`."""
 
     async def work(vehicle: Vehicle) -> int:
         path = arguments.path
         found = await (find if is_pattern(path) else _entries)(vehicle.ftp, path)
         found.sort(key=lambda each: (not each.entry.is_directory, each.path))
         if is_pattern(path) and not found:
-            raise MavstackError(f"nothing on the vehicle fits {path}")
+            raise CommandError(f"no file on the vehicle matches {path}")
         _show(found, full_path=is_pattern(path), as_json=arguments.json)
         return 0
 
@@ -87,7 +92,7 @@ def list_files(arguments: Namespace) -> int:
 
 
 def get(arguments: Namespace) -> int:
-    """`mav ftp get`; what one file comes to does not keep the others from coming."""
+    """Run `mav ftp get`; a file that fails does not stop the others."""
 
     async def work(vehicle: Vehicle) -> int:
         jobs = await _downloads(vehicle.ftp, arguments)
@@ -100,17 +105,17 @@ def get(arguments: Namespace) -> int:
                 raise
             except (MavstackError, OSError) as error:
                 failed = True
-                print(f"mav ftp: {clean(str(error))}", file=sys.stderr)
+                print(f"mav ftp: {printable(str(error))}", file=sys.stderr)
             else:
                 text = f"{found.path} -> {target} ({size_text(size)})"
-                _tell(arguments, {"remote": found.path, "local": str(target), "size": size}, text)
+                _report(arguments, {"remote": found.path, "local": str(target), "size": size}, text)
         return 1 if failed else 0
 
     return run_on_vehicle(arguments, work)
 
 
 def put(arguments: Namespace) -> int:
-    """`mav ftp put`."""
+    """Run `mav ftp put`."""
     local = Path(arguments.local)
     data = local.read_bytes()
 
@@ -121,22 +126,22 @@ def put(arguments: Namespace) -> int:
         with TransferProgress(f"{local} -> {path}") as progress:
             await vehicle.ftp.upload(path, data, progress=progress)
         text = f"{local} -> {path} ({size_text(len(data))})"
-        _tell(arguments, {"local": str(local), "remote": path, "size": len(data)}, text)
+        _report(arguments, {"local": str(local), "remote": path, "size": len(data)}, text)
         return 0
 
     return run_on_vehicle(arguments, work)
 
 
 def remove(arguments: Namespace) -> int:
-    """`mav ftp rm`."""
+    """Run `mav ftp rm`."""
     if any(not path.strip("/") for path in arguments.paths):
-        raise UsageError("the root of a vehicle is not removed; name what is in it")
+        raise UsageError("the root directory cannot be removed; name its entries")
 
     async def work(vehicle: Vehicle) -> int:
         for pattern in arguments.paths:
             chosen = await find(vehicle.ftp, pattern)
             if not chosen:
-                raise MavstackError(f"nothing on the vehicle fits {pattern}")
+                raise CommandError(f"no file on the vehicle matches {pattern}")
             for found in chosen:
                 await _remove(vehicle.ftp, found, arguments)
         return 0
@@ -144,62 +149,62 @@ def remove(arguments: Namespace) -> int:
     return run_on_vehicle(arguments, work)
 
 
-def make(arguments: Namespace) -> int:
-    """`mav ftp mkdir`."""
+def make_directories(arguments: Namespace) -> int:
+    """Run `mav ftp mkdir`."""
 
     async def work(vehicle: Vehicle) -> int:
         for path in arguments.paths:
             await vehicle.ftp.make_directory(path.rstrip("/") or "/")
-            _tell(arguments, {"made": path}, "")
+            _report(arguments, {"made": path}, "")
         return 0
 
     return run_on_vehicle(arguments, work)
 
 
 def rename(arguments: Namespace) -> int:
-    """`mav ftp rename`."""
+    """Run `mav ftp rename`."""
 
     async def work(vehicle: Vehicle) -> int:
         await vehicle.ftp.rename(arguments.path, arguments.to)
-        _tell(arguments, {"from": arguments.path, "to": arguments.to}, "")
+        _report(arguments, {"from": arguments.path, "to": arguments.to}, "")
         return 0
 
     return run_on_vehicle(arguments, work)
 
 
 def checksum(arguments: Namespace) -> int:
-    """`mav ftp crc`."""
+    """Run `mav ftp crc`."""
 
     async def work(vehicle: Vehicle) -> int:
         for path in arguments.paths:
             crc = await vehicle.ftp.checksum(path)
-            _tell(arguments, {"path": path, "crc": crc}, f"{crc:08x}  {path}")
+            _report(arguments, {"path": path, "crc": crc}, f"{crc:08x}  {path}")
         return 0
 
     return run_on_vehicle(arguments, work)
 
 
-async def _entries(files: Ftp, path: str) -> list[Found]:
-    """What is in a directory, or the file itself."""
+async def _entries(ftp: Ftp, path: str) -> list[RemotePath]:
+    """List the entries of a directory, or a file itself."""
     try:
-        return [Found(join(path, each.name), each) for each in await files.list(path)]
+        return [RemotePath(join(path, each.name), each) for each in await ftp.list(path)]
     except FileDenied:
-        return [Found(path, await look_up(files, path))]
+        return [RemotePath(path, await look_up(ftp, path))]
 
 
-async def _is_directory(files: Ftp, path: str) -> bool:
+async def _is_directory(ftp: Ftp, path: str) -> bool:
     try:
-        return (await look_up(files, path)).is_directory
+        return (await look_up(ftp, path)).is_directory
     except FileDenied:
         return False
 
 
-async def _downloads(files: Ftp, arguments: Namespace) -> list[tuple[Found, Path]]:
-    """Which files are fetched, and where each goes."""
-    chosen = await find(files, arguments.path)
+async def _downloads(ftp: Ftp, arguments: Namespace) -> list[tuple[RemotePath, Path]]:
+    """Return the files to download with their local paths; local directories are made."""
+    chosen = await find(ftp, arguments.path)
     if not chosen:
-        raise MavstackError(f"nothing on the vehicle fits {arguments.path}")
-    into = target_for(arguments.local, "").is_dir() or arguments.local is None
+        raise CommandError(f"no file on the vehicle matches {arguments.path}")
+    into_directory = target_for(arguments.local, "").is_dir() or arguments.local is None
     jobs = []
     for found in chosen:
         if not found.entry.is_directory:
@@ -209,19 +214,19 @@ async def _downloads(files: Ftp, arguments: Namespace) -> list[tuple[Found, Path
                 (found, target if several else target_for(arguments.local, local_name(found.entry.name)))
             )
         elif not arguments.recursive:
-            raise UsageError(f"{found.path} is a directory; add -r to fetch what is in it")
+            raise UsageError(f"{found.path} is a directory; add -r to download its contents")
         else:
             top = Path(arguments.local or ".")
             jobs += await _tree(
-                files, found, top / local_name(split(found.path)[1] or "root") if into else top
+                ftp, found, top / local_name(split(found.path)[1] or "root") if into_directory else top
             )
     return jobs
 
 
-async def _tree(files: Ftp, top: Found, target: Path) -> list[tuple[Found, Path]]:
-    """The files below a directory; its directories are made here."""
+async def _tree(ftp: Ftp, top: RemotePath, target: Path) -> list[tuple[RemotePath, Path]]:
+    """Return the files below a directory with their local paths; local directories are made."""
     jobs = []
-    async for found in walk(files, top):
+    async for found in walk(ftp, top):
         below = found.path[len(top.path.rstrip("/")) :].strip("/")
         place = target.joinpath(*map(local_name, below.split("/"))) if below else target
         if found.entry.is_directory:
@@ -231,26 +236,26 @@ async def _tree(files: Ftp, top: Found, target: Path) -> list[tuple[Found, Path]
     return jobs
 
 
-async def _download(files: Ftp, found: Found, target: Path, name: str) -> int:
+async def _download(ftp: Ftp, found: RemotePath, target: Path, name: str) -> int:
     target.parent.mkdir(parents=True, exist_ok=True)
     with TransferProgress(name) as progress:
-        return await Download(files, found.path, target, found.entry.size, progress).run()
+        return await Download(ftp, found.path, target, found.entry.size, progress).run()
 
 
-async def _remove(files: Ftp, found: Found, arguments: Namespace) -> None:
-    """Remove a file, or a directory from its leaves up."""
+async def _remove(ftp: Ftp, found: RemotePath, arguments: Namespace) -> None:
+    """Remove a file, or a directory with its contents."""
     if found.entry.is_directory and not arguments.recursive:
-        raise UsageError(f"{found.path} is a directory; add -r to remove it with all that is in it")
-    everything = [each async for each in walk(files, found)]
+        raise UsageError(f"{found.path} is a directory; add -r to remove it with its contents")
+    everything = [each async for each in walk(ftp, found)]
     for each in reversed(everything):
         if each.entry.is_directory:
-            await files.remove_directory(each.path)
+            await ftp.remove_directory(each.path)
         else:
-            await files.remove(each.path)
-        _tell(arguments, {"removed": each.path}, "")
+            await ftp.remove(each.path)
+        _report(arguments, {"removed": each.path}, "")
 
 
-def _show(found: list[Found], *, full_path: bool, as_json: bool) -> None:
+def _show(found: list[RemotePath], *, full_path: bool, as_json: bool) -> None:
     if as_json:
         print_json([_json(each) for each in found])
         return
@@ -262,25 +267,17 @@ def _show(found: list[Found], *, full_path: bool, as_json: bool) -> None:
         for each in found
     ]
     if rows:
-        print(*columns(rows, right=frozenset({0})), sep="\n")
+        print(*align_columns(rows, right=frozenset({0})), sep="\n")
 
 
-def _json(found: Found) -> dict[str, object]:
+def _json(found: RemotePath) -> dict[str, object]:
     kind = "directory" if found.entry.is_directory else "file"
     size = None if found.entry.is_directory else found.entry.size
     return {"path": found.path, "name": found.entry.name, "type": kind, "size": size}
 
 
-def _tell(arguments: Namespace, for_programs: dict[str, object], text: str) -> None:
+def _report(arguments: Namespace, for_programs: dict[str, object], text: str) -> None:
     if arguments.json:
         print_json(for_programs)
     elif text:
-        print(clean(text), flush=True)
-
-
-def _action(actions: Actions, name: str, summary: str, run_it: Callable[[Namespace], int]) -> ArgumentParser:
-    """An action with what all have in common."""
-    parser = actions.add(name, summary, run_it)
-    parser.add_argument("--json", action="store_true", help="for programs")
-    add_connection_options(parser)
-    return parser
+        print(printable(text), flush=True)

@@ -1,9 +1,9 @@
-"""Fetching a file of a vehicle: never half a file under its name, and a long one goes on where it stopped.
+"""The download of a file from a vehicle: complete or absent, and resumed after an interruption.
 
-What has come lies in `.NAME.part` beside the target and takes its name when it is whole. A large file comes
-in pieces of a few seconds each; if the transfer breaks, the next one begins where the last piece ended.
-Whether the pieces belong together the checksum of the vehicle decides; without one, or if it is another, the
-file is fetched from its beginning.
+The data is written to `.NAME.part` beside the target, which is renamed when it is complete. A large file is
+downloaded in pieces of a few seconds each; the next download begins where the last complete piece ended. The
+checksum of the vehicle decides whether the pieces belong to one file; if it differs, or the vehicle has none,
+the file is downloaded from its beginning.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.transfer_progress import size_text
-from mavstack.errors import FileDenied, MavstackError, RemoteError, RemoteProtocolError, RemoteTimeout
+from mavstack.cli.common.errors import CommandError
+from mavstack.cli.common.text import size_text
+from mavstack.errors import FileDenied, RemoteError, RemoteProtocolError, RemoteTimeout
 from mavstack.services.ftp import file_crc32
 
 if TYPE_CHECKING:
@@ -22,24 +23,25 @@ if TYPE_CHECKING:
 
     from mavstack.node.ftp import Ftp
 
-FIRST_PIECE, LARGEST_PIECE = 1 << 16, 1 << 23
-#: A piece that came faster than this is followed by one twice as large, in seconds.
-_SHORT = 5.0
+#: Sizes of the first and the largest piece in bytes.
+MIN_PIECE, MAX_PIECE = 1 << 16, 1 << 23
+#: Seconds; a piece that arrives faster is followed by one twice as large.
+_SHORT_TIME = 5.0
 _BLOCK = 1 << 20
 
 
 class Download:
-    """The download of one file; `size` is what its directory tells, 0 if that is not known."""
+    """The download of one file; `size` is its size in the directory, 0 if it is not known."""
 
     def __init__(
         self,
-        files: Ftp,
+        ftp: Ftp,
         path: str,
         target: Path,
         size: int = 0,
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
-        self._files = files
+        self._ftp = ftp
         self._path = path
         self._target = target
         self._part = target.with_name(f".{target.name}.part")
@@ -47,10 +49,15 @@ class Download:
         self._progress = progress
 
     async def run(self) -> int:
-        """Fetch it; gives how many bytes it has."""
-        if self._size <= FIRST_PIECE:
+        """Download the file and return its size in bytes.
+
+        Raises:
+            RemoteError: The vehicle refused, fell silent, or the file changed during the download.
+            OSError: The local file cannot be written.
+        """
+        if self._size <= MIN_PIECE:
             self._part.unlink(missing_ok=True)
-            data = await self._files.download(self._path, progress=self._progress)
+            data = await self._ftp.download(self._path, progress=self._progress)
             try:
                 self._part.write_bytes(data)
                 self._part.replace(self._target)
@@ -59,57 +66,58 @@ class Download:
                     self._part.unlink(missing_ok=True)
             return len(data)
         resumed = self._kept() > 0
-        await self._fetch()
-        right = await self._is_right(resumed)
-        if resumed and not right:
+        await self._download_pieces()
+        verified = await self._verify(resumed)
+        if resumed and not verified:
             self._part.unlink()
-            await self._fetch()
-            right = await self._is_right(resumed=False)
-        if not right:
+            await self._download_pieces()
+            verified = await self._verify(resumed=False)
+        if not verified:
             self._part.unlink()
-            raise RemoteProtocolError(
-                f"reading {self._path}", "the vehicle", answer="its checksum is another: it changes"
-            )
+            raise self._changed("its checksum differs: the file changes")
         self._part.replace(self._target)
         return self._size
 
-    async def _fetch(self) -> None:
-        """Append pieces until it is whole."""
-        kept, piece = self._kept(), FIRST_PIECE
+    async def _download_pieces(self) -> None:
+        """Append pieces until the file is complete."""
+        kept, piece = self._kept(), MIN_PIECE
         with self._part.open("ab") as file:
             while kept < self._size:
-                began = monotonic()
+                started = monotonic()
                 data = await self._piece(kept, min(piece, self._size - kept))
                 file.write(data)
                 file.flush()
                 kept += len(data)
-                if monotonic() - began < _SHORT:
-                    piece = min(piece * 2, LARGEST_PIECE)
+                if monotonic() - started < _SHORT_TIME:
+                    piece = min(piece * 2, MAX_PIECE)
 
     async def _piece(self, offset: int, size: int) -> bytes:
-        def told(done: int, _: int) -> None:
+        def report_progress(done: int, _: int) -> None:
             if self._progress is not None:
                 self._progress(min(offset + done, self._size), self._size)
 
-        told(0, 0)
+        report_progress(0, 0)
         try:
-            data = await self._files.download(self._path, offset=offset, size=size, progress=told)
+            data = await self._ftp.download(self._path, offset=offset, size=size, progress=report_progress)
         except RemoteError as error:
             if offset == 0:
                 raise
-            raise MavstackError(f"{error}; run it again to go on from {size_text(offset)}") from error
+            raise CommandError(f"{error}; run it again to resume at {size_text(offset)}") from error
         if len(data) != size:
             self._part.unlink()
-            raise RemoteProtocolError(f"reading {self._path}", "the vehicle", answer="it became shorter")
+            raise self._changed("it became shorter")
         return data
 
-    async def _is_right(self, resumed: bool) -> bool:
-        """Whether the vehicle's checksum is ours; one that it cannot make is no objection to one piece."""
+    def _changed(self, answer: str) -> RemoteProtocolError:
+        return RemoteProtocolError(f"downloading {self._path} from", "the vehicle", answer=answer)
+
+    async def _verify(self, resumed: bool) -> bool:
+        """Compare the checksums; a vehicle that computes none is trusted unless the download was resumed."""
         try:
-            theirs = await self._files.checksum(self._path)
+            theirs = await self._ftp.checksum(self._path)
         except FileDenied:
             return not resumed
-        except RemoteTimeout:  # a large file may take too long
+        except RemoteTimeout:  # the checksum of a large file may take too long
             if resumed:
                 raise
             return True
@@ -120,7 +128,7 @@ class Download:
         return ours == theirs
 
     def _kept(self) -> int:
-        """How much of it came before; more than there is belongs to another file."""
+        """Return the number of bytes from an earlier download; more than the file has are of another file."""
         try:
             kept = self._part.stat().st_size
         except OSError:
@@ -132,6 +140,6 @@ class Download:
 
 
 def target_for(local: str | None, name: str) -> Path:
-    """Where a file of the vehicle goes: to the path given, into the directory given, or here."""
+    """Return the local path of a download: the given path, or `name` in the given or current directory."""
     path = Path(local or ".")
     return path / name if path.is_dir() or (local or "").endswith(("/", "\\")) else path

@@ -1,7 +1,7 @@
-"""Paths on a vehicle: patterns, whole trees, and what their names may become on this machine.
+"""Paths on a vehicle: patterns, directory trees, and local names.
 
-Names come from the other end of a link. One that would lead out of the directory that was asked for, or that
-this machine cannot have, is never used for a local file.
+The names come from the remote end of a link. A name that would lead out of the target directory, or that is
+not allowed on this machine, is never used for a local file.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, NamedTuple
 
-from mavstack.errors import FileDenied, MavstackError
+from mavstack.cli.common.errors import CommandError
+from mavstack.errors import FileDenied
 from mavstack.services.ftp import Entry
 
 if TYPE_CHECKING:
@@ -17,61 +18,67 @@ if TYPE_CHECKING:
 
     from mavstack.node.ftp import Ftp
 
-#: No file system of a vehicle is deeper; a directory that holds itself is.
-DEEPEST = 32
+#: Depth of a directory tree; only a directory that contains itself is deeper.
+MAX_DEPTH = 32
 _WILD = frozenset("*?[")
 _FORBIDDEN = frozenset('/\\:*?"<>|')
 
 
-class Found(NamedTuple):
-    """An entry of the vehicle and where it lies."""
+class RemotePath(NamedTuple):
+    """A file or a directory on the vehicle with its path."""
 
     path: str
     entry: Entry
 
 
 def join(directory: str, name: str) -> str:
-    """The path of an entry."""
+    """Return the path of an entry of a directory."""
     return f"{directory.rstrip('/')}/{name}"
 
 
 def split(path: str) -> tuple[str, str]:
-    """The directory of a path and its last name."""
+    """Return the directory of a path and its last name."""
     directory, slash, name = path.rstrip("/").rpartition("/")
     return directory or ("/" if slash else ""), name
 
 
 def is_pattern(path: str) -> bool:
-    """Whether a path holds `*`, `?` or `[`; behind a virtual file (@…) a `?` begins what is asked of it."""
+    """Return whether a path holds `*`, `?` or `[`; in a virtual file (@…) a `?` begins the query."""
     return not path.startswith("@") and not _WILD.isdisjoint(path)
 
 
-async def find(files: Ftp, path: str) -> list[Found]:
-    """What a path or a pattern stands for; a pattern may stand for nothing."""
+async def find(ftp: Ftp, path: str) -> list[RemotePath]:
+    """List the files and directories that a path or a pattern matches; a pattern may match none."""
     if not is_pattern(path):
-        return [Found(path, await look_up(files, path))]
+        return [RemotePath(path, await look_up(ftp, path))]
     directory, name = split(path)
-    places = [directory]
+    directories = [directory]
     if is_pattern(directory):
-        places = [each.path for each in await find(files, directory) if each.entry.is_directory]
+        directories = [each.path for each in await find(ftp, directory) if each.entry.is_directory]
     found = []
-    for place in places:
-        entries = sorted(await files.list(place or "/"), key=lambda entry: entry.name)
-        found += [Found(join(place, each.name), each) for each in entries if fnmatchcase(each.name, name)]
+    for parent in directories:
+        entries = sorted(await ftp.list(parent or "/"), key=lambda entry: entry.name)
+        found += [
+            RemotePath(join(parent, each.name), each) for each in entries if fnmatchcase(each.name, name)
+        ]
     return found
 
 
-async def look_up(files: Ftp, path: str) -> Entry:
-    """A file or a directory by its path; raises `FileDenied`. A virtual file (@…) has no size yet."""
+async def look_up(ftp: Ftp, path: str) -> Entry:
+    """Return the entry of a path. A virtual file (@…) has no size yet.
+
+    Raises:
+        FileDenied: There is no such file or directory.
+    """
     directory, name = split(path)
     if not name:
         return Entry("/", is_directory=True)
     if not path.startswith("@"):
-        for entry in await files.list(directory or "/"):
+        for entry in await ftp.list(directory or "/"):
             if entry.name == name:
                 return entry
     try:
-        await files.list(path)
+        await ftp.list(path)
     except FileDenied:
         if path.startswith("@"):
             return Entry(name.partition("?")[0])
@@ -79,20 +86,20 @@ async def look_up(files: Ftp, path: str) -> Entry:
     return Entry(name, is_directory=True)
 
 
-async def walk(files: Ftp, top: Found, depth: int = 0) -> AsyncIterator[Found]:
-    """An entry and all below it, a directory before what is in it."""
+async def walk(ftp: Ftp, top: RemotePath, depth: int = 0) -> AsyncIterator[RemotePath]:
+    """Yield an entry and all entries below it, each directory before its contents."""
     yield top
     if top.entry.is_directory:
-        if depth >= DEEPEST:
-            raise MavstackError(f"{top.path}: directories lie too deep in each other")
-        for entry in await files.list(top.path):
-            async for found in walk(files, Found(join(top.path, entry.name), entry), depth + 1):
+        if depth >= MAX_DEPTH:
+            raise CommandError(f"{top.path}: the directories are nested too deeply")
+        for entry in await ftp.list(top.path):
+            async for found in walk(ftp, RemotePath(join(top.path, entry.name), entry), depth + 1):
                 yield found
 
 
 def local_name(name: str) -> str:
-    """A name as a local file may have it; raises if it cannot."""
+    """Return a name if a local file may have it; raise `CommandError` otherwise."""
     bad = name in ("", ".", "..") or name[-1] in ". " or not _FORBIDDEN.isdisjoint(name)
     if bad or any(letter < " " for letter in name):
-        raise MavstackError(f"{name!r} cannot be the name of a local file; give one")
+        raise CommandError(f"{name!r} cannot be the name of a local file; name the local file yourself")
     return name

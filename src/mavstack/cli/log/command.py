@@ -1,4 +1,4 @@
-"""`mav log`: the logs on a vehicle, listed, fetched, erased."""
+"""`mav log`: list, download and erase the logs on a vehicle."""
 
 from __future__ import annotations
 
@@ -9,19 +9,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_connection_options, run_on_vehicle
-from mavstack.cli.common.transfer_progress import TransferProgress, size_text
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.output import align_columns, print_json
+from mavstack.cli.common.text import size_text
+from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download
-from mavstack.cli.log.files import files_of, match, name_for, place_of, time_text
-from mavstack.cli.param.text import columns, print_json
+from mavstack.cli.log.files import local_file_name, log_files, log_location, match_files, time_text
 from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
-    from mavstack.cli.ftp.paths import Found
+    from mavstack.cli.ftp.paths import RemotePath
     from mavstack.services.log import LogEntry
     from mavstack.vehicle import Vehicle
 
@@ -37,35 +38,39 @@ examples:
 """
 
 LAST, ALL = "last", "all"
-_LAST_ID = 0xFFFF
+_MAX_ID = 0xFFFF
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "log", EXAMPLES)
-    _action(actions, "list", "list the logs: number, time (UTC), size", list_logs)
-    getting = _action(actions, "get", "fetch logs", get)
-    getting.add_argument("which", nargs="+", type=_which, metavar="NUMBER", help="or last, or all")
-    getting.add_argument("-o", "--output", metavar="PATH", help="a file or a directory (default: here)")
-    getting.add_argument("--force", action="store_true", help="replace a local file that is another")
-    getting.add_argument(
+    add_vehicle_action(actions, "list", "list the logs: number, start time (UTC), size", list_logs)
+    get_parser = add_vehicle_action(actions, "get", "download logs", get)
+    get_parser.add_argument(
+        "which", nargs="+", type=_log_number, metavar="NUMBER", help="number of a log, last, or all"
+    )
+    get_parser.add_argument(
+        "-o", "--output", metavar="PATH", help="file or directory (default: the current directory)"
+    )
+    get_parser.add_argument("--force", action="store_true", help="replace a local file of another size")
+    get_parser.add_argument(
         "--via",
         choices=("auto", "ftp", "log"),
         default="auto",
-        help="MAVLink FTP, which is faster, or the log messages (default: FTP where the log's file is known)",
+        help="MAVLink FTP, which is faster, or log messages (default: FTP if the file of the log is known)",
     )
-    erasing = _action(actions, "erase", "erase all logs", erase)
-    erasing.add_argument("-y", "--yes", action="store_true", help="do not ask")
+    erase_parser = add_vehicle_action(actions, "erase", "erase all logs", erase)
+    erase_parser.add_argument("-y", "--yes", action="store_true", help="do not ask for confirmation")
 
 
 def run(arguments: Namespace) -> int:
-    """Carry out the action that was chosen."""
+    """Run the chosen action."""
     code: int = arguments.run_action(arguments)
     return code
 
 
 def list_logs(arguments: Namespace) -> int:
-    """`mav log list`."""
+    """Run `mav log list`."""
 
     async def work(vehicle: Vehicle) -> int:
         logs = await vehicle.logs.list()
@@ -73,7 +78,7 @@ def list_logs(arguments: Namespace) -> int:
             print_json([{"id": log.id, "time_utc": log.time_utc or None, "size": log.size} for log in logs])
         elif logs:
             rows = [(str(log.id), time_text(log), size_text(log.size)) for log in logs]
-            print(*columns(rows, right=frozenset({0, 2})), sep="\n")
+            print(*align_columns(rows, right=frozenset({0, 2})), sep="\n")
         else:
             print("there are no logs", file=sys.stderr)
         return 0
@@ -82,18 +87,18 @@ def list_logs(arguments: Namespace) -> int:
 
 
 def get(arguments: Namespace) -> int:
-    """`mav log get`; what one log comes to does not keep the others from coming."""
+    """Run `mav log get`; a log that fails does not stop the others."""
 
     async def work(vehicle: Vehicle) -> int:
         logs = await vehicle.logs.list()
         chosen = _chosen(logs, arguments.which)
         several = len(chosen) > 1 or ALL in arguments.which
-        files = {} if arguments.via == "log" else match(logs, await files_of(vehicle))
+        files = {} if arguments.via == "log" else match_files(logs, await log_files(vehicle))
         failed = False
         for log in chosen:
             try:
-                target = _target(log, place_of(vehicle)[1], arguments.output, several=several)
-                await _fetch(vehicle, log, files.get(log.id), target, arguments)
+                target = _target(log, log_location(vehicle).suffix, arguments.output, several=several)
+                await _download(vehicle, log, files.get(log.id), target, arguments)
             except RemoteTimeout:
                 raise
             except (MavstackError, OSError) as error:
@@ -105,13 +110,13 @@ def get(arguments: Namespace) -> int:
 
 
 def erase(arguments: Namespace) -> int:
-    """`mav log erase`."""
+    """Run `mav log erase`."""
     if not arguments.yes and not sys.stdin.isatty():
-        raise UsageError("add --yes to erase all logs without being asked")
+        raise UsageError("add --yes to erase all logs without confirmation")
 
     async def work(vehicle: Vehicle) -> int:
         logs = await vehicle.logs.list()
-        if not arguments.yes and not _is_sure(vehicle, logs):
+        if not arguments.yes and not _confirmed(vehicle, logs):
             print("nothing was erased", file=sys.stderr)
             return 1
         await vehicle.logs.erase()
@@ -126,9 +131,9 @@ def erase(arguments: Namespace) -> int:
 
 
 def _chosen(logs: Sequence[LogEntry], which: Sequence[int | str]) -> list[LogEntry]:
-    """The logs that were named, each once."""
+    """Return the logs that were named, each once."""
     if not logs:
-        raise MavstackError("there are no logs on the vehicle")
+        raise CommandError("there are no logs on the vehicle")
     by_id = {log.id: log for log in logs}
     wanted: dict[int, LogEntry] = {}
     for name in which:
@@ -140,62 +145,64 @@ def _chosen(logs: Sequence[LogEntry], which: Sequence[int | str]) -> list[LogEnt
         elif name in by_id:
             wanted[int(name)] = by_id[int(name)]
         else:
-            raise MavstackError(f"there is no log {name}; there are {_ranges(sorted(by_id))}")
+            raise CommandError(f"there is no log {name}; there are {_ranges(sorted(by_id))}")
     return list(wanted.values())
 
 
 def _target(log: LogEntry, suffix: str, output: str | None, *, several: bool) -> Path:
-    """Where a log goes: into a directory by its own name, or to the file that was named."""
-    path, name = Path(output or "."), name_for(log, suffix)
+    """Return the local path of a log: its own name in a directory, or the file that was named."""
+    path, name = Path(output or "."), local_file_name(log, suffix)
     directory = several or path.is_dir() or (output or "").endswith(("/", "\\"))
     target = path / name if directory else path
     target.parent.mkdir(parents=True, exist_ok=True)
     return target
 
 
-async def _fetch(
-    vehicle: Vehicle, log: LogEntry, file: Found | None, target: Path, arguments: Namespace
+async def _download(
+    vehicle: Vehicle, log: LogEntry, file: RemotePath | None, target: Path, arguments: Namespace
 ) -> None:
-    """Fetch one log by the way that is open, unless it is here already."""
-    if not arguments.force and _is_here(target, log):
-        _tell(arguments, log, target, "is here already")
+    """Download a log, by MAVLink FTP if its file is known, unless it was downloaded before."""
+    if not arguments.force and _is_downloaded(target, log):
+        _report(arguments, log, target, "already downloaded")
         return
     if arguments.via == "ftp" and file is None:
-        raise MavstackError(f"which file log {log.id} is cannot be told; fetch it with --via log")
-    began = vehicle.connection.now()
+        raise CommandError(f"the file of log {log.id} is not known; download the log with --via log")
+    started = vehicle.connection.now()
     size, way = 0, "ftp"
     if file is not None:
-        size = await _by_file(vehicle, log, file, target, must=arguments.via == "ftp")
+        size = await _download_file(vehicle, log, file, target, required=arguments.via == "ftp")
     if not size:
-        size, way = await _by_number(vehicle, log, target), "log"
-    elapsed = max(vehicle.connection.now() - began, 1e-3)
-    _tell(arguments, log, target, f"{size_text(size)}, {size_text(size / elapsed)}/s", way)
+        size, way = await _download_log_data(vehicle, log, target), "log"
+    elapsed = max(vehicle.connection.now() - started, 1e-3)
+    _report(arguments, log, target, f"{size_text(size)}, {size_text(size / elapsed)}/s", way)
 
 
-def _is_here(target: Path, log: LogEntry) -> bool:
-    """Whether the log was fetched before; raises if another file is in its place."""
+def _is_downloaded(target: Path, log: LogEntry) -> bool:
+    """Return whether the log was downloaded before; raise if another file has its name."""
     if not target.exists():
         return False
     if target.stat().st_size != log.size:
-        raise MavstackError(f"{target} is there and another file; move it away, or add --force")
+        raise CommandError(f"{target} exists with another size; move it away, or add --force")
     return True
 
 
-async def _by_file(vehicle: Vehicle, log: LogEntry, file: Found, target: Path, *, must: bool) -> int:
-    """Fetch it by MAVLink FTP; 0 if the vehicle refuses and there is another way."""
+async def _download_file(
+    vehicle: Vehicle, log: LogEntry, file: RemotePath, target: Path, *, required: bool
+) -> int:
+    """Download a log by MAVLink FTP; 0 if the vehicle refuses and FTP is not required."""
     with TransferProgress(f"log {log.id}") as progress:
         try:
             return await Download(vehicle.ftp, file.path, target, file.entry.size, progress).run()
         except RemoteTimeout:
             raise
         except RemoteError:
-            if must:
+            if required:
                 raise
             return 0
 
 
-async def _by_number(vehicle: Vehicle, log: LogEntry, target: Path) -> int:
-    """Fetch it by its number."""
+async def _download_log_data(vehicle: Vehicle, log: LogEntry, target: Path) -> int:
+    """Download a log by LOG_REQUEST_DATA."""
     with TransferProgress(f"log {log.id}") as progress:
         data = await vehicle.logs.download(log, progress=progress)
     part = target.with_name(f".{target.name}.part")
@@ -208,30 +215,30 @@ async def _by_number(vehicle: Vehicle, log: LogEntry, target: Path) -> int:
     return len(data)
 
 
-def _is_sure(vehicle: Vehicle, logs: Sequence[LogEntry]) -> bool:
-    """Ask on the terminal."""
+def _confirmed(vehicle: Vehicle, logs: Sequence[LogEntry]) -> bool:
+    """Ask for confirmation on the terminal."""
     size = size_text(sum(log.size for log in logs))
     print(f"erase all {len(logs)} logs ({size}) of system {vehicle.system}? [y/N] ", end="", flush=True)
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
-def _tell(arguments: Namespace, log: LogEntry, target: Path, what: str, way: str | None = None) -> None:
+def _report(arguments: Namespace, log: LogEntry, target: Path, note: str, way: str | None = None) -> None:
     if arguments.json:
         print_json({"id": log.id, "file": str(target), "size": target.stat().st_size, "via": way})
     else:
-        print(f"log {log.id} -> {target} ({what})", flush=True)
+        print(f"log {log.id} -> {target} ({note})", flush=True)
 
 
-def _which(text: str) -> int | str:
+def _log_number(text: str) -> int | str:
     if text.lower() in (LAST, ALL):
         return text.lower()
-    if text.isascii() and text.isdecimal() and int(text) <= _LAST_ID:
+    if text.isascii() and text.isdecimal() and int(text) <= _MAX_ID:
         return int(text)
-    raise ArgumentTypeError(f"{text!r} is no number of a log, nor last, nor all")
+    raise ArgumentTypeError(f"{text!r} is not the number of a log, last or all")
 
 
 def _ranges(numbers: Sequence[int]) -> str:
-    """Numbers for people: 1-3, 7."""
+    """Return numbers as ranges: 1-3, 7."""
     parts: list[list[int]] = []
     for number in numbers:
         if parts and number == parts[-1][-1] + 1:
@@ -239,11 +246,3 @@ def _ranges(numbers: Sequence[int]) -> str:
         else:
             parts.append([number])
     return ", ".join(f"{part[0]}-{part[-1]}" if len(part) > 1 else str(part[0]) for part in parts)
-
-
-def _action(actions: Actions, name: str, summary: str, run_it: Callable[[Namespace], int]) -> ArgumentParser:
-    """An action with what all have in common."""
-    parser = actions.add(name, summary, run_it)
-    parser.add_argument("--json", action="store_true", help="for programs")
-    add_connection_options(parser)
-    return parser

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.character_map import Marked, draw_map
+from mavstack.cli.common.character_map import MapObject, draw_map
 from mavstack.cli.mission.text import goes_there
 from mavstack.files.plans import areas_of
 from mavstack.files.plans.model import CMD
@@ -40,24 +40,24 @@ def sketch(plan: PlanFile) -> list[str]:
     return [*lines, _scale(drawn)]
 
 
-def _things(plan: PlanFile) -> list[Marked]:
+def _things(plan: PlanFile) -> list[MapObject]:
     path = flown(plan)
     areas = areas_of(plan.fence.items)
     things = [
-        Marked("", "fence", _dense([*polygon.vertices, polygon.vertices[0]], _SPARSE))
+        MapObject("", "fence", _dense([*polygon.vertices, polygon.vertices[0]], _SPARSE))
         for polygon in areas.polygons
         if all(map(_is_place, polygon.vertices))
     ]
     places = [place for _, place in path][:_MOST_LEGS]
     steps = max(_DENSE // (1 + len(places) // 50), 4)
-    things.append(Marked("", "path", _dense(places, steps)))
+    things.append(MapObject("", "path", _dense(places, steps)))
     if plan.home is not None:
         home = (plan.home.latitude, plan.home.longitude)
-        things.append(Marked("H", "home", [home], home))
-    things += [Marked("R", "rally", [place], place) for place in _rally(plan)]
+        things.append(MapObject("H", "home", [home], home))
+    things += [MapObject("R", "rally", [place], place) for place in _rally(plan)]
     homes = [place for number, place in path if number is None]
     marks = _legible([(number, place) for number, place in path if number is not None and place not in homes])
-    things += [Marked(str(number), "item", [], place) for number, place in marks]
+    things += [MapObject(str(number), "item", [], place) for number, place in marks]
     return things
 
 

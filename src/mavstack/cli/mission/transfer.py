@@ -10,6 +10,7 @@ import sys
 from math import isnan
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.mission.files import STANDARD, chosen_of, judge, read, save
@@ -113,7 +114,7 @@ async def _expect_mission(vehicle: Vehicle) -> None:
     except RemoteError:
         return
     if told.mission_state == common.MissionState.NO_MISSION or told.total == NO_MISSION:
-        raise MavstackError(f"system {vehicle.system} has no mission: `mav mission upload FILE` gives it one")
+        raise CommandError(f"system {vehicle.system} has no mission: `mav mission upload FILE` gives it one")
 
 
 async def fetch(vehicle: Vehicle, kinds: Sequence[PlanType], *, strict: bool) -> PlanFile:

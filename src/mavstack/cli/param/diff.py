@@ -1,15 +1,15 @@
-"""`mav param diff`: a file beside the vehicle, or beside another file."""
+"""`mav param diff`: compare a parameter file with the vehicle, or with another file."""
 
 from __future__ import annotations
 
 from operator import itemgetter
 from typing import TYPE_CHECKING, TypeAlias
 
-from mavstack.cli.common.colours import colored
 from mavstack.cli.common.connection import run_on_vehicle
+from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.output import align_columns, coloured, print_json
 from mavstack.cli.common.transfer_progress import TransferProgress
-from mavstack.cli.common.usage_error import UsageError
-from mavstack.cli.param.text import columns, json_value, of_vehicle, print_json
+from mavstack.cli.param.text import json_value, parameters_for
 from mavstack.files.parameters import Owner, compare, owner_of, read_parameters, value_text
 
 if TYPE_CHECKING:
@@ -18,32 +18,32 @@ if TYPE_CHECKING:
     from mavstack.files.parameters import AnyParameter, Comparison
     from mavstack.vehicle import Vehicle
 
-#: A name, and what the one and the other has.
+#: The name of a parameter, and the parameter on either side.
 Row: TypeAlias = "tuple[str, AnyParameter | None, AnyParameter | None]"
 
 _NONE = "-"
 
 
 def diff(arguments: Namespace) -> int:
-    """`mav param diff`."""
+    """Run `mav param diff`."""
     if len(arguments.files) > 2:
-        raise UsageError("two files are compared at most")
+        raise UsageError("diff compares at most two files")
     ours = read_parameters(arguments.files[0])
     if len(arguments.files) == 2:
         found = compare(ours.by_name(), read_parameters(arguments.files[1]).by_name())
-        return _shown(found, (arguments.files[0], arguments.files[1]), arguments)
+        return _show(found, (arguments.files[0], arguments.files[1]), arguments)
 
     async def work(vehicle: Vehicle) -> int:
-        with TransferProgress("fetching parameters", in_bytes=False) as progress:
+        with TransferProgress("downloading parameters", in_bytes=False) as progress:
             theirs = await vehicle.params.download(progress=progress)
-        found = compare(of_vehicle(ours, arguments.files[0], vehicle), theirs)
-        return _shown(found, (arguments.files[0], "vehicle"), arguments, partial=not arguments.all)
+        found = compare(parameters_for(ours, arguments.files[0], vehicle), theirs)
+        return _show(found, (arguments.files[0], "vehicle"), arguments, partial=not arguments.all)
 
     return run_on_vehicle(arguments, work)
 
 
-def _shown(found: Comparison, heads: tuple[str, str], arguments: Namespace, *, partial: bool = False) -> int:
-    """Show it; with `partial` what only the second has is counted and not shown."""
+def _show(found: Comparison, heads: tuple[str, str], arguments: Namespace, *, partial: bool = False) -> int:
+    """Print a comparison; with `partial` the parameters of the second side alone are only counted."""
     rows: list[Row] = [(each.name, each.ours, each.theirs) for each in found.different]
     rows += [(each.name, each, None) for each in found.only_ours]
     rows += [] if partial else [(each.name, None, each) for each in found.only_theirs]
@@ -63,14 +63,14 @@ def _print(rows: list[Row], heads: tuple[str, str]) -> None:
     cells = [
         (name, *(_NONE if each is None else value_text(each) for each in sides)) for name, *sides in rows
     ]
-    head, *lines = columns([("", *heads), *cells], right=frozenset({1, 2}))
+    head, *lines = align_columns([("", *heads), *cells], right=frozenset({1, 2}))
     print(head)
     for (_, ours, theirs), line in zip(rows, lines, strict=True):
-        print(colored(line, "red" if theirs is None else "green" if ours is None else "yellow"))
+        print(coloured(line, "red" if theirs is None else "green" if ours is None else "yellow"))
 
 
 def _summary(found: Comparison, shown: int, *, partial: bool) -> str:
-    text = f"{shown} different, {len(found.same)} the same" if shown else f"{len(found.same)} the same"
+    text = f"{shown} different, {len(found.same)} equal" if shown else f"{len(found.same)} equal"
     if partial and found.only_theirs:
         text += f", {len(found.only_theirs)} only on the vehicle (--all shows them)"
     return text

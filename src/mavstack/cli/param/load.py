@@ -1,14 +1,14 @@
-"""`mav param load`: what a file holds is set, and for each parameter it is told what became of it."""
+"""`mav param load`: set the parameters of a file, and show the outcome for each."""
 
 from __future__ import annotations
 
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.colours import colored
 from mavstack.cli.common.connection import run_on_vehicle
+from mavstack.cli.common.output import align_columns, coloured, print_json
 from mavstack.cli.common.transfer_progress import TransferProgress
-from mavstack.cli.param.text import columns, json_value, matching, of_vehicle, print_json
+from mavstack.cli.param.text import json_value, matching, parameters_for
 from mavstack.files.parameters import Outcome, ParameterLoad, read_parameters, value_text
 
 if TYPE_CHECKING:
@@ -21,15 +21,15 @@ _COLOURS = {Outcome.SET: "green", Outcome.SKIPPED: "grey", Outcome.UNCHANGED: "g
 
 
 def load(arguments: Namespace) -> int:
-    """`mav param load`."""
+    """Run `mav param load`."""
     file = read_parameters(arguments.file, arguments.format)
 
     async def work(vehicle: Vehicle) -> int:
-        wanted = matching(arguments.patterns, of_vehicle(file, arguments.file, vehicle))
+        wanted = matching(arguments.patterns, parameters_for(file, arguments.file, vehicle))
         task = ParameterLoad(
             vehicle.params, wanted.values(), everything=arguments.all, dry_run=arguments.dry_run
         )
-        with TransferProgress("fetching parameters", in_bytes=False) as progress:
+        with TransferProgress("downloading parameters", in_bytes=False) as progress:
             try:
                 await task.run(progress=progress)
             finally:
@@ -46,9 +46,9 @@ def _show(results: tuple[Applied, ...], arguments: Namespace) -> None:
         return
     rows = [(each, _row(each)) for each in results if each.outcome is not Outcome.UNCHANGED]
     if rows:
-        lines = columns([row for _, row in rows])
+        lines = align_columns([row for _, row in rows])
         for (result, _), line in zip(rows, lines, strict=True):
-            print(colored(line, _COLOURS.get(result.outcome, "red")))
+            print(coloured(line, _COLOURS.get(result.outcome, "red")))
     print(_summary(results, dry_run=arguments.dry_run))
 
 
@@ -59,7 +59,7 @@ def _row(result: Applied) -> tuple[str, str, str]:
     change = f"{old} -> {new}" if old else new
     if result.outcome is not Outcome.SET:
         return result.name, change, f"{result.outcome.value}: {result.reason}"
-    return result.name, change, "counts after a reboot" if result.needs_reboot else ""
+    return result.name, change, "takes effect after a reboot" if result.needs_reboot else ""
 
 
 def _summary(results: tuple[Applied, ...], *, dry_run: bool) -> str:
@@ -69,7 +69,7 @@ def _summary(results: tuple[Applied, ...], *, dry_run: bool) -> str:
     if dry_run:
         text = text.replace(Outcome.SET.value, "to be set") + "; nothing was sent"
     if counts[Outcome.SKIPPED]:
-        text += "; --all sets what was skipped too"
+        text += "; --all also sets the skipped ones"
     if any(each.needs_reboot for each in results) and not dry_run:
         text += "; reboot the vehicle"
     return text

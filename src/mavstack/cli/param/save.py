@@ -1,14 +1,15 @@
-"""`mav param save`: the parameters of a vehicle in a file."""
+"""`mav param save`: save the parameters of a vehicle to a file."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.connection import run_on_vehicle
-from mavstack.cli.common.identity import words
+from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.identity import entry_words
+from mavstack.cli.common.output import print_json
 from mavstack.cli.common.transfer_progress import TransferProgress
-from mavstack.cli.common.usage_error import UsageError
-from mavstack.cli.param.text import matching, print_json
+from mavstack.cli.param.text import matching
 from mavstack.dialects import common
 from mavstack.errors import ParameterFileError, RemoteError
 from mavstack.files.parameters import FORMATS, ParameterFile, format_for, write_parameters
@@ -19,16 +20,16 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
 
 _STACKS = {common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot", common.MavAutopilot.PX4: "PX4 Pro"}
-#: How long to wait for the version that stands at the head of the file, in seconds.
-_VERSION_PATIENCE = 3.0
+#: Seconds to wait for the version, which is written at the head of the file.
+_VERSION_TIMEOUT = 3.0
 
 
 def save(arguments: Namespace) -> int:
-    """`mav param save`."""
-    layout = _format_name(arguments)
+    """Run `mav param save`."""
+    format_name = _format_name(arguments)
 
     async def work(vehicle: Vehicle) -> int:
-        with TransferProgress("fetching parameters", in_bytes=False) as progress:
+        with TransferProgress("downloading parameters", in_bytes=False) as progress:
             known = await vehicle.params.download(progress=progress)
         found = matching(arguments.patterns, known)
         system, component = vehicle.address
@@ -39,11 +40,11 @@ def save(arguments: Namespace) -> int:
             comments=await _comments(vehicle),
         )
         if arguments.file == "-":
-            print(FORMATS[layout].write(file), end="")
+            print(FORMATS[format_name].write(file), end="")
             return 0
-        write_parameters(arguments.file, file, layout)
+        write_parameters(arguments.file, file, format_name)
         if arguments.json:
-            print_json({"file": arguments.file, "format": layout, "parameters": len(found)})
+            print_json({"file": arguments.file, "format": format_name, "parameters": len(found)})
         else:
             print(f"{len(found)} parameters in {arguments.file}")
         return 0
@@ -52,11 +53,11 @@ def save(arguments: Namespace) -> int:
 
 
 def _format_name(arguments: Namespace) -> str:
-    """The format, settled before the vehicle is asked anything."""
+    """Return the format of the file; it is decided before the connection is opened."""
     if arguments.format:
         return str(arguments.format)
     if arguments.file == "-":
-        raise UsageError(f"which format is meant? add --format, one of {', '.join(FORMATS)}")
+        raise UsageError(f"standard output has no suffix; add --format, one of {', '.join(FORMATS)}")
     try:
         return format_for(arguments.file).name
     except ParameterFileError as error:
@@ -64,15 +65,15 @@ def _format_name(arguments: Namespace) -> str:
 
 
 async def _comments(vehicle: Vehicle) -> list[str]:
-    """What flies the vehicle, as QGroundControl writes it at the head of a file."""
+    """Return the firmware and its version as QGroundControl writes them at the head of a file."""
     info = vehicle.component.info
     lines = []
     if info is not None:
         stack = _STACKS.get(common.MavAutopilot(info.autopilot))
-        lines.append(f"Stack: {stack or words(common.MavAutopilot(info.autopilot).name)}")
-        lines.append(f"Vehicle: {words(getattr(info.type, 'name', str(int(info.type))))}")
+        lines.append(f"Stack: {stack or entry_words(common.MavAutopilot(info.autopilot).name)}")
+        lines.append(f"Vehicle: {entry_words(getattr(info.type, 'name', str(int(info.type))))}")
     try:
-        version = await vehicle.component.get_version(timeout=_VERSION_PATIENCE)
+        version = await vehicle.component.get_version(timeout=_VERSION_TIMEOUT)
     except RemoteError:
         return lines
     lines.append(f"Version: {version.flight}")

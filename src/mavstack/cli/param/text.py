@@ -1,16 +1,14 @@
-"""Parameters for people and for programs: aligned columns, colours on a terminal, JSON."""
+"""Parameters as text and as JSON, patterns of their names, and assignments on the command line."""
 
 from __future__ import annotations
 
-import json
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.field_values import clean
-from mavstack.cli.common.usage_error import UsageError
-from mavstack.errors import MavstackError, ParameterFileError
+from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.errors import ParameterFileError
 from mavstack.files.parameters import read_number, value_text
 from mavstack.services.parameters.value import type_name
 
@@ -26,15 +24,19 @@ if TYPE_CHECKING:
 
 
 def matching(patterns: Sequence[str], known: Mapping[str, Item]) -> dict[str, Item]:
-    """Those whose names fit a pattern, such as `WPNAV*`; all if there is none."""
+    """Return the items whose names match a pattern such as `WPNAV*`; all items if there is no pattern.
+
+    Raises:
+        CommandError: A pattern matches no name.
+    """
     for pattern in patterns:
-        if not any(fits(name, [pattern]) for name in known):
-            raise MavstackError(f"there is no parameter {pattern}{_hint(pattern.upper(), known)}")
-    return {name: item for name, item in known.items() if fits(name, patterns)}
+        if not any(matches_any(name, [pattern]) for name in known):
+            raise CommandError(f"there is no parameter {pattern}{_hint(pattern.upper(), known)}")
+    return {name: item for name, item in known.items() if matches_any(name, patterns)}
 
 
-def fits(name: str, patterns: Sequence[str]) -> bool:
-    """Whether a name fits one of the patterns, or there are none."""
+def matches_any(name: str, patterns: Sequence[str]) -> bool:
+    """Return whether a name matches one of the patterns, or there are none."""
     return not patterns or any(fnmatchcase(name.upper(), pattern.upper()) for pattern in patterns)
 
 
@@ -43,37 +45,28 @@ def _hint(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {near[0]}?" if near else ""
 
 
-def columns(rows: Sequence[Sequence[str]], *, right: frozenset[int] = frozenset()) -> list[str]:
-    """Rows as lines with aligned columns; those in `right` to the right."""
-    rows = [[clean(cell) for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(
-            cell.rjust(width) if place in right else cell.ljust(width)
-            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-
-
 def parameter_row(parameter: AnyParameter) -> tuple[str, str, str]:
-    """Name, value and type."""
+    """Return name, value and type of a parameter as texts."""
     kind = "" if parameter.type is None else type_name(int(parameter.type)).lower()
     return parameter.name, value_text(parameter), kind
 
 
-def of_vehicle(file: ParameterFile, path: str, vehicle: Vehicle) -> dict[str, StoredParameter]:
-    """What a file holds for a vehicle's autopilot; raises if it is of other components only."""
+def parameters_for(file: ParameterFile, path: str, vehicle: Vehicle) -> dict[str, StoredParameter]:
+    """Return the parameters of a file that are for the vehicle's autopilot.
+
+    Raises:
+        ParameterFileError: The file has only parameters of other components.
+    """
     found = file.by_name(vehicle.address.component)
     if not found:
         others = ", ".join(map(str, file.components))
         wanted = vehicle.address.component
-        raise ParameterFileError(f"it is of component {others} only, and this is {wanted}", path)
+        raise ParameterFileError(f"it has only parameters of component {others}, not of {wanted}", path)
     return found
 
 
 def json_value(parameter: AnyParameter | None) -> Value | str | None:
-    """The value for JSON: as few digits as it takes; what is not finite as a text, None for none."""
+    """Return a value for JSON with the fewest digits; a value that is not finite is a text."""
     if parameter is None:
         return None
     value = read_number(value_text(parameter))
@@ -81,18 +74,13 @@ def json_value(parameter: AnyParameter | None) -> Value | str | None:
 
 
 def json_parameter(parameter: AnyParameter) -> dict[str, object]:
-    """A parameter for JSON."""
+    """Return a parameter for JSON."""
     kind = None if parameter.type is None else type_name(int(parameter.type))
     return {"name": parameter.name, "value": json_value(parameter), "type": kind}
 
 
-def print_json(thing: object) -> None:
-    """One line of JSON."""
-    print(json.dumps(thing, allow_nan=False), flush=True)
-
-
 def assignments(words: Sequence[str]) -> dict[str, Value]:
-    """What `NAME VALUE NAME VALUE` or `NAME=VALUE NAME=VALUE` says."""
+    """Parse `NAME VALUE NAME VALUE` or `NAME=VALUE NAME=VALUE`."""
     if any("=" in word for word in words):
         pairs = [word.partition("=")[::2] for word in words]
     elif len(words) % 2 == 0:
@@ -105,5 +93,5 @@ def assignments(words: Sequence[str]) -> dict[str, Value]:
 def _number(name: str, text: str) -> Value:
     value = read_number(text)
     if value is None:
-        raise UsageError(f"{text!r} is no number for {name}")
+        raise UsageError(f"{text!r} is not a number for {name}")
     return value

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.connection import DEFAULT_URL, add_heartbeat_timeout, connection_urls
 from mavstack.cli.common.options import system_id
-from mavstack.cli.common.stdin_lines import typed_lines
+from mavstack.cli.common.stdin_lines import stdin_lines
 from mavstack.cli.shell.control import script_lines
 from mavstack.cli.shell.interactive import interact, line_for
 from mavstack.cli.shell.notifications import News
@@ -86,7 +86,7 @@ def _lines(arguments: Namespace) -> AsyncIterator[str] | None:
         return script_lines(arguments.script)
     if arguments.command is not None:
         return _one_line(arguments.command)
-    return None if sys.stdin is not None and sys.stdin.isatty() else typed_lines()
+    return None if sys.stdin is not None and sys.stdin.isatty() else stdin_lines()
 
 
 async def _one_line(line: str) -> AsyncIterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.errors import MavstackError
 
 if TYPE_CHECKING:

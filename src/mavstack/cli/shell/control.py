@@ -6,8 +6,9 @@ import asyncio
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.usage_error import UsageError
-from mavstack.cli.param.text import columns
+from mavstack.cli.common.errors import CommandError
+from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.output import align_columns
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import AlreadyReported, Command, expect, number_of
 from mavstack.cli.shell.parsing import commands_of
@@ -29,7 +30,7 @@ async def help_me(session: Session, words: list[str]) -> None:
     unique = dict.fromkeys(session.commands.values())
     rows = [(f"  {each.name}", each.summary) for each in unique]
     session.say(
-        *columns(rows), "", "help COMMAND tells more; Tab completes; Ctrl-C ends a command, Ctrl-D all."
+        *align_columns(rows), "", "help COMMAND tells more; Tab completes; Ctrl-C ends a command, Ctrl-D all."
     )
 
 
@@ -40,7 +41,7 @@ async def settings(session: Session, words: list[str]) -> None:
         session.settings.change(words[0].lower(), words[1])
         return
     names = (words[0].lower(),) if words else session.settings.names()
-    session.say(*columns([(name, session.settings.text(name)) for name in names]))
+    session.say(*align_columns([(name, session.settings.text(name)) for name in names]))
 
 
 async def alias(session: Session, words: list[str]) -> None:
@@ -48,7 +49,7 @@ async def alias(session: Session, words: list[str]) -> None:
     match [words[0].lower() if words else "list", *words[1:]]:
         case ["list"]:
             rows = sorted(session.aliases.items())
-            session.say(*(columns(rows) if rows else ["there are no aliases"]))
+            session.say(*(align_columns(rows) if rows else ["there are no aliases"]))
         case ["add", name, *meaning] if meaning:
             text = " ".join(meaning)
             commands_of(text)  # raises if it cannot be a line
@@ -84,7 +85,7 @@ async def output(session: Session, words: list[str]) -> None:
                 (str(place), each.url, f"{each.peers} there", f"{each.sent} out, {each.received} in")
                 for place, each in enumerate(forwarding.outputs)
             ]
-            session.say(*(columns(rows) if rows else ["nothing is forwarded"]))
+            session.say(*(align_columns(rows) if rows else ["nothing is forwarded"]))
         case ["add", url]:
             await forwarding.add(url)
         case ["remove", which]:
@@ -119,7 +120,7 @@ def _read(path: str) -> str:
     try:
         return Path(path).expanduser().read_text(encoding="utf-8")
     except UnicodeDecodeError:
-        raise MavstackError(f"{path} is not a text file") from None
+        raise CommandError(f"{path} is not a text file") from None
 
 
 def _help_of(session: Session, name: str) -> Sequence[str]:

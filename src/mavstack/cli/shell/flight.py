@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import CommandError
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import Command, expect, number_of
 from mavstack.cli.vehicle.flight_progress import FlightProgress, height_of, to_altitude, to_home, to_place
@@ -156,7 +157,7 @@ async def home(session: Session, words: list[str]) -> None:
         await vehicle.telemetry.ask_for_home()
     where = vehicle.home
     if where is None:
-        raise MavstackError("the vehicle has no home yet")
+        raise CommandError("the vehicle has no home yet")
     session.say(f"home: {where.latitude:.7f} {where.longitude:.7f}, {where.altitude:.1f} m above sea")
 
 

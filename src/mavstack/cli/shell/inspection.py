@@ -6,10 +6,11 @@ import asyncio
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.field_values import message_values
-from mavstack.cli.common.transfer_progress import size_text
-from mavstack.cli.common.usage_error import UsageError
-from mavstack.cli.param.text import columns
+from mavstack.cli.common.errors import CommandError
+from mavstack.cli.common.field_values import field_texts
+from mavstack.cli.common.text import size_text
+from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.output import align_columns
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import Command, expect, number_of, whole_number_of
 from mavstack.cli.vehicle.info import gather_facts, page
@@ -44,7 +45,7 @@ async def status(session: Session, words: list[str]) -> None:
         kinds = _kinds(words)
         heard = [await vehicle.wait_for_message(kind, timeout=_PATIENCE) for kind in kinds]
     if not heard:
-        raise MavstackError(f"no {' nor '.join(words)} was heard of vehicle {vehicle.system}")
+        raise CommandError(f"no {' nor '.join(words)} was heard of vehicle {vehicle.system}")
     for message in heard:
         session.say(message_line(message, vehicle.age(type(message))))
 
@@ -99,7 +100,7 @@ async def version(session: Session, words: list[str]) -> None:
         ("board", f"vendor {told.vendor_id}, product {told.product_id}, version {told.board_version}"),
         ("id", told.unique_id),
     ]
-    session.say(*columns([row for row in rows if row[1]]))
+    session.say(*align_columns([row for row in rows if row[1]]))
 
 
 async def link(session: Session, words: list[str]) -> None:
@@ -127,7 +128,7 @@ async def vehicle(session: Session, words: list[str]) -> None:
         session.choose(whole_number_of(words[0], "a system id", _LAST_SYSTEM))
         return
     rows = [_vehicle_row(session, each) for each in session.node.vehicles.values()]
-    session.say(*(columns(rows) if rows else ["no vehicle has been heard yet"]))
+    session.say(*(align_columns(rows) if rows else ["no vehicle has been heard yet"]))
 
 
 async def ping(session: Session, words: list[str]) -> None:
@@ -135,7 +136,7 @@ async def ping(session: Session, words: list[str]) -> None:
     expect(words, 0, 0, "ping")
     told = await session.vehicle.component.ping()
     if not told.round_trips:
-        raise MavstackError(f"none of {told.sent} pings came back")
+        raise CommandError(f"none of {told.sent} pings came back")
     times = [trip * 1000 for trip in told.round_trips]
     mean = sum(times) / len(times)
     spread = f"{min(times):.1f} to {max(times):.1f} ms, {mean:.1f} on the mean"
@@ -144,7 +145,7 @@ async def ping(session: Session, words: list[str]) -> None:
 
 def message_line(message: Message, age: float | None = None) -> str:
     """A message in one line."""
-    fields = " ".join(f"{value.name}={value.text}" for value in message_values(message) if value.known)
+    fields = " ".join(f"{value.name}={value.text}" for value in field_texts(message) if value.known)
     name = type(message).definition.name
     return f"{name} {fields}" + ("" if age is None else f"  ({age:.1f} s ago)")
 
@@ -152,7 +153,7 @@ def message_line(message: Message, age: float | None = None) -> str:
 def _vehicle_row(session: Session, each: Vehicle) -> tuple[str, ...]:
     known = each.component.info
     state = "silent" if not each.alive else f"{each.mode or ''}{', armed' if each.armed else ''}"
-    return "*" if each is session.chosen else " ", str(each.system), known.kind if known else "", state
+    return "*" if each is session.chosen else " ", str(each.system), known.description if known else "", state
 
 
 def _kinds(names: list[str]) -> list[type[Message]]:

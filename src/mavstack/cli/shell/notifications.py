@@ -9,8 +9,8 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.colours import colored
-from mavstack.cli.common.field_values import clean
+from mavstack.cli.common.output import coloured
+from mavstack.cli.common.text import printable
 from mavstack.links import LinkDown
 from mavstack.services.statustext import StatusText
 from mavstack.vehicle import (
@@ -50,12 +50,12 @@ class News:
                     return None
                 several = len(self._session.node.vehicles) > 1
                 known = min(max(severity, 0), len(_COLOURS) - 1)
-                return f"{f'{source.system}: ' if several else ''}{clean(text)}", _COLOURS[known]
+                return f"{f'{source.system}: ' if several else ''}{printable(text)}", _COLOURS[known]
             case LinkDown(reason, retry_in):
                 again = "" if retry_in == float("inf") else f"; tries again in {retry_in:.0f} s"
-                return f"link down: {clean(reason)}{again}", "red"
+                return f"link down: {printable(reason)}{again}", "red"
             case _:
-                return clean(str(event)), "red" if isinstance(event, _BAD) else "green"
+                return printable(str(event)), "red" if isinstance(event, _BAD) else "green"
 
     def _is_ours(self, system: int) -> bool:
         return system != self._session.node.address.system
@@ -82,4 +82,4 @@ class News:
 def announce(text: str, colour: str = "") -> None:
     """A line on stderr, in place of a progress line if there is one."""
     erase = _ERASE if sys.stderr.isatty() else ""
-    print(f"{erase}{colored(text, colour, sys.stderr)}", file=sys.stderr, flush=True)
+    print(f"{erase}{coloured(text, colour, sys.stderr)}", file=sys.stderr, flush=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, NamedTuple
 
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

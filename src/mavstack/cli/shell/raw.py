@@ -6,8 +6,9 @@ import asyncio
 import re
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.field_values import clean
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import CommandError
+from mavstack.cli.common.text import printable
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import Command, expect, number_of, whole_number_of
 from mavstack.dialects import ardupilotmega, common
@@ -94,7 +95,7 @@ async def nsh(session: Session, words: list[str]) -> None:
     async with session.vehicle.shell() as shell:
         shell.write_line(line)
         if not await _show_answer(session, shell, line):
-            raise MavstackError("no shell answered; it is PX4 that has one")
+            raise CommandError("no shell answered; it is PX4 that has one")
 
 
 async def _show_answer(session: Session, shell: Shell, line: str) -> bool:
@@ -120,7 +121,7 @@ async def _show_answer(session: Session, shell: Shell, line: str) -> bool:
 def _answer(heard: str, line: str) -> list[str]:
     """The lines of what was heard, the echo of the command left out; the last one may not be whole."""
     text = _ESCAPES.sub("", heard).replace("\r", "")
-    *whole, last = [clean(each.expandtabs(8)).rstrip() for each in text.split("\n")]
+    *whole, last = [printable(each.expandtabs(8)).rstrip() for each in text.split("\n")]
     bare = [each.removeprefix(_PROMPT).strip() if each.startswith(_PROMPT) else each for each in whole]
     echoes = {line.strip(), _PROMPT.strip()}
     while bare and (not bare[0] or bare[0].strip() in echoes):

@@ -10,8 +10,8 @@ import sys
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.colours import colored
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.output import coloured
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.parsing import commands_of
 from mavstack.errors import MavstackError
@@ -90,7 +90,7 @@ def tell_failure(error: MavstackError | OSError, where: str = "") -> None:
             f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else error
         )
         print(
-            colored(f"{where}{' '.join(str(text).split())}", "red", sys.stderr), file=sys.stderr, flush=True
+            coloured(f"{where}{' '.join(str(text).split())}", "red", sys.stderr), file=sys.stderr, flush=True
         )
 
 

@@ -9,6 +9,7 @@ import sys
 from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING
 
+from mavstack.cli.common.errors import CommandError
 from mavstack.cli.shell.overrides import Overrides
 from mavstack.cli.shell.settings import Settings
 from mavstack.errors import MavstackError
@@ -63,7 +64,7 @@ class Session:
         """The vehicle that is meant; raises `MavstackError` if there is none."""
         vehicle = self.chosen
         if vehicle is None:
-            raise MavstackError("no vehicle has been heard yet; `link` shows what comes in")
+            raise CommandError("no vehicle has been heard yet; `link` shows what comes in")
         return vehicle
 
     def choose(self, system: int) -> Vehicle:
@@ -71,7 +72,7 @@ class Session:
         vehicle = self.node.vehicles.get(system)
         if vehicle is None:
             known = ", ".join(map(str, self.node.vehicles)) or "none"
-            raise MavstackError(f"no vehicle has the system id {system}; those heard: {known}")
+            raise CommandError(f"no vehicle has the system id {system}; those heard: {known}")
         self._system = system
         return vehicle
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.transfer_progress import TransferProgress
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import Command, expect, whole_number_of
 from mavstack.cli.shell.subcommands import run_subcommand
@@ -123,7 +124,7 @@ async def log(session: Session, words: list[str]) -> None:
         await run_subcommand(session, "log", ["get", *_download_words(rest)])
     elif verb == "erase" and session.interactive and not rest:
         if not await session.confirm(f"erase all logs of vehicle {session.vehicle.system}?"):
-            raise MavstackError("nothing was erased")
+            raise CommandError("nothing was erased")
         await run_subcommand(session, "log", ["erase", "--yes"])
     else:
         await run_subcommand(session, "log", [verb, *rest])
@@ -151,7 +152,7 @@ async def _plan(session: Session, verb: str, words: Sequence[str], kind: str) ->
 def _say_progress(session: Session) -> None:
     progress = session.vehicle.mission.progress
     if progress is None:
-        raise MavstackError("the vehicle has not said where it is in its mission")
+        raise CommandError("the vehicle has not said where it is in its mission")
     session.say(f"item {progress.seq} of {progress.total}")
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.cli.common.options import seconds, system_id
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.errors import MavstackError
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
@@ -111,7 +111,7 @@ async def _simulate(arguments: Namespace) -> int:
         speed, direction, turbulence = arguments.wind
         simulation.world.set_wind(speed=speed, direction=direction, turbulence=turbulence)
     script = FaultScript([*_lines(arguments.script), *arguments.fault])
-    teller = Teller(arguments.json)
+    teller = EventPrinter(arguments.json)
     vehicles = fleet.add_to(simulation)
     for vehicle in vehicles:
         vehicle.listeners.append(teller.tell)
@@ -144,7 +144,7 @@ async def _connect(runner: Runner, vehicles: Sequence[SimulatedVehicle], argumen
     ]
 
 
-async def _run(runner: Runner, script: FaultScript, teller: Teller, limit: float | None) -> None:
+async def _run(runner: Runner, script: FaultScript, teller: EventPrinter, limit: float | None) -> None:
     from mavstack.cli.watch.follower import beside
 
     script.run_in(runner.simulation, lambda timed: teller.fault(timed, runner.simulation.elapsed))
@@ -152,16 +152,16 @@ async def _run(runner: Runner, script: FaultScript, teller: Teller, limit: float
         await runner.run(limit)
 
 
-async def _read_faults(simulation: Simulation, teller: Teller) -> None:
+async def _read_faults(simulation: Simulation, teller: EventPrinter) -> None:
     """Inject what is typed."""
-    from mavstack.cli.common.stdin_lines import typed_lines
+    from mavstack.cli.common.stdin_lines import stdin_lines
 
-    async for line in typed_lines():
+    async for line in stdin_lines():
         if text := line.strip():
             _inject(simulation, text, teller)
 
 
-def _inject(simulation: Simulation, text: str, teller: Teller) -> None:
+def _inject(simulation: Simulation, text: str, teller: EventPrinter) -> None:
     from mavstack.sim.faults import FaultError, TimedFault
 
     try:
@@ -173,7 +173,7 @@ def _inject(simulation: Simulation, text: str, teller: Teller) -> None:
     teller.fault(typed, simulation.elapsed)
 
 
-class Teller:
+class EventPrinter:
     """Prints what happens, a line each."""
 
     def __init__(self, as_json: bool) -> None:

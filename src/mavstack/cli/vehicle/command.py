@@ -7,10 +7,11 @@ from argparse import ArgumentTypeError
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_connection_options, run_on_connection
 from mavstack.cli.common.options import seconds
-from mavstack.cli.common.usage_error import UsageError
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.vehicle.flight_progress import height_of, to_altitude, to_home, to_place
 from mavstack.cli.vehicle.info import gather_facts, health_facts, page
 from mavstack.cli.vehicle.selection import add_selection, carry_out, chosen, several
@@ -242,7 +243,7 @@ def home(arguments: Namespace) -> int:
         where = vehicle.home
         if where is None:
             if place is None:
-                raise MavstackError(f"vehicle {vehicle.system} has no home yet")
+                raise CommandError(f"vehicle {vehicle.system} has no home yet")
             return "home is set"
         return f"home is {where.latitude:.7f} {where.longitude:.7f}, {where.altitude:.1f} m above sea"
 

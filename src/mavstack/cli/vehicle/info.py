@@ -10,9 +10,9 @@ from textwrap import wrap
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.common.colours import colored
-from mavstack.cli.common.field_values import clean
-from mavstack.cli.common.identity import words
+from mavstack.cli.common.output import coloured
+from mavstack.cli.common.text import printable
+from mavstack.cli.common.identity import entry_words
 from mavstack.cli.vehicle.flight_progress import to_home
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
@@ -56,7 +56,7 @@ async def gather_facts(vehicle: Vehicle) -> dict[str, Any]:
 def health_facts(vehicle: Vehicle) -> dict[str, Any]:
     """Whether it is ready, and what is wrong with it."""
     health = vehicle.health
-    return {"ready": health.ready, "problems": [clean(str(problem)) for problem in health.problems]}
+    return {"ready": health.ready, "problems": [printable(str(problem)) for problem in health.problems]}
 
 
 def _what(vehicle: Vehicle) -> dict[str, Any]:
@@ -64,7 +64,7 @@ def _what(vehicle: Vehicle) -> dict[str, Any]:
     return {
         "system": vehicle.system,
         "component": vehicle.address.component,
-        "type": None if kind is None else words(getattr(kind, "name", str(int(kind)))),
+        "type": None if kind is None else entry_words(getattr(kind, "name", str(int(kind)))),
         "class": str(vehicle.vehicle_type),
         "firmware": _FIRMWARES.get(vehicle.autopilot, _named(vehicle.autopilot)),
     }
@@ -91,7 +91,7 @@ def _how(vehicle: Vehicle) -> dict[str, Any]:
         "mode": vehicle.mode,
         "armed": vehicle.armed,
         "in_air": vehicle.in_air,
-        "status": None if status is None else words(_named(status)),
+        "status": None if status is None else entry_words(_named(status)),
         "position": _plain(vehicle.position),
         "ground_speed": None if velocity is None else round(velocity.ground_speed, 2),
         "home": _plain(vehicle.home),
@@ -106,7 +106,7 @@ def _around(vehicle: Vehicle) -> dict[str, Any]:
     others = vehicle.components
     return {
         "components": [
-            {"component": number, "kind": info.kind, "alive": info.alive} for number, info in others.items()
+            {"component": number, "kind": info.description, "alive": info.alive} for number, info in others.items()
         ]
     }
 
@@ -127,7 +127,7 @@ def page(facts: dict[str, Any]) -> list[str]:
         *_wrapped("can do", [name.lower() for name in facts["capabilities"] or ()]),
         ("board", _board_text(facts)),
     ]
-    lines = [colored(head, "bold")]
+    lines = [coloured(head, "bold")]
     before = ""
     for name, text in rows:
         if text:
@@ -137,9 +137,9 @@ def page(facts: dict[str, Any]) -> list[str]:
 
 
 def _state_text(facts: dict[str, Any]) -> str:
-    armed = {True: colored("armed", "red"), False: "disarmed", None: ""}[facts["armed"]]
+    armed = {True: coloured("armed", "red"), False: "disarmed", None: ""}[facts["armed"]]
     air = {True: "in the air", False: "on the ground", None: ""}[facts["in_air"]]
-    silent = "" if facts["alive"] else colored("silent", "red")
+    silent = "" if facts["alive"] else coloured("silent", "red")
     return ", ".join(filter(None, (silent, facts["mode"], armed, air, facts["status"])))
 
 
@@ -188,11 +188,11 @@ def _gps_text(gps: dict[str, Any] | None) -> str:
 
 def _health_rows(health: dict[str, Any]) -> list[tuple[str, str]]:
     ready = {
-        True: colored("ready to arm", "green"),
-        False: colored("not ready to arm", "red"),
+        True: coloured("ready to arm", "green"),
+        False: coloured("not ready to arm", "red"),
         None: "it does not say whether it is ready to arm",
     }[health["ready"]]
-    return [("health", ready), *[("health", colored(text, "yellow")) for text in health["problems"]]]
+    return [("health", ready), *[("health", coloured(text, "yellow")) for text in health["problems"]]]
 
 
 def _wrapped(name: str, texts: list[str]) -> list[tuple[str, str]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.options import add_dialect, load_dialect, message_ids, seconds, system_id
+from mavstack.cli.common.options import add_dialect_option, load_dialect, message_ids, seconds, system_id
 from mavstack.cli.watch.observer import Observer, Selection
 from mavstack.cli.watch.packet_lines import json_line, text_line
 from mavstack.cli.watch.recording import STDIN, read_recording
@@ -80,7 +80,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--heartbeat", action="store_true", help="send a ground station's HEARTBEAT once a second"
     )
-    add_dialect(parser)
+    add_dialect_option(parser)
 
 
 def run(arguments: Namespace) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.live_display import LivePicture, Text
+from mavstack.cli.common.live_display import LiveDisplay, Text
 from mavstack.cli.watch.snapshot import duration_text, loss_text, rate_text, size_text, take
 from mavstack.cli.watch.summary import message_order
 
@@ -25,7 +25,7 @@ _WIDE = 100
 _LONGEST_NAME = 28
 
 
-class LiveTable(LivePicture["Picture"]):
+class LiveTable(LiveDisplay["Picture"]):
     """Shows what a follower hears, on the whole terminal, and leaves the last picture behind."""
 
     def __init__(self, title: str, follower: Follower, sort: str) -> None:
@@ -107,7 +107,7 @@ def _members(picture: Picture, most: int) -> Iterator[Text]:
 def _member(member: Member) -> Text:
     identity = member.identity
     line = Text(" ").append(f"{member.source:<7}", "bold magenta").append("  ")
-    line.append("  ".join(word for word in (identity.kind or "unknown", identity.autopilot) if word))
+    line.append("  ".join(word for word in (identity.type_name or "unknown", identity.autopilot) if word))
     if identity.armed is not None:
         line.append("  ARMED" if identity.armed else "  disarmed", "bold red" if identity.armed else "green")
     if identity.mode:

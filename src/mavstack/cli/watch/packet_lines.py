@@ -6,7 +6,7 @@ import json
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.field_values import HIDDEN, message_values, raw_hex
+from mavstack.cli.common.field_values import HIDDEN, field_texts, raw_hex
 from mavstack.dialects.secrets import secret_fields
 
 if TYPE_CHECKING:
@@ -38,5 +38,5 @@ def text_line(packet: Packet, time: float | None) -> str:
     message = packet.message
     if message is None:
         return f"{clock} {source:>7} unknown id {packet.message_id}: {raw_hex(packet)}"
-    values = " ".join(f"{value.name}={value.text}" for value in message_values(message))
+    values = " ".join(f"{value.name}={value.text}" for value in field_texts(message))
     return f"{clock} {source:>7} {packet.name} {values}"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.field_values import UNKNOWN, Value, message_values, raw_hex
+from mavstack.cli.common.field_values import UNKNOWN, Value, field_texts, raw_hex
 from mavstack.cli.common.identity import Identity, identify
 from mavstack.cli.watch.observer import Heard, Totals
 from mavstack.cli.watch.traffic import Rate
@@ -49,7 +49,7 @@ class Row:
         message = self.packet.message
         if message is None:
             return [Value("raw", raw_hex(self.packet))]
-        known = (value for value in message_values(message) if value.known and value.name not in _TIMES)
+        known = (value for value in field_texts(message) if value.known and value.name not in _TIMES)
         shortened = [value._replace(text=cut(value.text, _LONGEST_VALUE)) for value in known]
         return sorted(shortened, key=lambda value: value.flags or value.name in _TARGETS)
 
@@ -208,5 +208,5 @@ def _quality(name: str, parser: Parser) -> Quality:
 
 def _status(packet: Packet) -> str:
     """A status text with its sender and severity."""
-    values = {value.name: value.text for value in message_values(packet.message)}
+    values = {value.name: value.text for value in field_texts(packet.message)}
     return f"{packet.system}/{packet.component} {values['severity']}: {values['text']}"

@@ -126,7 +126,7 @@ def _members(picture: Picture) -> Iterator[str]:
     rows = [
         (
             member.source,
-            member.identity.kind,
+            member.identity.type_name,
             member.identity.autopilot,
             member.state,
             str(member.heard.received),
