@@ -8,7 +8,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell import raw
 from mavstack.cli.shell.runner import run_line
 from mavstack.dialects import ardupilotmega, common
-from mavstack.errors import CommandDenied, FieldRangeError, MavstackError
+from mavstack.errors import CommandDenied, InvalidArgumentError, MavstackError
 from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell, type_lines
 
 
@@ -95,7 +95,7 @@ def test_wrong_words_are_told(line):
     "line", ["rc 3", "rc 0 1500", "rc 19 1500", "rc 3 70000", "rc three 1500", "rc 3 -1"]
 )
 def test_wrong_channels_are_told(line):
-    with pytest.raises((UsageError, FieldRangeError)):
+    with pytest.raises((UsageError, InvalidArgumentError)):
         type_lines(line)
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.cli.common.text import printable
 from mavstack.dialects.secrets import secret_fields
-from mavstack.security import holds_secret
+from mavstack.security import has_secret_fields
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -187,4 +187,4 @@ def _no_minus_zero(number: str) -> str:
 
 def raw_hex(packet: Packet) -> str:
     """Return the bytes of a packet in hexadecimal, or `HIDDEN` if they hold a secret."""
-    return HIDDEN if holds_secret(packet) else packet.raw.hex()
+    return HIDDEN if has_secret_fields(packet) else packet.raw.hex()

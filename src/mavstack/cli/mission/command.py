@@ -1,4 +1,4 @@
-"""`mav mission`: the mission, fence and rally points of a vehicle, given, got, cleared, flown, shown."""
+"""`mav mission`: upload, download, clear, start, show and convert missions, fences and rally points."""
 
 from __future__ import annotations
 
@@ -40,56 +40,68 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "mission", EXAMPLES)
-    giving = actions.add("upload", "give the vehicle what a file holds, in place of what it has", upload)
-    giving.add_argument("file", metavar="FILE", help="of any format that can be read; - is standard input")
-    _with_kinds(giving, "what the file holds")
-    giving.add_argument("--verify", action="store_true", help="read it back, and compare")
-    giving.add_argument("--force", action="store_true", help="send it, though something is wrong with it")
-    add_connection_options(giving)
-    getting = actions.add("download", "get what the vehicle has, into a file or to standard output", download)
-    getting.add_argument("file", nargs="?", default="-", metavar="FILE", help="its suffix says the format")
-    _with_kinds(getting, "all that the format can hold", all_too=True)
-    _with_format(getting)
-    add_connection_options(getting)
-    clearing = actions.add("clear", "let the vehicle forget its plans", clear)
-    _with_kinds(clearing, "the mission", all_too=True)
-    add_connection_options(clearing)
-    starting = actions.add("start", "arm if need be, and fly the mission", start)
-    starting.add_argument("--wait", action="store_true", help="until it has been flown")
-    add_connection_options(starting)
-    showing = actions.add("show", "show what a file holds, or what the vehicle has", show)
-    showing.add_argument("file", nargs="?", metavar="FILE", help="without it the vehicle is asked")
-    _with_kinds(showing, "all")
-    showing.add_argument("--json", action="store_true", help="for programs; `upload` and `convert` read it")
-    showing.add_argument("--no-map", dest="map", action="store_false", help="without the sketch")
-    add_connection_options(showing)
-    converting = actions.add("convert", "write what a file holds in another format", convert)
-    converting.add_argument("input", metavar="IN", help="of any format that can be read; - is standard input")
-    converting.add_argument("output", metavar="OUT", help="its suffix says the format; - is standard output")
-    _with_kinds(converting, "what the file holds")
-    _with_format(converting)
+    action = actions.add("upload", "replace plans of the vehicle by those of a file", upload)
+    action.add_argument("file", metavar="FILE", help="plan file of any known format; - is standard input")
+    _add_plan_types(action, "the plans of the file")
+    action.add_argument("--verify", action="store_true", help="download the plans again, and compare")
+    action.add_argument("--force", action="store_true", help="upload plans in which errors were found")
+    add_connection_options(action)
+    action = actions.add(
+        "download", "download plans of the vehicle to a file or to standard output", download
+    )
+    action.add_argument(
+        "file", nargs="?", default="-", metavar="FILE", help="file to write; its suffix selects the format"
+    )
+    _add_plan_types(action, "all plans that the format can hold", with_all=True)
+    _add_format(action)
+    add_connection_options(action)
+    action = actions.add("clear", "delete plans of the vehicle", clear)
+    _add_plan_types(action, "the mission", with_all=True)
+    add_connection_options(action)
+    action = actions.add("start", "arm if needed, and fly the mission", start)
+    action.add_argument("--wait", action="store_true", help="wait until the mission is complete")
+    add_connection_options(action)
+    action = actions.add("show", "show the plans of a file or of the vehicle", show)
+    action.add_argument("file", nargs="?", metavar="FILE", help="plan file (default: ask the vehicle)")
+    _add_plan_types(action, "all plans")
+    action.add_argument(
+        "--json", action="store_true", help="print JSON, which `upload` and `convert` can read"
+    )
+    action.add_argument("--no-map", dest="map", action="store_false", help="do not draw a map")
+    add_connection_options(action)
+    action = actions.add("convert", "convert a plan file to another format", convert)
+    action.add_argument("input", metavar="IN", help="plan file of any known format; - is standard input")
+    action.add_argument(
+        "output", metavar="OUT", help="file to write; its suffix selects the format; - is standard output"
+    )
+    _add_plan_types(action, "the plans of the file")
+    _add_format(action)
 
 
 def run(arguments: Namespace) -> int:
-    """Carry out the action that was chosen."""
+    """Run the chosen action."""
     code: int = arguments.run_action(arguments)
     return code
 
 
-def _with_kinds(parser: ArgumentParser, default: str, *, all_too: bool = False) -> None:
-    group = parser.add_argument_group("which plans", f"by default {default}; several may be named")
-    for name, kind, what in (
-        ("--mission", PlanType.MISSION, "what it is to fly"),
-        ("--fence", PlanType.FENCE, "where it must stay"),
-        ("--rally", PlanType.RALLY, "where it may land when it returns"),
+def _add_plan_types(parser: ArgumentParser, default: str, *, with_all: bool = False) -> None:
+    group = parser.add_argument_group("plans", f"default: {default}; several may be selected")
+    for name, plan_type, text in (
+        ("--mission", PlanType.MISSION, "the mission"),
+        ("--fence", PlanType.FENCE, "the geofence"),
+        ("--rally", PlanType.RALLY, "the rally points"),
     ):
-        options: dict[str, Any] = {"action": "append_const", "dest": "kinds", "const": kind}
-        group.add_argument(name, **options, help=what)
-    if all_too:
-        group.add_argument("--all", dest="kinds", action="store_const", const=PLAN_TYPES, help="all three")
+        options: dict[str, Any] = {"action": "append_const", "dest": "plan_types", "const": plan_type}
+        group.add_argument(name, **options, help=text)
+    if with_all:
+        group.add_argument(
+            "--all", dest="plan_types", action="store_const", const=PLAN_TYPES, help="all three"
+        )
 
 
-def _with_format(parser: ArgumentParser) -> None:
+def _add_format(parser: ArgumentParser) -> None:
     formats = "; ".join(f"{name}: {each.summary}" for name, each in FORMATS.items())
     parser.add_argument("--format", choices=tuple(FORMATS), help=formats)
-    parser.add_argument("--force", action="store_true", help="write it, though something of it is lost")
+    parser.add_argument(
+        "--force", action="store_true", help="write the file though a part of the plan is lost"
+    )

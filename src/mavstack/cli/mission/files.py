@@ -1,4 +1,4 @@
-"""Files of `mav mission`: read, judged and written, with what is wrong or lost told in one line."""
+"""Plan files of `mav mission`: read, validated and written; a problem or a loss is told in one line."""
 
 from __future__ import annotations
 
@@ -17,15 +17,16 @@ if TYPE_CHECKING:
     from mavstack.files.plans import PlanFile
     from mavstack.services.mission import PlanType
 
+#: The path that stands for standard input and output.
 STANDARD = "-"
-#: What is written to standard output, where nothing else is asked for.
-USUAL_FORMAT = "waypoints"
+#: Format of standard output.
+DEFAULT_FORMAT = "waypoints"
 
 
 def convert(arguments: Namespace) -> int:
-    """`mav mission convert`."""
+    """Run `mav mission convert`."""
     name, plan = read(arguments.input)
-    chosen = chosen_of(plan, arguments.kinds, name)
+    chosen = select_plan_types(plan, arguments.plan_types, name)
     if plan.problems and not arguments.force:
         raise PlanFileError(_first_of(plan.problems, "--force writes the rest"), name)
     save(plan.only(chosen), arguments.output, arguments.format, force=arguments.force)
@@ -33,33 +34,44 @@ def convert(arguments: Namespace) -> int:
 
 
 def read(path: str) -> tuple[str, PlanFile]:
-    """What a file or standard input holds, and what it is called."""
+    """Read a file or standard input; return its name and its plans."""
     if path != STANDARD:
         return path, read_plan(Path(path))
     return "standard input", parse_plan(sys.stdin.buffer.read(), "standard input")
 
 
-def chosen_of(plan: PlanFile, kinds: Sequence[PlanType] | None, name: str) -> tuple[PlanType, ...]:
-    """Which plans of a file are meant: those named, or all that it has."""
-    chosen = tuple(dict.fromkeys(kinds)) if kinds else plan.kinds
+def select_plan_types(
+    plan: PlanFile, plan_types: Sequence[PlanType] | None, name: str
+) -> tuple[PlanType, ...]:
+    """Return the selected plans of a file, or all plans that it has.
+
+    Raises:
+        PlanFileError: A selected plan, or any plan, is missing.
+    """
+    chosen = tuple(dict.fromkeys(plan_types)) if plan_types else plan.kinds
     missing = [KINDS[kind] for kind in chosen if kind not in plan.kinds]
     if missing:
         raise PlanFileError(f"it has no {' and no '.join(missing)}", name)
     if not chosen:
-        raise PlanFileError("it holds nothing: `mav mission clear` empties a vehicle", name)
+        raise PlanFileError("it has no plans; `mav mission clear` deletes the plans of a vehicle", name)
     return chosen
 
 
-def judge(plan: PlanFile, name: str) -> None:
-    """Refuse a plan that no vehicle could fly as it is meant."""
-    wrong = [*plan.problems, *map(str, check(plan))]
-    if wrong:
-        raise PlanFileError(_first_of(wrong, f"`mav mission show {name}` tells all, --force sends it"), name)
+def validate(plan: PlanFile, name: str) -> None:
+    """Raise `PlanFileError` for a plan that no vehicle can fly as intended."""
+    problems = [*plan.problems, *map(str, check(plan))]
+    if problems:
+        advice = f"`mav mission show {name}` shows all problems, --force uploads the plan"
+        raise PlanFileError(_first_of(problems, advice), name)
 
 
 def save(plan: PlanFile, path: str, format: str | None, *, force: bool) -> None:  # noqa: A002
-    """Write plans to a file or to standard output, unless something of them would be lost."""
-    name = format or (USUAL_FORMAT if path == STANDARD else format_of(path))
+    """Write plans to a file or to standard output.
+
+    Raises:
+        PlanFileError: The format cannot hold a part of them, and `force` is not set.
+    """
+    name = format or (DEFAULT_FORMAT if path == STANDARD else format_of(path))
     where = "" if path == STANDARD else path
     try:
         written = format_plan(plan, name)
@@ -77,6 +89,6 @@ def save(plan: PlanFile, path: str, format: str | None, *, force: bool) -> None:
 
 
 def _first_of(texts: Sequence[str], advice: str) -> str:
-    """One line for several problems."""
+    """Return one line for several problems."""
     others = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
     return f"{texts[0]}{others}; {advice}"

@@ -1,7 +1,8 @@
-"""`mav mission show`: plans as tables for people, a sketch of them, or one object for programs.
+"""`mav mission show`: plans as tables with a map, or as one JSON object.
 
-The numbers are those that the vehicle, or the format of the file, calls the items by: from 1 where the home
-is item 0. A distance is from the place before; jumps are not followed, so a length is that of one round.
+The numbers of the items are those of the vehicle or of the file format: they begin at 1 where home is item 0.
+The distance of an item is measured from the place before it. Jumps are not followed, so a length is that of
+one pass.
 """
 
 from __future__ import annotations
@@ -11,17 +12,17 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.connection import run_on_vehicle
+from mavstack.cli.common.output import align_columns
 from mavstack.cli.mission.files import read
-from mavstack.cli.mission.sketch import flown, sketch
+from mavstack.cli.mission.sketch import flown_path, sketch
 from mavstack.cli.mission.text import altitude_text, length_text, number, params_text, place_text
-from mavstack.cli.mission.transfer import fetch
+from mavstack.cli.mission.transfer import download_plans
 from mavstack.files.plans import areas_of, check, plan_json
 from mavstack.files.plans.model import CMD, KINDS
 from mavstack.vehicle.geography import distance
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Sequence
 
     from mavstack.files.plans import PlanFile
     from mavstack.services.mission import MissionItem
@@ -32,15 +33,16 @@ _RIGHT = frozenset({0, 4})
 
 
 def show(arguments: Namespace) -> int:
-    """`mav mission show`."""
-    kinds = arguments.kinds or tuple(KINDS)
+    """Run `mav mission show`."""
+    plan_types = arguments.plan_types or tuple(KINDS)
     if arguments.file is not None:
         name, plan = read(arguments.file)
-        _print(name, plan.only(kinds), arguments)
+        _print(name, plan.only(plan_types), arguments)
         return 0
 
     async def work(vehicle: Vehicle) -> int:
-        plan = await fetch(vehicle, tuple(dict.fromkeys(kinds)), strict=bool(arguments.kinds))
+        chosen = tuple(dict.fromkeys(plan_types))
+        plan = await download_plans(vehicle, chosen, strict=bool(arguments.plan_types))
         _print(f"system {vehicle.system}", plan, arguments)
         return 0
 
@@ -58,17 +60,17 @@ def _print(name: str, plan: PlanFile, arguments: Namespace) -> None:
     drawn = sketch(plan) if arguments.map else []
     if drawn:
         print("", *drawn, sep="\n")
-    wrong = [*plan.problems, *map(str, check(plan))]
-    if wrong or plan.notes:
+    problems = [*plan.problems, *map(str, check(plan))]
+    if problems or plan.notes:
         print()
-    for text in wrong:
-        print(f"wrong: {text}")
+    for text in problems:
+        print(f"problem: {text}")
     for text in plan.notes:
         print(f"note: {text}")
 
 
 def summary(plan: PlanFile) -> str:
-    """All of it in one line."""
+    """Return the size of each plan in one line."""
     parts = []
     if len(plan.mission):
         parts.append(f"a mission of {_count(len(plan.mission), 'item')}, {length_text(length(plan))}")
@@ -77,29 +79,29 @@ def summary(plan: PlanFile) -> str:
         parts.append(f"a fence of {_count(len(areas.polygons) + len(areas.circles), 'area')}")
     if len(plan.rally):
         parts.append(_count(len(plan.rally), "rally point"))
-    return "; ".join(parts) or "nothing"
+    return "; ".join(parts) or "no plans"
 
 
 def length(plan: PlanFile) -> float:
-    """How many metres the path of a mission is long, its jumps not followed."""
-    return sum(distance(*start, *end) for (_, start), (_, end) in pairwise(flown(plan)))
+    """Return the length of the path of a mission in metres, without its jumps."""
+    return sum(distance(*start, *end) for (_, start), (_, end) in pairwise(flown_path(plan)))
 
 
 def _json(plan: PlanFile) -> dict[str, Any]:
-    whole = plan_json(plan)
+    plans = plan_json(plan)
     legs = _legs(plan)
-    for seq, item in enumerate(whole["mission"]):
+    for seq, item in enumerate(plans["mission"]):
         leg = legs.get(seq + plan.first)
         item["distance_m"] = None if leg is None else round(leg, 2)
     problems = [*plan.problems, *map(str, check(plan))]
-    return {**whole, "length_m": round(length(plan), 2), "problems": problems, "notes": list(plan.notes)}
+    return {**plans, "length_m": round(length(plan), 2), "problems": problems, "notes": list(plan.notes)}
 
 
 def _legs(plan: PlanFile) -> dict[int, float]:
-    """How far each item that goes somewhere is from the place before."""
+    """Return the distance of each item with a place from the place before it, in metres."""
     return {
         number: distance(*start, *end)
-        for (_, start), (number, end) in pairwise(flown(plan))
+        for (_, start), (number, end) in pairwise(flown_path(plan))
         if number is not None
     }
 
@@ -116,13 +118,13 @@ def _mission_lines(plan: PlanFile) -> list[str]:
     for index, item in enumerate(plan.mission.items, plan.first):
         leg = length_text(legs[index]) if index in legs else ""
         rows.append(_row(str(index), item, leg, plan.first))
-    return table(rows)
+    return align_columns(rows, right=_RIGHT)
 
 
 def _row(index: str, item: MissionItem, leg: str, first: int) -> tuple[str, ...]:
-    stops = "" if item.autocontinue else "stops here"
-    words = ", ".join(filter(None, (params_text(item, first), stops)))
-    return index, item.name, place_text(item), altitude_text(item), leg, words
+    stop = "" if item.autocontinue else "stops here"
+    params = ", ".join(filter(None, (params_text(item, first), stop)))
+    return index, item.name, place_text(item), altitude_text(item), leg, params
 
 
 def _fence_lines(plan: PlanFile) -> list[str]:
@@ -152,20 +154,8 @@ def _rally_lines(plan: PlanFile) -> list[str]:
         )
         for index, item in enumerate(plan.rally.items)
     ]
-    return table(rows, right=frozenset())
+    return align_columns(rows) if rows else []
 
 
-def table(rows: Sequence[Sequence[str]], right: frozenset[int] = _RIGHT) -> list[str]:
-    """Rows in columns as wide as they must be."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(
-            cell.rjust(width) if column in right else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-
-
-def _count(number_of: int, what: str) -> str:
-    return f"{number_of} {what}{'' if number_of == 1 else 's'}"
+def _count(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -1,4 +1,4 @@
-"""An item of a plan in words: its params by their official labels and units, its place, its altitude."""
+"""A plan item as text: its params with their official labels and units, its place, its altitude."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from mavstack.dialects.model import EnumDefinition, EnumEntry, EnumParam
     from mavstack.services.mission import MissionItem
 
-#: What altitudes are measured from.
-_ABOVE: Final[Mapping[int, str]] = MappingProxyType(
+#: The reference of altitudes by frame.
+_ALTITUDE_REFERENCES: Final[Mapping[int, str]] = MappingProxyType(
     {
         FRAME.GLOBAL: " above sea",
         FRAME.GLOBAL_RELATIVE_ALT: " above home",
@@ -30,25 +30,25 @@ _UNITS: Final[Mapping[str, str]] = MappingProxyType({"deg": "°", "": ""})
 
 @cache
 def entry_of(command: int) -> EnumEntry | None:
-    """What the definitions say about a command."""
+    """Return the definition of a command; None if it is not defined."""
     return ardupilotmega.MavCmd.definition().entry(command)
 
 
 def has_place(item: MissionItem) -> bool:
-    """Whether its params 5 and 6 are a place on the Earth."""
+    """Return whether params 5 and 6 of an item are a latitude and a longitude."""
     entry = entry_of(item.command)
     located = entry is not None and entry.has_location and item.frame in GLOBAL_FRAMES
     return located and all(map(isfinite, (item.param5, item.param6))) and bool(item.param5 or item.param6)
 
 
 def goes_there(item: MissionItem) -> bool:
-    """Whether it flies to its place."""
+    """Return whether the vehicle flies to the place of an item."""
     entry = entry_of(item.command)
     return has_place(item) and entry is not None and entry.is_destination
 
 
 def place_text(item: MissionItem) -> str:
-    """Its place."""
+    """Return the place of an item, in degrees or in metres of a local frame."""
     entry = entry_of(item.command)
     if entry is None or not entry.has_location or item.frame == FRAME.MISSION:
         return ""
@@ -60,23 +60,23 @@ def place_text(item: MissionItem) -> str:
 
 
 def altitude_text(item: MissionItem) -> str:
-    """Its altitude and what that is measured from; the frame, where it has no altitude."""
+    """Return the altitude of an item with its reference; empty if it has none."""
     entry = entry_of(item.command)
     frame = plain_frame(item.frame)
     if entry is None or not (entry.has_location or entry.has_altitude_only) or frame == FRAME.MISSION:
         return ""
     if isnan(item.param7) or not any(param.index == 7 and param.label for param in entry.params):
         return ""
-    return f"{number(item.param7)} m{_ABOVE.get(frame, f' ({frame_name(frame)})')}"
+    return f"{number(item.param7)} m{_ALTITUDE_REFERENCES.get(frame, f' ({frame_name(frame)})')}"
 
 
 def frame_name(frame: int) -> str:
-    """The official name of a frame without MAV_FRAME_."""
+    """Return the official name of a frame without MAV_FRAME_."""
     return FRAME(frame).name if frame in set(FRAME) else f"frame {frame}"
 
 
 def params_text(item: MissionItem, first: int = 0) -> str:
-    """Its params that say something; `first` is what the first item of its plan is called."""
+    """Return the params of an item that are not 0; `first` is the number of the first item of its plan."""
     entry = entry_of(item.command)
     shown = 4 if entry is not None and entry.has_location and item.frame != FRAME.MISSION else 7
     shown = 6 if entry is not None and entry.has_altitude_only else shown
@@ -91,14 +91,14 @@ def params_text(item: MissionItem, first: int = 0) -> str:
 
 
 def number(value: float) -> str:
-    """A number for people: whole where it is, else of few digits."""
+    """Return a number without decimals if it is whole, else with six digits."""
     if not isfinite(value):
         return f"{value:g}"
     return f"{value:.0f}" if value == int(value) and abs(value) < 1e9 else f"{value:.6g}"
 
 
 def length_text(metres: float) -> str:
-    """A distance for people."""
+    """Return a distance in metres or kilometres."""
     return f"{metres:.0f} m" if metres < 9999.5 else f"{metres / 1000:.1f} km"
 
 
@@ -113,7 +113,7 @@ def _param_text(index: int, param: EnumParam | None, value: float) -> str:
 
 
 def _entry_name(enum: str, value: float) -> str:
-    """The name of an enum's value, without what all its values begin with."""
+    """Return the name of an enum's value without the prefix of the enum."""
     definition = _enum(enum) if enum else None
     entry = None if definition is None or value != int(value) else definition.entry(int(value))
     if definition is None or entry is None:

@@ -1,7 +1,8 @@
-"""What `mav mission` does with a vehicle: give, get and clear plans, and have the mission flown.
+"""The actions of `mav mission` on a vehicle: upload, download and clear plans, start the mission.
 
-Several plans are given one after the other, the mission last: it is not to be flown without the fence that
-was made for it. What became of each is told, also when one was refused and the others were not sent.
+Several plans are uploaded one after the other, the mission last, because it must not be flown without the
+fence that was made for it. The outcome of each plan is shown, also when one is refused and the others are not
+sent.
 """
 
 from __future__ import annotations
@@ -10,10 +11,10 @@ import sys
 from math import isnan
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.connection import run_on_vehicle
+from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.transfer_progress import TransferProgress
-from mavstack.cli.mission.files import STANDARD, chosen_of, judge, read, save
+from mavstack.cli.mission.files import STANDARD, read, save, select_plan_types, validate
 from mavstack.dialects import common
 from mavstack.errors import MavstackError, MissionDenied, RemoteError, RemoteProtocolError
 from mavstack.files.plans import Home, PlanFile, Settings, format_of
@@ -29,44 +30,45 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
     from mavstack.vehicle.mission import VehiclePlan
 
-#: In this order plans are given and cleared.
+#: The order in which plans are uploaded and cleared.
 ORDER: Final = (PlanType.FENCE, PlanType.RALLY, PlanType.MISSION)
-#: How long to wait for a message that a vehicle is asked for but need not have, in seconds.
-ASKING_PATIENCE: Final = 2.0
-#: What vehicles keep of a place, in degrees, and of an altitude, in metres.
+#: Seconds to wait for a requested message that a vehicle need not have.
+OPTIONAL_MESSAGE_TIMEOUT: Final = 2.0
+#: Tolerances of a comparison, since vehicles store numbers in steps: degrees, metres, relative.
 PLACE_STEP: Final = 2e-7
 ALTITUDE_STEP: Final = 0.01
 RELATIVE_STEP: Final = 1e-5
 
 
 def upload(arguments: Namespace) -> int:
-    """`mav mission upload`."""
+    """Run `mav mission upload`."""
     name, plan = read(arguments.file)
-    chosen = chosen_of(plan, arguments.kinds, name)
+    chosen = select_plan_types(plan, arguments.plan_types, name)
     if not arguments.force:
-        judge(plan.only(chosen), name)
+        validate(plan.only(chosen), name)
     for note in plan.notes:
         print(f"mav mission: note: {note}", file=sys.stderr)
 
     async def work(vehicle: Vehicle) -> int:
         return await _each(
-            chosen, "not sent", lambda kind: _give(vehicle, plan, kind, verify=arguments.verify)
+            chosen, "not sent", lambda plan_type: _upload(vehicle, plan, plan_type, verify=arguments.verify)
         )
 
     return run_on_vehicle(arguments, work)
 
 
 def download(arguments: Namespace) -> int:
-    """`mav mission download`."""
+    """Run `mav mission download`."""
     to_file = arguments.file != STANDARD
     name = arguments.format or (format_of(arguments.file) if to_file else None)
-    kinds = tuple(dict.fromkeys(arguments.kinds or _held_by(name)))
+    plan_types = tuple(dict.fromkeys(arguments.plan_types or _plan_types_of_format(name)))
 
     async def work(vehicle: Vehicle) -> int:
-        plan = await fetch(vehicle, kinds, strict=bool(arguments.kinds) or len(kinds) == 1)
+        strict = bool(arguments.plan_types) or len(plan_types) == 1
+        plan = await download_plans(vehicle, plan_types, strict=strict)
         save(plan, arguments.file, name, force=arguments.force)
         if to_file:
-            counts = ", ".join(f"{KINDS[kind]}: {_count(plan, kind)}" for kind in kinds)
+            counts = ", ".join(f"{KINDS[each]}: {_count(plan, each)}" for each in plan_types)
             print(f"{arguments.file}: {counts}")
         return 0
 
@@ -74,23 +76,23 @@ def download(arguments: Namespace) -> int:
 
 
 def clear(arguments: Namespace) -> int:
-    """`mav mission clear`."""
-    chosen = arguments.kinds or [PlanType.MISSION]
+    """Run `mav mission clear`."""
+    chosen = arguments.plan_types or [PlanType.MISSION]
 
     async def work(vehicle: Vehicle) -> int:
-        return await _each(chosen, "not cleared", lambda kind: _clear(vehicle, kind))
+        return await _each(chosen, "not cleared", lambda plan_type: _clear(vehicle, plan_type))
 
     return run_on_vehicle(arguments, work)
 
 
 def start(arguments: Namespace) -> int:
-    """`mav mission start`."""
+    """Run `mav mission start`."""
 
     async def work(vehicle: Vehicle) -> int:
         if arguments.wait:
-            await _expect_mission(vehicle)
+            await _require_mission(vehicle)
             await vehicle.mission.fly()
-            print("mission: flown")
+            print("mission: complete")
         else:
             await start_mission(vehicle)
             print("mission: started")
@@ -100,124 +102,128 @@ def start(arguments: Namespace) -> int:
 
 
 async def start_mission(vehicle: Vehicle) -> None:
-    """Arm if need be, and have the mission flown."""
-    await _expect_mission(vehicle)
+    """Arm the vehicle if needed, and start its mission."""
+    await _require_mission(vehicle)
     if not vehicle.armed:
         await vehicle.arm()
     await vehicle.mission.start()
 
 
-async def _expect_mission(vehicle: Vehicle) -> None:
-    """Raise if it says that it has no mission: it would be armed, and then have nothing to do."""
+async def _require_mission(vehicle: Vehicle) -> None:
+    """Raise if the vehicle reports that it has no mission, so that it is not armed for nothing."""
     try:
-        told = await vehicle.component.request_message(common.MissionCurrent, timeout=ASKING_PATIENCE)
+        current = await vehicle.component.request_message(
+            common.MissionCurrent, timeout=OPTIONAL_MESSAGE_TIMEOUT
+        )
     except RemoteError:
         return
-    if told.mission_state == common.MissionState.NO_MISSION or told.total == NO_MISSION:
-        raise CommandError(f"system {vehicle.system} has no mission: `mav mission upload FILE` gives it one")
+    if current.mission_state == common.MissionState.NO_MISSION or current.total == NO_MISSION:
+        raise CommandError(
+            f"vehicle {vehicle.system} has no mission; upload one with `mav mission upload FILE`"
+        )
 
 
-async def fetch(vehicle: Vehicle, kinds: Sequence[PlanType], *, strict: bool) -> PlanFile:
-    """The plans of a vehicle; unless `strict`, those that it does not know at all are empty."""
-    plans = [await _get(vehicle, kind, strict=strict) for kind in kinds]
+async def download_plans(vehicle: Vehicle, plan_types: Sequence[PlanType], *, strict: bool) -> PlanFile:
+    """Download plans; unless `strict`, a plan type that the vehicle does not support is empty."""
+    plans = [await _download(vehicle, plan_type, strict=strict) for plan_type in plan_types]
     client = vehicle.component.mission_client
     info = vehicle.component.info
     settings = Settings() if info is None else Settings(int(info.autopilot), int(info.type))
     plan = PlanFile.of_vehicle(plans, home_first=client.home_first, settings=settings)
-    if plan.home is not None or PlanType.MISSION not in kinds:
+    if plan.home is not None or PlanType.MISSION not in plan_types:
         return plan
     return PlanFile(plan.mission, plan.fence, plan.rally, await _home(vehicle), plan.settings)
 
 
 async def _each(
-    chosen: Collection[PlanType], otherwise: str, carry_out: Callable[[PlanType], Coroutine[Any, Any, None]]
+    chosen: Collection[PlanType], skipped: str, act: Callable[[PlanType], Coroutine[Any, Any, None]]
 ) -> int:
-    """Do something with each plan in their order; when one fails, say so of those that were yet to come."""
-    waiting = [kind for kind in ORDER if kind in chosen]
+    """Act on each plan in the order of `ORDER`; after a failure report the remaining plans as skipped."""
+    remaining = [plan_type for plan_type in ORDER if plan_type in chosen]
     try:
-        while waiting:
-            await carry_out(waiting[0])
-            del waiting[0]
+        while remaining:
+            await act(remaining[0])
+            del remaining[0]
     except MavstackError:
-        for kind in waiting[1:]:
-            print(f"{KINDS[kind]}: {otherwise}")
+        for plan_type in remaining[1:]:
+            print(f"{KINDS[plan_type]}: {skipped}")
         raise
     return 0
 
 
-async def _clear(vehicle: Vehicle, kind: PlanType) -> None:
-    await _plans(vehicle, kind).clear()
-    print(f"{KINDS[kind]}: cleared")
+async def _clear(vehicle: Vehicle, plan_type: PlanType) -> None:
+    await _plans(vehicle, plan_type).clear()
+    print(f"{KINDS[plan_type]}: cleared")
 
 
-async def _give(vehicle: Vehicle, plan: PlanFile, kind: PlanType, *, verify: bool) -> None:
-    given = plan.for_vehicle(kind, home_first=vehicle.component.mission_client.home_first)
-    with TransferProgress(f"giving the {KINDS[kind]}", in_bytes=False) as progress:
-        await _plans(vehicle, kind).upload(given, progress=progress)
-    told = f"{KINDS[kind]}: {_count(plan, kind)} given"
+async def _upload(vehicle: Vehicle, plan: PlanFile, plan_type: PlanType, *, verify: bool) -> None:
+    wanted = plan.for_vehicle(plan_type, home_first=vehicle.component.mission_client.home_first)
+    with TransferProgress(f"uploading the {KINDS[plan_type]}", in_bytes=False) as progress:
+        await _plans(vehicle, plan_type).upload(wanted, progress=progress)
+    outcome = f"{KINDS[plan_type]}: {_count(plan, plan_type)} uploaded"
     if verify:
         try:
-            _compare(vehicle, kind, given, await _get(vehicle, kind, strict=True))
+            _compare(vehicle, plan_type, wanted, await _download(vehicle, plan_type, strict=True))
         except MavstackError:
-            print(told)
+            print(outcome)
             raise
-        told += ", and read back the same"
-    print(told)
+        outcome += " and verified"
+    print(outcome)
 
 
-async def _get(vehicle: Vehicle, kind: PlanType, *, strict: bool) -> Plan:
-    with TransferProgress(f"getting the {KINDS[kind]}", in_bytes=False) as progress:
+async def _download(vehicle: Vehicle, plan_type: PlanType, *, strict: bool) -> Plan:
+    with TransferProgress(f"downloading the {KINDS[plan_type]}", in_bytes=False) as progress:
         try:
-            return await _plans(vehicle, kind).download(progress=progress)
+            return await _plans(vehicle, plan_type).download(progress=progress)
         except MissionDenied as error:
-            unknown = error.code == common.MavMissionResult.UNSUPPORTED and kind != PlanType.MISSION
-            if strict or not unknown:
+            unsupported = error.code == common.MavMissionResult.UNSUPPORTED and plan_type != PlanType.MISSION
+            if strict or not unsupported:
                 raise
-            return Plan(kind)
+            return Plan(plan_type)
 
 
 async def _home(vehicle: Vehicle) -> Home | None:
     try:
-        told = await vehicle.component.request_message(common.HomePosition, timeout=ASKING_PATIENCE)
+        home = await vehicle.component.request_message(common.HomePosition, timeout=OPTIONAL_MESSAGE_TIMEOUT)
     except RemoteError:
         return None
-    return Home(told.latitude / 1e7, told.longitude / 1e7, told.altitude / 1e3)
+    return Home(home.latitude / 1e7, home.longitude / 1e7, home.altitude / 1e3)
 
 
-def _plans(vehicle: Vehicle, kind: PlanType) -> VehiclePlan:
-    return {PlanType.FENCE: vehicle.fence, PlanType.RALLY: vehicle.rally}.get(kind, vehicle.mission)
+def _plans(vehicle: Vehicle, plan_type: PlanType) -> VehiclePlan:
+    return {PlanType.FENCE: vehicle.fence, PlanType.RALLY: vehicle.rally}.get(plan_type, vehicle.mission)
 
 
-def _count(plan: PlanFile, kind: PlanType) -> str:
-    count = len(plan.plan(kind))
+def _count(plan: PlanFile, plan_type: PlanType) -> str:
+    count = len(plan.plan(plan_type))
     return f"{count} item{'' if count == 1 else 's'}"
 
 
-def _held_by(name: str | None) -> tuple[PlanType, ...]:
-    """Which plans a format holds."""
+def _plan_types_of_format(name: str | None) -> tuple[PlanType, ...]:
+    """Return the plans that a file format can hold."""
     if name in ("plan", "json"):
         return (PlanType.MISSION, PlanType.FENCE, PlanType.RALLY)
     return {"fence": (PlanType.FENCE,), "rally": (PlanType.RALLY,)}.get(name or "", (PlanType.MISSION,))
 
 
-def _compare(vehicle: Vehicle, kind: PlanType, given: Plan, held: Plan) -> None:
-    """Raise if a vehicle holds something else than it was given; its own home is no difference."""
-    skip = 1 if kind == PlanType.MISSION and vehicle.component.mission_client.home_first else 0
-    what = f"reading back the {KINDS[kind]}"
-    if len(given) != len(held):
-        answer = f"it holds {len(held)} items, not the {len(given)} that were given"
-        raise RemoteProtocolError(what, str(vehicle.address), answer=answer)
-    for seq, (ours, theirs) in enumerate(zip(given.items, held.items, strict=True)):
+def _compare(vehicle: Vehicle, plan_type: PlanType, uploaded: Plan, stored: Plan) -> None:
+    """Raise if the stored plan differs from the uploaded one; the home of the vehicle is not compared."""
+    skip = 1 if plan_type == PlanType.MISSION and vehicle.component.mission_client.home_first else 0
+    operation = f"verifying the {KINDS[plan_type]} of"
+    if len(uploaded) != len(stored):
+        answer = f"it has {len(stored)} items, {len(uploaded)} were uploaded"
+        raise RemoteProtocolError(operation, str(vehicle.address), answer=answer)
+    for seq, (ours, theirs) in enumerate(zip(uploaded.items, stored.items, strict=True)):
         difference = "" if seq < skip else _difference(ours, theirs)
         if difference:
-            answer = f"it holds another item {seq} ({ours.name}): {difference}"
-            raise RemoteProtocolError(what, str(vehicle.address), answer=answer)
+            answer = f"item {seq} ({ours.name}) differs: {difference}"
+            raise RemoteProtocolError(operation, str(vehicle.address), answer=answer)
 
 
 def _difference(ours: MissionItem, theirs: MissionItem) -> str:
-    """How an item differs; NaN leaves it to the vehicle, and small steps are how vehicles store numbers."""
+    """Return the difference of two items beyond the tolerances; NaN matches any value."""
     if ours.command != theirs.command:
-        return f"{theirs.name}"
+        return f"it is {theirs.name}"
     steps = (0.0, 0.0, 0.0, 0.0, PLACE_STEP, PLACE_STEP, ALTITUDE_STEP)
     pairs = zip(params_of(ours), params_of(theirs), steps, strict=True)
     for number, (mine, its, step) in enumerate(pairs, 1):
