@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from mavstack.sim.px4.checks import REFUSED
+from mavstack.sim.px4.arming import REFUSED
 from tests.sim.flights import CMD, RESULT, Airspace, Flown, grounded
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The names that a simulated autopilot reads, with the types that real programs give them."""
+"""Parameter names that a simulated autopilot reads, with their types in real firmware."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ PX4_VTOL = "REAL32: VT_F_TRANS_DUR VT_ARSP_TRANS VT_B_DEC_MSS\nINT32: VT_TYPE VT
 PX4_SURFACE = "REAL32: RO_SPEED_LIM RO_MAX_THR_SPEED RO_YAW_RATE_LIM RO_ACCEL_LIM PP_LOOKAHD_MAX"
 PX4_SUB = "REAL32: UUV_ROLL_P UUV_YAW_D UUV_GAIN_X_P\nINT32: UUV_STICK_MODE"
 
-WANTED = {
+REQUIRED = {
     (Firmware.ARDUPILOT, VehicleType.COPTER): AP_COMMON + AP_HOVER + AP_COPTER,
     (Firmware.ARDUPILOT, VehicleType.PLANE): AP_COMMON + AP_PLANE,
     (Firmware.ARDUPILOT, VehicleType.VTOL): AP_COMMON + AP_PLANE + AP_VTOL,
@@ -77,12 +77,12 @@ WANTED = {
 }
 
 
-def wanted(firmware: Firmware, type_: VehicleType) -> dict[str, str]:
-    """The names and their types."""
-    kinds, kind = {}, ""
-    for word in WANTED[firmware, type_].split():
+def required_types(firmware: Firmware, vehicle_type: VehicleType) -> dict[str, str]:
+    """Return the parameter types by name."""
+    types, type_name = {}, ""
+    for word in REQUIRED[firmware, vehicle_type].split():
         if word.endswith(":"):
-            kind = word[:-1]
+            type_name = word[:-1]
         else:
-            kinds[word] = kind
-    return kinds
+            types[word] = type_name
+    return types

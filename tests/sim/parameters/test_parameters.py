@@ -1,4 +1,4 @@
-"""A vehicle's handle on its parameters: reads, changes, boots, and what clients see of it."""
+"""Parameters of a simulated vehicle: reads, changes, reboots, and the view of clients."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ COPTER = (Firmware.ARDUPILOT, VehicleType.COPTER)
 
 
 class Flight:
-    """A vehicle with parameters and a ground that asks for them; nothing else."""
+    """A vehicle that has only parameters, and a ground station."""
 
-    def __init__(self, firmware=Firmware.ARDUPILOT, type_=VehicleType.COPTER) -> None:
-        self.parameters = Parameters(firmware, type_)
+    def __init__(self, firmware=Firmware.ARDUPILOT, vehicle_type=VehicleType.COPTER) -> None:
+        self.parameters = Parameters(firmware, vehicle_type)
         self.network = Network(keep_packets=True)
         self.vehicle = self.network.node(VEHICLE, self._boot)
         self.ground = self.network.node(GROUND)
@@ -45,7 +45,7 @@ class Flight:
         return [(m.param_id, m.param_value) for m in messages if isinstance(m, common.ParamValue)]
 
 
-def test_a_value_reads_as_its_type() -> None:
+def test_value_has_its_type() -> None:
     parameters = Parameters(*COPTER)
     assert parameters["RTL_ALT"] == 1500
     assert isinstance(parameters["RTL_ALT"], int)
@@ -57,7 +57,7 @@ def test_a_value_reads_as_its_type() -> None:
     assert len(parameters) == len(parameters.table)
 
 
-def test_a_name_that_is_not_there_is_our_mistake() -> None:
+def test_unknown_name_raises_key_error() -> None:
     parameters = Parameters(*COPTER)
     for use in (
         lambda: parameters["MPC_XY_CRUISE"],
@@ -68,7 +68,7 @@ def test_a_name_that_is_not_there_is_our_mistake() -> None:
             use()
 
 
-def test_a_value_that_the_type_cannot_hold_is_our_mistake() -> None:
+def test_value_out_of_range_of_its_type_is_refused() -> None:
     parameters = Parameters(*COPTER)
     with pytest.raises(LocalProtocolError):
         parameters.set("FLTMODE1", 300)
@@ -76,7 +76,7 @@ def test_a_value_that_the_type_cannot_hold_is_our_mistake() -> None:
 
 
 @pytest.mark.parametrize(("firmware", "name"), [("ardupilot", "SYSID_THISMAV"), ("px4", "MAV_SYS_ID")])
-def test_the_system_id_is_a_parameter_and_its_own_default(firmware, name) -> None:
+def test_system_id_is_a_parameter_with_its_own_default(firmware, name) -> None:
     parameters = Parameters(Firmware(firmware), VehicleType.SUB, 42)
     assert (parameters[name], parameters.system) == (42, 42)
     parameters.set(name, 7)
@@ -86,15 +86,15 @@ def test_the_system_id_is_a_parameter_and_its_own_default(firmware, name) -> Non
     assert Parameters(Firmware(firmware), VehicleType.SUB).system == 1
 
 
-def test_vehicles_share_nothing() -> None:
+def test_vehicles_have_independent_values() -> None:
     one, other = Parameters(*COPTER), Parameters(*COPTER)
     one.set("RTL_ALT", 3000)
     assert other["RTL_ALT"] == 1500
 
 
-@pytest.mark.parametrize(("firmware", "type_"), list(product(Firmware, VehicleType)))
-def test_a_client_lists_the_whole_table(firmware, type_) -> None:
-    flight = Flight(firmware, type_)
+@pytest.mark.parametrize(("firmware", "vehicle_type"), list(product(Firmware, VehicleType)))
+def test_client_lists_the_whole_table(firmware, vehicle_type) -> None:
+    flight = Flight(firmware, vehicle_type)
     flight.run(flight.client.download(flight.network.now))
     assert flight.client.complete
     listed = flight.client.parameters
@@ -107,7 +107,7 @@ def test_a_client_lists_the_whole_table(firmware, type_) -> None:
 
 
 @pytest.mark.parametrize("firmware", Firmware)
-def test_the_server_speaks_as_the_firmware_does(firmware) -> None:
+def test_server_uses_the_encoding_of_the_firmware(firmware) -> None:
     flight = Flight(firmware)
     encoding = Encoding.C_CAST if firmware is Firmware.ARDUPILOT else Encoding.BYTEWISE
     assert isinstance(flight.server, ParameterServer)
@@ -116,61 +116,61 @@ def test_the_server_speaks_as_the_firmware_does(firmware) -> None:
     assert ("_HASH_CHECK" in dict(flight.heard())) is (firmware is Firmware.PX4)
 
 
-def test_what_a_client_sets_counts_and_is_told_to_who_watches() -> None:
+def test_client_write_takes_effect_and_calls_callbacks() -> None:
     flight = Flight()
-    told, all_told = [], []
-    flight.parameters.on_change("RTL_ALT", told.append)
-    flight.parameters.on_any_change(lambda name, value: all_told.append((name, value)))
+    changes, all_changes = [], []
+    flight.parameters.on_change("RTL_ALT", changes.append)
+    flight.parameters.on_any_change(lambda name, value: all_changes.append((name, value)))
     for name, value in (("RTL_ALT", 3000), ("RTL_ALT", 3000), ("WPNAV_SPEED", 750.0)):
         assert flight.run(flight.client.set(name, value, flight.network.now)).value == value
     assert (flight.parameters["RTL_ALT"], flight.parameters["WPNAV_SPEED"]) == (3000, 750.0)
-    assert told == [3000]
-    assert all_told == [("RTL_ALT", 3000), ("WPNAV_SPEED", 750.0)]
+    assert changes == [3000]
+    assert all_changes == [("RTL_ALT", 3000), ("WPNAV_SPEED", 750.0)]
 
 
-def test_what_the_vehicle_sets_is_told_to_everybody_once() -> None:
+def test_vehicle_write_is_broadcast_once() -> None:
     flight = Flight()
-    told = []
-    flight.parameters.on_change("STAT_BOOTCNT", told.append)
+    changes = []
+    flight.parameters.on_change("STAT_BOOTCNT", changes.append)
     flight.parameters.set("STAT_BOOTCNT", 5)
     flight.parameters.set("STAT_BOOTCNT", 5)
     assert flight.heard() == [("STAT_BOOTCNT", 5.0)]
-    assert told == [5]
+    assert changes == [5]
 
 
-def test_a_callback_may_set_another_parameter() -> None:
+def test_callback_may_set_another_parameter() -> None:
     parameters = Parameters(*COPTER)
     parameters.on_change("RTL_ALT", lambda value: parameters.set("RTL_CLIMB_MIN", value // 2))
     parameters.set("RTL_ALT", 3000)
     assert parameters["RTL_CLIMB_MIN"] == 1500
 
 
-def test_values_outlive_a_reboot_and_watchers_do_not() -> None:
+def test_values_survive_a_reboot_and_callbacks_do_not() -> None:
     flight = Flight()
-    told = []
-    flight.parameters.on_change("RTL_ALT", told.append)
-    flight.parameters.on_any_change(lambda *change: told.append(change))
+    changes = []
+    flight.parameters.on_change("RTL_ALT", changes.append)
+    flight.parameters.on_any_change(lambda *change: changes.append(change))
     flight.parameters.set("RTL_ALT", 3000)
-    before, told[:] = flight.server, []
+    before, changes[:] = flight.server, []
     flight.vehicle.restart()
     assert flight.server is not before
     assert flight.run(flight.client.read("RTL_ALT", flight.network.now)).value == 3000
     flight.run(flight.client.set("RTL_ALT", 4000, flight.network.now))
     assert flight.parameters["RTL_ALT"] == 4000
-    assert not told
+    assert not changes
 
 
-def test_a_reset_brings_the_defaults_back_but_not_what_the_vehicle_counts() -> None:
+def test_reset_restores_defaults_but_keeps_counters() -> None:
     flight = Flight()
-    told = []
+    changes = []
     flight.parameters.set("STAT_BOOTCNT", 9)
     flight.parameters.set("RTL_ALT", 3000)
     flight.run(flight.client.set("WPNAV_SPEED", 750.0, flight.network.now))
-    flight.parameters.on_any_change(lambda *change: told.append(change))
+    flight.parameters.on_any_change(lambda *change: changes.append(change))
     flight.ground.heard.clear()
     flight.parameters.reset()
-    assert sorted(told) == [("RTL_ALT", 1500), ("WPNAV_SPEED", 1000.0)]
-    assert sorted(flight.heard()) == sorted(told)
+    assert sorted(changes) == [("RTL_ALT", 1500), ("WPNAV_SPEED", 1000.0)]
+    assert sorted(flight.heard()) == sorted(changes)
     assert flight.parameters["STAT_BOOTCNT"] == 9
 
 
@@ -185,7 +185,7 @@ def test_a_reset_brings_the_defaults_back_but_not_what_the_vehicle_counts() -> N
         ("px4", "MAV_COMP_ID", 0, common.MavParamError.VALUE_OUT_OF_RANGE),
     ],
 )
-def test_what_cannot_be_set_is_refused(firmware, name, value, error) -> None:
+def test_invalid_write_is_refused(firmware, name, value, error) -> None:
     flight = Flight(Firmware(firmware))
     before = flight.parameters[name]
     with pytest.raises(ParameterDenied) as refused:
@@ -194,7 +194,7 @@ def test_what_cannot_be_set_is_refused(firmware, name, value, error) -> None:
     assert flight.parameters[name] == before
 
 
-def test_px4_leaves_out_of_its_hash_what_changes_by_itself() -> None:
+def test_px4_hash_excludes_volatile_parameters() -> None:
     parameters = Parameters(Firmware.PX4, VehicleType.COPTER)
     before = parameters.table.hash()
     parameters.set("LND_FLIGHT_T_LO", 123)

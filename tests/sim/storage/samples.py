@@ -1,4 +1,4 @@
-"""Samples of a flight, and logs of it read by those who know the formats."""
+"""Samples of a flight, and readers of its logs by pymavlink and pyulog."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def sample(time_us: int = 10_000_000, **changes) -> FlightSample:
 
 
 def read_dataflash(data: bytes, tmp_path) -> dict[str, list[dict]]:
-    """All messages by name, as pymavlink reads them."""
+    """Return all messages by name, as pymavlink reads them."""
     path = tmp_path / "log.BIN"
     path.write_bytes(data)
     reader = DFReader_binary(str(path))
@@ -159,17 +159,18 @@ def any_float() -> st.SearchStrategy[float]:
 
 
 def any_sample() -> st.SearchStrategy[FlightSample]:
-    """Samples of which anything may be wrong."""
+    """Return a strategy for samples with arbitrary values."""
 
-    def record(kind: type) -> st.SearchStrategy:
-        whole = {
+    def record(record_type: type) -> st.SearchStrategy:
+        integers = {
             "gps_fix": st.integers(0, 8),
             "gps_satellites": st.integers(0, 99),
             "cells": st.integers(0, 14),
         }
         flags = {"horizontal": st.booleans(), "vertical": st.booleans()}
         return st.builds(
-            kind, **{name: whole.get(name, flags.get(name, any_float())) for name in kind._fields}
+            record_type,
+            **{name: integers.get(name, flags.get(name, any_float())) for name in record_type._fields},
         )
 
     widths = st.lists(any_float() | st.integers(-9, 70_000), max_size=20)

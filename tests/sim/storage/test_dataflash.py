@@ -1,4 +1,4 @@
-"""ArduPilot's logs, as pymavlink reads them."""
+"""ArduPilot's logs, read by pymavlink."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def found(tmp_path, capfd):
     return messages
 
 
-def test_every_message_is_there(found) -> None:
+def test_all_messages_are_present(found) -> None:
     assert set(found) == set(FORMATS)
     assert {name: len(found[name]) for name in ("FMT", "FMTU", "UNIT", "MULT")} == {
         "FMT": len(FORMATS),
@@ -64,7 +64,7 @@ def test_every_message_is_there(found) -> None:
 
 
 @pytest.mark.parametrize("kind", FORMATS.values(), ids=FORMATS)
-def test_a_format_is_whole(kind) -> None:
+def test_format_is_consistent(kind) -> None:
     fields = kind.labels.split(",")
     assert len(fields) == len(kind.format) == len(kind.units) == len(kind.multipliers)
     assert len(kind.labels) <= 64
@@ -74,7 +74,7 @@ def test_a_format_is_whole(kind) -> None:
     assert kind.length == 3 + struct.calcsize("<" + kind.codes) < 256
 
 
-def test_numbers_of_formats_are_given_once() -> None:
+def test_format_numbers_are_unique() -> None:
     assert len({kind.type for kind in FORMATS.values()}) == len(FORMATS)
 
 
@@ -116,7 +116,7 @@ def test_sensors(found) -> None:
     assert found["BAT"][2]["EnrgTot"] == pytest.approx(15.5 * 12.25 * 0.4 / 3600, rel=1e-5)
 
 
-def test_receiver(found) -> None:
+def test_gps(found) -> None:
     gps = found["GPS"][0]
     close(gps, Status=3, NSats=14, HDop=0.71, Lat=47.3978541, Lng=8.5454981, Alt=508.51, Spd=5.0, VZ=0.5)
     assert gps["GCrs"] == pytest.approx(306.8699, abs=1e-3)
@@ -125,7 +125,7 @@ def test_receiver(found) -> None:
     close(found["GPA"][0], HAcc=0.71, VAcc=1.12, VV=1)
 
 
-def test_what_happens(found) -> None:
+def test_events(found) -> None:
     assert [message["Message"] for message in found["MSG"]] == [
         "ArduCopter V4.6.0 (1f2e3d4c)",
         "Reached waypoint #1",
@@ -155,7 +155,7 @@ def test_parameters_and_mission(found) -> None:
     close(found["CMD"][1], CTot=2, CId=16, Prm1=1.5, Lat=47.3980001, Lng=8.5460002, Alt=60.0, Frame=3)
 
 
-def test_units_are_told(tmp_path) -> None:
+def test_units(tmp_path) -> None:
     from pymavlink.DFReader import DFReader_binary
 
     path = tmp_path / "log.BIN"
@@ -171,7 +171,7 @@ def test_units_are_told(tmp_path) -> None:
     reader.filehandle.close()
 
 
-def test_no_air_speed_no_sensor(tmp_path) -> None:
+def test_no_airspeed_record_without_airspeed(tmp_path) -> None:
     writer = DataflashWriter(log_start(), 0)
     writer.write(sample(0, airspeed=0.0, rc=(), health=None))
     found = read_dataflash(bytes(writer.data), tmp_path)
@@ -190,7 +190,7 @@ def test_texts_are_cut_at_whole_characters(tmp_path) -> None:
 
 @settings(max_examples=60)
 @given(samples=st.lists(any_sample(), max_size=3))
-def test_any_sample_is_written(samples, tmp_path_factory) -> None:
+def test_random_samples_are_written(samples, tmp_path_factory) -> None:
     writer = DataflashWriter(log_start(), 0)
     for each in samples:
         writer.write(each)
@@ -208,7 +208,7 @@ def test_any_sample_is_written(samples, tmp_path_factory) -> None:
     value=any_float() | st.integers(-(2**70), 2**70),
     place=st.tuples(any_float(), any_float(), any_float()),
 )
-def test_anything_that_happens_is_written(time, number, text, value, place, tmp_path_factory) -> None:
+def test_random_events_are_written(time, number, text, value, place, tmp_path_factory) -> None:
     writer = DataflashWriter(log_start(git_hash=text, home=place, mode=number), 0)
     writer.text(time, number, text)
     writer.mode(time, number, number)

@@ -1,4 +1,4 @@
-"""The logs of a vehicle: begun and ended, listed, fetched, kept within their limit, lost and found."""
+"""Onboard logs: start and end, listing, download, capacity, failures, recovery."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mavstack.errors import LocalProtocolError, LogTimeout, RemoteDenied
 from mavstack.services.ftp import FtpClient, FtpServer, MemoryStore
 from mavstack.services.log import LogClient, LogEntry, LogServer
 from mavstack.sim.storage import DataflashLogs, UlogLogs, file_store
-from mavstack.sim.storage.flight_logs import LEAST_KEPT, PIECE
+from mavstack.sim.storage.flight_logs import FLUSH_SIZE, MIN_LOG_CAPACITY
 from tests.services.network import GROUND, VEHICLE, Network, bad_weather
 from tests.sim.storage.samples import BOOT, log_start, read_dataflash, read_ulog, sample, values_of
 
@@ -23,7 +23,7 @@ SECOND = 1_000_000
 
 
 @pytest.fixture(params=[DataflashLogs, UlogLogs], ids=["ardupilot", "px4"])
-def kind(request):
+def log_class(request):
     return request.param
 
 
@@ -33,14 +33,14 @@ def store(request, tmp_path):
 
 
 @pytest.fixture
-def logs(kind, store):
-    logs = kind(store, log_start)
+def logs(log_class, store):
+    logs = log_class(store, log_start)
     yield logs
     logs.end()
 
 
 def fly(logs, begin_us: int, samples: int = 20) -> None:
-    """One flight, of so many tenths of a second."""
+    """Write one flight of `samples` tenths of a second."""
     logs.begin(begin_us)
     for step in range(samples):
         logs.write(sample(begin_us + step * 100_000))
@@ -61,11 +61,11 @@ def paths(store, path: str = "") -> list[str]:
 
 
 class TestFlights:
-    def test_no_flight_no_log(self, logs) -> None:
+    def test_no_log_without_a_flight(self, logs) -> None:
         assert logs.logs() == []
         assert not logs.writing
         logs.write(sample())
-        logs.text(0, 6, "nobody hears")
+        logs.text(0, 6, "no log is open")
         logs.mode(0, 1)
         logs.armed(0, True)
         logs.event(0, 1)
@@ -77,21 +77,21 @@ class TestFlights:
         with pytest.raises(FileNotFoundError):
             logs.read(1, 0, 1)
 
-    def test_a_flight_is_a_log(self, logs, kind, tmp_path) -> None:
+    def test_each_flight_has_a_log(self, logs, log_class, tmp_path) -> None:
         fly(logs, 5 * SECOND)
         fly(logs, 65 * SECOND, samples=7)
         first, second = logs.logs()
-        assert (first.id, second.id) == ((1, 2) if kind is DataflashLogs else (0, 1))
+        assert (first.id, second.id) == ((1, 2) if log_class is DataflashLogs else (0, 1))
         assert (first.time_utc, second.time_utc) == (int(BOOT) + 5, int(BOOT) + 65)
         for log, number in ((first, 20), (second, 7)):
             data = content(logs, log.id)
             assert len(data) == log.size
-            if kind is DataflashLogs:
+            if log_class is DataflashLogs:
                 assert len(read_dataflash(data, tmp_path)["ATT"]) == number
             else:
                 assert len(values_of(read_ulog(data), "vehicle_attitude")["timestamp"]) == number
 
-    def test_one_that_is_written_can_be_read(self, logs, kind, tmp_path) -> None:
+    def test_open_log_can_be_read(self, logs, log_class, tmp_path) -> None:
         logs.begin(0)
         logs.write(sample(0))
         (early,) = logs.logs()
@@ -104,26 +104,26 @@ class TestFlights:
         grown = logs.read(later.id, 0, later.size)
         assert grown.startswith(begun)
         assert len(grown) == later.size
-        if kind is DataflashLogs:
+        if log_class is DataflashLogs:
             assert len(read_dataflash(grown, tmp_path)["ATT"]) == 50
         assert logs.writing
 
-    def test_what_is_said_is_in_it(self, logs, kind, tmp_path) -> None:
+    def test_status_text_is_logged(self, logs, log_class, tmp_path) -> None:
         logs.begin(0)
         logs.text(1, 4, "Something happened")
         logs.end()
         data = content(logs, logs.logs()[0].id)
-        if kind is DataflashLogs:
+        if log_class is DataflashLogs:
             assert read_dataflash(data, tmp_path)["MSG"][-1]["Message"] == "Something happened"
         else:
             assert read_ulog(data).logged_messages[-1].message == "Something happened"
 
-    def test_a_begun_one_ends_the_other(self, logs) -> None:
+    def test_begin_ends_the_open_log(self, logs) -> None:
         logs.begin(0)
         logs.begin(SECOND)
         assert len(logs.logs()) == 2
 
-    def test_the_store_lags_by_little(self, logs, store) -> None:
+    def test_buffer_is_small(self, logs, store) -> None:
         logs.begin(0)
         for step in range(100):
             logs.write(sample(step * 100_000))
@@ -131,7 +131,7 @@ class TestFlights:
         file = store.open_file(held)
         lagging = file.size()
         file.close()
-        assert 0 <= logs.logs()[0].size - lagging < 2 * PIECE
+        assert 0 <= logs.logs()[0].size - lagging < 2 * FLUSH_SIZE
 
     def test_reading_a_range(self, logs) -> None:
         fly(logs, 0)
@@ -167,7 +167,7 @@ class TestNames:
             "/fs/microsd/log/2023-11-15/00_13_20.ulg",
         ]
 
-    def test_ardupilot_begins_again_at_1(self) -> None:
+    def test_ardupilot_numbers_wrap_to_1(self) -> None:
         store = MemoryStore({"/APM/LOGS/LASTLOG.TXT": b"499\r\n", "/APM/LOGS/00000001.BIN": b"old"})
         logs = DataflashLogs(store, log_start)
         fly(logs, 0, samples=1)
@@ -177,19 +177,19 @@ class TestNames:
         assert found[1] > 3
 
     @pytest.mark.parametrize("text", [b"", b"x", b"-4", b"\xff\xfe", b"\xc2\xb2"])
-    def test_a_spoilt_number_is_found_from_the_files(self, text) -> None:
+    def test_invalid_last_number_is_recovered_from_the_files(self, text) -> None:
         store = MemoryStore({"/APM/LOGS/LASTLOG.TXT": text, "/APM/LOGS/00000041.BIN": b"old"})
         logs = DataflashLogs(store, log_start)
         fly(logs, 0, samples=1)
         assert [log.id for log in logs.logs()] == [41, 42]
 
-    def test_a_huge_number_is_no_harm(self) -> None:
+    def test_huge_last_number(self) -> None:
         store = MemoryStore({"/APM/LOGS/LASTLOG.TXT": b"99999999"})
         logs = DataflashLogs(store, log_start)
         fly(logs, 0, samples=1)
         assert all(1 <= log.id <= 500 for log in logs.logs())
 
-    def test_other_files_are_no_logs(self, kind) -> None:
+    def test_other_files_are_not_listed(self, log_class) -> None:
         store = MemoryStore(
             {
                 "/APM/LOGS/notes.txt": b"x",
@@ -200,57 +200,57 @@ class TestNames:
                 "/fs/microsd/log/loose.ulg": b"x",
             }
         )
-        assert kind(store, log_start).logs() == []
+        assert log_class(store, log_start).logs() == []
 
     @pytest.mark.parametrize("boot", [-1e12, 0.0, 1e18])
-    def test_any_time_has_a_name(self, kind, boot) -> None:
-        logs = kind(MemoryStore(), lambda: log_start(boot=boot))
+    def test_any_boot_time_gives_a_path(self, log_class, boot) -> None:
+        logs = log_class(MemoryStore(), lambda: log_start(boot=boot))
         fly(logs, 0, samples=1)
         assert len(logs.logs()) == 1
 
-    def test_a_day_that_is_none(self) -> None:
+    def test_invalid_date(self) -> None:
         store = MemoryStore({"/fs/microsd/log/2023-99-99/00_00_00.ulg": b"x"})
         assert [log.time_utc for log in UlogLogs(store, log_start).logs()] == [0]
 
 
-class TestLimit:
-    def limited(self, kind, store):
-        return kind(store, log_start, limit=LEAST_KEPT)
+class TestCapacity:
+    def new_logs(self, log_class, store):
+        return log_class(store, log_start, capacity=MIN_LOG_CAPACITY)
 
-    def test_the_oldest_go_first(self, kind) -> None:
+    def test_oldest_logs_are_removed_first(self, log_class) -> None:
         store = MemoryStore()
-        logs = self.limited(kind, store)
+        logs = self.new_logs(log_class, store)
         for flight in range(60):
             fly(logs, flight * 10 * SECOND, samples=60)
         found = logs.logs()
-        assert sum(log.size for log in found) <= LEAST_KEPT + PIECE
+        assert sum(log.size for log in found) <= MIN_LOG_CAPACITY + FLUSH_SIZE
         assert 2 < len(found) < 60
         assert found[-1].time_utc == int(BOOT) + 590
         assert [log.id for log in found] == list(range(found[0].id, found[-1].id + 1))
 
-    def test_a_long_flight_keeps_its_last_part(self, kind, tmp_path) -> None:
+    def test_long_flight_keeps_its_last_part(self, log_class, tmp_path) -> None:
         store = MemoryStore()
-        logs = self.limited(kind, store)
+        logs = self.new_logs(log_class, store)
         logs.begin(0)
         for step in range(5000):
             logs.write(sample(step * 100_000))
             if step % 500 == 0:
-                assert sum(log.size for log in logs.logs()) <= LEAST_KEPT + 2 * PIECE
+                assert sum(log.size for log in logs.logs()) <= MIN_LOG_CAPACITY + 2 * FLUSH_SIZE
         logs.end()
         found = logs.logs()
-        assert sum(log.size for log in found) >= LEAST_KEPT // 3
+        assert sum(log.size for log in found) >= MIN_LOG_CAPACITY // 3
         times = []
         for log in found:
             data = content(logs, log.id)
-            if kind is DataflashLogs:
+            if log_class is DataflashLogs:
                 times += [message["TimeUS"] for message in read_dataflash(data, tmp_path)["ATT"]]
             else:
                 times += values_of(read_ulog(data), "vehicle_attitude")["timestamp"]
-        assert times == list(range(times[0], 5000 * 100_000, 100_000)), "nothing between is lost"
+        assert times == list(range(times[0], 5000 * 100_000, 100_000)), "no sample is lost"
 
-    def test_after_the_numbers_begin_again_the_oldest_is_still_known(self) -> None:
+    def test_oldest_log_after_numbers_wrap(self) -> None:
         store = MemoryStore({"/APM/LOGS/LASTLOG.TXT": b"498\r\n"})
-        logs = self.limited(DataflashLogs, store)
+        logs = self.new_logs(DataflashLogs, store)
         for flight in range(60):
             fly(logs, flight * 10 * SECOND, samples=60)
         ids = [log.id for log in logs.logs()]
@@ -258,15 +258,15 @@ class TestLimit:
         assert 500 not in ids
         assert min(ids) > 30
 
-    def test_too_small_a_limit_is_our_mistake(self, kind) -> None:
+    def test_too_small_capacity_is_refused(self, log_class) -> None:
         with pytest.raises(LocalProtocolError):
-            kind(MemoryStore(), log_start, limit=LEAST_KEPT - 1)
+            log_class(MemoryStore(), log_start, capacity=MIN_LOG_CAPACITY - 1)
 
 
-class TestTrouble:
-    def test_a_full_store_ends_the_log(self, kind) -> None:
+class TestFailures:
+    def test_full_store_ends_the_log(self, log_class) -> None:
         store = MemoryStore(capacity=60_000)
-        logs = kind(store, log_start)
+        logs = log_class(store, log_start)
         logs.begin(0)
         assert logs.writing
         for step in range(1000):
@@ -280,29 +280,29 @@ class TestTrouble:
         assert logs.writing
         assert not logs.failed
 
-    def test_a_store_that_takes_nothing(self, kind) -> None:
+    def test_store_that_refuses_writes(self, log_class) -> None:
         class Broken(MemoryStore):
             def open_file(self, path: str, *, write: bool = False, truncate: bool = False):
                 raise OSError(ENOSPC, "no card")
 
-        logs = kind(Broken(), log_start)
+        logs = log_class(Broken(), log_start)
         fly(logs, 0)
         assert logs.failed
         assert logs.logs() == []
 
-    def test_one_that_somebody_removed_is_gone(self, logs, store) -> None:
+    def test_removed_log_is_not_listed(self, logs, store) -> None:
         fly(logs, 0)
         fly(logs, 10 * SECOND)
         first, second = logs.logs()
-        victim = next(path for path in sorted(paths(store)) if path.upper().endswith(("BIN", "ULG")))
-        store.remove(victim)
+        removed = next(path for path in sorted(paths(store)) if path.upper().endswith(("BIN", "ULG")))
+        store.remove(removed)
         assert logs.logs() == [second]
         with pytest.raises(FileNotFoundError):
             logs.read(first.id, 0, 1)
 
-    def test_the_one_being_written_may_be_removed_too(self, kind) -> None:
+    def test_open_log_may_be_removed(self, log_class) -> None:
         store = MemoryStore()
-        logs = kind(store, log_start)
+        logs = log_class(store, log_start)
         logs.begin(0)
         store.remove(next(path for path in paths(store) if path.upper().endswith(("BIN", "ULG"))))
         for step in range(100):
@@ -312,7 +312,7 @@ class TestTrouble:
         fly(logs, 60 * SECOND)
         assert len(logs.logs()) == 1
 
-    def test_erasing(self, logs, store, kind) -> None:
+    def test_erase(self, logs, store, log_class) -> None:
         fly(logs, 0)
         fly(logs, 10 * SECOND)
         logs.read(logs.logs()[0].id, 0, 9)
@@ -320,9 +320,9 @@ class TestTrouble:
         assert logs.logs() == []
         assert paths(store) == []
         fly(logs, 20 * SECOND)
-        assert [log.id for log in logs.logs()] == [1 if kind is DataflashLogs else 0]
+        assert [log.id for log in logs.logs()] == [1 if log_class is DataflashLogs else 0]
 
-    def test_erasing_while_it_is_written_begins_another(self, logs) -> None:
+    def test_erase_with_an_open_log_starts_another(self, logs) -> None:
         logs.begin(0)
         logs.write(sample(30 * SECOND))
         logs.erase()
@@ -332,29 +332,29 @@ class TestTrouble:
 
 
 class TestFolder:
-    def test_it_is_found_again(self, kind, tmp_path) -> None:
-        logs = kind(file_store(tmp_path), log_start)
+    def test_logs_are_found_again(self, log_class, tmp_path) -> None:
+        logs = log_class(file_store(tmp_path), log_start)
         fly(logs, 0)
         fly(logs, 10 * SECOND)
         before = {log.id: content(logs, log.id) for log in logs.logs()}
-        again = kind(file_store(tmp_path), log_start)
+        again = log_class(file_store(tmp_path), log_start)
         assert {log.id: content(again, log.id) for log in again.logs()} == before
         fly(again, 20 * SECOND)
         assert [log.id for log in again.logs()] == [*before, max(before) + 1]
 
-    def test_one_that_was_cut_off_is_there(self, kind, tmp_path) -> None:
-        logs = kind(file_store(tmp_path), log_start)
+    def test_unfinished_log_is_kept(self, log_class, tmp_path) -> None:
+        logs = log_class(file_store(tmp_path), log_start)
         logs.begin(0)
         for step in range(200):
             logs.write(sample(step * 100_000))
         size = logs.logs()[0].size
-        again = kind(file_store(tmp_path), log_start)
+        again = log_class(file_store(tmp_path), log_start)
         assert [log.size for log in again.logs()] == [size]
         logs.end()
 
 
-class Ends:
-    """A vehicle with logs and files, and someone who wants them."""
+class LogNetwork:
+    """A vehicle that serves logs and files, and a client, over a simulated network."""
 
     def __init__(self, seed: int, logs, store, weather=None) -> None:
         self.network = Network(seed)
@@ -366,46 +366,50 @@ class Ends:
         self.files = self.ground.engine.add(FtpClient(GROUND, VEHICLE))
         self.network.connect(self.ground, self.vehicle, weather)
 
+    @property
+    def now(self) -> float:
+        return self.network.now
+
     def run(self, client, operation):
         self.ground.engine.touch(client)
         assert self.network.run(lambda: operation.done, timeout=2000)
         return operation
 
 
-def test_over_the_network(kind) -> None:
+def test_over_the_network(log_class) -> None:
     store = MemoryStore()
-    logs = kind(store, log_start)
+    logs = log_class(store, log_start)
     fly(logs, 0, samples=40)
     fly(logs, 10 * SECOND, samples=3)
-    ends = Ends(1, logs, store)
-    listed = ends.run(ends.logs, ends.logs.list_logs(ends.network.now)).result()
+    network = LogNetwork(1, logs, store)
+    listed = network.run(network.logs, network.logs.list_logs(network.now)).result()
     assert list(listed) == list(logs.logs())
     for entry in listed:
-        data = ends.run(ends.logs, ends.logs.download(entry, ends.network.now)).result()
+        data = network.run(network.logs, network.logs.download(entry, network.now)).result()
         assert data == content(logs, entry.id)
     for path in paths(store):
-        data = ends.run(ends.files, ends.files.download(path, ends.network.now)).result()
+        data = network.run(network.files, network.files.download(path, network.now)).result()
         assert data == store[path]
-    ends.run(ends.logs, ends.logs.erase(ends.network.now)).result()
+    network.run(network.logs, network.logs.erase(network.now)).result()
     assert logs.logs() == []
 
 
 def scenario(seed: int) -> None:
-    """A log is fetched while it is written, whatever the weather: a part of it, whole, or a typed error."""
+    """Download a log while it is written, over a random network: a part, the whole, or a typed error."""
     random = Random(seed)
     store = MemoryStore()
     logs = random.choice([DataflashLogs, UlogLogs])(store, log_start)
     fly(logs, 0, samples=random.randrange(9))
     logs.begin(10 * SECOND)
-    ends = Ends(seed, logs, store, bad_weather(random))
+    network = LogNetwork(seed, logs, store, bad_weather(random))
 
-    def go_on(step: int) -> None:
+    def resume(step: int) -> None:
         logs.write(sample(10 * SECOND + step * 100_000))
 
     for step in range(20):
-        ends.network.at(step / 10, lambda step=step: go_on(step))
+        network.network.at(step / 10, lambda step=step: resume(step))
     entry: LogEntry = random.choice(logs.logs())
-    operation = ends.run(ends.logs, ends.logs.download(entry, ends.network.now, limit=900.0))
+    operation = network.run(network.logs, network.logs.download(entry, network.now, limit=900.0))
     if operation.error is None:
         data = operation.result()
         assert len(data) >= entry.size
@@ -414,5 +418,5 @@ def scenario(seed: int) -> None:
         assert isinstance(operation.error, LogTimeout | RemoteDenied)
 
 
-def test_fetched_while_it_is_written(seeds: Seeds) -> None:
+def test_download_while_writing(seeds: Seeds) -> None:
     seeds.check(scenario)

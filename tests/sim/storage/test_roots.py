@@ -1,4 +1,4 @@
-"""What others see of a vehicle's files."""
+"""File trees that a vehicle serves over MAVLink FTP."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PLAN = Plan.of(
 
 
 class Vehicle:
-    """What a root asks, and what it was given."""
+    """The callbacks of a file tree, with recorded writes."""
 
     def __init__(self, store=None) -> None:
         self.table = ParameterTable()
@@ -39,7 +39,7 @@ class Vehicle:
             self.plan,
             lambda: self.now,
             set_parameters=self.set.extend,
-            put_plan=self.put,
+            set_plan=self.put,
         )
 
     def plan(self, kind: int) -> Plan:
@@ -73,7 +73,7 @@ def vehicle() -> Vehicle:
     return Vehicle()
 
 
-def test_ardupilot_has_these(vehicle) -> None:
+def test_ardupilot_files(vehicle) -> None:
     root = vehicle.ardupilot
     assert names(root, "/") == ["@MISSION", "@PARAM", "@SYS", "APM"]
     assert names(root, "/APM") == ["LOGS", "TERRAIN", "scripts"]
@@ -87,7 +87,7 @@ def test_ardupilot_has_these(vehicle) -> None:
 
 
 @pytest.mark.parametrize("name", ["uarts.txt", "tasks.txt", "threads.txt", "memory.txt", "timers.txt"])
-def test_texts_are_of_the_moment(vehicle, name) -> None:
+def test_system_files_depend_on_the_uptime(vehicle, name) -> None:
     before = read(vehicle.ardupilot, "@SYS/" + name)
     assert before == read(vehicle.ardupilot, "@SYS/" + name)
     vehicle.now = 1e9
@@ -99,7 +99,7 @@ def test_texts_are_of_the_moment(vehicle, name) -> None:
         assert after.encode() != before
 
 
-def test_all_parameters(vehicle) -> None:
+def test_packed_parameters(vehicle) -> None:
     found = unpack(read(vehicle.ardupilot, "@PARAM/param.pck"))
     assert found.whole
     assert found.parameters == tuple(vehicle.table.parameters())
@@ -119,13 +119,13 @@ def test_all_parameters(vehicle) -> None:
         ("", 0, 302),
     ],
 )
-def test_some_parameters(vehicle, query, start, count) -> None:
+def test_packed_parameters_with_a_query(vehicle, query, start, count) -> None:
     found = unpack(read(vehicle.ardupilot, "@PARAM/param.pck?" + query), start=start)
     assert found.parameters == tuple(vehicle.table.parameters()[start : start + count])
     assert found.total == 302
 
 
-def test_defaults(vehicle) -> None:
+def test_packed_parameters_with_defaults(vehicle) -> None:
     found = unpack(read(vehicle.ardupilot, "@PARAM/param.pck?withdefaults=1&start=299"), start=299)
     assert found.with_defaults
     assert found.defaults == {"NAME_299": 299.0, "WHOLE": 5, "MINUS": 5}
@@ -134,25 +134,25 @@ def test_defaults(vehicle) -> None:
 @pytest.mark.parametrize(
     "query", ["start=302", "start=65535", "count=65535", "withdefaults=2", "count=999999999"]
 )
-def test_what_there_is_not(vehicle, query) -> None:
+def test_invalid_query_is_refused(vehicle, query) -> None:
     with pytest.raises(OSError, match="no such") as refused:
         vehicle.ardupilot.open_file("@PARAM/param.pck?" + query)
     assert refused.value.errno == EINVAL
 
 
-def test_parameters_can_be_written(vehicle) -> None:
-    wanted = vehicle.table.parameters()[:3]
-    put(vehicle.ardupilot, "@PARAM/param.pck", write_upload(wanted))
+def test_parameter_upload(vehicle) -> None:
+    parameters = vehicle.table.parameters()[:3]
+    put(vehicle.ardupilot, "@PARAM/param.pck", write_upload(parameters))
     assert [(parameter.name, parameter.value) for parameter in vehicle.set] == [
-        (parameter.name, parameter.value) for parameter in wanted
+        (parameter.name, parameter.value) for parameter in parameters
     ]
-    for content in (b"", b"x" * 40, packed.write(wanted)[:-1]):
+    for content in (b"", b"x" * 40, packed.write(parameters)[:-1]):
         with pytest.raises(OSError, match="no parameters"):
             put(vehicle.ardupilot, "@PARAM/param.pck", content)
     assert len(vehicle.set) == 3
 
 
-def test_plans_are_read_and_written(vehicle) -> None:
+def test_plan_download_and_upload(vehicle) -> None:
     root = vehicle.ardupilot
     assert unpack_plan(read(root, "@MISSION/mission.dat")).plan == PLAN
     assert len(unpack_plan(read(root, "@MISSION/rally.dat")).plan) == 0
@@ -171,7 +171,7 @@ def test_plans_are_read_and_written(vehicle) -> None:
     assert len(vehicle.plans[PlanType.MISSION]) == 3
 
 
-def test_nobody_need_take_what_is_written() -> None:
+def test_files_without_a_setter_are_read_only() -> None:
     vehicle = Vehicle()
     root = ardupilot_root(MemoryStore(), vehicle.table, vehicle.plan, lambda: 0.0)
     for path in ("@MISSION/mission.dat", "@PARAM/param.pck"):
@@ -180,7 +180,7 @@ def test_nobody_need_take_what_is_written() -> None:
 
 
 def bson(data: bytes) -> dict[str, float]:
-    """The few kinds of element that PX4 writes."""
+    """Parse the element types that PX4 writes."""
     (size,) = struct.unpack_from("<i", data)
     assert size == len(data)
     assert data[-1] == 0
@@ -193,7 +193,7 @@ def bson(data: bytes) -> dict[str, float]:
     return found
 
 
-def test_px4_has_these(vehicle) -> None:
+def test_px4_files(vehicle) -> None:
     root = px4_root(MemoryStore(), vehicle.table)
     assert names(root, "/") == ["etc", "fs"]
     assert names(root, "/fs/microsd") == ["etc", "log", "params"]
@@ -208,7 +208,7 @@ def test_px4_has_these(vehicle) -> None:
         put(root, "/etc/new", b"x")
 
 
-def test_a_folder_holds_what_was_written(tmp_path) -> None:
+def test_folder_keeps_files(tmp_path) -> None:
     folder = tmp_path / "deep" / "vehicle 1"
     store = file_store(folder)
     assert isinstance(store, DirectoryStore)
@@ -219,7 +219,7 @@ def test_a_folder_holds_what_was_written(tmp_path) -> None:
     assert read(again.ardupilot, "/APM/scripts/a.lua") == b"1"
 
 
-def test_uploads_cannot_fill_the_memory() -> None:
+def test_memory_store_has_a_capacity() -> None:
     store = file_store()
     for number in range(32):
         put(store, f"{number}", bytes(1 << 20))
@@ -241,11 +241,7 @@ def test_over_the_network(vehicle) -> None:
         return operation.result()
 
     assert unpack(run(client.download("@PARAM/param.pck?withdefaults=1", network.now))).whole
-    run(
-        client.upload(
-            "@MISSION/rally.dat", pack_plan(Plan.of(PLAN.items[1:], PlanType.RALLY)), network.now
-        )
-    )
+    run(client.upload("@MISSION/rally.dat", pack_plan(Plan.of(PLAN.items[1:], PlanType.RALLY)), network.now))
     assert len(vehicle.plans[PlanType.RALLY]) == 1
     listed = run(client.list_directory("/", network.now))
     assert [entry.name for entry in listed] == ["@MISSION", "@PARAM", "@SYS", "APM"]

@@ -1,4 +1,4 @@
-"""The storage of a vehicle: its firmware's files and logs, made from what the vehicle knows."""
+"""The storage of a vehicle: files and logs of its firmware."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ ACCEPTED, DENIED = common.MavMissionResult.ACCEPTED, common.MavMissionResult.DEN
 PLAN = Plan.of([MissionItem(16, param5=47.0, param6=8.0), MissionItem(common.MavCmd.NAV_LAND)])
 
 
-def make_vehicle(firmware: Firmware, kind: VehicleType = VehicleType.COPTER) -> SimpleNamespace:
+def make_vehicle(firmware: Firmware, vehicle_type: VehicleType = VehicleType.COPTER) -> SimpleNamespace:
     address = Address(9, 1)
     return SimpleNamespace(
         firmware=firmware,
-        type=kind,
+        type=vehicle_type,
         address=address,
-        parameters=Parameters(firmware, kind, 9),
+        parameters=Parameters(firmware, vehicle_type, 9),
         mission=MissionServer(address, validate=lambda plan, source: ACCEPTED if len(plan) < 9 else DENIED),
         touched=[],
         touch=lambda service: None,
         uptime=12.5,
         booted_at=BOOT,
         autopilot=SimpleNamespace(home=DEFAULT_HOME, mode=SimpleNamespace(number=4)),
-        body=SimpleNamespace(frame=SimpleNamespace(to_global=lambda *place: (47.0, 8.0, 488.0))),
+        body=SimpleNamespace(frame=SimpleNamespace(to_global=lambda *position: (47.0, 8.0, 488.0))),
     )
 
 
@@ -42,7 +42,7 @@ def ardupilot() -> SimpleNamespace:
     return make_vehicle(Firmware.ARDUPILOT)
 
 
-def test_a_log_knows_the_vehicle(ardupilot, tmp_path) -> None:
+def test_dataflash_log_has_the_facts_of_the_vehicle(ardupilot, tmp_path) -> None:
     storage = Storage(ardupilot)
     assert isinstance(storage.logs, DataflashLogs)
     ardupilot.mission.replace(PLAN)
@@ -61,7 +61,7 @@ def test_a_log_knows_the_vehicle(ardupilot, tmp_path) -> None:
     assert found["ORGN"][-1]["Lat"] == pytest.approx(DEFAULT_HOME.latitude)
 
 
-def test_a_log_of_px4(tmp_path) -> None:
+def test_px4_log_has_the_parameters(tmp_path) -> None:
     vehicle = make_vehicle(Firmware.PX4)
     storage = Storage(vehicle, folder=tmp_path)
     assert isinstance(storage.logs, UlogLogs)
@@ -77,12 +77,12 @@ def test_a_log_of_px4(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("firmware", list(Firmware))
-@pytest.mark.parametrize("kind", list(VehicleType))
-def test_every_vehicle_has_a_name(firmware, kind) -> None:
-    assert Storage(make_vehicle(firmware, kind)).firmware.startswith(("Ardu", "PX4"))
+@pytest.mark.parametrize("vehicle_type", list(VehicleType))
+def test_firmware_banner(firmware, vehicle_type) -> None:
+    assert Storage(make_vehicle(firmware, vehicle_type)).firmware.startswith(("Ardu", "PX4"))
 
 
-def test_plans_by_file_are_judged(ardupilot) -> None:
+def test_uploaded_plans_are_validated(ardupilot) -> None:
     files = Storage(ardupilot).files
     put(files, "@MISSION/mission.dat", pack_plan(PLAN))
     assert ardupilot.mission.plan(PlanType.MISSION) == PLAN
@@ -92,19 +92,19 @@ def test_plans_by_file_are_judged(ardupilot) -> None:
     assert ardupilot.mission.plan(PlanType.MISSION) == PLAN
 
 
-def test_parameters_by_file_are_set_all_or_none(ardupilot) -> None:
+def test_uploaded_parameters_are_set_all_or_none(ardupilot) -> None:
     files, table = Storage(ardupilot).files, ardupilot.parameters.table
     one, other = table["RTL_ALT"], table["WPNAV_SPEED"]
     before = one.value
-    wanted = [
+    uploaded = [
         Parameter(each.name, each.value + 1, each.kind, table.index_of(each.name)) for each in (one, other)
     ]
     other.maximum = other.value
     with pytest.raises(OSError, match="refused"):
-        put(files, "@PARAM/param.pck", write_upload(wanted))
+        put(files, "@PARAM/param.pck", write_upload(uploaded))
     assert one.value == before
     other.maximum = None
     one.maximum = None
-    put(files, "@PARAM/param.pck", write_upload([*wanted, Parameter("NOT_OURS", 1.0, 9, 0)]))
+    put(files, "@PARAM/param.pck", write_upload([*uploaded, Parameter("NOT_OURS", 1.0, 9, 0)]))
     assert one.value == before + 1
     assert unpack(read(files, "@PARAM/param.pck")).whole

@@ -1,4 +1,4 @@
-"""PX4's logs, as pyulog reads them."""
+"""PX4's logs, read by pyulog."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def close(values, place=0, **wanted) -> None:
         assert values[name][place] == pytest.approx(value, rel=1e-6, abs=1e-6), name
 
 
-def test_head(log) -> None:
+def test_header(log) -> None:
     assert log.start_timestamp == T0
     assert log.last_timestamp == T0 + 500_000
     assert log.msg_info_dict == {
@@ -98,7 +98,7 @@ def test_texts(log) -> None:
     )
 
 
-def test_every_topic_is_there(log) -> None:
+def test_all_topics_are_present(log) -> None:
     assert {data.name for data in log.data_list} == set(TOPICS)
     for topic in TOPICS.values():
         fields = [(field.type, field.count if field.count > 1 else 0, field.name) for field in topic.fields]
@@ -115,7 +115,7 @@ def test_motion(log) -> None:
     attitude = values_of(log, "vehicle_attitude")
     w, x, y, z = (attitude[f"q[{place}]"][0] for place in range(4))
     assert sqrt(w * w + x * x + y * y + z * z) == pytest.approx(1)
-    # the third row of the rotation tells roll and pitch, the first column tells pitch and yaw
+    # the third row of the rotation matrix gives roll and pitch, the first column pitch and yaw
     assert 2 * (x * z - w * y) == pytest.approx(-sin(motion.pitch), abs=1e-6)
     assert 2 * (y * z + w * x) == pytest.approx(sin(motion.roll) * cos(motion.pitch), abs=1e-6)
     assert 2 * (x * y + w * z) == pytest.approx(sin(motion.yaw) * cos(motion.pitch), abs=1e-6)
@@ -156,7 +156,7 @@ def test_status(log) -> None:
     close(values_of(log, "mission_result"), seq_current=1, seq_total=2, seq_reached=0, finished=0, valid=1)
 
 
-def test_status_is_told_when_it_changes() -> None:
+def test_status_is_written_when_it_changes() -> None:
     writer = UlogWriter(start(vehicle=common.MavType.VTOL_FIXEDROTOR), 0)
     changes = [{}, {}, {"armed": True}, {"landed": False}, {"mode": LOITER}, {"mission_reached": 1}, {}]
     state = {"armed": False, "landed": True, "mode": MISSION}
@@ -176,7 +176,7 @@ def test_status_is_told_when_it_changes() -> None:
     assert values_of(log, "mission_result")["finished"] == [0, 0, 0, 0, 1, 1]
 
 
-def test_what_is_lost_is_told() -> None:
+def test_lost_position_and_radio() -> None:
     health = Health(horizontal=False)
     log = read_ulog(whole_log(health=health, rc=(), sensors=Sensors(distance=3.25, gps_fix=0)))
     close(values_of(log, "vehicle_local_position"), xy_valid=0, z_valid=1, dead_reckoning=1, dist_bottom=3.25)
@@ -194,14 +194,14 @@ def test_navigation_states(main, sub, state) -> None:
     assert navigation_state(main << 16 | sub << 24) == state
 
 
-def test_a_table_that_is_wrong_is_refused() -> None:
-    with pytest.raises(ValueError, match="no field"):
+def test_invalid_table_is_refused() -> None:
+    with pytest.raises(ValueError, match="invalid field"):
         Topic(0, "x", "uint64_t")
 
 
 @settings(max_examples=60)
 @given(samples=st.lists(any_sample(), max_size=3))
-def test_any_sample_is_written(samples) -> None:
+def test_random_samples_are_written(samples) -> None:
     writer = UlogWriter(start(), 0)
     for each in samples:
         writer.write(each)
@@ -220,7 +220,7 @@ def test_any_sample_is_written(samples) -> None:
     value=any_float() | st.integers(-(2**70), 2**70),
     place=st.tuples(any_float(), any_float(), any_float()),
 )
-def test_anything_that_happens_is_written(time, number, text, value, place) -> None:
+def test_random_events_are_written(time, number, text, value, place) -> None:
     writer = UlogWriter(start(git_hash=text, board=text, home=place), 0)
     writer.text(time, number, text)
     writer.event(time, number)
@@ -231,7 +231,7 @@ def test_anything_that_happens_is_written(time, number, text, value, place) -> N
     assert [message.message for message in log.logged_messages][-1] == "after it all"
 
 
-def test_an_attitude_that_is_no_number_is_told_as_such() -> None:
+def test_nan_attitude_is_written_as_nan() -> None:
     log = read_ulog(whole_log(motion=Motion(roll=nan)))
     assert isnan(values_of(log, "vehicle_attitude")["q[0]"][0])
     close(values_of(log, "vehicle_local_position"), x=12.5)

@@ -130,15 +130,15 @@ class Flight:
         self.run(seconds)
         return Counter(type(packet.message).__name__ for _, packet in self.packets)
 
-    def newest(self, vehicle_type: type[AnyMessage], *, timeout: float = 11.0) -> AnyMessage:
+    def newest(self, message_type: type[AnyMessage], *, timeout: float = 11.0) -> AnyMessage:
         """Return the next message of a type."""
         self.packets.clear()
         steps = 0
         while True:
             for _, packet in self.packets:
-                if isinstance(packet.message, vehicle_type):
+                if isinstance(packet.message, message_type):
                     return packet.message
-            assert steps < timeout * RATE, f"no {vehicle_type.__name__} within {timeout} s"
+            assert steps < timeout * RATE, f"no {message_type.__name__} within {timeout} s"
             self.packets.clear()
             self.step()
             steps += 1

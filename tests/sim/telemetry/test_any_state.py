@@ -52,12 +52,12 @@ class AnyBody:
     frame: LocalFrame
 
 
-def _tuples(vehicle_type, numbers):
+def _tuples(record_type, numbers):
     fields = {
         name: INTEGERS.get(name, st.booleans() if hint in (bool, "bool") else numbers)
-        for name, hint in vehicle_type.__annotations__.items()
+        for name, hint in record_type.__annotations__.items()
     }
-    return st.builds(vehicle_type, **fields)
+    return st.builds(record_type, **fields)
 
 
 BODIES = st.builds(
@@ -96,12 +96,12 @@ def _producers(flight: Flight):
 def _send_all(flight: Flight) -> set[type[Message]]:
     """Build and encode every message that the vehicle can send; return the types of those that exist."""
     encoder, made = Encoder(1, 1), set()
-    for vehicle_type, produce in _producers(flight).items():
+    for message_type, produce in _producers(flight).items():
         message = produce(flight.now)
         if message is not None:
-            assert type(message).__mavlink_row__[0] == vehicle_type.__mavlink_row__[0]
+            assert type(message).__mavlink_row__[0] == message_type.__mavlink_row__[0]
             assert encoder.encode(message, flight.now)
-            made.add(vehicle_type)
+            made.add(message_type)
     return made
 
 
@@ -160,8 +160,8 @@ def test_every_state_of_a_flight(vehicle_type, firmware):
         "Rangefinder",
     }
     missing = {
-        vehicle_type.__name__
-        for vehicle_type in _producers(flight).keys() - every
-        if flight.vehicle.type in TYPES_SENDING.get(vehicle_type, VehicleType)
+        message_type.__name__
+        for message_type in _producers(flight).keys() - every
+        if flight.vehicle.type in TYPES_SENDING.get(message_type, VehicleType)
     }
     assert missing <= rare

@@ -25,16 +25,16 @@ def flying(request):
     return flight
 
 
-def _request(flight: Flight, vehicle_type: type, *, number: int | None = None):
+def _request(flight: Flight, message_type: type, *, number: int | None = None):
     """Return the message as it is now, in the same step."""
     flight.packets.clear()
-    flight.command(common.MavCmd.REQUEST_MESSAGE, number or vehicle_type.__mavlink_row__[0])
+    flight.command(common.MavCmd.REQUEST_MESSAGE, number or message_type.__mavlink_row__[0])
     flight.vehicle._settle()
     for _, data in flight.vehicle.data_to_send():
         for packet in flight._parser.feed(data, flight.now):
-            if isinstance(packet.message, vehicle_type):
+            if isinstance(packet.message, message_type):
                 return packet.message
-    raise AssertionError(f"no {vehicle_type.__name__}")
+    raise AssertionError(f"no {message_type.__name__}")
 
 
 def test_attitude_and_rates(flying):

@@ -52,13 +52,13 @@ def test_ardupilot_groups_follow_their_rate_parameters():
         dialect.Rangefinder,
     }
     for name, _, message_types in GROUPS:
-        for vehicle_type in message_types:
+        for message_type in message_types:
             if (
-                VehicleType.COPTER in TYPES_SENDING.get(vehicle_type, VehicleType)
-                and vehicle_type not in silent
+                VehicleType.COPTER in TYPES_SENDING.get(message_type, VehicleType)
+                and message_type not in silent
             ):
-                assert heard[vehicle_type.__name__] == pytest.approx(rates[name] * _SECONDS, abs=1), (
-                    vehicle_type
+                assert heard[message_type.__name__] == pytest.approx(rates[name] * _SECONDS, abs=1), (
+                    message_type
                 )
 
 
@@ -161,18 +161,18 @@ def test_message_interval_can_be_set_and_reset(firmware):
 
 @pytest.mark.parametrize("firmware", Firmware)
 @pytest.mark.parametrize(
-    "vehicle_type", [common.ExtendedSysState, common.HomePosition, common.AttitudeQuaternion]
+    "message_type", [common.ExtendedSysState, common.HomePosition, common.AttitudeQuaternion]
 )
-def test_message_without_a_stream_can_be_requested(firmware, vehicle_type):
+def test_message_without_a_stream_can_be_requested(firmware, message_type):
     flight = Flight(VehicleType.COPTER, firmware)
     flight.run(3.0)
-    flight.command(common.MavCmd.SET_MESSAGE_INTERVAL, vehicle_type.__mavlink_row__[0], -1)
+    flight.command(common.MavCmd.SET_MESSAGE_INTERVAL, message_type.__mavlink_row__[0], -1)
     flight.run(0.1)
-    assert flight.rates(3.0)[vehicle_type.__name__] == 0
+    assert flight.rates(3.0)[message_type.__name__] == 0
     flight.packets.clear()
-    flight.command(common.MavCmd.REQUEST_MESSAGE, vehicle_type.__mavlink_row__[0])
+    flight.command(common.MavCmd.REQUEST_MESSAGE, message_type.__mavlink_row__[0])
     flight.run(0.1)
-    assert [packet.message for _, packet in flight.packets if isinstance(packet.message, vehicle_type)]
+    assert [packet.message for _, packet in flight.packets if isinstance(packet.message, message_type)]
 
 
 def test_vehicles_of_a_fleet_start_streams_at_different_times():

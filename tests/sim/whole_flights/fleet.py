@@ -65,7 +65,7 @@ async def station(simulation: Simulation, **weather: float) -> AsyncIterator[Sta
 
 def record(simulation: Simulation, flights: dict[int, Flight]) -> None:
     """Write down the truth of all vehicles as time goes by."""
-    steps, every = 0, round(1.0 / (SAMPLES * simulation.length))
+    steps, every = 0, round(1.0 / (SAMPLES * simulation.step_length))
 
     def look(elapsed: float) -> None:
         nonlocal steps

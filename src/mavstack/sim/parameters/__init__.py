@@ -1,4 +1,4 @@
-"""The parameters of simulated vehicles."""
+"""Parameters of simulated vehicles."""
 
 from mavstack.sim.parameters.parameters import Parameters
 from mavstack.sim.parameters.tables import definitions

@@ -1,7 +1,7 @@
-"""The parameters of one simulated vehicle, as its own program sees them.
+"""The parameters of one simulated vehicle, as its firmware uses them.
 
-The values lie in one ParameterTable, which outlives reboots; each boot makes another ParameterServer that
-offers that table. So what a client sets counts at once, and what the vehicle sets is told to everybody.
+The values are in one ParameterTable, which survives reboots; each boot creates a ParameterServer that serves
+this table. A value set by a client takes effect at once, and a value set by the vehicle is broadcast.
 
     parameters = Parameters(Firmware.ARDUPILOT, VehicleType.COPTER, system=7)
     server = engine.add(parameters.new_server(local, engine.touch))
@@ -9,8 +9,8 @@ offers that table. So what a client sets counts at once, and what the vehicle se
     parameters.on_change("WPNAV_SPEED", lambda speed: ...)     # until the next boot
     parameters.set("STAT_BOOTCNT", 2)
 
-Whoever runs the server hands its ParameterWritten events to `written`, which calls those who watch. A name
-that the vehicle does not have is a mistake of ours and raises KeyError.
+The owner of the server passes its ParameterWritten events to `written`, which calls the callbacks. The name
+of a parameter that the vehicle does not have raises KeyError.
 """
 
 from __future__ import annotations
@@ -36,7 +36,13 @@ _ENCODINGS = {Firmware.ARDUPILOT: Encoding.C_CAST, Firmware.PX4: Encoding.BYTEWI
 
 
 class Parameters:
-    """A vehicle's handle on its table."""
+    """The parameters of one vehicle.
+
+    Args:
+        firmware: Selects the table and the encoding.
+        type: Selects the table.
+        system: The system id, which is a parameter too.
+    """
 
     def __init__(self, firmware: Firmware, type: VehicleType, system: int = 1) -> None:  # noqa: A002
         self.table = ParameterTable()
@@ -48,7 +54,7 @@ class Parameters:
         identity.value = identity.default = as_type(self._system_name, system, identity.kind)
         self._server: ParameterServer | None = None
         self._touch: Callable[[Service], None] | None = None
-        self._forget_watchers()
+        self._clear_callbacks()
 
     def __len__(self) -> int:
         return len(self.table)
@@ -57,73 +63,82 @@ class Parameters:
         return name in self.table
 
     def __getitem__(self, name: str) -> Value:
-        """The value of a parameter."""
+        """Return the value of a parameter."""
         return self.table[name].value
 
     def get(self, name: str, default: Default) -> Value | Default:
-        """The value of a parameter, or `default` if this vehicle does not have it."""
+        """Return the value of a parameter, or `default` if the vehicle does not have it."""
         return self.table[name].value if name in self.table else default
 
     @property
     def system(self) -> int:
-        """The system id that the vehicle takes at its next boot."""
+        """System id from the next boot on."""
         return int(self[self._system_name])
 
     def set(self, name: str, value: Value) -> None:
-        """Set a parameter by the vehicle's own right, and tell everybody if it changed."""
+        """Set a parameter as the vehicle itself, and broadcast a changed value.
+
+        Raises:
+            KeyError: The vehicle does not have the parameter.
+            LocalProtocolError: The parameter's type cannot hold the value.
+        """
         definition = self.table[name]
-        held = as_type(name, value, definition.kind)
-        if same(held, definition.value):
+        typed = as_type(name, value, definition.kind)
+        if same(typed, definition.value):
             return
         if self._server is None:
-            definition.value = held
+            definition.value = typed
         else:
-            self._server.set(name, held)
+            self._server.set(name, typed)
             if self._touch is not None:
                 self._touch(self._server)
-        self._changed(name)
+        self._notify(name)
 
     def reset(self) -> None:
-        """Set whatever clients may set back to its default; counters stay."""
+        """Set all parameters that clients may set to their defaults; counters keep their values."""
         for definition in self.table:
             if not definition.read_only and definition.default is not None:
                 self.set(definition.name, definition.default)
 
-    # Watching
+    # Callbacks
 
     def on_change(self, name: str, callback: Callable[[Value], None]) -> None:
-        """Call back with each new value of a parameter, whoever set it, until the next boot."""
+        """Call back with each new value of a parameter until the next boot."""
         if name not in self.table:
             raise KeyError(name)
-        self._watchers[name].append(callback)
+        self._callbacks[name].append(callback)
 
     def on_any_change(self, callback: Callable[[str, Value], None]) -> None:
-        """Call back with the name and new value of any parameter, until the next boot."""
-        self._watchers_of_all.append(callback)
+        """Call back with name and new value of any parameter until the next boot."""
+        self._any_callbacks.append(callback)
 
     def written(self, event: ParameterWritten) -> None:
-        """A client set a parameter: tell those who watch."""
-        self._changed(event.parameter.name)
+        """Call the callbacks after a client set a parameter."""
+        self._notify(event.parameter.name)
 
-    # Offering
+    # Server
 
     def new_server(self, local: Address, touch: Callable[[Service], None] | None = None) -> ParameterServer:
-        """The server of a new boot; `touch` tells its engine that there is something to send.
+        """Return the server of a new boot, and remove the callbacks of the previous boot.
 
-        Those who watched during the boot before are forgotten.
+        Args:
+            local: The address of the server.
+            touch: Tells the engine that the service has something to send.
         """
-        self._forget_watchers()
+        self._clear_callbacks()
         self._server, self._touch = ParameterServer(local, self.encoding), touch
         self._server.table = self.table
         return self._server
 
-    def _changed(self, name: str) -> None:
+    def _notify(self, name: str) -> None:
+        """Call the callbacks of a parameter."""
         value = self[name]
-        for tell in tuple(self._watchers.get(name, ())):
-            tell(value)
-        for tell_all in tuple(self._watchers_of_all):
-            tell_all(name, value)
+        for callback in tuple(self._callbacks.get(name, ())):
+            callback(value)
+        for any_callback in tuple(self._any_callbacks):
+            any_callback(name, value)
 
-    def _forget_watchers(self) -> None:
-        self._watchers: defaultdict[str, list[Callable[[Value], None]]] = defaultdict(list)
-        self._watchers_of_all: list[Callable[[str, Value], None]] = []
+    def _clear_callbacks(self) -> None:
+        """Remove all callbacks."""
+        self._callbacks: defaultdict[str, list[Callable[[Value], None]]] = defaultdict(list)
+        self._any_callbacks: list[Callable[[str, Value], None]] = []

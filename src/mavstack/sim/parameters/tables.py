@@ -1,16 +1,15 @@
-"""Which parameters each firmware has on each type of vehicle: the files in `tables`, read.
+"""Parameter tables of each firmware and vehicle type, read from the files in `tables`.
 
-A file is plain text with a line a parameter, and lines that begin with `#`:
+A file is plain text with one parameter per line, and comments that start with `#`:
 
-    NAME TYPE VALUE [LEAST..MOST] [read-only] [volatile]
+    NAME TYPE VALUE [MIN..MAX] [read-only] [volatile]
 
-`TYPE` is the name of a MAV_PARAM_TYPE. A name may stand for a series: `RC{1..16}_MIN` for sixteen
-parameters, `COMPASS_OFS{,2,3}_{X,Y,Z}` for nine. A vehicle's table is made of several files one upon the
-other: a line for a name that an earlier file has, replaces it and keeps its place.
+`TYPE` is the name of a MAV_PARAM_TYPE. A name may be a series: `RC{1..16}_MIN` is sixteen parameters,
+`COMPASS_OFS{,2,3}_{X,Y,Z}` nine. A vehicle's table combines several files in order: a later line for the same
+name replaces the earlier one and keeps its position.
 
-Names, types and values are those of the programs: of ArduPilot 4.6, and of PX4 1.17 in its own simulator; a
-few speeds fit the simulated bodies better than the values that the programs begin with. ArduPilot lists its
-parameters in an order of its own, PX4 by name.
+Names, types and values are those of ArduPilot 4.6, and of PX4 1.17 in its own simulator; a few speeds are
+changed to fit the simulated bodies. ArduPilot lists its parameters in its own order, PX4 by name.
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ _LAYERS = {
 }
 _LINE = re.compile(
     r"(?P<name>\S+) (?P<kind>[A-Z0-9]+) (?P<value>\S+)"
-    r"(?: (?P<least>[^ .]+)\.\.(?P<most>[^ .]+))?(?P<fixed> read-only)?(?P<volatile> volatile)?"
+    r"(?: (?P<low>[^ .]+)\.\.(?P<high>[^ .]+))?(?P<fixed> parse-only)?(?P<volatile> volatile)?"
 )
 _SERIES = re.compile(r"\{([^}]*)\}")
 _RANGE = re.compile(r"(\d+)\.\.(\d+)")
@@ -55,7 +54,7 @@ class Row(NamedTuple):
     """A line of a file."""
 
     name: str
-    kind: common.MavParamType
+    type: common.MavParamType
     value: Value
     minimum: Value | None
     maximum: Value | None
@@ -63,21 +62,21 @@ class Row(NamedTuple):
     volatile: bool
 
     def definition(self) -> ParameterDefinition:
-        """A parameter of a vehicle's own."""
+        """Return a new parameter for one vehicle."""
         return ParameterDefinition(
             self.name,
             self.value,
-            self.kind,
-            self.minimum,
-            self.maximum,
-            self.value,
-            self.read_only,
-            self.volatile,
+            self.type,
+            minimum=self.minimum,
+            maximum=self.maximum,
+            default=self.value,
+            read_only=self.read_only,
+            volatile=self.volatile,
         )
 
 
 def expand(name: str) -> list[str]:
-    """The names that a name with series stands for."""
+    """Return the names of a series."""
     series = _SERIES.search(name)
     if series is None:
         return [name]
@@ -91,8 +90,12 @@ def expand(name: str) -> list[str]:
     return [head + member + rest for member in members for rest in expand(tail)]
 
 
-def read(text: str) -> Iterator[Row]:
-    """The rows of a file; raises ValueError if a line is none."""
+def parse(text: str) -> Iterator[Row]:
+    """Return the rows of a file.
+
+    Raises:
+        ValueError: A line is invalid.
+    """
     for number, line in enumerate(text.splitlines(), 1):
         if line and not line.startswith("#"):
             yield from _rows_of(line, number)
@@ -100,28 +103,27 @@ def read(text: str) -> Iterator[Row]:
 
 @cache
 def rows(firmware: Firmware, type: VehicleType) -> tuple[Row, ...]:  # noqa: A002 (HEARTBEAT's name for it)
-    """The parameters of a vehicle as it leaves the factory, in the order of their indices."""
+    """Return the factory parameters of a vehicle, in the order of their indices."""
     found: dict[str, Row] = {}
     folder = files(__package__) / "tables"
     for layer in _LAYERS[firmware, type]:
         text = (folder / f"{firmware}_{layer}.txt").read_text(encoding="ascii")
-        found.update((row.name, row) for row in read(text))
+        found.update((row.name, row) for row in parse(text))
     return tuple(sorted(found.values())) if firmware is Firmware.PX4 else tuple(found.values())
 
 
 def definitions(firmware: Firmware, type: VehicleType) -> list[ParameterDefinition]:  # noqa: A002
-    """The same, for one vehicle to keep."""
+    """Return new parameters for one vehicle."""
     return [row.definition() for row in rows(firmware, type)]
 
 
 def _rows_of(line: str, number: int) -> Iterator[Row]:
+    """Return the rows of a line."""
     found = _LINE.fullmatch(line)
     if found is None:
-        raise ValueError(f"line {number} of a table of parameters is none: {line}")
+        raise ValueError(f"line {number} of a parameter table is invalid: {line}")
     kind = common.MavParamType[found["kind"]]
     parse = float if kind is common.MavParamType.REAL32 else int
-    least, most = (None if found[side] is None else parse(found[side]) for side in ("least", "most"))
+    low, high = (None if found[side] is None else parse(found[side]) for side in ("low", "high"))
     for name in expand(found["name"]):
-        yield Row(
-            name, kind, parse(found["value"]), least, most, bool(found["fixed"]), bool(found["volatile"])
-        )
+        yield Row(name, kind, parse(found["value"]), low, high, bool(found["fixed"]), bool(found["volatile"]))

@@ -18,16 +18,15 @@ from mavstack.sim.autopilot.commands import (
     HomeCommands,
     MissionCommands,
     number,
-    take,
+    register_handlers,
     whole,
 )
-from mavstack.sim.px4.checks import problems_of
+from mavstack.sim.px4.arming import arm, disarm, problems_of
 from mavstack.sim.px4.failures import FailureCommands
 from mavstack.sim.px4.maintenance import Px4MaintenanceCommands
 from mavstack.sim.px4.mode_selection import AUTO, choose_mode, custom_mode_of, mode_of_flags, unavailable
 from mavstack.sim.px4.modes import BY_THEMSELVES, MISSION, STANDARD_MODES, STANDARD_MODES_OF_WINGS
 from mavstack.sim.px4.movement import Px4Movement
-from mavstack.sim.px4.orders import arm, disarm
 from mavstack.sim.px4.state import BY_COMMAND, BY_MISSION
 
 if TYPE_CHECKING:
@@ -209,4 +208,4 @@ def groups_of(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
 def register_commands(vehicle: Vehicle, state: Px4State) -> None:
     """Take all commands of a vehicle."""
     for group in groups_of(vehicle, state):
-        take(vehicle, group.handlers())
+        register_handlers(vehicle, group.handlers())

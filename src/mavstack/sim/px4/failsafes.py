@@ -8,13 +8,13 @@ for lost links, whose action lasts until a mode is chosen.
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.sim.px4 import modes
 from mavstack.sim.px4.failsafe_actions import BY_ITSELF, WARNINGS, WORDS, Act, Until, Wanted
 from mavstack.sim.px4.failsafe_checks import Px4Checks
-from mavstack.sim.px4.offboard import SETPOINTS_LOST
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot
@@ -27,6 +27,14 @@ _NEVER_DELAYED: Final = frozenset({Act.NONE, Act.WARN, Act.HOLD, Act.DISARM, Act
 _NO_DELAY: Final = 0.1
 _DISENGAGED: Final = frozenset({Act.DESCEND, Act.ALTITUDE, Act.STABILIZED})
 _SEVERITIES: Final = {"Low battery level": _WARNING, "Emergency battery level": _EMERGENCY}
+
+#: Why such a mode was entered.
+SETPOINTS_LOST: Final = "offboard failsafe"
+_OFFBOARD_TERMINATE, _OFFBOARD_DISARM = 6, 7
+_OFFBOARD_ACTIONS: Final = MappingProxyType(
+    {0: modes.POSITION, 1: modes.ALTITUDE, 2: modes.STABILIZED, 3: modes.RETURN, 4: modes.LAND, 5: modes.HOLD}
+)
+_OFFBOARD_FALLBACKS: Final = (modes.RETURN, modes.LAND, modes.DESCEND, modes.HOLD)
 
 
 class Px4Failsafes:
@@ -193,3 +201,25 @@ class Px4Failsafes:
 _NAMES: Final = frozenset(
     {"manual control", "ground station", "battery 1", "battery 2", "battery 3", "motor", "mode"}
 )
+
+
+def setpoints_lost(autopilot: Autopilot) -> None:
+    """Do it, and say so."""
+    autopilot.vehicle.send_statustext("Failsafe activated", _CRITICAL)
+    autopilot.failsafes.add("offboard")
+    action = int(autopilot.vehicle.parameters["COM_OBL_RC_ACT"])
+    if action == _OFFBOARD_TERMINATE:
+        autopilot.terminate()
+    elif action == _OFFBOARD_DISARM:
+        autopilot.disarm("failsafe")
+    else:
+        _enter_first(autopilot, _OFFBOARD_ACTIONS.get(action, modes.POSITION))
+
+
+def _enter_first(autopilot: Autopilot, wanted: int) -> None:
+    for number in (wanted, *_OFFBOARD_FALLBACKS):
+        mode = autopilot.find_mode(number)
+        if mode is None or (mode.manual_control and not autopilot.radio.present):
+            continue
+        if autopilot.enter(number, SETPOINTS_LOST):
+            return

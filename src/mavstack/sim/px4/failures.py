@@ -109,7 +109,7 @@ def inject(vehicle: Vehicle, unit: int, kind: int, instance: int) -> None:
     vehicle.send_statustext(text, common.MavSeverity.WARNING)
     faults = faults_of(vehicle, unit, kind, instance)
     if unit == _UNIT.SYSTEM_MAVLINK_SIGNAL:
-        vehicle.autopilot.tasks.afterwards(lambda: _inject_all(vehicle, faults))
+        vehicle.autopilot.tasks.on_next_tick(lambda: _inject_all(vehicle, faults))
     else:
         _inject_all(vehicle, faults)
 

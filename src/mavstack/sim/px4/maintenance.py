@@ -52,7 +52,7 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         """PREFLIGHT_REBOOT_SHUTDOWN: only disarmed; shutting down is not for this hardware."""
         if self.autopilot.armed or whole(request.command.param1) not in self.reboots:
             return _RESULT.DENIED
-        self.autopilot.tasks.afterwards(self.vehicle.reboot)
+        self.autopilot.tasks.on_next_tick(self.vehicle.reboot)
         return _RESULT.ACCEPTED
 
     def store(self, request: CommandRequest) -> common.MavResult:
@@ -71,14 +71,14 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         """PREFLIGHT_CALIBRATION: one sensor at a time."""
         if self.autopilot.armed or self._state.calibrating:
             return _RESULT.TEMPORARILY_REJECTED
-        wanted = self.wanted_calibrations(request)
+        wanted = self.requested_calibrations(request)
         if not wanted:
             return _RESULT.UNSUPPORTED
         self._state.calibrating = wanted[0]
         self.autopilot.tasks.run(self.calibrating(wanted))
         return _RESULT.ACCEPTED
 
-    def wanted_calibrations(self, request: CommandRequest) -> list[str]:
+    def requested_calibrations(self, request: CommandRequest) -> list[str]:
         """The first that the command names; what needs the vehicle turned by hand fails in the end."""
         command = request.command
         first = {

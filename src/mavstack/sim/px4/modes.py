@@ -26,10 +26,7 @@ from mavstack.sim.autopilot.behaviours import (
 )
 from mavstack.sim.autopilot.behaviours.mission import Mission
 from mavstack.sim.autopilot.interfaces import Mode
-from mavstack.sim.px4.descend import Descend, Nothing
-from mavstack.sim.px4.orbit import orbit_behaviour
-from mavstack.sim.px4.returning import Px4Return
-from mavstack.sim.px4.takeoff import Px4Takeoff
+from mavstack.sim.px4.behaviours import Descend, Px4Return, Px4Takeoff, Terminated, orbit_behaviour
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -130,17 +127,17 @@ _TABLE: Final = (
         needs_position=False, may_arm=False, selectable=False,
     ),
     _Row(
-        TERMINATION, "Termination", Nothing, 0, needs_position=False, may_arm=False, selectable=False,
+        TERMINATION, "Termination", Terminated, 0, needs_position=False, may_arm=False, selectable=False,
     ),
     _Row(OFFBOARD, "Offboard", Offboard, _STABLE, needs_position=False),
     _Row(STABILIZED, "Stabilized", Stabilize, _BY_STICKS, manual_control=True, needs_position=False),
-    _Row(TAKEOFF, "Takeoff", Nothing, _AUTOMATIC, _STANDARD.TAKEOFF, _FLYING, then=HOLD),
+    _Row(TAKEOFF, "Takeoff", Terminated, _AUTOMATIC, _STANDARD.TAKEOFF, _FLYING, then=HOLD),
     _Row(
         LAND, "Land", Land, _AUTOMATIC, _STANDARD.LAND, _FLYING, needs_position=False, may_arm=False,
     ),
-    _Row(ORBIT, "Orbit", Nothing, _STABLE, _STANDARD.ORBIT, _FLYING, may_arm=False),
+    _Row(ORBIT, "Orbit", Terminated, _STABLE, _STANDARD.ORBIT, _FLYING, may_arm=False),
     _Row(
-        VTOL_TAKEOFF, "VTOL Takeoff", Nothing, _AUTOMATIC, types=frozenset({_T.VTOL}),
+        VTOL_TAKEOFF, "VTOL Takeoff", Terminated, _AUTOMATIC, types=frozenset({_T.VTOL}),
         then=HOLD,
     ),
 )  # fmt: skip

@@ -20,12 +20,11 @@ from mavstack.sim.autopilot.commands import (
     place_of,
     whole,
 )
-from mavstack.sim.autopilot.commands.guiding import fly_as_chosen
+from mavstack.sim.autopilot.commands.guiding import apply_choices
 from mavstack.sim.autopilot.commands.places import GLOBAL
 from mavstack.sim.px4.mode_selection import choose_mode
 from mavstack.sim.px4.modes import HOLD, LAND, ORBIT, RETURN, TAKEOFF, VTOL_TAKEOFF
-from mavstack.sim.px4.orbit import WantedOrbit
-from mavstack.sim.px4.orders import change_over
+from mavstack.sim.px4.state import OrbitRequest
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -42,6 +41,9 @@ _STATE = common.MavVtolState
 _CHANGE_MODE: Final = int(common.MavDoRepositionFlags.CHANGE_MODE)
 _HIGHEST: Final = 1.0e5
 _FASTEST: Final = 1000.0
+
+#: Modes in which a VTOL refuses the transition to forward flight.
+_HOVERING_MODES: Final = frozenset({TAKEOFF, LAND, RETURN, ORBIT})
 
 
 class Px4Movement(MovementCommands):
@@ -129,7 +131,7 @@ class Px4Movement(MovementCommands):
     def reposition(self, request: CommandRequest) -> common.MavResult:
         """DO_REPOSITION: go there in Hold; what is left out stays as it is."""
         command = request.command
-        point = self.wanted_place(command)
+        point = self.target_place(command)
         if self.autopilot.mode.number != HOLD:
             if not (whole(command.param2) or 0) & _CHANGE_MODE:
                 return _RESULT.DENIED
@@ -139,7 +141,7 @@ class Px4Movement(MovementCommands):
         self.go_to(point, command)
         return _RESULT.ACCEPTED
 
-    def wanted_place(self, command: Command) -> Point:
+    def target_place(self, command: Command) -> Point:
         """The place that a command wants to be gone to."""
         usual = replace(command, frame=common.MavFrame.GLOBAL)
         if command.frame is not None and command.frame not in GLOBAL:
@@ -166,7 +168,7 @@ class Px4Movement(MovementCommands):
     def orbit(self, request: CommandRequest) -> common.MavResult:
         """DO_ORBIT: a wing circles in Hold, what hovers in a mode of its own."""
         command, autopilot = request.command, self.autopilot
-        wanted = WantedOrbit.read(autopilot, command, self.wanted_place(command))
+        wanted = OrbitRequest.read(autopilot, command, self.target_place(command))
         if autopilot.maneuvers.circles:
             if choose_mode(self.vehicle, HOLD) is not None:
                 return self._refuse_orbit()
@@ -195,7 +197,7 @@ class Px4Movement(MovementCommands):
             maneuvers.climb = maneuvers.sink = None
         else:
             maneuvers.speed = None
-        fly_as_chosen(self.autopilot)
+        apply_choices(self.autopilot)
         return _RESULT.ACCEPTED
 
     def change_over(self, request: CommandRequest) -> common.MavResult:
@@ -205,3 +207,17 @@ class Px4Movement(MovementCommands):
             return _RESULT.DENIED
         changed = change_over(autopilot.vehicle, wanted == _STATE.FW)
         return _RESULT.ACCEPTED if changed else _RESULT.TEMPORARILY_REJECTED
+
+
+def change_over(vehicle: Vehicle, forward: bool) -> bool:
+    """Have a VTOL fly on its wing or hover, in the air; whether it may now."""
+    autopilot = vehicle.autopilot
+    denied = forward and autopilot.mode.number in _HOVERING_MODES
+    if vehicle.type is not VehicleType.VTOL or denied or not autopilot.armed or autopilot.landed:
+        return False
+    autopilot.body.transition_to(forward)
+    if autopilot.mission.flying:
+        autopilot.mission.keep_course()
+    else:
+        autopilot.restart_behaviour()
+    return True

@@ -9,14 +9,12 @@ from mavstack.services.modes import ModeChanged
 from mavstack.services.version import provide_versions
 from mavstack.sim.autopilot.interfaces import FirmwareProfile
 from mavstack.sim.px4 import modes
-from mavstack.sim.px4.checks import PreflightWatch, problems_of
+from mavstack.sim.px4.arming import LandingWatch, PreflightWatch, problems_of
 from mavstack.sim.px4.commands import register_commands
-from mavstack.sim.px4.failsafes import Px4Failsafes
+from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
 from mavstack.sim.px4.identity import version_of
-from mavstack.sim.px4.landing import LandingWatch
 from mavstack.sim.px4.mode_selection import refusal_of
-from mavstack.sim.px4.offboard import setpoints_lost
 from mavstack.sim.px4.shell import Console, Journal
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
 from mavstack.sim.telemetry import publish_px4

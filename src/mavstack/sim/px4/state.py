@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Final
 
-if TYPE_CHECKING:
-    from mavstack.sim.px4.orbit import WantedOrbit
+from mavstack.dialects import common
+from mavstack.sim.autopilot.commands import number, whole
 
+if TYPE_CHECKING:
+    from mavstack.services.command import Command
+    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.maneuvers import Point
+
+_YAW = common.OrbitYawBehaviour
+_MIN_RADIUS: Final = 1.0
+_MAX_SPEED: Final = 10.0
 #: Why the motors were armed or disarmed, as STATUSTEXT says it.
 BY_COMMAND: Final = "external command"
 BY_SHELL: Final = "internal command"
@@ -18,6 +27,27 @@ BY_FAILSAFE: Final = "failsafe"
 BY_STICKS: Final = "stick gesture"
 
 
+@dataclass(frozen=True, slots=True)
+class OrbitRequest:
+    """A circle: radius > 0 is clockwise."""
+
+    centre: Point
+    radius: float
+    speed: float | None
+    yaw_behaviour: int
+
+    @classmethod
+    def read(cls, autopilot: Autopilot, command: Command, centre: Point) -> OrbitRequest:
+        """What DO_ORBIT asks for; what is left out is as usual."""
+        radius, speed = command.param1, abs(number(command.param2))
+        if not isfinite(radius) or abs(radius) < _MIN_RADIUS:
+            radius = autopilot.flight_parameters.circle_radius
+        yaw = whole(command.param3)
+        if yaw not in set(_YAW):
+            yaw = int(autopilot.vehicle.parameters.get("MC_ORBIT_YAW_MOD", 0))
+        return cls(centre, radius, min(speed, _MAX_SPEED) or None, yaw or 0)
+
+
 @dataclass(slots=True)
 class Px4State:
     """Shared by the commands, the modes and the watches of one vehicle."""
@@ -25,7 +55,7 @@ class Px4State:
     #: Where the next take-off goes, in metres above mean sea level; None or NaN: by MIS_TAKEOFF_ALT.
     takeoff_altitude: float | None = None
     #: The circle of the last DO_ORBIT.
-    orbit: WantedOrbit | None = None
+    orbit: OrbitRequest | None = None
     #: Whether it left the ground since it was armed.
     has_flown: bool = False
     #: The mode to be in when the motors are disarmed.

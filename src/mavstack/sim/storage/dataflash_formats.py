@@ -1,8 +1,8 @@
-"""The messages of an ArduPilot log: names, fields, units and multipliers as ArduPilot 4.6 and later has them.
+"""Formats of an ArduPilot log: names, fields, units and multipliers of ArduPilot 4.6 and later.
 
-A format is a letter a field. Those that carry a factor (`c`, `C`, `e`, `E`: hundredths; `L`: degrees by 1e7)
-are integers in the file. Units and multipliers are a letter a field too; the tables that say what the letters
-mean are written into each log.
+A format has one letter per field. Letters that imply a factor (`c`, `C`, `e`, `E`: hundredths; `L`: degrees
+times 1e7) are integers in the file. Units and multipliers have one letter per field too; the tables of these
+letters are written into each log.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
-HEAD = b"\xa3\x95"
+HEADER = b"\xa3\x95"
 FORMAT_TYPE = 128
 
 _CODES = {
@@ -33,7 +33,7 @@ MULTIPLIERS = {
 
 @dataclass(frozen=True, slots=True)
 class LogFormat:
-    """One kind of message."""
+    """The format of one type of record."""
 
     type: int
     name: str
@@ -44,18 +44,18 @@ class LogFormat:
 
     @property
     def codes(self) -> str:
-        """Its fields as a struct format."""
+        """Fields as a struct format."""
         return "".join(_CODES.get(letter, letter) for letter in self.format)
 
     @property
     def length(self) -> int:
-        """Its length in the file."""
+        """Length of a record in bytes."""
         return struct.calcsize("<3s" + self.codes)
 
     @property
-    def head(self) -> bytes:
-        """What each one begins with."""
-        return HEAD + bytes([self.type])
+    def header(self) -> bytes:
+        """First three bytes of each record."""
+        return HEADER + bytes([self.type])
 
 
 _CHANNELS = ",".join(f"C{number}" for number in range(1, 15))

@@ -1,12 +1,13 @@
-"""The logs of one vehicle: files in its store, written while it flies, listed and fetched by others.
+"""Onboard logs of one vehicle: files in its store, written in flight, listed and downloaded by clients.
 
-A log begins where its firmware begins one, usually at arming, and ends at disarming; `LogServer` gives the
-logs out, and as they lie in the store, MAVLink FTP does too. What is written goes to the file every few
-kilobytes, so one that is being written can be read, and what others do to the files counts: a log that
-somebody removed is gone from the list.
+A log starts when its firmware starts one, usually at arming, and ends at disarming. `LogServer` serves the
+logs, and because they are files of the store, MAVLink FTP does too. Data are written to the file every few
+kilobytes, so that an open log can be read, and changes to the files take effect: a removed log disappears
+from the list.
 
-Logs are kept up to a limit: the oldest go first, and one that has reached a third of it is ended and another
-begun, so that the last part of a long flight is always there. A store that is full or broken ends the log.
+Logs are kept up to a capacity: the oldest are removed first, and a log that reaches a third of the capacity
+is closed and continued in another, so that the last part of a long flight is always kept. A store that is
+full or broken ends the log.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from collections import deque
 from contextlib import suppress
 from typing import TYPE_CHECKING, Protocol
 
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.log import LogEntry
 
 if TYPE_CHECKING:
@@ -27,22 +28,22 @@ if TYPE_CHECKING:
     from mavstack.services.parameters import Value
     from mavstack.sim.storage.sample import FlightSample, LogStart
 
-#: All logs of a vehicle together hold so many bytes at most: about half an hour at ten samples a second.
-KEPT_BYTES = 8 << 20
-LEAST_KEPT = 512 << 10
-#: So much is gathered before it is written to the file.
-PIECE = 4096
-#: So much is read at once.
-BLOCK = 16384
-#: So many logs are kept at most.
-MOST_LOGS = 500
-#: Of the year 9999.
-LAST_SECOND = 253_402_300_799
-_NOTHING_READ = (-1, 0, b"")
+#: Maximum bytes of all logs of a vehicle: about half an hour at ten samples per second.
+DEFAULT_LOG_CAPACITY = 8 << 20
+MIN_LOG_CAPACITY = 512 << 10
+#: Bytes that are buffered before they are written to the file.
+FLUSH_SIZE = 4096
+#: Bytes per read.
+READ_SIZE = 16384
+#: Maximum number of logs.
+MAX_LOGS = 500
+#: Unix time at the end of the year 9999.
+MAX_TIME = 253_402_300_799
+_EMPTY_CACHE = (-1, 0, b"")
 
 
 class LogWriter(Protocol):
-    """Writes one log into `data`, which is emptied from time to time."""
+    """Writer of one log into `data`, which the caller empties from time to time."""
 
     data: bytearray
 
@@ -50,10 +51,10 @@ class LogWriter(Protocol):
         """Write a sample."""
 
     def text(self, time_us: int, severity: int, text: str) -> None:
-        """Write what the vehicle says to people."""
+        """Write a status text."""
 
     def mode(self, time_us: int, mode: int, reason: int = 0) -> None:
-        """Write that the mode is another."""
+        """Write a mode change; `reason` is the firmware's number."""
 
     def armed(self, time_us: int, armed: bool, *, forced: bool = False, method: int = 0) -> None:
         """Write that the motors were armed or disarmed."""
@@ -62,26 +63,37 @@ class LogWriter(Protocol):
         """Write one of the firmware's numbered events."""
 
     def error(self, time_us: int, subsystem: int, code: int) -> None:
-        """Write that a subsystem failed, or works again."""
+        """Write the failure of a subsystem; code 0 is its recovery."""
 
     def parameter(self, time_us: int, name: str, value: Value, default: Value | None = None) -> None:
         """Write a parameter."""
 
     def command(self, time_us: int, item: MissionItem, sequence: int, total: int) -> None:
-        """Write an item of the mission, as it is begun."""
+        """Write a mission item when it starts."""
 
     def home(self, time_us: int, latitude: float, longitude: float, altitude: float) -> None:
-        """Write that home is there."""
+        """Write the home position in degrees and metres AMSL."""
 
 
 class FlightLogs(ABC):
-    """The logs in a store; `start` says what is known whenever one begins."""
+    """The logs in a store.
 
-    def __init__(self, store: FileStore, start: Callable[[], LogStart], *, limit: int = KEPT_BYTES) -> None:
-        if limit < LEAST_KEPT:
-            raise LocalProtocolError(f"at least {LEAST_KEPT} bytes of logs have to be kept")
-        self.limit = limit
-        #: Whether the store refused what was to be written last.
+    Args:
+        store: Where the files are.
+        start: Returns the facts to write at the start of a log.
+        capacity: Maximum bytes of all logs together.
+
+    Raises:
+        InvalidArgumentError: The capacity is too small.
+    """
+
+    def __init__(
+        self, store: FileStore, start: Callable[[], LogStart], *, capacity: int = DEFAULT_LOG_CAPACITY
+    ) -> None:
+        if capacity < MIN_LOG_CAPACITY:
+            raise InvalidArgumentError(f"capacity must be at least {MIN_LOG_CAPACITY} bytes, got {capacity}")
+        self.capacity = capacity
+        #: True if the last write to the store failed.
         self.failed = False
         self.writer: LogWriter | None = None
         self._store = store
@@ -90,21 +102,21 @@ class FlightLogs(ABC):
         self._path = ""
         self._size = self._time_us = 0
         self._times: dict[str, int] = {}
-        #: Log, offset and content of what was read last: clients fetch logs by ninety bytes.
-        self._lately_read = _NOTHING_READ
+        #: Log, offset and content of the last read block; clients download logs in pieces of 90 bytes.
+        self._read_cache = _EMPTY_CACHE
 
     # Writing
 
     @property
     def writing(self) -> bool:
-        """Whether a log is being written."""
+        """True while a log is open."""
         return self.writer is not None
 
     def begin(self, time_us: int) -> None:
-        """Begin a log; one that is being written ends."""
+        """Start a log and end the open one."""
         self.end()
         start = self._start()
-        time = int(min(max(start.boot + time_us / 1e6, 0), LAST_SECOND))
+        time = int(min(max(start.boot + time_us / 1e6, 0), MAX_TIME))
         self._time_us = time_us
         self.failed = False
         try:
@@ -112,7 +124,7 @@ class FlightLogs(ABC):
             self._make_room()
             self._file = self._store.open_file(self._path, write=True, truncate=True)
         except OSError:
-            self._give_up()
+            self._fail()
             return
         self._size = 0
         self._times[self._path] = time
@@ -120,7 +132,7 @@ class FlightLogs(ABC):
         self._flush()
 
     def end(self) -> None:
-        """End the log that is being written, if there is one."""
+        """End the open log, if any."""
         self._flush()
         self.writer = None
         if self._file is not None:
@@ -129,22 +141,22 @@ class FlightLogs(ABC):
         self._file = None
 
     def write(self, sample: FlightSample) -> None:
-        """Write a sample, if a log is being written."""
+        """Write a sample to the open log, if any."""
         writer = self.writer
         if writer is not None:
             self._time_us = sample.time_us
             writer.write(sample)
-            if len(writer.data) >= PIECE:
+            if len(writer.data) >= FLUSH_SIZE:
                 self._flush()
-                self._keep_within_limit()
+                self._split_if_large()
 
     def text(self, time_us: int, severity: int, text: str) -> None:
-        """Write what the vehicle says to people."""
+        """Write a status text."""
         if self.writer is not None:
             self.writer.text(time_us, severity, text)
 
     def mode(self, time_us: int, mode: int, reason: int = 0) -> None:
-        """Write that the mode is another, and why (the firmware's number of a reason)."""
+        """Write a mode change; `reason` is the firmware's number."""
         if self.writer is not None:
             self.writer.mode(time_us, mode, reason)
 
@@ -159,22 +171,22 @@ class FlightLogs(ABC):
             self.writer.event(time_us, event)
 
     def error(self, time_us: int, subsystem: int, code: int) -> None:
-        """Write that a subsystem failed, or with code 0 that it works again."""
+        """Write the failure of a subsystem; code 0 is its recovery."""
         if self.writer is not None:
             self.writer.error(time_us, subsystem, code)
 
     def parameter(self, time_us: int, name: str, value: Value, default: Value | None = None) -> None:
-        """Write that a parameter was set."""
+        """Write a parameter."""
         if self.writer is not None:
             self.writer.parameter(time_us, name, value, default)
 
     def command(self, time_us: int, item: MissionItem, sequence: int, total: int) -> None:
-        """Write that an item of the mission is begun."""
+        """Write a mission item when it starts."""
         if self.writer is not None:
             self.writer.command(time_us, item, sequence, total)
 
     def home(self, time_us: int, latitude: float, longitude: float, altitude: float) -> None:
-        """Write where home is now."""
+        """Write the home position in degrees and metres AMSL."""
         if self.writer is not None:
             self.writer.home(time_us, latitude, longitude, altitude)
 
@@ -182,92 +194,96 @@ class FlightLogs(ABC):
 
     def logs(self) -> Sequence[LogEntry]:
         self._flush()
-        found = self._found()
+        found = self._existing_logs()
         return [
             LogEntry(number, self._time_of(path, entry), entry.size)
             for number, (path, entry) in sorted(found.items())
         ]
 
     def read(self, number: int, offset: int, count: int, /) -> bytes:
-        known, begin, content = self._lately_read
+        known, begin, content = self._read_cache
         if known != number or not begin <= offset <= offset + count <= begin + len(content):
-            begin, content = offset, self._read_block(number, offset, max(count, BLOCK))
-            self._lately_read = (number, begin, content)
+            begin, content = offset, self._read_block(number, offset, max(count, READ_SIZE))
+            self._read_cache = (number, begin, content)
         return content[offset - begin :][:count]
 
     def erase(self) -> None:
         was_writing = self.writing
         self.end()
-        self._lately_read = _NOTHING_READ
-        for path, _ in self._found().values():
+        self._read_cache = _EMPTY_CACHE
+        for path, _ in self._existing_logs().values():
             self._store.remove(path)
         self._times.clear()
-        self._forget()
+        self._clear_index()
         if was_writing:
             self.begin(self._time_us)
 
-    # What the firmwares do in their own ways
+    # Differences between firmwares
 
     @abstractmethod
     def _new_path(self, time: int) -> str:
-        """Where the next log lies; its directory is made."""
+        """Return the path of the next log, after creating its directory."""
 
     @abstractmethod
     def _new_writer(self, start: LogStart, time_us: int) -> LogWriter:
-        """What writes it."""
+        """Return the writer of a new log."""
 
     @abstractmethod
-    def _found(self) -> dict[int, tuple[str, Entry]]:
-        """The paths of all logs by their ids."""
+    def _existing_logs(self) -> dict[int, tuple[str, Entry]]:
+        """Return path and entry of each log by id."""
 
     @abstractmethod
     def _time_of(self, path: str, entry: Entry) -> int:
-        """When a log began."""
+        """Return the Unix time at which a log started."""
 
     def _oldest_first(self, numbers: Iterable[int]) -> list[int]:
-        """The ids of logs by their age."""
+        """Return the ids of logs, oldest first."""
         return sorted(numbers)
 
     @abstractmethod
-    def _forget(self) -> None:
-        """All logs are gone."""
+    def _clear_index(self) -> None:
+        """Discard the index after all logs were erased."""
 
     # The file
 
     def _flush(self) -> None:
+        """Write buffered data to the file."""
         writer, file = self.writer, self._file
         if writer is None or file is None or not writer.data:
             return
         try:
             file.write(self._size, bytes(writer.data))
         except OSError:
-            self._give_up()
+            self._fail()
             return
         self._size += len(writer.data)
         writer.data.clear()
 
-    def _give_up(self) -> None:
+    def _fail(self) -> None:
+        """End the log after a failure of the store."""
         self.failed, self.writer = True, None
         self.end()
 
-    def _keep_within_limit(self) -> None:
-        if self._size >= self.limit // 3:
+    def _split_if_large(self) -> None:
+        """Continue in a new log when this one has reached its share of the capacity."""
+        if self._size >= self.capacity // 3:
             self.begin(self._time_us)
 
     def _make_room(self) -> None:
-        """Remove the oldest logs until there is place for a third of the limit."""
-        self._lately_read = _NOTHING_READ
-        found = self._found()
+        """Remove the oldest logs until a third of the capacity is free."""
+        self._read_cache = _EMPTY_CACHE
+        found = self._existing_logs()
         others = deque(number for number in self._oldest_first(found) if found[number][0] != self._path)
         kept = sum(found[number][1].size for number in others)
-        while others and (kept > self.limit - self.limit // 3 or len(others) >= MOST_LOGS):
+        while others and (kept > self.capacity - self.capacity // 3 or len(others) >= MAX_LOGS):
             path, entry = found[others.popleft()]
             self._store.remove(path)
             self._times.pop(path, None)
             kept -= entry.size
 
     def _read_block(self, number: int, offset: int, size: int) -> bytes:
-        found = self._found().get(number)
+        """Read a part of a log."""
+        found = self._existing_logs().get(number)
         if found is None:
             raise FileNotFoundError
         file = self._store.open_file(found[0])
@@ -277,13 +293,13 @@ class FlightLogs(ABC):
             file.close()
 
     def _list(self, path: str) -> Iterator[Entry]:
-        """A directory's entries; none if it is not there."""
+        """Return a directory's entries; none if it does not exist."""
         with suppress(FileNotFoundError, NotADirectoryError):
             yield from self._store.list_directory(path)
 
 
 def make_directories(store: FileStore, path: str) -> None:
-    """Make a directory and those above it, where they are missing."""
+    """Create a directory and its parents where they are missing."""
     parts = path.strip("/").split("/")
     for length in range(1, len(parts) + 1):
         with suppress(FileExistsError):
@@ -291,7 +307,7 @@ def make_directories(store: FileStore, path: str) -> None:
 
 
 def write_file(store: FileStore, path: str, content: bytes) -> None:
-    """Put a file there, in the place of what there was."""
+    """Write a file, replacing its content."""
     file = store.open_file(path, write=True, truncate=True)
     try:
         file.write(0, content)

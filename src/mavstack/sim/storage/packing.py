@@ -1,7 +1,7 @@
-"""Several records of a log at once, by one precompiled struct; numbers that do not fit are made to.
+"""Packing of several log records by one precompiled struct; numbers that do not fit are clipped.
 
-The usual path knows nothing of numbers that a format cannot hold: packing fails, and only then a sample is
-looked at value by value. Then what is no number is 0 in an integer, and what is too large is the largest.
+The fast path packs without checks. Only if packing fails, the sample is clipped value by value: NaN becomes 0
+in an integer field, and a number out of range the nearest bound.
 """
 
 from __future__ import annotations
@@ -18,22 +18,24 @@ if TYPE_CHECKING:
 
     from mavstack.sim.storage.sample import FlightSample
 
-#: What a field holds.
+#: The value of a field.
 Scalar: TypeAlias = float | bytes
-#: Makes a whole number of a field: `round`, or `tame_round` where that may fail.
+#: Rounds to an integer: `round`, or `safe_round` where that may fail.
 Rounding: TypeAlias = "Callable[[float], int]"
-#: Gives the values of a sample in a block.
+#: Reads the values of a block from a sample.
 Values: TypeAlias = "Callable[[FlightSample, Rounding], tuple[Scalar, ...]]"
 
-_LARGEST = 1e30
+_MAX_MAGNITUDE = 1e30
 _CODE = re.compile(r"(\d*)([a-zA-Z?])")
 _FAILURES = (struct.error, OverflowError, ValueError)
 
 
 class Block:
-    """Records that are written together: `codes` is a struct format without byte order.
+    """Records that are written together.
 
-    `pieces` has an element a value: None, or the bytes that always stand there and need not be given.
+    Args:
+        codes: A struct format without byte order.
+        pieces: One element per value: None, or the constant bytes at that place.
     """
 
     def __init__(self, codes: str, pieces: Sequence[bytes | None] = ()) -> None:
@@ -50,100 +52,103 @@ class Block:
         values: Values,
         sample: FlightSample,
     ) -> bytes:
-        """The bytes of a sample, whose values in this block `values` gives."""
+        """Return the bytes of a sample, with the values that `values` reads from it."""
         try:
             return self._struct.pack(*self._all(values(sample, round)))
         except _FAILURES:
-            return self._pack_tamed(self._all(values(tamed(sample), tame_round)))
+            return self._pack_clipped(self._all(values(finite_copy(sample), safe_round)))
 
     def pack_values(self, *values: Scalar) -> bytes:
-        """The bytes of these values."""
+        """Return the bytes of these values."""
         try:
             return self._struct.pack(*self._all(values))
         except _FAILURES:
-            return self._pack_tamed(self._all(values))
+            return self._pack_clipped(self._all(values))
 
     def _all(self, values: tuple[Scalar, ...]) -> tuple[Scalar, ...]:
-        """With what always stands between them."""
+        """Return the values with the constants between them."""
         return values if self._in_order is None else self._in_order(values + self._constants)
 
-    def _pack_tamed(self, values: tuple[Scalar, ...]) -> bytes:
+    def _pack_clipped(self, values: tuple[Scalar, ...]) -> bytes:
+        """Return the bytes of values that are clipped to their fields."""
         fitted = [_fit(value, bounds) for value, bounds in zip(values, self._ranges, strict=True)]
         return self._struct.pack(*fitted)
 
 
 def _order(pieces: Sequence[bytes | None]) -> Callable[[tuple[Scalar, ...]], tuple[Scalar, ...]]:
-    """What brings values, followed by all constants, into the order of a record."""
+    """Return a function that orders values, followed by all constants, as in the record."""
     variables, constants = count(), count(sum(piece is None for piece in pieces))
     return itemgetter(*(next(variables if piece is None else constants) for piece in pieces))
 
 
 def _bounds(repeated: str, code: str) -> list[tuple[float, float] | None]:
-    """What each field of a code can hold; None where anything goes."""
+    """Return the range of each field of a code; None for any value."""
     number = int(repeated or 1)
     if code in "s?":
         return [None] * (1 if code == "s" else number)
     if code in "fd":
-        return [(-_LARGEST, _LARGEST)] * number
+        return [(-_MAX_MAGNITUDE, _MAX_MAGNITUDE)] * number
     bits = 8 * struct.calcsize("<" + code)
     signed = code.islower()
     return [(-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)] * number
 
 
 def _fit(value: Scalar, bounds: tuple[float, float] | None) -> Scalar:
+    """Clip a value to the range of its field."""
     if bounds is None or isinstance(value, bytes):
         return value
     if isinstance(bounds[0], int):
-        value = tame_round(value)
+        value = safe_round(value)
     return min(max(value, bounds[0]), bounds[1]) if value == value else value
 
 
-def tame_round(value: float) -> int:
-    """The nearest whole number; 0 for what is no number."""
+def safe_round(value: float) -> int:
+    """Return the nearest integer; 0 for NaN."""
     if value != value:  # not a number
         return 0
-    return round(min(max(value, -_LARGEST), _LARGEST))
+    return round(min(max(value, -_MAX_MAGNITUDE), _MAX_MAGNITUDE))
 
 
-class _Tamed:
-    """An object whose floats are all of a size that can be computed with."""
+class _FiniteView:
+    """View of an object whose float attributes are limited to a finite range."""
 
     def __init__(self, of: object) -> None:
         self._of = of
 
     def __getattr__(self, name: str) -> object:
-        return _tame(getattr(self._of, name))
+        return _limit(getattr(self._of, name))
 
 
-def _tame(value: object) -> object:
+def _limit(value: object) -> object:
+    """Limit a float to a finite range."""
     if isinstance(value, float) and value == value:
-        return min(max(value, -_LARGEST), _LARGEST)
+        return min(max(value, -_MAX_MAGNITUDE), _MAX_MAGNITUDE)
     return value
 
 
-def tamed(sample: FlightSample) -> FlightSample:
-    """The same sample without infinities."""
-    plain = type(sample)(*map(_tame, sample))  # type: ignore[arg-type]
+def finite_copy(sample: FlightSample) -> FlightSample:
+    """Return the sample without infinities."""
+    plain = type(sample)(*map(_limit, sample))  # type: ignore[arg-type]
     return plain._replace(
-        motion=_Tamed(sample.motion),  # type: ignore[arg-type]
-        sensors=_Tamed(sample.sensors),  # type: ignore[arg-type]
-        battery=_Tamed(sample.battery),  # type: ignore[arg-type]
-        health=None if sample.health is None else _Tamed(sample.health),  # type: ignore[arg-type]
+        motion=_FiniteView(sample.motion),  # type: ignore[arg-type]
+        sensors=_FiniteView(sample.sensors),  # type: ignore[arg-type]
+        battery=_FiniteView(sample.battery),  # type: ignore[arg-type]
+        health=None if sample.health is None else _FiniteView(sample.health),  # type: ignore[arg-type]
     )
 
 
-def channels(values: Sequence[float], number: int, whole: Rounding) -> list[int]:
-    """Exactly so many pulse widths; 0 where there is none."""
-    widths = [*map(whole, values[:number])]
+def channels(values: Sequence[float], number: int, to_int: Rounding) -> list[int]:
+    """Return exactly `number` pulse widths; 0 for missing channels."""
+    widths = [*map(to_int, values[:number])]
     return widths if len(widths) == number else widths + [0] * (number - len(widths))
 
 
 def text_of(text: str, size: int) -> bytes:
-    """A text as a log keeps it, whole characters only."""
+    """Return a text as UTF-8, cut at a whole character."""
     return text.replace("\0", "").encode("utf-8", "replace")[:size].decode("utf-8", "ignore").encode()
 
 
 def pressure_altitude(pressure: float) -> float:
-    """The height in metres in the standard atmosphere at so many hPa."""
+    """Return the altitude in metres in the standard atmosphere at a pressure in hPa."""
     share = max(1e-3, pressure) / 1013.25
     return 44330.769 * (1.0 - math.pow(share, 0.190263))

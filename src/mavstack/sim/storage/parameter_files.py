@@ -1,7 +1,7 @@
-"""The files of all parameters: ArduPilot's packed one, and PX4's, which holds what is not at its default.
+"""Parameter files over FTP: ArduPilot's packed file, and PX4's BSON file of changed parameters.
 
-ArduPilot's takes a query, "start=100&count=50&withdefaults=1", each part of which may be left out; what comes
-by writing it are parameters to be set. PX4's is a BSON document: int32 (0x10) and double (0x01) by name.
+ArduPilot's file accepts a query, "start=100&count=50&withdefaults=1", with every option optional; writing the
+file sets parameters. PX4's file is a BSON document: int32 (0x10) and double (0x01) by name.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
     from mavstack.services.parameters import Parameter, ParameterTable
 
-_PART = re.compile(r"(start|count|withdefaults)=(\d{0,9})")
-_MOST = 0xFFFF
-_SIZE_EACH = 12
+_OPTION = re.compile(r"(start|count|withdefaults)=(\d{0,9})")
+_MAX_COUNT = 0xFFFF
+_BYTES_PER_PARAMETER = 12
 
 
 def packed_file(table: ParameterTable, set_all: Callable[[Sequence[Parameter]], None] | None) -> VirtualFile:
-    """`@PARAM/param.pck` of a table."""
+    """Return `@PARAM/param.pck` of a table; it is read-only if `set_all` is None."""
 
     def read(query: str) -> bytes:
-        asked = {name: int(number or 0) for name, number in map(_part, query.split("&")) if name}
+        asked = {name: int(number or 0) for name, number in map(_query_option, query.split("&")) if name}
         start, count, defaults = (asked.get(name, 0) for name in ("start", "count", "withdefaults"))
-        if start >= min(_MOST, len(table)) or count >= _MOST or defaults > 1:
-            raise OSError(EINVAL, "there are no such parameters")
+        if start >= min(_MAX_COUNT, len(table)) or count >= _MAX_COUNT or defaults > 1:
+            raise OSError(EINVAL, "no such parameters")
         return table.packed(start=start, count=count or None, with_defaults=defaults == 1)
 
     def write(content: bytes) -> None:
@@ -43,13 +43,13 @@ def packed_file(table: ParameterTable, set_all: Callable[[Sequence[Parameter]], 
     return VirtualFile(
         read,
         None if set_all is None else write,
-        size=lambda: len(table) * _SIZE_EACH,
+        size=lambda: len(table) * _BYTES_PER_PARAMETER,
         takes_query=True,
     )
 
 
 def bson_file(table: ParameterTable) -> VirtualFile:
-    """PX4's file of the parameters that are not at their default."""
+    """Return PX4's file of the parameters that differ from their defaults."""
 
     def read(query: str) -> bytes:
         content = bytearray()
@@ -66,6 +66,7 @@ def bson_file(table: ParameterTable) -> VirtualFile:
     return VirtualFile(read)
 
 
-def _part(text: str) -> tuple[str, str]:
-    found = _PART.match(text)
+def _query_option(text: str) -> tuple[str, str]:
+    """Return name and number of a query option; empty if it is none."""
+    found = _OPTION.match(text)
     return (found[1], found[2]) if found else ("", "")

@@ -1,4 +1,4 @@
-"""What others see of a vehicle's files by MAVLink FTP: its store, and over it what the firmware makes."""
+"""The file tree that a vehicle serves over MAVLink FTP: its store, and the firmware's virtual files."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ if TYPE_CHECKING:
     from mavstack.services.mission import Plan
     from mavstack.services.parameters import Parameter, ParameterTable
 
-#: A vehicle whose files are in memory keeps so many bytes, logs and what others upload together.
+#: Bytes of a store in memory, logs and uploads together.
 MEMORY_CAPACITY = 32 << 20
 
 _ARDUPILOT_DIRECTORIES = ("/APM/LOGS", "/APM/scripts", "/APM/TERRAIN")
 _PX4_DIRECTORIES = ("/fs/microsd/log", "/fs/microsd/etc")
 _PX4_FILES = {
-    "/etc/init.d/rcS": "# Start script of a simulated vehicle: nothing is started from here.\n",
-    "/etc/init.d/rc.logging": "# Logs begin at arming and end at disarming (SDLOG_MODE 0).\n",
-    "/etc/logging/README": "Logs are in /fs/microsd/log, by the day and the second they began.\n",
+    "/etc/init.d/rcS": "# Start script of a simulated vehicle: it starts nothing.\n",
+    "/etc/init.d/rc.logging": "# Logs start at arming and end at disarming (SDLOG_MODE 0).\n",
+    "/etc/logging/README": "Logs are in /fs/microsd/log, by day and start time.\n",
 }
 
 
 def file_store(folder: str | os.PathLike[str] | None = None) -> FileStore:
-    """Where a vehicle's files lie: in a folder, which is made if need be, or in memory."""
+    """Return a store in a folder, created if missing, or in memory."""
     if folder is None:
         return MemoryStore(capacity=MEMORY_CAPACITY)
     Path(folder).mkdir(parents=True, exist_ok=True)
@@ -48,24 +48,29 @@ def ardupilot_root(
     uptime: Callable[[], float],
     *,
     set_parameters: Callable[[Sequence[Parameter]], None] | None = None,
-    put_plan: Callable[[Plan], None] | None = None,
+    set_plan: Callable[[Plan], None] | None = None,
 ) -> OverlayStore:
-    """ArduPilot's files: `@PARAM`, `@MISSION` and `@SYS` over the memory card, which has /APM.
+    """Return ArduPilot's files: `@PARAM`, `@MISSION` and `@SYS`, and the memory card with /APM.
 
-    `plan` gives the plan of a type; `put_plan` and `set_parameters` take what somebody wrote to their files,
-    and raise OSError if they refuse it. Without them those files can only be read.
+    Args:
+        store: The memory card.
+        parameters: The table behind `@PARAM/param.pck`.
+        plan: Returns the plan of a MAV_MISSION_TYPE.
+        uptime: Returns the seconds since boot.
+        set_parameters: Sets uploaded parameters, or raises OSError; None makes the file read-only.
+        set_plan: Replaces a plan by an uploaded one, or raises OSError; None makes the files read-only.
     """
     for path in _ARDUPILOT_DIRECTORIES:
         make_directories(store, path)
     root = OverlayStore(store, system_files(uptime))
     root.add(PACKED_NAME, packed_file(parameters, set_parameters))
     for kind, path in PLAN_FILES.items():
-        root.add(path, _plan_file(kind, plan, put_plan))
+        root.add(path, _plan_file(kind, plan, set_plan))
     return root
 
 
 def px4_root(store: FileStore, parameters: ParameterTable) -> OverlayStore:
-    """PX4's files: /etc, and the memory card at /fs/microsd with the parameters that were set."""
+    """Return PX4's files: /etc, and the memory card at /fs/microsd with the changed parameters."""
     for path in _PX4_DIRECTORIES:
         make_directories(store, path)
     root = OverlayStore(store, {"/fs/microsd/params": bson_file(parameters)})
@@ -75,17 +80,20 @@ def px4_root(store: FileStore, parameters: ParameterTable) -> OverlayStore:
 
 
 def _plan_file(
-    kind: int, plan: Callable[[int], Plan], put_plan: Callable[[Plan], None] | None
+    kind: int, plan: Callable[[int], Plan], set_plan: Callable[[Plan], None] | None
 ) -> VirtualFile:
+    """Return the virtual file of a plan."""
+
     def write(content: bytes) -> None:
         found = unpack_plan(content)
         wanted = None if found is None or found.plan.type != kind else found.applied_to(plan(kind))
-        if wanted is None or put_plan is None:
+        if wanted is None or set_plan is None:
             raise OSError(EINVAL, "no such plan")
-        put_plan(wanted)
+        set_plan(wanted)
 
-    return VirtualFile(lambda query: pack_plan(plan(kind)), None if put_plan is None else write)
+    return VirtualFile(lambda query: pack_plan(plan(kind)), None if set_plan is None else write)
 
 
 def _text_file(text: str) -> VirtualFile:
+    """Return a virtual file with a constant text."""
     return VirtualFile(lambda query: text.encode())

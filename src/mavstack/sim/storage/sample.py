@@ -1,6 +1,6 @@
-"""What a vehicle's logger looks at: one moment of a flight, and what is known when a log begins.
+"""Input of a vehicle's logger: one sample of a flight, and the facts at the start of a log.
 
-The parts of a sample are told by their shape only, so that any physics and any autopilot can be logged.
+The parts of a sample are Protocols, so that any physics and any autopilot can be logged.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
     from mavstack.services.parameters import Value
 
-_NOTHING: tuple[int, ...] = ()
+_EMPTY: tuple[int, ...] = ()
 _NAN = float("nan")
 
 
 class MotionLike(Protocol):
-    """An estimate: metres, m/s and m/s2 in local north-east-down; radians and rad/s."""
+    """An estimated motion: metres, m/s and m/s2 in local north-east-down; radians and rad/s."""
 
     @property
     def north(self) -> float: ...
@@ -54,7 +54,7 @@ class MotionLike(Protocol):
 
 
 class SensorsLike(Protocol):
-    """Readings: rad/s, m/s2 (specific force), gauss, hPa, degrees Celsius; the receiver's degrees and m/s."""
+    """Sensor readings: rad/s, m/s2 (specific force), gauss, hPa, degrees Celsius; GPS in degrees and m/s."""
 
     @property
     def gyro_x(self) -> float: ...
@@ -105,7 +105,7 @@ class SensorsLike(Protocol):
 
 
 class BatteryLike(Protocol):
-    """Volts, amperes, mAh drawn, the remaining share 0..1, degrees Celsius."""
+    """Volts, amperes, consumed mAh, state of charge 0..1, degrees Celsius."""
 
     @property
     def voltage(self) -> float: ...
@@ -122,7 +122,7 @@ class BatteryLike(Protocol):
 
 
 class HealthLike(Protocol):
-    """How sure the estimate is of itself."""
+    """Validity and test ratios of the estimate."""
 
     @property
     def horizontal(self) -> bool: ...
@@ -139,7 +139,7 @@ class HealthLike(Protocol):
 
 
 class FlightSample(NamedTuple):
-    """One moment; `time_us` counts from boot, the position is the estimate's, in degrees and metres AMSL."""
+    """One sample: microseconds since boot, estimated position in degrees and metres AMSL."""
 
     time_us: int
     motion: MotionLike
@@ -153,17 +153,17 @@ class FlightSample(NamedTuple):
     armed: bool = False
     landed: bool = True
     failsafe: bool = False
-    #: Pulse widths in microseconds; none where there is no receiver.
-    rc: Sequence[float] = _NOTHING
-    servos: Sequence[float] = _NOTHING
+    #: Pulse widths in microseconds; empty without a receiver.
+    rc: Sequence[float] = _EMPTY
+    servos: Sequence[float] = _EMPTY
     mission_sequence: int = 0
     mission_total: int = 0
-    #: The highest item that was reached, -1 before the first.
+    #: Sequence number of the last reached item; -1 before the first.
     mission_reached: int = -1
     airspeed: float = 0.0
-    #: The height of home in metres AMSL.
+    #: Altitude of home in metres AMSL.
     home_altitude: float = 0.0
-    #: What the controllers were asked for, in radians; nan where they were asked for nothing.
+    #: Attitude setpoints in radians; NaN if there is none.
     desired_roll: float = _NAN
     desired_pitch: float = _NAN
     desired_yaw: float = _NAN
@@ -171,7 +171,7 @@ class FlightSample(NamedTuple):
 
 
 class LoggedParameter(NamedTuple):
-    """A parameter as a log keeps it; an int is an integer parameter."""
+    """A logged parameter; an int is an integer parameter."""
 
     name: str
     value: Value
@@ -180,10 +180,10 @@ class LoggedParameter(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class LogStart:
-    """What is known when a log begins; times are Unix seconds, `boot` is that of `time_us` 0."""
+    """Facts at the start of a log; `boot` is the Unix time in seconds of `time_us` 0."""
 
     boot: float = 0.0
-    #: As the firmware tells it when it starts: "ArduCopter V4.6.0 (1f2e3d4c)".
+    #: Banner of the firmware: "ArduCopter V4.6.0 (1f2e3d4c)".
     firmware: str = ""
     version: tuple[int, int, int] = (0, 0, 0)
     git_hash: str = "00000000"

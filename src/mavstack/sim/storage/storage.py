@@ -1,4 +1,4 @@
-"""The storage of one vehicle: where its files lie, what others see of them, and its logs."""
+"""The storage of one vehicle: its file store, the served file tree, and its onboard logs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import EVERYBODY
 from mavstack.sim.storage.dataflash_logs import DataflashLogs
-from mavstack.sim.storage.flight_logs import KEPT_BYTES
+from mavstack.sim.storage.flight_logs import DEFAULT_LOG_CAPACITY
 from mavstack.sim.storage.roots import ardupilot_root, file_store, px4_root
 from mavstack.sim.storage.sample import LoggedParameter, LogStart
 from mavstack.sim.storage.ulog_logs import UlogLogs
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mavstack.sim.storage.flight_logs import FlightLogs
     from mavstack.sim.vehicle_types import Home, VehicleType
 
-#: What the firmwares call themselves: text, version, hash of the source.
+#: Versions of the firmwares, and the hash of their source.
 ARDUPILOT_VERSION, PX4_VERSION = (4, 6, 0), (1, 16, 0)
 GIT_HASH = "6d617673"
 _NAMES = {
@@ -90,7 +90,10 @@ class StorageVehicle(Protocol):
 class Storage:
     """The files (`files`, for FtpServer) and the logs (`logs`, for LogServer) of one vehicle.
 
-    In memory, unless a `folder` is given: then everything lies there and is found again the next time.
+    Args:
+        vehicle: The vehicle.
+        folder: Where the files are kept between runs; None keeps them in memory.
+        capacity: Maximum bytes of all logs.
     """
 
     def __init__(
@@ -98,7 +101,7 @@ class Storage:
         vehicle: StorageVehicle,
         *,
         folder: str | os.PathLike[str] | None = None,
-        limit: int = KEPT_BYTES,
+        capacity: int = DEFAULT_LOG_CAPACITY,
     ) -> None:
         self._vehicle = vehicle
         self.store = file_store(folder)
@@ -106,7 +109,7 @@ class Storage:
         self.logs: FlightLogs
         if vehicle.firmware is Firmware.PX4:
             self.files = px4_root(self.store, table)
-            self.logs = UlogLogs(self.store, self._log_start, limit=limit)
+            self.logs = UlogLogs(self.store, self._log_start, capacity=capacity)
         else:
             self.files = ardupilot_root(
                 self.store,
@@ -114,19 +117,20 @@ class Storage:
                 self._plan,
                 lambda: vehicle.uptime,
                 set_parameters=self._set_parameters,
-                put_plan=self._put_plan,
+                set_plan=self._set_plan,
             )
-            self.logs = DataflashLogs(self.store, self._log_start, limit=limit)
+            self.logs = DataflashLogs(self.store, self._log_start, capacity=capacity)
 
     @property
     def firmware(self) -> str:
-        """As the vehicle tells its firmware when it starts."""
+        """Banner of the firmware."""
         vehicle = self._vehicle
         if vehicle.firmware is Firmware.PX4:
             return "PX4 v{}.{}.{}".format(*PX4_VERSION)
         return "{} V{}.{}.{} ({})".format(_NAMES[vehicle.type], *ARDUPILOT_VERSION, GIT_HASH)
 
     def _log_start(self) -> LogStart:
+        """Return the facts at the start of a log."""
         vehicle = self._vehicle
         home, frame = vehicle.autopilot.home, vehicle.body.frame
         return LogStart(
@@ -146,15 +150,18 @@ class Storage:
         )
 
     def _plan(self, kind: int) -> Plan:
+        """Return the plan of a MAV_MISSION_TYPE."""
         return self._vehicle.mission.plan(kind)
 
-    def _put_plan(self, plan: Plan) -> None:
+    def _set_plan(self, plan: Plan) -> None:
+        """Replace a plan by an uploaded one."""
         mission = self._vehicle.mission
         self._vehicle.touch(mission)
         if mission.take(plan, EVERYBODY) != common.MavMissionResult.ACCEPTED:
             raise OSError(EINVAL, "the plan was refused")
 
     def _set_parameters(self, parameters: Sequence[Parameter]) -> None:
+        """Set uploaded parameters, all or none."""
         table = self._vehicle.parameters
         known = [parameter for parameter in parameters if parameter.name in table]
         for parameter in known:

@@ -1,6 +1,6 @@
-"""What an ArduPilot says of itself in files: serial ports, tasks, threads, memory, timers.
+"""ArduPilot's `@SYS` files: serial ports, tasks, threads, memory, timers.
 
-A simulated vehicle has none of these, so the flight parameters are made up: the same at the same time after boot.
+A simulated vehicle has none of these; the numbers are invented and depend only on the time since boot.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from mavstack.services.ftp import VirtualFile
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: A port, and the bytes a second that it sends and takes.
+#: Serial ports, with the bytes per second sent and received.
 _PORTS = (("SERIAL0", 2900, 240), ("SERIAL1", 5400, 310), ("SERIAL2", 0, 0), ("SERIAL3", 110, 4600))
-#: A task of the scheduler: name, microseconds it takes, runs a second.
+#: Tasks of the scheduler: name, microseconds per run, runs per second.
 _TASKS = (
     ("rc_loop", 6, 250),
     ("throttle_loop", 4, 50),
@@ -30,14 +30,14 @@ _TASKS = (
     ("gcs_update_send", 61, 400),
     ("logger_periodic", 11, 400),
 )
-#: A thread: name, priority, stack, and what of it was never used.
+#: Threads: name, priority, stack size, unused stack.
 _THREADS = (("main", 182, 12288, 6112), ("timer", 181, 1536, 704), ("rcin", 177, 1024, 412),
             ("io", 58, 2048, 888), ("storage", 59, 1024, 540), ("log_io", 58, 1580, 660))  # fmt: skip
 _MEMORY = (("DTCM", 131072, 24512), ("SRAM1", 262144, 61440), ("AXI", 524288, 187904))
 
 
 def system_files(uptime: Callable[[], float]) -> dict[str, VirtualFile]:
-    """The files of `@SYS`; `uptime` gives the seconds since boot."""
+    """Return the files of `@SYS`; `uptime` returns the seconds since boot."""
     makers = {
         "uarts.txt": _uarts,
         "tasks.txt": _tasks,
@@ -49,10 +49,12 @@ def system_files(uptime: Callable[[], float]) -> dict[str, VirtualFile]:
 
 
 def _file(make: Callable[[float], list[str]], uptime: Callable[[], float]) -> VirtualFile:
+    """Return a virtual file whose lines `make` generates."""
     return VirtualFile(lambda query: ("\n".join(make(max(uptime(), 0.0))) + "\n").encode())
 
 
 def _uarts(seconds: float) -> list[str]:
+    """Return the lines of uarts.txt."""
     ports = [
         f"{name} TX={int(sent * seconds)} RX={int(taken * seconds)} TXBD={sent * 10} RXBD={taken * 10}"
         for name, sent, taken in _PORTS
@@ -61,6 +63,7 @@ def _uarts(seconds: float) -> list[str]:
 
 
 def _tasks(seconds: float) -> list[str]:
+    """Return the lines of tasks.txt."""
     tasks = [
         f"{name:<24} MIN={cost // 2:3} MAX={cost * 3:4} AVG={cost:3} OVR={0:2} SLP={0:2},"
         f" TOT={min(cost * rate / 1e4, 99.9):4.1f}%"
@@ -70,13 +73,16 @@ def _tasks(seconds: float) -> list[str]:
 
 
 def _threads(seconds: float) -> list[str]:
+    """Return the lines of threads.txt."""
     threads = [f"{name:<12} PRI={level:3} STACK={free}/{size}" for name, level, size, free in _THREADS]
     return ["ThreadsV1", *threads]
 
 
 def _memory(seconds: float) -> list[str]:
+    """Return the lines of memory.txt."""
     return ["MemInfoV1", *(f"{name:<6} FREE={free:7} OF={size:7}" for name, size, free in _MEMORY)]
 
 
 def _timers(seconds: float) -> list[str]:
+    """Return the lines of timers.txt."""
     return ["TIMERV1", f"TIM1 CLK=400MHz TICKS={int(seconds * 1000)}", "TIM3 CLK=200MHz PWM=400Hz"]

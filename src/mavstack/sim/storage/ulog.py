@@ -1,8 +1,8 @@
-"""PX4's logs (.ulg): a head, definitions (formats, facts, parameters), then records as they happen.
+"""PX4's onboard logs (.ulg): header, definitions (formats, information, parameters), then records.
 
-Each sample writes attitude, rates, local position and sensors; each fifth of a second the global position,
-receiver, barometer, battery, radio, outputs, and air speed if there is any; status, landing and mission each
-second and when they change.
+Each sample writes attitude, rates, local position and sensors; every 200 ms the global position, GPS,
+barometer, battery, radio, outputs, and airspeed if there is any; status, landing and mission every second and
+when they change.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ if TYPE_CHECKING:
     from mavstack.sim.storage.packing import Rounding, Scalar
     from mavstack.sim.storage.sample import FlightSample, LogStart
 
-#: Between two records of what changes slowly, and of what hardly changes.
-SLOW_US, STATUS_US = 200_000, 1_000_000
+#: Microseconds between slow records, and between status records.
+SLOW_INTERVAL_US, STATUS_INTERVAL_US = 200_000, 1_000_000
 MAGIC = b"ULog\x01\x12\x35"
 SYNC = b"\x2f\x73\x13\x20\x25\x0c\xbb\x12"
 _VERSION = 1
 _DEFAULT_PARAMETERS = 1
 _SYSTEM_DEFAULT, _SETUP_DEFAULT = 1, 2
 _AIR_DENSITY = 1.225
-_WARN, _CRITICAL, _EMERGENCY = 0.15, 0.07, 0.05
-_LONGEST_TEXT = 127
-#: Why the motors were armed and disarmed.
+_LOW, _CRITICAL, _EMERGENCY = 0.15, 0.07, 0.05
+_MAX_TEXT = 127
+#: Reasons of arming and disarming.
 _BY_COMMAND, _BY_LANDING = 4, 6
-#: Faster than this in m/s is moving.
+#: Speed in m/s from which the vehicle counts as moving.
 _MOVING = 0.3
 _TYPES = {"I": "uint32_t", "i": "int32_t", "Q": "uint64_t", "f": "float"}
 
@@ -84,7 +84,7 @@ _VTOL = frozenset(range(_KIND.VTOL_TAILSITTER_DUOROTOR, _KIND.VTOL_TILTWING + 1)
 
 
 def navigation_state(custom_mode: int) -> int:
-    """PX4's NAVIGATION_STATE of HEARTBEAT's `custom_mode`."""
+    """Return PX4's NAVIGATION_STATE for HEARTBEAT's `custom_mode`."""
     main, sub = custom_mode >> 16 & 0xFF, custom_mode >> 24 & 0xFF
     known = _MAIN.get(main, 0)
     if main == _MAIN_AUTO:
@@ -93,7 +93,7 @@ def navigation_state(custom_mode: int) -> int:
 
 
 class UlogWriter:
-    """Writes one log into `data`, which whoever keeps it may empty from time to time."""
+    """Writer of one log into `data`, which the caller empties from time to time."""
 
     def __init__(self, start: LogStart, time_us: int) -> None:
         self.data = bytearray()
@@ -111,14 +111,14 @@ class UlogWriter:
         if start.home is not None:
             self.home(time_us, *start.home)
 
-    # While it goes on
+    # Records in flight
 
     def write(self, sample: FlightSample) -> None:
         """Write a sample."""
         self.data += _FAST.pack(self._fast, sample)
         time = sample.time_us
         if time >= self._slow_at:
-            self._slow_at = time + SLOW_US
+            self._slow_at = time + SLOW_INTERVAL_US
             self.data += _SLOW.pack(self._slow, sample)
             if sample.airspeed != 0.0:
                 self.data += _AIRSPEED.pack(_airspeed, sample)
@@ -132,43 +132,44 @@ class UlogWriter:
             sample.mission_reached,
         )
         if time >= self._status_at or status != self._status:
-            self._follow(status, sample)
-            self._status_at = time + STATUS_US
+            self._note_status_change(status, sample)
+            self._status_at = time + STATUS_INTERVAL_US
             self.data += _STATUS.pack(self._state, sample)
 
     def text(self, time_us: int, severity: int, text: str) -> None:
-        """Write what the vehicle says to people."""
+        """Write a status text."""
         level = ord("0") + min(max(severity, 0), 7)
-        self._put("L", pack("<BQ", level, _unsigned(time_us)) + text_of(text, _LONGEST_TEXT))
+        self._put("L", pack("<BQ", level, _unsigned(time_us)) + text_of(text, _MAX_TEXT))
 
     def mode(self, time_us: int, mode: int, reason: int = 0) -> None:
-        """The mode is another: the next sample tells it."""
+        """Ignore a mode change: the next sample contains it."""
 
     def armed(self, time_us: int, armed: bool, *, forced: bool = False, method: int = 0) -> None:
-        """The motors were armed or disarmed: the next sample tells it."""
+        """Ignore arming and disarming: the next sample contains them."""
 
     def event(self, time_us: int, event: int) -> None:
-        """Write one of the events that have a number."""
+        """Write one of the firmware's numbered events."""
         self._events += 1
         self.data += _EVENT.pack_values(time_us, event, self._events & 0xFFFF, 0x66)
 
     def error(self, time_us: int, subsystem: int, code: int) -> None:
-        """PX4 has no numbered errors: what fails is said as text."""
+        """Ignore numbered errors: PX4 logs failures as text."""
 
     def parameter(self, time_us: int, name: str, value: Value, default: Value | None = None) -> None:
-        """Write that a parameter is another."""
+        """Write a parameter."""
         self._put("P", _parameter(name, value))
 
     def command(self, time_us: int, item: MissionItem, sequence: int, total: int) -> None:
-        """An item of the mission is begun: the next sample tells it."""
+        """Ignore the start of a mission item: the next sample contains it."""
 
     def home(self, time_us: int, latitude: float, longitude: float, altitude: float) -> None:
-        """Write that home is there."""
+        """Write the home position in degrees and metres AMSL."""
         self.data += _HOME.pack_values(time_us, latitude, longitude, altitude)
 
-    # How it begins
+    # Start of the log
 
     def _write_definitions(self, time_us: int) -> None:
+        """Write header, formats, information and parameters."""
         start = self._start
         self.data += MAGIC + pack("<BQ", _VERSION, _unsigned(time_us))
         self._put("B", bytes([_DEFAULT_PARAMETERS]) + bytes(39))
@@ -190,9 +191,9 @@ class UlogWriter:
         }
         for name, text in texts.items():
             content = text_of(text, 255)
-            self._put("I", _keyed(f"char[{len(content)}]", name, content))
+            self._put("I", _key_value(f"char[{len(content)}]", name, content))
         for name, (code, number) in numbers.items():
-            self._put("I", _fact(name, code, number))
+            self._put("I", _typed_value(name, code, number))
         for parameter in start.parameters:
             self._put("P", _parameter(parameter.name, parameter.value))
             if parameter.default is not None and parameter.default != parameter.value:
@@ -200,12 +201,13 @@ class UlogWriter:
                 self._put("Q", types + _parameter(parameter.name, parameter.default))
 
     def _put(self, kind: str, content: bytes) -> None:
+        """Append one message."""
         self.data += pack("<HB", len(content), ord(kind)) + content
 
-    # What a sample holds
+    # Values of a sample
 
-    def _follow(self, status: tuple[Scalar, ...], sample: FlightSample) -> None:
-        """Keep when something began."""
+    def _note_status_change(self, status: tuple[Scalar, ...], sample: FlightSample) -> None:
+        """Store when mode, arming state and flight began."""
         time, last = sample.time_us, self._status
         if not last or last[0] != sample.mode:
             self._mode_us = time
@@ -215,7 +217,8 @@ class UlogWriter:
             self._takeoff_us = time
         self._status = status
 
-    def _fast(self, sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+    def _fast(self, sample: FlightSample, to_int: Rounding) -> tuple[Scalar, ...]:
+        """Return the values of the topics of each sample."""
         time, motion, sensors, health = sample.time_us, sample.motion, sample.sensors, sample.health
         horizontal = health is None or health.horizontal
         vertical = health is None or health.vertical
@@ -233,7 +236,8 @@ class UlogWriter:
             time, time, motion.roll_rate, motion.pitch_rate, motion.yaw_rate,
         )  # fmt: skip
 
-    def _slow(self, sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+    def _slow(self, sample: FlightSample, to_int: Rounding) -> tuple[Scalar, ...]:
+        """Return the values of the slow topics."""
         time, sensors, battery, health = sample.time_us, sample.sensors, sample.battery, sample.health
         horizontal = health is None or health.horizontal
         vertical = health is None or health.vertical
@@ -241,27 +245,29 @@ class UlogWriter:
         return (
             time, time, sample.latitude, sample.longitude, sample.altitude, sample.altitude, sensors.gps_eph,
             sensors.gps_epv, sample.home_altitude, horizontal, vertical, not horizontal,
-            *self._receiver(sample, whole),
+            *self._gps(sample, to_int),
             time, time, height, sensors.pressure * 100, sensors.temperature, _AIR_DENSITY,
             time, battery.voltage, battery.current, battery.current, battery.consumed, battery.remaining,
-            battery.temperature, battery.voltage, whole(battery.cells), _warning(battery.remaining),
-            time, time, 100 if sample.rc else 0, *channels(sample.rc, 18, whole), min(len(sample.rc), 18),
+            battery.temperature, battery.voltage, to_int(battery.cells), _warning(battery.remaining),
+            time, time, 100 if sample.rc else 0, *channels(sample.rc, 18, to_int), min(len(sample.rc), 18),
             not sample.rc,
-            time, *channels(sample.servos, 16, whole),
+            time, *channels(sample.servos, 16, to_int),
         )  # fmt: skip
 
-    def _receiver(self, sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+    def _gps(self, sample: FlightSample, to_int: Rounding) -> tuple[Scalar, ...]:
+        """Return the values of vehicle_gps_position."""
         time, sensors = sample.time_us, sample.sensors
         north, east = sensors.gps_velocity_north, sensors.gps_velocity_east
         altitude = sensors.gps_altitude
         return (
             time, time, sensors.gps_latitude, sensors.gps_longitude, altitude, altitude,
-            whole(self._start.boot * 1e6) + time, sensors.gps_eph, sensors.gps_epv, sensors.gps_eph,
+            to_int(self._start.boot * 1e6) + time, sensors.gps_eph, sensors.gps_epv, sensors.gps_eph,
             sensors.gps_epv, hypot(north, east), north, east, sensors.gps_velocity_down, atan2(east, north),
             sensors.gps_fix, sensors.gps_fix > 1, sensors.gps_satellites,
         )  # fmt: skip
 
-    def _state(self, sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+    def _state(self, sample: FlightSample, to_int: Rounding) -> tuple[Scalar, ...]:
+        """Return the values of the status topics."""
         time, motion, start = sample.time_us, sample.motion, self._start
         state = navigation_state(sample.mode)
         landed, moving = sample.landed, not sample.landed
@@ -279,11 +285,13 @@ class UlogWriter:
         )  # fmt: skip
 
 
-def _airspeed(sample: FlightSample, whole: Rounding) -> tuple[Scalar, ...]:
+def _airspeed(sample: FlightSample, to_int: Rounding) -> tuple[Scalar, ...]:
+    """Return the values of the airspeed topic."""
     return (sample.time_us, sample.time_us, sample.airspeed, sample.airspeed)
 
 
 def _quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
+    """Return an attitude as (w, x, y, z)."""
     cos_roll, sin_roll = cos(roll / 2), sin(roll / 2)
     cos_pitch, sin_pitch = cos(pitch / 2), sin(pitch / 2)
     cos_yaw, sin_yaw = cos(yaw / 2), sin(yaw / 2)
@@ -296,25 +304,28 @@ def _quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, fl
 
 
 def _warning(remaining: float) -> int:
-    """BATTERY_WARNING by what is left."""
-    return (remaining < _WARN) + (remaining < _CRITICAL) + (remaining < _EMERGENCY)
+    """Return the BATTERY_WARNING of a remaining charge."""
+    return (remaining < _LOW) + (remaining < _CRITICAL) + (remaining < _EMERGENCY)
 
 
-def _fact(name: str, code: str, value: Value) -> bytes:
-    """A number with its type and name."""
-    return _keyed(_TYPES[code], name, pack("<" + code, value))
+def _typed_value(name: str, code: str, value: Value) -> bytes:
+    """Return a number with its type and name."""
+    return _key_value(_TYPES[code], name, pack("<" + code, value))
 
 
-def _keyed(kind: str, name: str, content: bytes) -> bytes:
+def _key_value(kind: str, name: str, content: bytes) -> bytes:
+    """Return content with its type and name."""
     key = text_of(f"{kind} {name}", 255)
     return bytes([len(key)]) + key + content
 
 
 def _parameter(name: str, value: Value) -> bytes:
+    """Return a parameter with its type and name."""
     if isinstance(value, int):
-        return _fact(name, "i", (int(value) + 0x80000000) % 0x100000000 - 0x80000000)
-    return _fact(name, "f", value if isnan(value) else min(max(value, -1e38), 1e38))
+        return _typed_value(name, "i", (int(value) + 0x80000000) % 0x100000000 - 0x80000000)
+    return _typed_value(name, "f", value if isnan(value) else min(max(value, -1e38), 1e38))
 
 
 def _unsigned(value: int) -> int:
+    """Clip to uint64."""
     return min(max(value, 0), 0xFFFFFFFFFFFFFFFF)

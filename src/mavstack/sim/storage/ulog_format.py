@@ -1,7 +1,7 @@
-"""The fields of PX4's topics, read from tables.
+"""Fields of PX4's topics, parsed from tables.
 
-A line is a field: type, name, and in brackets how many there are. What stands behind `=` is always so in a
-simulated vehicle, and is written as one piece with its neighbours.
+A line is a field: type, name, and in brackets the number of elements. A value after `=` is constant in a
+simulated vehicle, and is written in one piece with neighbouring constants.
 """
 
 from __future__ import annotations
@@ -26,29 +26,29 @@ class Field:
     type: str
     name: str
     count: int
-    #: Its value, where it never changes.
+    #: Constant value; None for a variable field.
     constant: float | None
 
     @property
     def code(self) -> str:
-        """As a struct format."""
+        """The field as a struct format."""
         return (str(self.count) if self.count > 1 else "") + _CODES[self.type]
 
     @property
     def text(self) -> str:
-        """As a log describes it."""
+        """The field as in a format message."""
         return f"{self.type}{f'[{self.count}]' if self.count > 1 else ''} {self.name};"
 
     @property
     def constant_bytes(self) -> bytes:
-        """Its bytes, where they never change."""
+        """Bytes of a constant field."""
         value = self.constant or 0.0
         fitted = value if _CODES[self.type] in "fd" else int(value)
         return struct.pack("<" + self.code, *[fitted] * self.count)
 
 
 class Topic:
-    """A topic and its number in a log; `codes` and `pieces` are how its records are packed."""
+    """A topic and its number in a log; `codes` and `pieces` describe the packing of its records."""
 
     def __init__(self, number: int, name: str, table: str) -> None:
         self.number = number
@@ -63,40 +63,42 @@ class Topic:
             else:
                 constant += field.constant_bytes
         self.codes = codes + _piece(pieces, constant)
-        #: Where a record has constant bytes; None where there is a value.
+        #: Constant bytes of a record in order; None for each variable value.
         self.pieces: tuple[bytes | None, ...] = tuple(pieces)
 
     @property
-    def head(self) -> bytes:
-        """What each record begins with: its length, that it is data, whose."""
+    def header(self) -> bytes:
+        """First bytes of each record: length, message type, topic."""
         return struct.pack("<HBH", struct.calcsize("<" + self.codes) + 2, ord("D"), self.number)
 
     @property
     def description(self) -> str:
-        """As a format message gives it."""
+        """Text of the format message."""
         return f"{self.name}:{''.join(field.text for field in self.fields)}"
 
 
 def _piece(pieces: list[bytes | None], constant: bytes) -> str:
+    """Append constant bytes; return their struct format."""
     if constant:
         pieces.append(constant)
     return f"{len(constant)}s" if constant else ""
 
 
 def _field(line: str) -> Field:
+    """Parse a line."""
     found = _FIELD.fullmatch(line)
     if found is None:
-        raise ValueError(f"{line!r} is no field")
+        raise ValueError(f"invalid field: {line!r}")
     kind, name, count, constant = found.groups()
     return Field(kind, name, int(count or 1), None if constant is None else float(constant))
 
 
 def topics_of(tables: dict[str, str]) -> dict[str, Topic]:
-    """The topics of a log, numbered in their order."""
+    """Return the topics of a log, numbered in their order."""
     return {name: Topic(number, name, table) for number, (name, table) in enumerate(tables.items())}
 
 
 def block_of(*topics: Topic) -> Block:
-    """The records of these topics one behind the other, each with its head."""
+    """Return the block of several topics, each with its header."""
     codes = "".join("5s" + topic.codes for topic in topics)
-    return Block(codes, [piece for topic in topics for piece in (topic.head, *topic.pieces)])
+    return Block(codes, [piece for topic in topics for piece in (topic.header, *topic.pieces)])

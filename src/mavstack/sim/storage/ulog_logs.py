@@ -1,4 +1,4 @@
-"""Where PX4 keeps its logs: by the day and the second they began. Ids are given as they come, from 0."""
+"""Paths of PX4's logs: by day and start time. Ids are assigned in order, from 0."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-from mavstack.sim.storage.flight_logs import KEPT_BYTES, LAST_SECOND, FlightLogs, make_directories
+from mavstack.sim.storage.flight_logs import DEFAULT_LOG_CAPACITY, MAX_TIME, FlightLogs, make_directories
 from mavstack.sim.storage.ulog import UlogWriter
 
 if TYPE_CHECKING:
@@ -18,18 +18,20 @@ if TYPE_CHECKING:
 
 
 class UlogLogs(FlightLogs):
-    """PX4's: /fs/microsd/log/2023-11-14/22_13_20.ulg, by the moment they began."""
+    """PX4's logs: /fs/microsd/log/2023-11-14/22_13_20.ulg, by start time."""
 
     DIRECTORY = "/fs/microsd/log"
     _DAY = re.compile(r"\d{4}-\d\d-\d\d", re.ASCII)
     _NAME = re.compile(r"\d\d_\d\d_\d\d\.ulg", re.ASCII)
 
-    def __init__(self, store: FileStore, start: Callable[[], LogStart], *, limit: int = KEPT_BYTES) -> None:
-        super().__init__(store, start, limit=limit)
+    def __init__(
+        self, store: FileStore, start: Callable[[], LogStart], *, capacity: int = DEFAULT_LOG_CAPACITY
+    ) -> None:
+        super().__init__(store, start, capacity=capacity)
         self._ids: dict[str, int] = {}
 
     def _new_path(self, time: int) -> str:
-        taken = {path for path, _ in self._found().values()}
+        taken = {path for path, _ in self._existing_logs().values()}
         while (path := self._path_at(time)) in taken:
             time += 1
         make_directories(self._store, path.rpartition("/")[0])
@@ -38,7 +40,7 @@ class UlogLogs(FlightLogs):
     def _new_writer(self, start: LogStart, time_us: int) -> LogWriter:
         return UlogWriter(start, time_us)
 
-    def _found(self) -> dict[int, tuple[str, Entry]]:
+    def _existing_logs(self) -> dict[int, tuple[str, Entry]]:
         days = [day.name for day in self._list(self.DIRECTORY) if self._DAY.fullmatch(day.name)]
         files = {
             f"{self.DIRECTORY}/{day}/{entry.name}": entry
@@ -60,9 +62,10 @@ class UlogLogs(FlightLogs):
             return entry.modified
         return int(moment.timestamp())
 
-    def _forget(self) -> None:
+    def _clear_index(self) -> None:
         self._ids.clear()
 
     def _path_at(self, time: int) -> str:
-        moment = datetime.fromtimestamp(min(time, LAST_SECOND), UTC)
+        """Return the path of a log that starts at a Unix time."""
+        moment = datetime.fromtimestamp(min(time, MAX_TIME), UTC)
         return f"{self.DIRECTORY}/{moment:%Y-%m-%d/%H_%M_%S}.ulg"

@@ -1,4 +1,4 @@
-"""The topics of a PX4 log: their fields as PX4 1.16 and later names them, in the order of its structs."""
+"""Topics of a PX4 log: field names of PX4 1.16 and later, in the order of its structs."""
 
 from __future__ import annotations
 

@@ -6,9 +6,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.sim.px4 import modes
-from mavstack.sim.px4.checks import problems_of
+from mavstack.sim.px4.arming import arm, disarm, problems_of
 from mavstack.sim.px4.mode_selection import choose_mode
-from mavstack.sim.px4.orders import arm, change_over, disarm
+from mavstack.sim.px4.movement import change_over
 from mavstack.sim.px4.state import BY_SHELL
 
 if TYPE_CHECKING:

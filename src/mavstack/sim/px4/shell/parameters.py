@@ -29,9 +29,9 @@ def param(machine: Machine, words: Sequence[str]) -> Iterator[str]:
     parameters = machine.vehicle.parameters
     match list(words):
         case ["show", "-c", *pattern]:
-            yield from _show(parameters, "".join(pattern) or "*", changed=True)
+            yield from _set_state(parameters, "".join(pattern) or "*", changed=True)
         case ["show", *pattern]:
-            yield from _show(parameters, "".join(pattern) or "*", changed=False)
+            yield from _set_state(parameters, "".join(pattern) or "*", changed=False)
         case ["set", name, value]:
             yield from _set(parameters, name, value)
         case ["compare", name, value]:
@@ -47,7 +47,7 @@ def param(machine: Machine, words: Sequence[str]) -> Iterator[str]:
             yield _USAGE
 
 
-def _show(parameters: Parameters, pattern: str, *, changed: bool) -> Iterator[str]:
+def _set_state(parameters: Parameters, pattern: str, *, changed: bool) -> Iterator[str]:
     yield "Symbols: x = used, + = saved"
     shown = 0
     for index, definition in enumerate(parameters.table):

@@ -112,7 +112,7 @@ def failure(machine: Machine, words: Sequence[str]) -> Iterator[str]:
 
 def reboot(machine: Machine, words: Sequence[str]) -> Iterator[str]:
     """Restart, when what was typed has been answered."""
-    machine.vehicle.autopilot.tasks.afterwards(machine.vehicle.reboot)
+    machine.vehicle.autopilot.tasks.on_next_tick(machine.vehicle.reboot)
     yield "rebooting"
 
 

@@ -1,8 +1,11 @@
-"""What keeps a PX4 from being armed, and what it says of it.
+"""Arming of PX4: preflight checks and their texts, arming and disarming, and the land detector.
 
-PX4 tells most reasons twice: as events, and as STATUSTEXT beginning with "Preflight Fail:". Here all come as
-text. They are said when they arise while the vehicle is disarmed, when RUN_PREARM_CHECKS asks for them, and
-when somebody tries to arm.
+PX4 reports most problems twice: as events, and as STATUSTEXT that starts with "Preflight Fail:". Here all are
+status texts. They are sent when they arise while the vehicle is disarmed, on RUN_PREARM_CHECKS, and when arming
+is refused.
+
+After a flight the motors stop COM_DISARM_LAND seconds after landing, in any mode; a vehicle that was armed and
+does not take off is disarmed after COM_DISARM_PRFLT seconds, plus the time that its motors take to spin up.
 """
 
 from __future__ import annotations
@@ -11,16 +14,19 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.sim.px4.modes import MISSION, OFFBOARD, RETURN
+from mavstack.sim.px4.state import BY_INACTION, BY_LANDING
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.interfaces import Autopilot, Vehicle
     from mavstack.sim.px4.state import Px4State
 
 Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"
 
+NOT_LANDED: Final = "Disarming denied: not landed"
+_CRITICAL = common.MavSeverity.CRITICAL
 REFUSED: Final = "Arming denied: Resolve system health failures first"
 _FIX_3D: Final = 3  # GPS_FIX_TYPE_3D_FIX
 _GATE: Final = 1.0
@@ -172,3 +178,79 @@ _OF_MODES: Final = frozenset(
         "Preflight Fail: No connection to the GCS",
     }
 )
+
+
+def arm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
+    """Arm, or say why not; whether it is armed."""
+    if state.calibrating:
+        vehicle.send_statustext("Arming denied: calibrating", _CRITICAL)
+        return False
+    state.arming_reason = reason
+    problems = vehicle.autopilot.arm(force=force)
+    for problem in problems:
+        vehicle.send_statustext(problem, _CRITICAL)
+    if problems:
+        vehicle.send_statustext(REFUSED, _CRITICAL)
+    return not problems
+
+
+def disarm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
+    """Disarm, in the air only if it is forced, or say why not; whether it is disarmed."""
+    autopilot = vehicle.autopilot
+    if autopilot.armed and not force and vehicle.type.flies and not autopilot.landed:
+        vehicle.send_statustext(NOT_LANDED, _CRITICAL)
+        return False
+    state.disarming_reason = reason
+    autopilot.disarm("commanded")
+    state.disarming_reason = None
+    return True
+
+
+class LandingWatch:
+    """The land detector's news of a vehicle that flies."""
+
+    def __init__(self, autopilot: Autopilot, state: Px4State) -> None:
+        self._autopilot, self._state = autopilot, state
+        self._parameters = autopilot.vehicle.parameters
+        self._was_landed = True
+        self._landed_at = autopilot.now
+
+    def tick(self, now: float) -> None:
+        """Look, say, and disarm."""
+        autopilot = self._autopilot
+        if not autopilot.armed:
+            self._was_landed, self._state.has_flown = autopilot.landed, False
+            self._landed_at = now
+            return
+        if autopilot.landed != self._was_landed:
+            self._was_landed, self._landed_at = autopilot.landed, now
+            self._changed()
+        if autopilot.landed:
+            self._disarm_if_due(now)
+
+    def _changed(self) -> None:
+        autopilot = self._autopilot
+        if autopilot.landed:
+            autopilot.vehicle.send_statustext("Landing detected")
+            return
+        autopilot.vehicle.send_statustext("Takeoff detected")
+        self._state.has_flown = True
+        if self._number("COM_HOME_EN") and autopilot.has_position and not autopilot.home_locked:
+            autopilot.set_home_here()
+
+    def _disarm_if_due(self, now: float) -> None:
+        delay = self._number("COM_DISARM_LAND")
+        if self._state.has_flown:
+            if 0 < delay <= now - self._landed_at:
+                self._disarm(BY_LANDING)
+            return
+        delay = self._number("COM_DISARM_PRFLT")
+        if delay > 0 and now - self._autopilot.armed_at >= delay + self._number("COM_SPOOLUP_TIME"):
+            self._disarm(BY_INACTION)
+
+    def _disarm(self, reason: str) -> None:
+        self._state.disarming_reason = reason
+        self._autopilot.disarm(reason)
+
+    def _number(self, name: str) -> float:
+        return float(self._parameters[name])

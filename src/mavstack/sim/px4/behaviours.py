@@ -1,0 +1,129 @@
+"""Behaviours of PX4's modes: Takeoff, Return, Orbit, Descend, Termination.
+
+The take-off command may come before or after arming; its altitude waits in the state until the mode is flown.
+"""
+
+from __future__ import annotations
+
+from math import ceil, isfinite
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.sim.autopilot.behaviour import Behaviour
+from mavstack.sim.autopilot.behaviours import Circle, Orbit, ReturnToLaunch, Takeoff
+from mavstack.sim.autopilot.behaviours.steps import ClimbControl, transition, wait
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavstack.sim.autopilot.interfaces import Autopilot
+    from mavstack.sim.autopilot.maneuvers import Point
+    from mavstack.sim.px4.state import OrbitRequest, Px4State
+
+#: A wing glides in a gentle bank, so that it stays in the neighbourhood.
+_BANK, _NOSE_DOWN = 0.26, -0.05
+
+
+class Descend(Behaviour):
+    """Level, down at landing speed, until it is on the ground."""
+
+    landing = True
+
+    def fly(self) -> Iterator[None]:
+        """Until it is down."""
+        autopilot = self.autopilot
+        if not autopilot.vehicle.type.flies:
+            yield from self._drift()
+        if autopilot.maneuvers.circles and autopilot.vehicle.type.flies:
+            yield from self._glide()
+        climb = ClimbControl(autopilot)
+        while not autopilot.landed:
+            thrust = climb.thrust(-autopilot.flight_parameters.land_speed)
+            autopilot.body.hold_attitude(0.0, 0.0, None, thrust, yaw_rate=0.0)
+            yield
+        autopilot.body.idle()
+        while True:
+            yield
+
+    def _drift(self) -> Iterator[None]:
+        """What need not come down only stops its motors."""
+        self.autopilot.body.idle()
+        while True:
+            yield
+
+    def _glide(self) -> Iterator[None]:
+        """What has no motors to hover on comes down gliding; a VTOL hovers first."""
+        yield from transition(self.autopilot, forward=False)
+        while self.autopilot.maneuvers.circles and not self.autopilot.landed:
+            self.autopilot.body.hold_attitude(_BANK, _NOSE_DOWN, None, 0.0, yaw_rate=0.0)
+            yield
+
+
+class Terminated(Behaviour):
+    """Motors off: the flight was terminated."""
+
+    def fly(self) -> Iterator[None]:
+        """For ever."""
+        self.autopilot.body.stop()
+        while True:
+            yield
+
+
+class Px4Takeoff(Takeoff):
+    """Straight up, or as a wing does; never down. `forward`: a VTOL flies on with its wing."""
+
+    def __init__(self, autopilot: Autopilot, state: Px4State, *, forward: bool = False) -> None:
+        super().__init__(autopilot, forward=forward)
+        self._state = state
+
+    def fly(self) -> Iterator[None]:
+        """Until it is up; first the motors spin up."""
+        self._down = self._chosen()
+        if self.autopilot.landed:
+            self.autopilot.body.idle()
+            yield from wait(self.autopilot, float(self.autopilot.vehicle.parameters["COM_SPOOLUP_TIME"]))
+        yield from super().fly()
+
+    def _chosen(self) -> float:
+        """As high as it was told, in local metres."""
+        autopilot, send_statustext = self.autopilot, self.autopilot.vehicle.send_statustext
+        here = autopilot.maneuvers.place[2]
+        altitude, self._state.takeoff_altitude = self._state.takeoff_altitude, None
+        if altitude is None or not isfinite(altitude):
+            height = autopilot.flight_parameters.takeoff_altitude
+            send_statustext(f"Using default takeoff altitude: {height:.1f} m")
+            return here - height
+        down = autopilot.body.frame.altitude - altitude
+        if down > here:
+            send_statustext("Already higher than takeoff altitude", common.MavSeverity.CRITICAL)
+        return min(down, here)
+
+
+class Px4Return(ReturnToLaunch):
+    """Says how high it comes back, and when it lands."""
+
+    def _fly_back(self, home: Point) -> Iterator[None]:
+        altitude = self.autopilot.body.frame.altitude
+        top, ground = altitude - self._way_down(home), altitude - home[2]
+        self._send_statustext(
+            f"RTL: start return at {ceil(top)} m ({ceil(top - ground)} m above destination)"
+        )
+        yield from super()._fly_back(home)
+        self._send_statustext("RTL: completed, loitering")
+
+    def _land(self, home: Point | None) -> Iterator[None]:
+        if home is not None:
+            self._send_statustext("RTL: land at destination")
+        yield from super()._land(home)
+
+    def _send_statustext(self, text: str) -> None:
+        self.autopilot.vehicle.send_statustext(text)
+
+
+def orbit_behaviour(autopilot: Autopilot, wanted: OrbitRequest | None) -> Behaviour:
+    """The mode's behaviour; without a command it circles a point ahead."""
+    if wanted is None:
+        return Circle(autopilot)
+    return Orbit(
+        autopilot, wanted.centre, wanted.radius, speed=wanted.speed, yaw_behaviour=wanted.yaw_behaviour
+    )
