@@ -1,0 +1,167 @@
+"""One table of the whole public API: every class with its methods, their arguments and defaults."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+from functools import cached_property
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the table: the public names of some modules, or those chosen by name."""
+
+    title: str
+    modules: tuple[str, ...]
+    names: tuple[str, ...] = ()
+
+
+SECTIONS = (
+    Section("Connections and vehicles", ("mavstack.vehicle",)),
+    Section("Nodes and remote components", ("mavstack.node",)),
+    Section("Packets", ("mavstack.wire",)),
+    Section("Dialects", ("mavstack.dialects",)),
+    Section("Links", ("mavstack.links",)),
+    Section("Logs on disk", ("mavstack.logs",)),
+    Section("Signing keys", ("mavstack.security",)),
+    Section("Simulated vehicles", ("mavstack.sim",)),
+)
+_HIDDEN = ("__init__",)
+
+
+@dataclass(frozen=True)
+class Member:
+    """One row: a method, a property or a field."""
+
+    signature: str
+    kind: str
+    summary: str
+
+
+def render() -> str:
+    """Return the sections with a table per class and one of the functions."""
+    lines: list[str] = []
+    for section in SECTIONS:
+        lines += [f"## {section.title}", ""]
+        functions, others = [], []
+        for name, item in public_names(section):
+            if inspect.isclass(item):
+                lines += _class_lines(name, item)
+            elif inspect.isroutine(item) or hasattr(item, "__wrapped__"):
+                functions.append((name, item))
+            else:
+                others.append(f"`{name}`")
+        if functions:
+            lines += ["### Functions", "", *_table([_function(name, item) for name, item in functions]), ""]
+        if others:
+            lines += ["### Other names", "", ", ".join(others), ""]
+    return "\n".join(lines)
+
+
+def render_top_level() -> str:
+    """Return a table of the names that `mavstack` itself exports."""
+    module = import_module("mavstack")
+    lines = ["| name | package | meaning |", "|---|---|---|"]
+    for name in sorted(module.__all__):
+        item = getattr(module, name)
+        home = ".".join(getattr(item, "__module__", "mavstack").split(".")[:2]).replace("_core", "wire")
+        lines.append(f"| `mavstack.{name}` | `{home}` | {_summary(item)} |")
+    return "\n".join(lines)
+
+
+def public_names(section: Section) -> list[tuple[str, Any]]:
+    """Return the public names of a section and what they stand for."""
+    found: dict[str, Any] = {}
+    for module_name in section.modules:
+        module = import_module(module_name)
+        names = section.names or getattr(module, "__all__", None) or _own_names(module)
+        found |= {name: getattr(module, name) for name in names}
+    return list(found.items())
+
+
+def _own_names(module: Any) -> list[str]:  # noqa: ANN401 (a module)
+    return [
+        name
+        for name, item in vars(module).items()
+        if not name.startswith("_") and inspect.isclass(item) and item.__module__.startswith(module.__name__)
+    ]
+
+
+def _class_lines(name: str, item: type) -> list[str]:
+    lines = [f"### {name}", "", _summary(item), ""]
+    if issubclass(item, Enum):
+        return [*lines, "Values: " + ", ".join(f"`{member}`" for member in item.__members__), ""]
+    rows = [*_constructor(name, item), *members(item)]
+    return [*lines, *_table(rows), ""] if rows else lines
+
+
+def _constructor(name: str, item: type) -> list[Member]:
+    if getattr(item, "_is_protocol", False) or issubclass(item, BaseException):
+        return []
+    if is_dataclass(item):
+        names = ", ".join(field.name for field in fields(item))
+        return [Member(_code(name, _signature(item)), "constructor", f"fields {names}")] if names else []
+    return [Member(_code(name, _signature(item)), "constructor", "")]
+
+
+def members(item: type) -> Iterator[Member]:
+    """Yield the public methods and properties of a class, inherited ones of the package too."""
+    seen: set[str] = set()
+    for base in item.__mro__:
+        if not base.__module__.startswith("mavstack"):
+            continue
+        for name, member in vars(base).items():
+            if name.startswith("_") or name in seen or name in _HIDDEN:
+                continue
+            seen.add(name)
+            row = _member(name, member)
+            if row is not None:
+                yield row
+
+
+def _member(name: str, member: object) -> Member | None:
+    if isinstance(member, (property, cached_property)) or inspect.isgetsetdescriptor(member):
+        return Member(f"`{name}`", "property", _summary(member))
+    if isinstance(member, (classmethod, staticmethod)):
+        return _function(name, member.__func__)
+    return _function(name, member) if callable(member) and not inspect.isclass(member) else None
+
+
+def _function(name: str, function: Any) -> Member:  # noqa: ANN401 (anything callable)
+    kind = "async" if inspect.iscoroutinefunction(function) else ""
+    return Member(_code(name, _signature(function)), kind, _summary(function))
+
+
+def _signature(function: Any) -> str:  # noqa: ANN401
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return "(…)"
+    bare = [
+        parameter.replace(annotation=inspect.Parameter.empty)
+        for name, parameter in signature.parameters.items()
+        if name not in ("self", "cls")
+    ]
+    return str(inspect.Signature(bare))
+
+
+def _code(name: str, signature: str) -> str:
+    return f"`{name}{signature}`"
+
+
+def _summary(item: object) -> str:
+    text = (inspect.getdoc(item) or "").partition("\n\n")[0].replace("\n", " ")
+    return text.replace("|", "\\|")
+
+
+def _table(rows: list[Member]) -> list[str]:
+    lines = ["| name, arguments, defaults | kind | meaning |", "|---|---|---|"]
+    return lines + [
+        f"| {row.signature.replace('|', chr(92) + '|')} | {row.kind} | {row.summary} |" for row in rows
+    ]

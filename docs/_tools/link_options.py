@@ -1,0 +1,182 @@
+"""The options of link URLs, recorded from the link classes while they are constructed.
+
+Names, types and defaults come from the code; only the descriptions stand here. A test checks that they fit.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from mavstack.errors import MavstackError
+from mavstack.links import LinkURL
+from mavstack.links.impairment import Impairment
+from mavstack.links.options import Options
+from mavstack.links.registry import BACKENDS
+from mavstack.links.url import EXAMPLES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+PURPOSES = {
+    "udpin": "Listens on a UDP port; each sender is a channel. A multicast group as host is joined.",
+    "udpout": "Sends to one UDP peer; broadcast and multicast addresses work.",
+    "tcpin": "Accepts TCP connections; each is a channel.",
+    "tcpout": "Connects to a TCP server, and again when the connection breaks.",
+    "tls": "Connects to a TLS server.",
+    "tlsin": "Accepts TLS connections, on request only from clients with a certificate.",
+    "serial": "Opens a serial port; needs the extra `serial`.",
+    "unix": "Connects to a Unix socket.",
+    "unixin": "Accepts connections on a Unix socket.",
+    "ws": "Connects to a WebSocket server; needs the extra `web`.",
+    "wss": "Connects to a WebSocket server over TLS; needs the extra `web`.",
+    "wsin": "Accepts WebSocket connections; needs the extra `web`.",
+    "wssin": "Accepts WebSocket connections over TLS; needs the extra `web`.",
+    "file": "Replays a tlog or a file of raw packets.",
+    "memory": "Connects nodes of one program; `MemoryNetwork` makes such links.",
+}
+DESCRIPTIONS = {
+    "baud": "baud rate",
+    "ca": "file with the authorities to trust; on a server: clients must show a certificate of theirs",
+    "cert": "file with the own certificate",
+    "flow": "flow control",
+    "half_duplex": "both directions share the bandwidth given by `pace`",
+    "idle": "a peer that is silent for this long is closed; 0: never",
+    "insecure": "do not verify the server's certificate (tests only)",
+    "key": "file with the private key of `cert`",
+    "max_peers": "peers at the same time; others are refused",
+    "origin": "the Origin header to send, or, on a server, to require",
+    "pace": "bandwidth of the link in bytes/s; transfers are paced to it",
+    "receive_queue": "received bytes that wait to be read; beyond it datagrams are dropped, streams wait",
+    "reconnect": "connect again after the connection is lost",
+    "retry": "delay before the first new attempt",
+    "retry_limit": "longest delay between attempts",
+    "send_queue": "bytes that wait to be sent; packets beyond it are dropped and counted",
+    "server_name": "name that the server's certificate must have",
+    "socket_buffer": "size of the operating system's socket buffers",
+    "speed": "1: as recorded, 10: ten times as fast, max: at once",
+    "threads": "read and write in threads instead of by the event loop",
+    "timeout": "time limit of one attempt to connect",
+    "wait": "let `open` wait until the first attempt succeeds, instead of raising",
+    # impairments
+    "bandwidth": "bytes/s that the impaired link carries; 0: unlimited",
+    "corrupt": "probability that a byte is changed",
+    "duplicate": "probability that a packet arrives twice",
+    "hold": "extra delay of a reordered packet",
+    "jitter": "random part of the delay",
+    "latency": "delay",
+    "loss": "probability that a packet is lost",
+    "queue": "bytes that wait in front of the limited bandwidth",
+    "reorder": "probability that a packet is delayed behind later ones",
+    "seed": "seed of the random numbers",
+}
+
+
+@dataclass(frozen=True)
+class Option:
+    """One option as the code reads it."""
+
+    name: str
+    type: str
+    default: str
+
+
+class RecordingOptions(Options):
+    """Options that record what is read, with the default."""
+
+    def __init__(self, url: LinkURL) -> None:
+        super().__init__(url)
+        self.read: dict[str, Option] = {}
+
+    def _note(self, name: str, kind: str, default: object) -> None:
+        self.read.setdefault(name, Option(name, kind, str(default)))
+
+    def text(self, name: str, default: str = "") -> str:
+        self._note(name, "text", "the host" if name == "server_name" else default or "none")
+        return super().text(name, default)
+
+    def choice(self, name: str, choices: Sequence[str]) -> str:
+        self._note(name, " or ".join(choices), choices[0])
+        return super().choice(name, choices)
+
+    def flag(self, name: str, *, default: bool) -> bool:
+        self._note(name, "yes or no", "yes" if default else "no")
+        return super().flag(name, default=default)
+
+    def integer(self, name: str, default: int, *arguments: int, **keywords: int) -> int:
+        self._note(name, "integer number", default)
+        return super().integer(name, default, *arguments, **keywords)
+
+    def seconds(self, name: str, default: float) -> float:
+        self._note(name, "time", f"{default:g} s")
+        return super().seconds(name, default)
+
+    def size(self, name: str, default: int) -> int:
+        self._note(name, "bytes", _size(default))
+        return super().size(name, default)
+
+    def fraction(self, name: str, default: float) -> float:
+        self._note(name, "fraction", f"{default:g}")
+        return super().fraction(name, default)
+
+
+def options_of(scheme: str) -> dict[str, Option]:
+    """Return the options that the link class of a scheme reads, by name."""
+    module, name = BACKENDS[scheme].split(":")
+    given = {"cert": "cert.pem"} if scheme in ("tlsin", "wssin") else {}
+    url = LinkURL(scheme, host="127.0.0.1", port=1, path="/file", options=given)
+    options = RecordingOptions(url)
+    with suppress(MavstackError, OSError):  # the certificate does not exist: by then the options are read
+        getattr(import_module(f"mavstack.links.{module}"), name)(url, options)
+    return options_of("wsin") | options.read if scheme == "wssin" else options.read
+
+
+def impairment_options() -> dict[str, Option]:
+    """Return the options of impairments, by name."""
+    options = RecordingOptions(LinkURL("udpout", host="127.0.0.1", port=1, options={"loss": "0.5"}))
+    Impairment.from_options(options)
+    return options.read
+
+
+def render() -> str:
+    """Return the tables of schemes and options."""
+    shared = set.intersection(*(set(options_of(scheme)) for scheme in EXAMPLES if scheme != "memory"))
+    lines = ["## Schemes", "", "| scheme | example | purpose |", "|---|---|---|"]
+    lines += [f"| `{scheme}` | `{EXAMPLES[scheme]}` | {PURPOSES[scheme]} |" for scheme in EXAMPLES]
+    lines += [
+        "",
+        "## Options of every scheme",
+        "",
+        *_table(options_of("udpin")[name] for name in sorted(shared)),
+    ]
+    for title, schemes in _groups().items():
+        own = [option for name, option in sorted(options_of(schemes[0]).items()) if name not in shared]
+        if own:
+            lines += ["", f"## Options of {title}", "", *_table(own)]
+    lines += ["", "## Impairments of every scheme", "", *_table(impairment_options().values())]
+    return "\n".join(lines)
+
+
+def _groups() -> dict[str, list[str]]:
+    """Return the schemes with equal options, by their names."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for scheme in EXAMPLES:
+        groups.setdefault(tuple(sorted(options_of(scheme))), []).append(scheme)
+    return {", ".join(schemes): schemes for schemes in groups.values()}
+
+
+def _table(options: Iterable[Option]) -> list[str]:
+    rows = [
+        f"| `{option.name}` | {option.type} | {option.default} | {DESCRIPTIONS[option.name]} |"
+        for option in options
+    ]
+    return ["| option | type | default | meaning |", "|---|---|---|---|", *rows]
+
+
+def _size(number: int) -> str:
+    for unit, letter in ((1 << 20, "M"), (1 << 10, "k")):
+        if number and number % unit == 0:
+            return f"{number // unit}{letter}"
+    return str(number)

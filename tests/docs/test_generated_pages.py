@@ -1,0 +1,85 @@
+"""The generated parts of the documentation are complete, and the navigation names pages that exist."""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+
+import pytest
+
+from docs._tools import api_table, error_tree, link_options, message_pages
+from mavstack import Dialect
+from mavstack.links.registry import BACKENDS
+from tests.docs.blocks import DOCS, ROOT
+
+PAGES = list(message_pages.pages())
+
+
+def pages_of(name: str) -> str:
+    return "\n".join(page.text for page in PAGES if page.dialect == name)
+
+
+@pytest.mark.parametrize("name", message_pages.ordered_names())
+def test_a_dialect_lists_its_messages_commands_and_enums(name):
+    text, definition = pages_of(name), Dialect.load(name).own_definition
+    for message in definition.messages:
+        assert f"{{ #{message.name} }}" in text
+        assert all(f"<code>{field.name}</code>" in text for field in message.fields)
+    for enum in definition.enums:
+        assert all(entry.name in text for entry in enum.entries)
+
+
+def test_links_between_message_pages_lead_to_anchors():
+    anchors = {page.path: set(re.findall(r"{ #(\w+) }", page.text)) for page in PAGES}
+    for page in PAGES:
+        folder = page.path.removesuffix("index.md").removesuffix(".md").rstrip("/")
+        for target, anchor in re.findall(r'href="([^"#]+)#?(\w*)"', page.text):
+            parts = folder.split("/")
+            for part in target.rstrip("/").split("/"):
+                parts = parts[:-1] if part == ".." else [*parts, part]
+            path = "/".join(parts)
+            found = anchors.get(f"{path}.md", anchors.get(f"{path}/index.md"))
+            assert found is not None, (page.path, target)
+            assert not anchor or anchor in found, (page.path, target, anchor)
+
+
+def test_every_link_scheme_has_a_purpose():
+    assert set(link_options.PURPOSES) == set(BACKENDS)
+
+
+def test_every_link_option_has_a_description():
+    used = {name for scheme in link_options.PURPOSES for name in link_options.options_of(scheme)}
+    assert used | set(link_options.impairment_options()) == set(link_options.DESCRIPTIONS)
+
+
+def test_the_error_tree_holds_every_error():
+    text = error_tree.render()
+    errors = error_tree.all_errors()
+    assert len(errors) > 30
+    assert all(f"`{error.__name__}`" in text for error in errors)
+
+
+def test_the_api_table_holds_every_public_class():
+    text = api_table.render()
+    for section in api_table.SECTIONS:
+        for name, _ in api_table.public_names(section):
+            assert re.search(rf"^### {name}$|`{name}[`(]", text, re.MULTILINE), name
+
+
+@pytest.mark.parametrize(
+    "method", ["takeoff(altitude=10.0, *", "wait_for_vehicle(system=None, *", "goto(latitude, longitude"]
+)
+def test_the_api_table_shows_arguments_and_defaults(method):
+    assert f"`{method}" in api_table.render()
+
+
+def test_the_navigation_names_every_page():
+    named = set(re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text("utf-8")))
+    assert named == {str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md")}
+
+
+def test_markers_name_generated_parts():
+    hooks = import_module("docs._tools.hooks")
+    for path in DOCS.rglob("*.md"):
+        for name in re.findall(r"^\[\[generated: (.*)\]\]$", path.read_text("utf-8"), re.MULTILINE):
+            assert name in hooks.PARTS, (path, name)
