@@ -69,12 +69,12 @@ async def test_packets_without_the_key_are_refused(key: SigningKey | None, count
 
     async with vehicle_with(KEY) as (vehicle, port):
         await asyncio.to_thread(work, port)
-        await wait_until(lambda: vehicle.engine.channels and refused(vehicle, counter) >= 6)
+        await wait_until(lambda: vehicle._host.engine.channels and refused(vehicle, counter) >= 6)
         assert vehicle.components == {}
 
 
 def refused(vehicle: Node, counter: str) -> int:
-    return getattr(vehicle.engine.channels[0].signing.refusals, counter)
+    return getattr(vehicle._host.engine.channels[0].signing.refusals, counter)
 
 
 async def test_setup_and_removal_of_a_key() -> None:
@@ -101,4 +101,4 @@ async def test_setup_and_removal_of_a_key() -> None:
     async with vehicle_with(None) as (vehicle, port), vehicle.events(KeySettled) as settled:
         await in_thread(port, work)
         assert [(event.key, event.changed) for event in settled.drain()] == [(KEY, True), (None, True)]
-        assert vehicle.engine.channels[0].signing is None
+        assert vehicle._host.engine.channels[0].signing is None

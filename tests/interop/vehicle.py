@@ -33,17 +33,17 @@ class FlyingVehicle(Vehicle):
         self.parameters.add("LARGE", (1 << 31) - 1 if self.is_bytewise else 1 << 23)
         self.parameters.add("NEGATIVE", -7, common.MavParamType.INT32)
         if root is not None:
-            self.engine.remove(self.ftp)
+            self._host.engine.remove(self.ftp)
             self.ftp = self.serve(FtpServer(self.address, DirectoryStore(root)))
         self.landed: int = common.MavLandedState.ON_GROUND
         self.takeoffs: list[CommandRequest] = []
-        self.beacon.base_mode = common.MavModeFlag.CUSTOM_MODE_ENABLED
+        self._heartbeat.base_mode = common.MavModeFlag.CUSTOM_MODE_ENABLED
         self.on_command(common.MavCmd.COMPONENT_ARM_DISARM)(self._arm)
         self.on_command(common.MavCmd.NAV_TAKEOFF)(self._take_off)
         self.on_command(common.MavCmd.NAV_LAND)(self._land)
         self.on_command(common.MavCmd.DO_SET_HOME)(lambda request: RESULT.ACCEPTED)
         self.on_command(common.MavCmd.PREFLIGHT_CALIBRATION)(self._calibrate)
-        self.mission.answer_commands(self.commands.server, self.engine.touch)
+        self.mission.answer_commands(self.commands.server, self._host.engine.touch)
         version = AutopilotVersion(capabilities=self.capabilities, flight=FirmwareVersion(1, 16))
         provide_versions(self.message_server, version)
         for message, produce in telemetry(self).items():
@@ -60,15 +60,15 @@ class FlyingVehicle(Vehicle):
 
     @property
     def is_armed(self) -> bool:
-        return bool(self.beacon.base_mode & common.MavModeFlag.SAFETY_ARMED)
+        return bool(self._heartbeat.base_mode & common.MavModeFlag.SAFETY_ARMED)
 
     def _arm(self, request: CommandRequest) -> int:
         arm = request.command.param1 == 1
         if not arm and self.landed == common.MavLandedState.IN_AIR:
             return RESULT.DENIED
-        self.beacon.base_mode = ARMED if arm else common.MavModeFlag.CUSTOM_MODE_ENABLED
-        self.beacon.soon(self.now())
-        self.wake(self.beacon)
+        self._heartbeat.base_mode = ARMED if arm else common.MavModeFlag.CUSTOM_MODE_ENABLED
+        self._heartbeat.send_now(self.now())
+        self.wake(self._heartbeat)
         return RESULT.ACCEPTED
 
     def _take_off(self, request: CommandRequest) -> int:

@@ -6,10 +6,10 @@ import asyncio
 
 from mavstack.dialects import common
 from mavstack.links import MemoryNetwork
-from mavstack.node import Node, trusted_channels
+from mavstack.node import Node
 from mavstack.security import SigningKey
 from mavstack.services.signing_setup import SigningSetupServer
-from mavstack.services.signing_setup.change import signed_with
+from mavstack.services.signing_setup.key_change import signed_with
 
 OLD, NEW, THIRD = (SigningKey.from_passphrase(word) for word in ("old", "new", "third"))
 PX4 = common.MavAutopilot.PX4
@@ -34,7 +34,7 @@ class Pair:
             timestamps=timestamps,
         )
         self.trusted = trusted
-        policy = trusted_channels(self.vehicle.engine)
+        policy = self.vehicle.trusted_channel_policy()
         self.server = self.vehicle.serve(
             SigningSetupServer(self.vehicle.address, key=vehicle_key, may_set=policy)
         )
@@ -56,18 +56,18 @@ class Pair:
         return self.ground, self.vehicle
 
     def trust(self) -> None:
-        for channel in self.vehicle.engine.channels:
+        for channel in self.vehicle._host.engine.channels:
             channel.trusted = self.trusted
 
     async def reconnect(self) -> None:
         """Close the channel on both ends; its successor has its name."""
-        names = [[channel.name for channel in node.engine.channels] for node in self.nodes]
+        names = [[channel.name for channel in node._host.engine.channels] for node in self.nodes]
         self.ground_link.channels[0].close("a test")
         await asyncio.sleep(0.01)
-        assert [node.engine.channels for node in self.nodes] == [[], []]
+        assert [node._host.engine.channels for node in self.nodes] == [[], []]
         self.ground_link.meet(self.vehicle_link)
         await asyncio.sleep(0)
-        assert [[channel.name for channel in node.engine.channels] for node in self.nodes] == names
+        assert [[channel.name for channel in node._host.engine.channels] for node in self.nodes] == names
         self.trust()
 
 
@@ -83,12 +83,12 @@ async def assert_both_use(pair: Pair, key, seconds: float = 3.0) -> None:
         assert "HEARTBEAT" in {packet.name for packet in packets}
         assert all(signed_with(packet, key, START) for packet in packets)
     for node in pair.nodes:
-        for channel in node.engine.channels:
+        for channel in node._host.engine.channels:
             assert (channel.signing is None) == (key is None)
 
 
 def refusals(node: Node) -> int:
     """How many packets the channels refused."""
     kinds = ("unsigned", "forged", "replayed", "stale", "future", "too_many_streams")
-    counted = [channel.signing.refusals for channel in node.engine.channels if channel.signing]
+    counted = [channel.signing.refusals for channel in node._host.engine.channels if channel.signing]
     return sum(getattr(each, kind) for each in counted for kind in kinds)

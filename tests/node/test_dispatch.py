@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from mavstack.dialects import common
-from mavstack.node.dispatch import MOST_FOUND, PacketDispatch
-from mavstack.node.listeners import MOST_FOUND as MOST_SERVICES_FOUND
-from mavstack.node.listeners import Listeners
+from mavstack.node.dispatch import MAX_CACHED, PacketDispatch
+from mavstack.node.service_index import MAX_CACHED as MOST_SERVICES_FOUND
+from mavstack.node.service_index import Listeners
 from mavstack.services import EVERYBODY, Address, Service
 from mavstack.wire import Packet, encode
 
@@ -18,10 +18,10 @@ def packet(message, system: int = 1, component: int = 1) -> Packet:
 
 def test_each_hears_what_it_asked_for_also_if_it_came_later() -> None:
     dispatch, heard = PacketDispatch(), []
-    first = dispatch.listen([common.Heartbeat], EVERYBODY, lambda _: heard.append("first"))
+    first = dispatch.add([common.Heartbeat], EVERYBODY, lambda _: heard.append("first"))
     dispatch.deliver(packet(HEARTBEAT))
-    dispatch.listen([], Address(1, 0), lambda _: heard.append("all of 1"))
-    dispatch.listen([], Address(2, 7), lambda _: heard.append("2/7"))
+    dispatch.add([], Address(1, 0), lambda _: heard.append("all of 1"))
+    dispatch.add([], Address(2, 7), lambda _: heard.append("2/7"))
     dispatch.deliver(packet(HEARTBEAT))
     dispatch.deliver(packet(ATTITUDE, system=2))
     dispatch.deliver(packet(ATTITUDE, system=2, component=7))
@@ -38,8 +38,8 @@ def test_one_may_close_while_packets_are_handed_over() -> None:
         heard.append("once")
         listening.close()
 
-    listening = dispatch.listen([], EVERYBODY, once)
-    dispatch.listen([], EVERYBODY, lambda _: heard.append("always"))
+    listening = dispatch.add([], EVERYBODY, once)
+    dispatch.add([], EVERYBODY, lambda _: heard.append("always"))
     dispatch.deliver(packet(HEARTBEAT))
     dispatch.deliver(packet(HEARTBEAT))
     assert heard == ["once", "always", "always"]
@@ -47,12 +47,12 @@ def test_one_may_close_while_packets_are_handed_over() -> None:
 
 def test_what_is_found_for_forged_addresses_is_bounded() -> None:
     dispatch, listeners, heard = PacketDispatch(), Listeners(), []
-    dispatch.listen([], EVERYBODY, heard.append)
-    for number in range(2 * MOST_FOUND):
+    dispatch.add([], EVERYBODY, heard.append)
+    for number in range(2 * MAX_CACHED):
         dispatch.deliver(packet(HEARTBEAT, 1 + number % 255, 1 + number // 255))
         listeners.of(number, 1)
-    assert len(heard) == 2 * MOST_FOUND
-    assert len(dispatch._found) <= MOST_FOUND
+    assert len(heard) == 2 * MAX_CACHED
+    assert len(dispatch._found) <= MAX_CACHED
     assert len(listeners._found) <= MOST_SERVICES_FOUND
 
 

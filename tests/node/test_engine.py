@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import EncodeError
-from mavstack.node.duplicates import MOST_REMEMBERED, Duplicates
+from mavstack.node.duplicates import MAX_PACKETS, Duplicates
 from mavstack.node.engine import Engine
 from mavstack.security import SigningKey
 from mavstack.services import Address, Client, Event, Outgoing, Priority, Service, message_ids
@@ -154,7 +154,7 @@ def test_the_same_bytes_on_the_same_channel_are_no_copy() -> None:
     assert not duplicates.is_copy(packet, "b", 5.0)
     for number in range(5000):
         duplicates.is_copy(Packet(bytes_of(common.Attitude(time_boot_ms=number)), common), "a", 5.0)
-    assert len(duplicates._seen) <= MOST_REMEMBERED
+    assert len(duplicates._seen) <= MAX_PACKETS
 
 
 def test_timers_fire_once_when_due_and_follow_changes() -> None:

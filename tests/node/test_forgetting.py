@@ -17,8 +17,8 @@ def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
         async with Pair(autopilot=autopilot) as pair:
             remote = pair.remote
             assert remote.mission.progress is None
-            remote.modes.monitor.custom_mode = 7
-            remote.modes.monitor.intended = 7
+            remote._clients.modes.custom_mode = 7
+            remote._clients.modes.intended = 7
             parameters = await remote.params.download()
             cameras = await remote.extended_params.download()
             pair.vehicle.send(common.MissionCurrent(seq=3, total=9))
@@ -31,8 +31,8 @@ def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
             remote.clear_cache()
             assert not remote.params.cached
             assert not remote.extended_params.cached
-            assert not remote.params.client.complete
-            assert remote.modes.current is remote.modes.monitor.intended is None
+            assert not remote._clients.params.complete
+            assert remote.modes.current is remote._clients.modes.intended is None
             assert remote.mission.progress is None
             assert parameters
             assert cameras  # who was given them keeps them

@@ -10,7 +10,7 @@ from mavstack.dialects import common
 from mavstack.errors import RemoteDenied, RemoteTimeout
 from mavstack.node import Node
 from mavstack.services.signing_setup import KeySettled, SigningSetupServer
-from mavstack.services.signing_setup.change import signed_with
+from mavstack.services.signing_setup.key_change import signed_with
 from mavstack.sim.virtual import run_virtually
 from mavstack.wire import Encoder
 from tests.node.signed_pair import (
@@ -51,7 +51,7 @@ def test_a_key_is_set_up_and_both_sign_and_a_reconnect_keeps_it(old, new) -> Non
 def test_a_refused_set_up_changes_nothing(old) -> None:
     async def work() -> None:
         async with Pair(old, trusted=False) as pair:
-            with pytest.raises(RemoteDenied, match="signing with a new key asked of 1/1"):
+            with pytest.raises(RemoteDenied, match="setting a signing key on 1/1 failed"):
                 await pair.remote.setup_signing(NEW)
             await assert_both_use(pair, old)
             await pair.reconnect()
@@ -92,7 +92,7 @@ def test_a_key_given_to_a_node_counts_on_all_its_channels() -> None:
                     assert packets
                     assert all(signed_with(packet, NEW, START) for packet in packets)
                 assert {packet.system for packet in await heard(pair.vehicle)} == {255}
-            channels = pair.vehicle.engine.channels
+            channels = pair.vehicle._host.engine.channels
             assert len({channel.signing.link_id for channel in channels}) == len(channels)
             await pair.remote.setup_signing(None)
             assert {packet.system for packet in await heard(pair.vehicle)} == {9, 255}
@@ -126,7 +126,7 @@ def test_radios_need_no_key_but_all_others_do() -> None:
                     channel.receive(radio.encode(message, START))
                 await asyncio.sleep(0.1)
                 assert [packet.name for packet in packets.drain()] == ["RADIO_STATUS"]
-            assert pair.vehicle.engine.channels[0].signing.refusals.unsigned == 2
+            assert pair.vehicle._host.engine.channels[0].signing.refusals.unsigned == 2
 
     run_virtually(work())
 

@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.links import MemoryNetwork
 from mavstack.services.signing_setup import ListenForKey, UseNewKey
-from mavstack.services.signing_setup.change import TRIAL
+from mavstack.services.signing_setup.key_change import TRIAL
 from mavstack.sim.virtual import run_virtually
 from tests.node.signed_pair import CHANGES, NEW, THIRD, Pair, assert_both_use, refusals
 
@@ -28,14 +28,14 @@ class Broken(Pair):
         self.stage = stage
         self.is_broken = False
         node = self.ground if stage is UseNewKey else self.vehicle
-        happened = node._happened
+        happened = node._on_event
 
         def watched(event, service) -> None:
             if isinstance(event, stage):
                 self.break_off()
             happened(event, service)
 
-        node._happened = watched
+        node._on_event = watched
 
     def break_off(self) -> None:
         if not self.is_broken:
@@ -79,7 +79,7 @@ def test_a_reconnect_in_the_middle_of_a_change_leaves_nobody_deaf(old, new, stag
             await asyncio.gather(task, return_exceptions=True)
             await asyncio.sleep(20)
             await assert_both_use(pair, pair.server.key)
-            assert not pair.remote.signing_client.changing
+            assert not pair.remote._clients.signing.changing
             assert [node._keys._changes for node in pair.nodes] == [{}, {}]
             if task.exception() is None:
                 assert pair.server.key == new
@@ -103,11 +103,11 @@ def test_a_trial_that_fails_is_over_on_a_channel_that_came_back_too() -> None:
             await asyncio.sleep(0.1)
             assert pair.server.on_trial
             await pair.reconnect()
-            (channel,) = pair.vehicle.engine.channels
+            (channel,) = pair.vehicle._host.engine.channels
             assert channel.signing is not None
             (to_ground,), (to_vehicle,) = pair.vehicle_link.channels, pair.ground_link.channels
             to_vehicle.other = None  # the vehicle hears nobody
-            pair.vehicle.engine.routes.forget(channel)
+            pair.vehicle._host.engine.routes.remove_channel(channel)
             await asyncio.sleep(TRIAL)
             assert not pair.server.on_trial
             to_vehicle.other = to_ground
@@ -127,7 +127,7 @@ def test_another_key_on_a_channel_that_came_back_ends_the_first_change_alone() -
             pair.ground.send(setup(THIRD, 2))
             await asyncio.sleep(0.1)
             assert pair.server.on_trial
-            pair.ground.engine.channels[0].signing = THIRD.signing()
+            pair.ground._host.engine.channels[0].signing = THIRD.signing()
             await asyncio.sleep(1.5)
             assert pair.server.key == THIRD
             await assert_both_use(pair, THIRD)
@@ -145,13 +145,13 @@ def test_a_channel_that_is_away_while_its_peer_takes_a_key_signs_with_it_too(sta
             links = [second.link("memory://second"), second.link("memory://second")]
             for node, link in zip(pair.nodes, links, strict=True):
                 await link.open()
-                node.driver.read(link)
+                node._host.driver.read(link)
             await asyncio.sleep(1.2)
             if not stays_closed:
                 links[0].channels[0].close("a test")
                 await asyncio.sleep(0.01)
-                for address in pair.ground.engine.routes._routes:
-                    assert len(pair.ground.engine.routes.heard_on(address)) == 1
+                for address in pair.ground._host.engine.routes._routes:
+                    assert len(pair.ground._host.engine.routes.heard_on(address)) == 1
             pair.break_off = lambda: None
             task = asyncio.ensure_future(pair.remote.setup_signing(NEW))
             await asyncio.sleep(0.02)
@@ -166,11 +166,11 @@ def test_a_channel_that_is_away_while_its_peer_takes_a_key_signs_with_it_too(sta
                 links[0].meet(links[1])
             await asyncio.sleep(0.01)
             for _ in range(2):
-                assert len(pair.ground.engine.channels) == len(pair.vehicle.engine.channels) == 2
+                assert len(pair.ground._host.engine.channels) == len(pair.vehicle._host.engine.channels) == 2
                 before = [refusals(node) for node in pair.nodes]
                 await assert_both_use(pair, NEW)
                 assert [refusals(node) for node in pair.nodes] == before
-                assert all(channel.signing.streams for node in pair.nodes for channel in node.engine.channels)
+                assert all(channel.signing.streams for node in pair.nodes for channel in node._host.engine.channels)
                 links[0].channels[0].close("a test")
                 links[0].meet(links[1])
                 await asyncio.sleep(0.01)
@@ -191,10 +191,10 @@ def test_who_was_heard_with_a_new_key_is_not_forgotten_when_the_change_is_over(r
             await asyncio.sleep(0.1)
             if reconnects:
                 await pair.reconnect()
-            on_trial = pair.vehicle.engine.channels[0].signing
-            pair.ground.engine.channels[0].signing = NEW.signing()
+            on_trial = pair.vehicle._host.engine.channels[0].signing
+            pair.ground._host.engine.channels[0].signing = NEW.signing()
             await asyncio.sleep(1.5)
             assert pair.server.key == NEW
-            assert pair.vehicle.engine.channels[0].signing is on_trial
+            assert pair.vehicle._host.engine.channels[0].signing is on_trial
 
     run_virtually(work())

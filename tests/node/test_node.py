@@ -80,7 +80,7 @@ def test_a_command_is_carried_out_by_a_plain_and_by_an_async_handler() -> None:
 
             vehicle = await pair.ground.wait_for_autopilot()
             await vehicle.command(common.MavCmd.DO_SET_SERVO, 5, 1500)
-            with pytest.raises(CommandDenied, match="DO_SET_SERVO asked of 1/1: DENIED"):
+            with pytest.raises(CommandDenied, match="DO_SET_SERVO on 1/1 failed: DENIED"):
                 await vehicle.command(common.MavCmd.DO_SET_SERVO, 5, 1)
             with pytest.raises(CommandDenied, match="UNSUPPORTED"):
                 await vehicle.command(common.MavCmd.NAV_LAND)
@@ -109,7 +109,7 @@ def test_a_cancelled_task_cancels_the_command_on_the_vehicle() -> None:
                 async with asyncio.timeout(5):
                     await vehicle.command(common.MavCmd.DO_WINCH)
             await asyncio.sleep(1)
-            assert not vehicle.command_client.busy
+            assert not vehicle._clients.command.busy
             assert not pair.vehicle.commands.server.running
         return ended
 
@@ -137,7 +137,7 @@ def test_closing_the_node_ends_what_is_under_way() -> None:
 def test_silence_is_a_timeout_that_says_how_often_it_was_asked() -> None:
     async def work() -> None:
         async with Pair() as pair:
-            with pytest.raises(CommandTimeout, match=r"NAV_LAND asked of 7/1 6 times: no answer"):
+            with pytest.raises(CommandTimeout, match=r"NAV_LAND on 7/1 failed after 6 attempts: no answer"):
                 await pair.ground.component(7).command(common.MavCmd.NAV_LAND)
             with pytest.raises(TimeoutError):
                 await pair.ground.component(7).command(common.MavCmd.NAV_LAND, timeout=0.5)

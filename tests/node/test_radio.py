@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.command import Command, CommandClient, CommandServer
-from mavstack.services.heartbeat import Beacon, ComponentLost, Discovery
+from mavstack.services.heartbeat import HeartbeatSender, ComponentLost, Discovery
 from mavstack.services.message_request import MessageServer
 from mavstack.services.mission import MissionClient, MissionItem, MissionServer, Plan
 from mavstack.services.parameters import ParameterClient, ParameterServer
@@ -25,7 +25,7 @@ SERVO = common.MavCmd.DO_SET_SERVO
 
 
 def fly(address: Address, engine: Engine) -> None:
-    engine.add(Beacon(address, common.MavType.QUADROTOR, common.MavAutopilot.PX4))
+    engine.add(HeartbeatSender(address, common.MavType.QUADROTOR, common.MavAutopilot.PX4))
     commands = engine.add(CommandServer(address))
     commands.support(SERVO, lambda _: common.MavResult.ACCEPTED)
     telemetry = engine.add(MessageServer(address, commands))
@@ -53,7 +53,7 @@ class Fleet:
 
     def setup(self, engine: Engine) -> None:
         self.discovery = engine.add(Discovery(GROUND))
-        engine.add(Beacon(GROUND))
+        engine.add(HeartbeatSender(GROUND))
         self.command_clients = [engine.add(CommandClient(GROUND, address)) for address in VEHICLES]
         self.parameter_clients = [engine.add(ParameterClient(GROUND, address)) for address in VEHICLES]
         self.mission_clients = [engine.add(MissionClient(GROUND, address)) for address in VEHICLES]
@@ -71,7 +71,7 @@ def test_ten_vehicles_share_a_slow_radio(share: float | None, status: bool) -> N
     network, ground = fleet.network, fleet.ground
     network.run(timeout=10)
     every(network, 1.0, fleet.command_somebody)
-    listing = [client.fetch_all(network.now, idle_timeout=60.0) for client in fleet.parameter_clients]
+    listing = [client.download(network.now, idle_timeout=60.0) for client in fleet.parameter_clients]
     items = [MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47.0, param6=8.0 + step) for step in range(20)]
     plans = [client.upload(Plan.of(items), network.now) for client in fleet.mission_clients]
     for client in (*fleet.parameter_clients, *fleet.mission_clients):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mavstack.node.routes import MOST_ADDRESSES, SILENCE, Routes
+from mavstack.node.routes import MAX_ADDRESSES, SILENCE_TIMEOUT, Routes
 from mavstack.services import EVERYBODY, Address
 
 A, B, C = "radio", "wifi", "usb"
@@ -50,7 +50,7 @@ def test_who_sends_as_component_0_is_reached_where_its_system_was_heard() -> Non
     routes.learn(Address(250, 191), B, 0.0)
     assert list(routes.channels_to(Address(250, 0), ALL)) == [A, B]
     assert list(routes.channels_to(Address(250, 191), ALL)) == [B]
-    routes.forget(A)
+    routes.remove_channel(A)
     assert list(routes.channels_to(Address(250, 0), (B, C))) == [B]
 
 
@@ -60,9 +60,9 @@ def test_of_two_links_the_first_stays_until_it_falls_silent() -> None:
         routes.learn(COPTER, A, tenth / 10)
         routes.learn(COPTER, B, tenth / 10)
         assert list(routes.channels_to(COPTER, ALL)) == [A]
-    routes.learn(COPTER, B, 2.9 + SILENCE)
+    routes.learn(COPTER, B, 2.9 + SILENCE_TIMEOUT)
     assert list(routes.channels_to(COPTER, ALL)) == [B]
-    routes.learn(COPTER, A, 2.9 + SILENCE)
+    routes.learn(COPTER, A, 2.9 + SILENCE_TIMEOUT)
     assert list(routes.channels_to(COPTER, ALL)) == [B]
 
 
@@ -70,7 +70,7 @@ def test_it_tells_who_is_heard_on_more_than_one_channel() -> None:
     routes: Routes[str] = Routes()
     assert [routes.learn(COPTER, channel, 0.0) for channel in (A, A, B, A)] == [False, False, True, True]
     assert not routes.learn(CAMERA, B, 0.0)
-    routes.forget(B)
+    routes.remove_channel(B)
     assert not routes.learn(COPTER, A, 1.0)
 
 
@@ -79,16 +79,16 @@ def test_a_closed_channel_leads_to_nobody() -> None:
     routes.learn(COPTER, A, 0.0)
     routes.learn(COPTER, B, 1.0)
     routes.learn(CAMERA, A, 1.0)
-    routes.forget(A)
+    routes.remove_channel(A)
     assert list(routes.channels_to(COPTER, (B, C))) == [B]
     assert list(routes.channels_to(CAMERA, (B, C))) == [B]
-    routes.forget(B)
+    routes.remove_channel(B)
     assert list(routes.channels_to(COPTER, (C,))) == [C]
 
 
 def test_memory_is_bounded() -> None:
     routes: Routes[str] = Routes()
-    for number in range(2 * MOST_ADDRESSES):
+    for number in range(2 * MAX_ADDRESSES):
         routes.learn(Address(1 + number % 255, 1 + number // 255 % 255), A, float(number))
-    assert len(routes._routes) == MOST_ADDRESSES
-    assert sum(len(system) for system in routes._systems.values()) == MOST_ADDRESSES
+    assert len(routes._routes) == MAX_ADDRESSES
+    assert sum(len(system) for system in routes._systems.values()) == MAX_ADDRESSES

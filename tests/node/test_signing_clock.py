@@ -42,7 +42,7 @@ def test_the_clock_is_stored_once_in_a_while_and_on_close() -> None:
             assert store.stored == []
             await asyncio.sleep(3 * STORE_INTERVAL)
             assert len(store.stored) == 3
-            signing = pair.vehicle.engine.channels[0].signing
+            signing = pair.vehicle._host.engine.channels[0].signing
             assert store.stored == sorted(set(store.stored))
             assert store.stored[-1] >= signing.timestamp - STORE_INTERVAL * 1e5
             await asyncio.sleep(7)
@@ -77,10 +77,10 @@ def test_the_clock_of_a_channel_that_is_gone_is_stored_too() -> None:
         store = Store()
         async with Pair(OLD, timestamps=store) as pair:
             await asyncio.sleep(5)
-            signing = pair.vehicle.engine.channels[0].signing
+            signing = pair.vehicle._host.engine.channels[0].signing
             await pair.ground.close()
             await asyncio.sleep(0.1)
-            assert pair.vehicle.engine.channels == []
+            assert pair.vehicle._host.engine.channels == []
         assert store.stored == [signing.timestamp]
 
     run_virtually(work())
@@ -126,7 +126,7 @@ def test_timestamps_rise_over_a_reconnect_of_one_without_a_clock(clock) -> None:
         clock(1000.0)
         async with Pair(OLD) as pair:
             for node in pair.nodes:
-                node.engine.channels[0].signing = OLD.signing(timestamp=10**12)
+                node._host.engine.channels[0].signing = OLD.signing(timestamp=10**12)
             first = await heard(pair.ground)
             await pair.reconnect()
             return [packet.signature_timestamp for packet in first + await heard(pair.ground)]

@@ -68,13 +68,13 @@ class Vehicle(Node):
             AutopilotVersion(capabilities=capabilities, flight=FirmwareVersion(1, 2, 3, 255)),
         )
 
-    def _happened(self, event, service=None) -> None:
-        super()._happened(event, service)
+    def _on_event(self, event, service=None) -> None:
+        super()._on_event(event, service)
         match event:
             case ModeChanged():
-                self.beacon.custom_mode = self.modes.current.custom_mode
-                self.beacon.soon(self.now())
-                self.wake(self.beacon)
+                self._heartbeat.custom_mode = self.modes.current.custom_mode
+                self._heartbeat.send_now(self.now())
+                self.wake(self._heartbeat)
             case ShellInput(data=data):
                 self.shell.feed(b"you said " + data)
                 self.wake(self.shell)

@@ -12,14 +12,14 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import RemoteError
-from mavstack.node.engine import MOST_OVERTAKEN, Engine
+from mavstack.node.engine import MAX_OUTDATED_TIMERS, Engine
 from mavstack.security import SigningKey
 from mavstack.services import Address, Service
 from mavstack.services.command import Command, CommandClient, CommandServer
 from mavstack.services.extended_parameters import ExtendedParameterClient, ExtendedParameterServer
 from mavstack.services.ftp import FtpClient, FtpServer, MemoryStore
-from mavstack.services.heartbeat import Beacon, Discovery
-from mavstack.services.heartbeat.discovery import MOST_COMPONENTS
+from mavstack.services.heartbeat import HeartbeatSender, Discovery
+from mavstack.services.heartbeat.discovery import MAX_COMPONENTS
 from mavstack.services.log import LogClient, LogEntry, LogServer
 from mavstack.services.manual_control import ManualControlReceiver
 from mavstack.services.message_request import (
@@ -91,7 +91,7 @@ def add_servers(engine: Engine) -> list[Service]:
         *(LogServer(local, Logs()), FtpServer(local, MemoryStore({"a": bytes(999)}))),
         *(PingServer(local), TimesyncServer(local), ShellServer(local), SetpointReceiver(local)),
         *(ManualControlReceiver(local), SystemTimeObserver(local), StatustextReceiver(local)),
-        *(Discovery(local), Beacon(local), StatustextSender(local), SystemTimeBroadcaster(local, START)),
+        *(Discovery(local), HeartbeatSender(local), StatustextSender(local), SystemTimeBroadcaster(local, START)),
         SigningSetupServer(local, may_set=lambda _: None),
     ]
     return [engine.add(server) for server in servers]
@@ -123,14 +123,14 @@ def begin_everything(engine: Engine, now: float, target: Address = VEHICLE) -> l
                 ListModes(),
             )
         ),
-        parameters.fetch_all(now),
+        parameters.download(now),
         parameters.read("P1", now),
         parameters.set("P2", 3, now, kind=6),
-        extended.fetch_all(now),
+        extended.download(now),
         extended.set("E1", 3, now, kind=6),
         *(mission.upload(PLAN, now), mission.download(now), mission.clear(now), mission.set_current(2, now)),
         *(logs.list_logs(now), logs.download(1, now), logs.erase(now)),
-        *(files.read_file("a", now), files.list_directory("/", now), files.write_file("b", bytes(999), now)),
+        *(files.download("a", now), files.list_directory("/", now), files.upload("b", bytes(999), now)),
         ping.ping(now),
         signing.install(SigningKey.generate(), now),
     ]
@@ -211,7 +211,7 @@ def test_every_service_against_a_peer_that_does_what_it_likes(seeds: Seeds) -> N
 def test_a_list_of_parameters_that_changes_for_ever_ends(answer: str) -> None:
     abuse = Abuse(1)
     client = abuse.engine.add(ParameterClient(GROUND, VEHICLE))
-    operation = client.fetch_all(abuse.now)
+    operation = client.download(abuse.now)
     for number in range(100_000):
         if operation.done:
             break
@@ -268,19 +268,19 @@ def test_a_flood_of_all_addresses_is_bounded() -> None:
         abuse.hear(b"".join(abuse.peer.packet(message, Address(system, each)) for each in range(1, 256)))
         abuse.settle()
         abuse.wait(0.001)
-    assert len(discovery.components) <= MOST_COMPONENTS
-    assert max(deep_lengths(abuse.engine, services)) <= MOST_COMPONENTS
+    assert len(discovery.components) <= MAX_COMPONENTS
+    assert max(deep_lengths(abuse.engine, services)) <= MAX_COMPONENTS
 
 
 def test_the_heap_of_timers_does_not_grow_with_packets() -> None:
     abuse = Abuse(1)
     receiver = abuse.engine.add(SetpointReceiver(GROUND, timeout=1e6))
-    for _ in range(5 * MOST_OVERTAKEN):
+    for _ in range(5 * MAX_OUTDATED_TIMERS):
         receiver._timeout += 1
         abuse.engine.touch(receiver)
         abuse.hear(abuse.peer.packet(common.SetAttitudeTarget(q=(1, 0, 0, 0)), VEHICLE))
         abuse.settle()
-    assert len(abuse.engine._timers) <= MOST_OVERTAKEN + 10
+    assert len(abuse.engine._timers) <= MAX_OUTDATED_TIMERS + 10
 
 
 def deep_lengths(*roots: object) -> list[int]:

@@ -264,7 +264,7 @@ async def cancel_at_random(seed: int) -> None:
 
 
 def assert_clean(pair: Pair) -> None:
-    for service in pair.ground.engine._services:
+    for service in pair.ground._host.engine._services:
         assert not getattr(service, "busy", False), service
     assert len(pair.vehicle.ftp.sessions) == 0
     assert all(pair.vehicle.mission._uploads.under_way(kind) is None for kind in PlanType)
@@ -355,10 +355,10 @@ def test_a_link_that_dies_and_comes_back() -> None:
 def test_opening_twice_is_opening_once() -> None:
     async def work() -> None:
         async with Pair() as pair:
-            driver = pair.ground.driver
+            driver = pair.ground._host.driver
             await asyncio.gather(pair.ground.open(), pair.ground.open())
-            assert pair.ground.driver is driver
-            assert len(pair.ground.engine.channels) == 1
+            assert pair.ground._host.driver is driver
+            assert len(pair.ground._host.engine.channels) == 1
 
     run_virtually(work())
 

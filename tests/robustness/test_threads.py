@@ -137,8 +137,8 @@ def test_ctrl_c_in_any_call_leaves_the_node_in_use(vehicle: Node, ground: Node, 
     Timer(0.1, lambda: signal.pthread_kill(main, signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
         calls[what]()
-    assert not silent.params.client.busy
-    assert not silent.ping_client.busy
+    assert not silent._clients.params.busy
+    assert not silent._clients.ping.busy
     assert found.ping(1).received == 1
 
 

@@ -1,8 +1,8 @@
-"""The event loop of a blocking program: in a thread of its own, reached by calls that wait.
+"""An event loop in a thread of its own, which blocking programs call into.
 
-Everything of a node happens in that thread, callbacks and handlers too. A wait that Ctrl-C interrupts
-cancels what it waited for, lets it leave the other end clean, and then raises KeyboardInterrupt.
-Any number of threads may wait at once; closing ends their waits with an error.
+Everything of a node runs in that thread, callbacks and handlers included. Ctrl-C during a blocking call
+cancels the call's operation, lets it clean up on the remote side, and raises KeyboardInterrupt. Any number of
+threads may wait at once; `close` ends their waits with an error.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from contextlib import suppress
 from threading import Lock, Thread, get_ident
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from mavstack.errors import MavstackError
+from mavstack.errors import InvalidStateError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: How long an interrupted call may take to leave the other end clean.
-CLEANING_UP = 2.0
+#: Seconds that an interrupted call may take to clean up on the remote side.
+CLEANUP_TIMEOUT = 2.0
 
 
 class BlockingPortal:
@@ -38,24 +38,28 @@ class BlockingPortal:
 
     @property
     def closed(self) -> bool:
-        """Whether `close` was called."""
+        """True after `close`."""
         return self._closed
 
     def wait(self, work: Coroutine[Any, Any, Result]) -> Result:
-        """Run a coroutine in the loop's thread and wait for its result."""
+        """Run a coroutine in the loop's thread and wait for its result.
+
+        Raises:
+            InvalidStateError: The portal is closed, or the caller is in the loop's thread.
+        """
         future = self._submit(work)
         try:
             return future.result()
         except CancelledError:
             if self.closed:
-                raise MavstackError("the node was closed while this call waited") from None
+                raise InvalidStateError("the node was closed while this call waited") from None
             raise
         except BaseException:
             self._abandon(future)
             raise
 
     def call(self, function: Callable[[], Result]) -> Result:
-        """Call a plain function in the loop's thread."""
+        """Call a plain function in the loop's thread and return its result."""
 
         async def calling() -> Result:
             return function()
@@ -65,27 +69,25 @@ class BlockingPortal:
         return self.wait(calling())
 
     def close(self) -> None:
-        """Stop the loop and its thread. Closing twice does nothing."""
+        """Cancel all tasks, and stop the loop and its thread. Idempotent."""
         with self._lock:
             if self._closed:
                 return
             self._closed = True
             ending = asyncio.run_coroutine_threadsafe(self._end_tasks(), self._loop)
         with suppress(TimeoutError):
-            ending.result(CLEANING_UP)
+            ending.result(CLEANUP_TIMEOUT)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._loop.run_until_complete(self._loop.shutdown_asyncgens())
         self._loop.close()
 
     def _submit(self, work: Coroutine[Any, Any, Result]) -> Future[Result]:
-        with self._lock:  # what is submitted is either done or cancelled by `close`
+        with self._lock:  # a submitted coroutine is either done or cancelled by `close`
             if self._closed or get_ident() == self._thread.ident:
                 work.close()
-                reason = (
-                    "the node is closed" if self._closed else "a handler of the node would wait for itself"
-                )
-                raise MavstackError(f"a blocking call is not possible here: {reason}")
+                reason = "the node is closed" if self._closed else "a callback would wait for its own thread"
+                raise InvalidStateError(f"a blocking call is not possible here: {reason}")
             return asyncio.run_coroutine_threadsafe(self._tracked(work), self._loop)
 
     async def _tracked(self, work: Coroutine[Any, Any, Result]) -> Result:
@@ -107,10 +109,12 @@ class BlockingPortal:
         if not future.done():
             future.cancel()
             with suppress(Exception):
-                asyncio.run_coroutine_threadsafe(self._cleaned_up(), self._loop).result(CLEANING_UP)
+                asyncio.run_coroutine_threadsafe(self._wait_for_cancelled(), self._loop).result(
+                    CLEANUP_TIMEOUT
+                )
 
-    async def _cleaned_up(self) -> None:
-        """Wait until what was cancelled has ended."""
+    async def _wait_for_cancelled(self) -> None:
+        """Wait until the cancelled tasks have ended."""
         await asyncio.sleep(0)
         ending = [task for task in self._tasks if task.cancelling()]
         await asyncio.gather(*ending, return_exceptions=True)

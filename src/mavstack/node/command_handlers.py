@@ -1,4 +1,4 @@
-"""Functions of the program that carry out commands sent to this node.
+"""Handlers: functions of the program that execute commands sent to the node.
 
     @node.on_command(common.MavCmd.IMAGE_START_CAPTURE)
     def capture(request: CommandRequest) -> common.MavResult: ...
@@ -8,11 +8,11 @@
         node.commands.progress(request, 40)
         ...
 
-A plain function answers at once; if it returns None, it began a long command, and the program ends it by
-`node.commands.server.complete`. An async one is a long command: its sender hears IN_PROGRESS until it
-returns; if the sender cancels the command, its task is cancelled and the answer is CANCELLED. An exception,
-or an outcome that is none, is told to the loop's handler, and the answer is FAILED. Closing the node cancels
-the tasks.
+A plain function is answered with its result at once. If it returns None, it started a long command, which the
+program ends by `node.commands.server.complete`. An async function is a long command: its sender receives
+IN_PROGRESS until it returns; if the sender cancels the command, the task is cancelled and the answer is
+CANCELLED. An exception, or a return value that is no result, is reported to the event loop's exception
+handler, and the answer is FAILED. Closing the node cancels the tasks.
 """
 
 from __future__ import annotations
@@ -22,83 +22,97 @@ from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidTypeError
 from mavstack.services.command import CommandCancelRequested, CommandServer
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
-    from mavstack.node.node import Node
+    from mavstack.node.host import NodeHost
+    from mavstack.services import Address
     from mavstack.services.command import CommandRequest
 
 AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
 
 
-class _Commands(CommandServer):
-    """A command server that stops the task of a command that its sender cancels."""
+class _Server(CommandServer):
+    """A command server that reports each cancellation by a sender to a function."""
 
-    def __init__(self, handlers: CommandHandlers) -> None:
-        super().__init__(handlers.node.address)
-        self._handlers_of_node = handlers
+    def __init__(self, local: Address, on_cancel: Callable[[CommandRequest], None]) -> None:
+        super().__init__(local)
+        self._on_cancel = on_cancel
 
     def emit(self, event: Any) -> None:  # noqa: ANN401 (any event)
         super().emit(event)
         if isinstance(event, CommandCancelRequested):
-            self._handlers_of_node.cancel(event.request)
+            self._on_cancel(event.request)
 
 
 class CommandHandlers:
-    """The command server of a node, with handlers that may be async."""
+    """The command server of a node, with plain and async handlers."""
 
-    def __init__(self, node: Node) -> None:
-        self.node = node
-        self.server = node.serve(_Commands(self))
+    def __init__(self, host: NodeHost) -> None:
+        self._host = host
+        #: The server of the command protocol.
+        self.server: CommandServer = host.serve(_Server(host.address, self._cancel))
         self._tasks: dict[CommandRequest, asyncio.Task[Any]] = {}
 
     def register(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
-        """A decorator for the handler of a command."""
+        """Register a function as the handler of a command.
+
+        Args:
+            command: The MAV_CMD.
+
+        Returns:
+            A decorator for the function, plain or async. It gets a `CommandRequest` and returns a MAV_RESULT,
+            or a tuple of a MAV_RESULT and the `result_param2` of COMMAND_ACK.
+        """
 
         def decorate(handler: AnyHandler) -> AnyHandler:
             if iscoroutinefunction(handler):
-                self.server.support(command, lambda request: self._begin(handler, request))
+                self.server.support(command, lambda request: self._start(handler, request))
             else:
-                self.server.support(command, lambda request: self._at_once(handler, request))
+                self.server.support(command, lambda request: self._call(handler, request))
             return handler
 
         return decorate
 
     def progress(self, request: CommandRequest, percent: int) -> None:
-        """Tell the sender how far a long command is, 0 to 100."""
-        self.server.progress(request, percent, self.node.now())
-        self.node.wake(self.server)
+        """Report the progress of a long command to its sender.
 
-    def cancel(self, request: CommandRequest) -> None:
-        """Stop the task of a long command."""
-        task = self._tasks.get(request)
-        if task is not None:
-            task.cancel()
+        Args:
+            request: The request that the handler got.
+            percent: 0 to 100.
+        """
+        self.server.progress(request, percent, self._host.now())
+        self._host.wake(self.server)
 
     async def stop(self) -> None:
-        """Stop the tasks of all long commands, and wait until they have ended."""
+        """Cancel the tasks of all long commands, and wait until they have ended."""
         tasks = tuple(self._tasks.values())
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    def _at_once(self, handler: Callable[..., Any], request: CommandRequest) -> Any:  # noqa: ANN401
+    def _cancel(self, request: CommandRequest) -> None:
+        task = self._tasks.get(request)
+        if task is not None:
+            task.cancel()
+
+    def _call(self, handler: Callable[..., Any], request: CommandRequest) -> Any:  # noqa: ANN401
         try:
             outcome = handler(request)
             return None if outcome is None else _checked(outcome)
-        except Exception as error:  # noqa: BLE001 (the sender is owed an answer, the program its trace)
+        except Exception as error:  # noqa: BLE001 (the sender needs an answer, the program its traceback)
             self._report(request, error)
             return common.MavResult.FAILED
 
-    def _begin(self, handler: Callable[..., Coroutine[Any, Any, Any]], request: CommandRequest) -> None:
+    def _start(self, handler: Callable[..., Coroutine[Any, Any, Any]], request: CommandRequest) -> None:
         self._tasks[request] = task = asyncio.get_running_loop().create_task(handler(request))
-        # A task that is cancelled before it began runs nothing of its own; this is called all the same.
-        task.add_done_callback(lambda ended: self._ended(request, ended))
+        # The callback is called even for a task that is cancelled before its first step.
+        task.add_done_callback(lambda ended: self._on_task_ended(request, ended))
 
-    def _ended(self, request: CommandRequest, task: asyncio.Task[Any]) -> None:
+    def _on_task_ended(self, request: CommandRequest, task: asyncio.Task[Any]) -> None:
         del self._tasks[request]
         result, detail = int(common.MavResult.FAILED), 0
         try:
@@ -108,7 +122,7 @@ class CommandHandlers:
         except Exception as error:  # noqa: BLE001 (as above)
             self._report(request, error)
         self.server.complete(request, result, detail)
-        self.node.wake(self.server)
+        self._host.wake(self.server)
 
     def _report(self, request: CommandRequest, error: Exception) -> None:
         message = f"the handler of {request.command.name} failed"
@@ -116,9 +130,9 @@ class CommandHandlers:
 
 
 def _checked(outcome: Any) -> tuple[int, int]:  # noqa: ANN401 (whatever a handler returned)
-    """MAV_RESULT and `result_param2`; raises LocalProtocolError if a handler returned neither."""
+    """Return MAV_RESULT and `result_param2`; raise InvalidTypeError if a handler returned neither."""
     result, detail = outcome if isinstance(outcome, tuple) and len(outcome) == 2 else (outcome, 0)
     if type(result) is bool or not isinstance(result, int) or not isinstance(detail, int):
-        raise LocalProtocolError(f"a handler returns a MAV_RESULT, or that and a number, not {outcome!r}")
+        raise InvalidTypeError(f"a handler must return a MAV_RESULT, or that and a number, not {outcome!r}")
     common.CommandAck(result=result, result_param2=detail)  # raises if a number is out of its range
     return int(result), detail

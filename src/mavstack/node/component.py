@@ -1,9 +1,8 @@
-"""Another component, and what can be asked of it.
+"""A remote component and its parts: commands, messages, parameters, files, logs, modes, plans, control.
 
-Each face (`parameters`, `mission`, `files` …) is made when it is first used, with the client state machine
-behind it; several operations run at once, and those that the protocol forbids to overlap wait for each
-other. Every call ends in its result or in a typed error of `mavstack.errors`, and a cancelled task leaves
-the other end clean.
+Each part (`params`, `mission`, `ftp` …) is created on first use. Operations run concurrently; those that the
+protocol forbids to overlap are queued. Every call ends with its result or a typed error of `mavstack.errors`,
+and a cancelled task cancels the operation on both ends.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from mavstack.dialects import common
+from mavstack.node.clients import ComponentClients
 from mavstack.node.control import ControlStream
 from mavstack.node.extended_params import ExtendedParams
 from mavstack.node.ftp import Ftp
@@ -20,7 +19,8 @@ from mavstack.node.modes import Modes
 from mavstack.node.params import Params
 from mavstack.node.plans import Plans
 from mavstack.node.shell import Shell
-from mavstack.services.command import Command, CommandClient, CommandOperation
+from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.services.command import Command, CommandOperation
 from mavstack.services.manual_control import ManualControlSender, OverrideSender
 from mavstack.services.message_request import (
     GetMessageInterval,
@@ -28,19 +28,16 @@ from mavstack.services.message_request import (
     RequestMessage,
     SetMessageInterval,
 )
-from mavstack.services.mission import MissionClient, PlanType
-from mavstack.services.ping import PingClient
-from mavstack.services.serial_control import ShellClient
+from mavstack.services.mission import PlanType
 from mavstack.services.setpoints import SetpointStreamer
-from mavstack.services.signing_setup import SigningSetupClient
-from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import RequestAutopilotVersion, RequestProtocolVersion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.dialects import Message
-    from mavstack.node.node import Node
+    from mavstack.node.dispatch import Listener
+    from mavstack.node.host import NodeHost
     from mavstack.node.subscription import Subscription
     from mavstack.security import SigningKey
     from mavstack.services import Address
@@ -50,36 +47,47 @@ if TYPE_CHECKING:
     from mavstack.services.message_request import RateSet
     from mavstack.services.ping import PingStatistics
     from mavstack.services.setpoints import Setpoint
+    from mavstack.services.timesync import TimesyncClient
     from mavstack.services.version import AutopilotVersion, ProtocolVersion
 
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 
-#: For how long a component may be asked to take a key, and to prove that it did, in seconds.
-SIGNING_LIMIT = 40.0
-
 
 class RemoteComponent:
-    """A component of another system; made by `Node.component`, `Node.wait_for_autopilot` or `Node.wait_for_component`."""
+    """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
 
-    def __init__(self, node: Node, address: Address) -> None:
-        self.node = node
+    def __init__(self, host: NodeHost, address: Address) -> None:
+        #: The component's system and component id.
         self.address = address
+        self._host = host
+        self._clients = ComponentClients(host, address)
 
     @property
     def info(self) -> ComponentInfo | None:
-        """What its heartbeat said; None if it was never heard."""
-        return self.node.components.get(self.address)
+        """The component's last heartbeat; None if it was never heard."""
+        return self._clients.info
+
+    @property
+    def is_open(self) -> bool:
+        """True while the node is open, so that the component can be reached."""
+        return self._host.is_open
+
+    def now(self) -> float:
+        """Return the time of services: Unix seconds that never decrease.
+
+        Raises:
+            InvalidStateError: The node is closed.
+        """
+        return self._host.now()
 
     def clear_cache(self) -> None:
-        """It started anew: forget what it told before, which may be so no longer.
+        """Discard state cached before a reboot: parameters, capabilities, modes, mission progress.
 
-        What is under way goes on, and ends in its result or its error. Node calls this by itself.
+        Running operations continue. The node calls this when it detects a reboot.
         """
-        for face in ("params", "extended_params", "modes"):
-            if face in self.__dict__:
-                self.__dict__[face].clear_cache()
-        if "mission_client" in self.__dict__:
-            self.mission_client.forget_progress()
+        self._clients.clear_cache()
+        if "params" in self.__dict__:
+            self.params.clear_cache()
 
     # Commands and messages
 
@@ -91,165 +99,291 @@ class RemoteComponent:
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> CommandResult:
-        """Send a MAV_CMD with up to seven parameters until it is answered.
+        """Send a MAV_CMD, repeat it until it is acknowledged, and wait for its end.
 
-        With a `frame` it goes as COMMAND_INT, params 5 and 6 in degrees or metres. Raises `CommandDenied` or
-        `CommandTimeout`. `progress` is called with percent and 100 while a long command runs.
+        Args:
+            command: The MAV_CMD.
+            params: Up to seven parameters, in the units of the command's definition; missing ones are 0.
+            frame: A MAV_FRAME: send COMMAND_INT, with params 5 and 6 in degrees or metres. None:
+                COMMAND_LONG.
+            timeout: Seconds for the whole call; None: until retries are exhausted or IN_PROGRESS stops
+                coming.
+            progress: Called with the percentage done and 100 while a long command runs.
+
+        Returns:
+            The result and its additional data (COMMAND_ACK).
+
+        Raises:
+            CommandDenied: The component answered with another result than ACCEPTED; `code` is the MAV_RESULT.
+            CommandTimeout: The component does not answer.
+            RemoteCancelled: The node was closed.
         """
-        asked = CommandOperation(Command.of(command, params, frame), timeout=timeout)
-        return await self.node.run_operation(self.command_client, asked, progress)
+        operation = CommandOperation(Command.of(command, params, frame), timeout=timeout)
+        return await self._host.run_operation(self._clients.command, operation, progress)
 
     async def request_message(
         self, message: type[AnyMessage], *params: float, timeout: float | None = None
     ) -> AnyMessage:
-        """Ask for one message; `params` are params 2 to 6 of MAV_CMD_REQUEST_MESSAGE.
+        """Request one message (MAV_CMD_REQUEST_MESSAGE).
 
-        Raises `CommandDenied` or `MessageTimeout`.
+        Args:
+            message: The message class.
+            params: Params 2 to 6 of the command, whose meaning depends on the message.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The message.
+
+        Raises:
+            CommandDenied: The component refused the request.
+            MessageTimeout: The component does not answer, or does not send the message.
         """
-        asked = RequestMessage(message, params, timeout=timeout)
-        answer: AnyMessage = await self.node.run_operation(self.command_client, asked)
+        operation = RequestMessage(message, params, timeout=timeout)
+        answer: AnyMessage = await self._host.run_operation(self._clients.command, operation)
         return answer
 
     async def set_message_rate(
         self, message: type[Message] | int, rate: Interval | float, *, timeout: float | None = None
     ) -> RateSet:
-        """Have it send a message so many times a second, or by an `Interval` (`DEFAULT`, `OFF`)."""
-        wanted = rate if isinstance(rate, Interval) else Interval.hertz(rate)
-        operation = SetMessageInterval(message, wanted, timeout=timeout)
-        return await self.node.run_operation(self.command_client, operation)
+        """Set the rate at which the component sends a message (MAV_CMD_SET_MESSAGE_INTERVAL).
+
+        Args:
+            message: The message class or id.
+            rate: Hertz (0: off), or an `Interval` such as `Interval.DEFAULT` or `Interval.OFF`.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            How the rate was set: per message, or by the legacy request for a whole data stream.
+
+        Raises:
+            CommandDenied: The component refused the rate.
+            CommandTimeout: The component does not answer.
+        """
+        interval = rate if isinstance(rate, Interval) else Interval.hertz(rate)
+        operation = SetMessageInterval(message, interval, timeout=timeout)
+        return await self._host.run_operation(self._clients.command, operation)
 
     async def get_message_interval(
         self, message: type[Message] | int, *, timeout: float | None = None
     ) -> Interval:
-        """At which interval it sends a message."""
-        return await self.node.run_operation(self.command_client, GetMessageInterval(message, timeout=timeout))
+        """Get the interval at which the component sends a message (MESSAGE_INTERVAL).
+
+        Args:
+            message: The message class or id.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The interval, with `seconds` between two messages.
+
+        Raises:
+            CommandDenied: The component refused the request.
+            MessageTimeout: The component does not answer.
+        """
+        operation = GetMessageInterval(message, timeout=timeout)
+        return await self._host.run_operation(self._clients.command, operation)
 
     async def get_version(self, *, timeout: float | None = None) -> AutopilotVersion:
-        """Its software, hardware and capabilities."""
-        return await self.node.run_operation(self.command_client, RequestAutopilotVersion(timeout=timeout))
+        """Get the component's software and hardware versions and capabilities (AUTOPILOT_VERSION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The versions, the unique id and the MAV_PROTOCOL_CAPABILITY flags.
+
+        Raises:
+            CommandDenied: The component refused the request.
+            MessageTimeout: The component does not answer.
+        """
+        operation = RequestAutopilotVersion(timeout=timeout)
+        return await self._host.run_operation(self._clients.command, operation)
 
     async def get_protocol_version(self, *, timeout: float | None = None) -> ProtocolVersion:
-        """Which versions of MAVLink it speaks."""
-        return await self.node.run_operation(self.command_client, RequestProtocolVersion(timeout=timeout))
+        """Get the MAVLink versions that the component speaks (PROTOCOL_VERSION).
 
-    async def ping(self, count: int = 4) -> PingStatistics:
-        """How long messages take to it and back, in seconds."""
-        client = self.ping_client
-        return await self.node.driver.finish(client, client.ping(self.node.now(), count=count))
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
 
-    def stream(self, *kinds: type[AnyMessage], queue: int = 1000) -> Subscription[AnyMessage]:
-        """Its messages of these classes, as they come."""
-        return self.node.stream(
-            *kinds, system=self.address.system, component=self.address.component, queue=queue
-        )
+        Returns:
+            The current, the oldest and the newest version.
+
+        Raises:
+            CommandDenied: The component refused the request.
+            MessageTimeout: The component does not answer.
+        """
+        operation = RequestProtocolVersion(timeout=timeout)
+        return await self._host.run_operation(self._clients.command, operation)
+
+    async def ping(self, count: int = 4, *, timeout: float | None = None) -> PingStatistics:
+        """Measure the round-trip time to the component (PING).
+
+        Args:
+            count: Pings to send, one per second.
+            timeout: Seconds for the whole call; None: until two seconds after the last ping.
+
+        Returns:
+            The round-trip times in seconds, and how many pings were sent and answered.
+
+        Raises:
+            InvalidArgumentError: `count` is less than 1.
+            RemoteTimeout: The component answers no ping.
+        """
+        client = self._clients.ping
+        return await self._host.finish(client, client.ping(self._host.now(), count=count, timeout=timeout))
+
+    def stream(
+        self, *messages: type[AnyMessage], queue: int = DEFAULT_QUEUE, keep_all: bool = False
+    ) -> Subscription[AnyMessage]:
+        """Subscribe to messages of the component.
+
+        Args:
+            messages: Message classes; none: every message that the dialect defines.
+            queue: Messages that are queued while the program does not read; then the oldest is dropped.
+            keep_all: Queue without limit and drop nothing.
+
+        Returns:
+            An async iterator over the messages; close it, or use it as an async context manager.
+        """
+        return self._host.stream(messages, self.address, queue=queue, keep_all=keep_all)
+
+    def add_listener(
+        self,
+        kind: type[AnyMessage] | tuple[type[AnyMessage], ...],
+        callback: Callable[[AnyMessage], None],
+    ) -> Listener:
+        """Call a function with each message of a class that the component sends, as soon as it is received.
+
+        Args:
+            kind: A message class, or a tuple of them.
+            callback: The function. It must return quickly, since it runs in the event loop.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+        """
+        return self._host.add_listener(kind, callback, self.address)
 
     def send(self, message: Message) -> None:
-        """Send it a message whose target fields, if it has any, are filled in."""
+        """Send a message to the component; its target fields, if it has any, are filled in.
+
+        Args:
+            message: The message.
+
+        Raises:
+            InvalidStateError: The node is closed.
+            EncodeError: The message cannot be encoded in the node's MAVLink version.
+        """
         fields: dict[str, Any] = dict(zip(("target_system", "target_component"), self.address, strict=True))
         known = {name: value for name, value in fields.items() if name in message.__match_args__}
-        self.node.send(message.replace(**known), self.address)
+        self._host.send(message.replace(**known), self.address)
 
     # Parameters, files, logs, modes, keys
 
     @cached_property
     def params(self) -> Params:
-        """Its parameters."""
-        return Params(self)
+        """The component's parameters."""
+        return Params(self._clients)
 
     @cached_property
     def extended_params(self) -> ExtendedParams:
-        """Its extended parameters, which cameras have."""
-        return ExtendedParams(self)
+        """The component's extended parameters, as cameras have them."""
+        return ExtendedParams(self._clients)
 
     @cached_property
     def ftp(self) -> Ftp:
-        """The files on it."""
-        return Ftp(self)
+        """The component's files, by MAVLink FTP."""
+        return Ftp(self._clients)
 
     @cached_property
     def logs(self) -> Logs:
-        """The logs on it."""
-        return Logs(self)
+        """The component's logs."""
+        return Logs(self._clients)
 
     @cached_property
     def modes(self) -> Modes:
-        """Its flight modes."""
-        return Modes(self)
+        """The component's flight modes."""
+        return Modes(self._clients)
 
-    async def setup_signing(self, key: SigningKey | None, *, timeout: float = SIGNING_LIMIT) -> None:
-        """Give it a signing key, or none, and use the key with it once it is proven that it does too.
+    async def setup_signing(self, key: SigningKey | None, *, timeout: float | None = None) -> None:
+        """Install a signing key on the component, and sign with it once the component does (SETUP_SIGNING).
 
-        Raises `RemoteDenied` or `RemoteTimeout`; then both sides go on as before.
+        Args:
+            key: The key; None: remove the present key.
+            timeout: Seconds for the whole call; None: 40 seconds without an answer.
+
+        Raises:
+            RemoteDenied: The component keeps its present key. Both sides go on as before.
+            RemoteTimeout: The component does not answer. Both sides go on as before.
         """
-        client = self.signing_client
-        operation = client.install(key, self.node.now(), timeout=timeout)
-        await self.node.driver.finish(client, operation)
+        client = self._clients.signing
+        await self._host.finish(client, client.install(key, self._host.now(), timeout=timeout))
 
-    # Steering
+    # Control
 
     def setpoints(self, rate: float = 20.0) -> ControlStream[Setpoint]:
-        """Stream setpoints to it while a block lasts: what offboard and guided modes follow."""
-        streamer = SetpointStreamer(self.node.address, self.address, rate)
-        return ControlStream(self.node, streamer, streamer)
+        """Stream setpoints while a block runs, as the offboard and guided modes need them.
+
+        Args:
+            rate: Hertz at which the last setpoint is repeated.
+
+        Returns:
+            An async context manager with `set(setpoint)`.
+        """
+        streamer = SetpointStreamer(self._host.address, self.address, rate)
+        return ControlStream(self._host, streamer, streamer)
 
     def manual_control(self, rate: float = 20.0) -> ControlStream[ManualInput]:
-        """Steer it by sticks while a block lasts."""
-        sender = ManualControlSender(self.node.address, self.address, rate)
-        return ControlStream(self.node, sender, sender)
+        """Stream stick positions while a block runs (MANUAL_CONTROL).
+
+        Args:
+            rate: Hertz at which the last stick positions are repeated.
+
+        Returns:
+            An async context manager with `set(input)`.
+        """
+        sender = ManualControlSender(self._host.address, self.address, rate)
+        return ControlStream(self._host, sender, sender)
 
     def override_channels(self, rate: float = 20.0) -> ControlStream[ChannelOverride]:
-        """Override the channels of its radio control while a block lasts."""
-        sender = OverrideSender(self.node.address, self.address, rate)
-        return ControlStream(self.node, sender, sender)
+        """Override radio control channels while a block runs (RC_CHANNELS_OVERRIDE).
+
+        Args:
+            rate: Hertz at which the last values are repeated.
+
+        Returns:
+            An async context manager with `set(override)`.
+        """
+        sender = OverrideSender(self._host.address, self.address, rate)
+        return ControlStream(self._host, sender, sender)
 
     def shell(self) -> Shell:
-        """Open its shell while a block lasts."""
-        return Shell(self, ShellClient(self.node.address, self.address))
+        """Open a shell on the component while a block runs (SERIAL_CONTROL).
+
+        Returns:
+            An async context manager; write lines to it, iterate over its output.
+        """
+        return Shell(self._host, self.address)
 
     # Plans
 
     @cached_property
     def mission(self) -> Plans:
-        """What it is to fly."""
-        return Plans(self, PlanType.MISSION)
+        """The component's mission."""
+        return Plans(self._clients, PlanType.MISSION)
 
     @cached_property
     def fence(self) -> Plans:
-        """Where it must stay."""
-        return Plans(self, PlanType.FENCE)
+        """The component's geofence."""
+        return Plans(self._clients, PlanType.FENCE)
 
     @cached_property
     def rally(self) -> Plans:
-        """Where it may land when it returns."""
-        return Plans(self, PlanType.RALLY)
+        """The component's rally points."""
+        return Plans(self._clients, PlanType.RALLY)
 
-    # The state machines behind it all
-
-    @cached_property
-    def command_client(self) -> CommandClient:
-        """The client that all its commands go through."""
-        return self.node.serve(CommandClient(self.node.address, self.address))
-
-    @cached_property
-    def ping_client(self) -> PingClient:
-        """The client that pings it."""
-        return self.node.serve(PingClient(self.node.address, self.address))
-
-    @cached_property
-    def signing_client(self) -> SigningSetupClient:
-        """The client that gives it keys."""
-        return self.node.serve(SigningSetupClient(self.node.address, self.address))
-
-    @cached_property
-    def mission_client(self) -> MissionClient:
-        """The client that all its plans go through."""
-        ardupilot = self.info is not None and self.info.autopilot == common.MavAutopilot.ARDUPILOTMEGA
-        return self.node.serve(MissionClient(self.node.address, self.address, home_first=ardupilot))
-
-    @cached_property
+    @property
     def clock(self) -> TimesyncClient:
-        """Follows its clock from the first use on; `clock.estimate` is what is known."""
-        return self.node.serve(TimesyncClient(self.node.address, self.address))
+        """The tracker of the component's clock (TIMESYNC), from the first use on; see its `estimate`."""
+        return self._clients.clock
 
     def __repr__(self) -> str:
         return f"<RemoteComponent {self.address}>"

@@ -1,10 +1,11 @@
-"""Steering a vehicle by streams: setpoints, sticks, channels, for as long as a block lasts.
+"""Control streams: setpoints, manual control or channel overrides, repeated while a block runs.
 
-    async with vehicle.setpoints(rate=20) as stream:
+    async with component.setpoints(rate=20) as stream:
         stream.set(LocalSetpoint(velocity=(1, 0, 0)))
         await asyncio.sleep(5)
 
-The newest value is repeated at the rate; leaving the block lets go, as the vehicle's firmware wants it told.
+The last value is repeated at the rate. Leaving the block releases control in the way that the protocol asks
+for.
 """
 
 from __future__ import annotations
@@ -16,60 +17,69 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from mavstack.node.node import Node
+    from mavstack.node.host import NodeHost
     from mavstack.services import Service
 
-LETTING_GO = 0.1
+#: Seconds between two checks whether the release was sent.
+RELEASE_INTERVAL = 0.1
 Value_contra = TypeVar("Value_contra", contravariant=True)
 Sent = TypeVar("Sent")
 
 
 class Sender(Protocol[Value_contra]):
-    """What sends a stream: a service of `setpoints` or `manual_control`."""
+    """A service that repeats one value: a sender of setpoints, manual control or channel overrides."""
 
     @property
     def active(self) -> bool:
-        """Whether it still sends."""
+        """True until the release was sent as often as it must be."""
 
     def set(self, value: Value_contra, now: float, /) -> None:
-        """Send this from now on."""
+        """Repeat this value from now on."""
 
     def stop(self, now: float, /) -> None:
-        """Let go, then send nothing more."""
+        """Release control, then send nothing more."""
 
 
 class ControlStream(Generic[Sent]):
-    """A stream of one kind of value to one vehicle."""
+    """A stream of one type of value to a remote component; an async context manager."""
 
-    def __init__(self, node: Node, sender: Sender[Sent], service: Service) -> None:
-        self._node = node
+    def __init__(self, host: NodeHost, sender: Sender[Sent], service: Service) -> None:
+        self._host = host
         self._sender = sender
         self._service = service
 
     def set(self, value: Sent) -> None:
-        """Send this value, again and again, until the next one."""
-        self._sender.set(value, self._node.now())
-        self._node.wake(self._service)
+        """Send a value, and repeat it until the next one.
+
+        Args:
+            value: The setpoint, stick positions or channel values.
+
+        Raises:
+            InvalidStateError: The node is closed.
+        """
+        self._sender.set(value, self._host.now())
+        self._host.wake(self._service)
 
     def stop(self) -> None:
-        """Let go."""
-        self._sender.stop(self._node.now())
-        self._node.wake(self._service)
+        """Release control; `set` takes it again."""
+        self._sender.stop(self._host.now())
+        self._host.wake(self._service)
 
-    async def _let_go(self) -> None:
+    async def _release(self) -> None:
         self.stop()
-        while self._sender.active and self._node.is_open:  # noqa: ASYNC110 (it lets go more than once, by timers)
-            await asyncio.sleep(LETTING_GO)
+        # The release is repeated by timers, which tell nobody when they are done.
+        while self._sender.active and self._host.is_open:  # noqa: ASYNC110
+            await asyncio.sleep(RELEASE_INTERVAL)
 
     async def __aenter__(self) -> Self:
-        self._node.serve(self._service)
+        self._host.serve(self._service)
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         try:
-            if self._node.is_open:
-                await self._let_go()
+            if self._host.is_open:
+                await self._release()
         finally:
-            self._node.engine.remove(self._service)
+            self._host.remove(self._service)

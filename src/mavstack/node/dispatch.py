@@ -1,4 +1,4 @@
-"""From packets and events to the subscriptions that asked for them."""
+"""Dispatch of packets and events to listeners and subscriptions."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from mavstack.services import Service
     from mavstack.wire import Packet
 
-#: Stands for "every message" in the register.
+#: The id in the register of listeners to every message.
 ANY = -1
-#: So much of what was found is kept; ids and addresses can be forged.
-MOST_FOUND = 16384
+#: Cached lookups; the cache is bounded because ids and addresses can be forged.
+MAX_CACHED = 16384
 
 
-class Listening:
-    """A function that is called with each packet it asked for, until `close`."""
+class Listener:
+    """A callback that is called with each packet of its message classes, until `close`."""
 
     __slots__ = ("_dispatch", "deliver", "ids", "source")
 
@@ -38,73 +38,84 @@ class Listening:
         self.deliver = deliver
 
     def close(self) -> None:
-        """Be called no more. Closing twice does nothing."""
-        self._dispatch.forget(self)
+        """Unregister the callback. Idempotent."""
+        self._dispatch.remove(self)
 
 
 class PacketDispatch:
-    """Who listens to which packets, by message id and system; found once for each id and source heard."""
+    """The packet listeners, by message id and system; each lookup by id and source is cached."""
 
     def __init__(self) -> None:
-        self._by_key: dict[tuple[int, int], list[Listening]] = {}  # message id, system (0: any)
-        self._found: dict[tuple[int, int, int], tuple[Listening, ...]] = {}
-        self._open: dict[Subscription[Any], Listening] = {}
+        self._by_key: dict[tuple[int, int], list[Listener]] = {}  # message id, system (0: any)
+        self._cache: dict[tuple[int, int, int], tuple[Listener, ...]] = {}
+        self._open: dict[Subscription[Any], Listener] = {}
 
-    def listen(
+    def add(
         self, kinds: Iterable[type[Message]], source: Address, deliver: Callable[[Packet], None]
-    ) -> Listening:
-        """Have a function called with the packets of these classes (none: all)."""
+    ) -> Listener:
+        """Register a callback for the packets of these message classes (none: all) from a source (0: any)."""
         ids = tuple({kind.__mavlink_row__[0] for kind in kinds}) or (ANY,)
-        listening = Listening(self, ids, source, deliver)
-        self._found.clear()
+        listener = Listener(self, ids, source, deliver)
+        self._cache.clear()
         for message_id in ids:
-            self._by_key.setdefault((message_id, source.system), []).append(listening)
-        return listening
+            self._by_key.setdefault((message_id, source.system), []).append(listener)
+        return listener
 
     def subscribe(
         self,
         kinds: Iterable[type[Message]],
         source: Address,
-        form: Callable[[Packet], Any],
+        convert: Callable[[Packet], Any],
         *,
         queue: int,
         keep_all: bool,
     ) -> Subscription[Any]:
-        """A subscription to messages of these classes (none: all), in the form that `form` gives a packet."""
+        """Subscribe to these message classes (none: all); `convert` makes the item from the packet."""
         subscription: Subscription[Any] = Subscription(self._unsubscribe, queue=queue, keep_all=keep_all)
         put = subscription.put
-        self._open[subscription] = self.listen(kinds, source, lambda packet: put(form(packet)))
+        self._open[subscription] = self.add(kinds, source, lambda packet: put(convert(packet)))
+        return subscription
+
+    def subscribe_to_known(self, source: Address, *, queue: int, keep_all: bool) -> Subscription[Any]:
+        """Subscribe to every message that the dialect defines."""
+        subscription: Subscription[Any] = Subscription(self._unsubscribe, queue=queue, keep_all=keep_all)
+
+        def deliver(packet: Packet) -> None:
+            if packet.message is not None:
+                subscription.put(packet.message)
+
+        self._open[subscription] = self.add((), source, deliver)
         return subscription
 
     def deliver(self, packet: Packet) -> None:
-        """Hand a packet to all who listen."""
+        """Deliver a packet to its listeners."""
         key = packet.message_id, packet.system, packet.component
-        found = self._found.get(key)
-        for listening in self._find(*key) if found is None else found:
-            listening.deliver(packet)
+        cached = self._cache.get(key)
+        for listener in self._find(*key) if cached is None else cached:
+            listener.deliver(packet)
 
     def end(self) -> None:
-        """No more will come."""
+        """End all subscriptions."""
         for subscription in tuple(self._open):
             subscription.end()
 
-    def forget(self, listening: Listening) -> None:
-        """It listens no more."""
-        self._found.clear()
-        for message_id in listening.ids:
-            listeners = self._by_key[message_id, listening.source.system]
-            if listening in listeners:
-                listeners.remove(listening)
+    def remove(self, listener: Listener) -> None:
+        """Unregister a listener. Idempotent."""
+        self._cache.clear()
+        for message_id in listener.ids:
+            listeners = self._by_key[message_id, listener.source.system]
+            if listener in listeners:
+                listeners.remove(listener)
 
-    def _find(self, message_id: int, system: int, component: int) -> tuple[Listening, ...]:
-        if len(self._found) >= MOST_FOUND:
-            self._found.clear()
+    def _find(self, message_id: int, system: int, component: int) -> tuple[Listener, ...]:
+        if len(self._cache) >= MAX_CACHED:
+            self._cache.clear()
         source = Address(system, component)
-        # Who listens to everything goes first: what it keeps is there when the others are called.
-        keys = [(kind, heard) for kind in (ANY, message_id) for heard in ((0, system) if system else (0,))]
-        everyone = [listening for key in keys for listening in self._by_key.get(key, ())]
-        found = tuple(listening for listening in everyone if listening.source.covers(source))
-        self._found[message_id, system, component] = found
+        # Listeners to every message come first, so that the state that they keep is new when the others run.
+        keys = [(kind, each) for kind in (ANY, message_id) for each in ((0, system) if system else (0,))]
+        candidates = [listener for key in keys for listener in self._by_key.get(key, ())]
+        found = tuple(listener for listener in candidates if listener.source.covers(source))
+        self._cache[message_id, system, component] = found
         return found
 
     def _unsubscribe(self, subscription: Subscription[Any]) -> None:
@@ -112,27 +123,27 @@ class PacketDispatch:
 
 
 class EventDispatch:
-    """Subscriptions to events by their classes."""
+    """The subscriptions to events, by event class and service."""
 
     def __init__(self) -> None:
         self._open: dict[Subscription[Any], tuple[tuple[type, ...], Service | None]] = {}
 
     def subscribe(self, kinds: tuple[type, ...], service: Service | None, *, queue: int) -> Subscription[Any]:
-        """A subscription to events of these classes (none: all), of one service (none: of whatever)."""
-        subscription: Subscription[Any] = Subscription(self._forget, queue=queue)
+        """Subscribe to events of these classes (none: all), of one service (None: of all)."""
+        subscription: Subscription[Any] = Subscription(self._remove, queue=queue)
         self._open[subscription] = (kinds or (object,), service)
         return subscription
 
     def deliver(self, event: object, service: Service | None = None) -> None:
-        """Hand an event to all who listen."""
+        """Deliver an event to its subscriptions."""
         for subscription, (kinds, wanted) in tuple(self._open.items()):
             if isinstance(event, kinds) and wanted in (None, service):
                 subscription.put(event)
 
     def end(self) -> None:
-        """No more will come."""
+        """End all subscriptions."""
         for subscription in tuple(self._open):
             subscription.end()
 
-    def _forget(self, subscription: Subscription[Any]) -> None:
+    def _remove(self, subscription: Subscription[Any]) -> None:
         del self._open[subscription]

@@ -1,13 +1,12 @@
-"""Runs an engine over links with asyncio: the only place where MAVLink meets an event loop and a clock.
+"""The driver that runs an engine over links with asyncio: the only module with an event loop and a clock.
 
-One task a link reads its events, or is handed them as they come; one timer wakes the engine when something
-is due. It may wake it too early, never too late: a timer is not set anew because what it was set for is due
-later now, as nearly every packet makes something due later. The clock is Unix time as it was when the
-driver was made, carried on by the loop's own clock: it never goes back, and with a loop in virtual time it
-is virtual too.
+One task per link reads the link's events; one timer wakes the engine for its next deadline. Timers are not
+re-armed for later deadlines, as nearly every packet moves a deadline back; so the engine may be woken too
+early, never too late. The clock is the Unix time at which the driver was created, advanced by the loop's own
+clock: it never decreases, and with a loop in virtual time it is virtual too.
 
-What functions of the program raise (handlers, producers, progress callbacks) is told to the loop's
-exception handler and stops nothing.
+Exceptions of the program's own functions (handlers, producers, progress callbacks) are reported to the loop's
+exception handler; everything else continues.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ Result = TypeVar("Result")
 
 
 class Driver:
-    """The tasks and the timer of one engine."""
+    """The tasks and the timer that run one engine; exists while its node is open."""
 
     def __init__(
         self,
@@ -54,7 +53,7 @@ class Driver:
         self._version = version
         self._on_error = on_error
         self._loop = asyncio.get_running_loop()
-        engine.on_failure = self._failed
+        engine.on_failure = self._on_failure
         self._time = self._loop.time
         self._epoch = time() - self._time()
         self._by_state: dict[ChannelState, Channel] = {}
@@ -64,22 +63,22 @@ class Driver:
         self._progress: dict[Operation[Any], Callable[[int, int], None]] = {}
 
     def now(self) -> float:
-        """Unix time that never goes back."""
+        """Return the Unix time in seconds; it never decreases."""
         return self._epoch + self._time()
 
     def read(self, link: Link) -> None:
-        """Take in what comes from an open link, until it ends."""
+        """Start the task that reads the events of an open link until the link ends."""
         task = self._loop.create_task(self._read(link))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def perform(
+    async def run(
         self,
         client: Client,
         operation: Operation[Result],
         progress: Callable[[int, int], None] | None = None,
     ) -> Result:
-        """Begin an operation and wait for its end; a cancelled task cancels it on both ends."""
+        """Start an operation and wait for its result; a cancelled task cancels it on both ends."""
         client.begin(operation, self.now())
         return await self.finish(client, operation, progress)
 
@@ -89,7 +88,7 @@ class Driver:
         operation: Operation[Result],
         progress: Callable[[int, int], None] | None = None,
     ) -> Result:
-        """Wait for the end of an operation that was just begun."""
+        """Wait for the result of an operation that was just started."""
         begun = self.now()
         self._waiting[operation] = future = self._loop.create_future()
         if progress is not None:
@@ -111,7 +110,7 @@ class Driver:
         return operation.result()
 
     def step(self) -> None:
-        """Send what is to be sent, tell what has happened, and set the timer."""
+        """Write the engine's data, deliver its events, and set the timer."""
         if self.engine.idle:
             return
         now = self.now()
@@ -122,11 +121,11 @@ class Driver:
             if not events:
                 break
             for service, event in events:
-                self._told(event, service)
+                self._deliver(event, service)
         self._set_timer()
 
     async def stop(self) -> None:
-        """Cancel what has not ended, and stop reading."""
+        """Cancel running operations, and stop reading."""
         for operation in tuple(self._waiting):
             operation.client.cancel(operation, self.now())
             self.engine.touch(operation.client)
@@ -137,7 +136,7 @@ class Driver:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    def _told(self, event: object, service: Service) -> None:
+    def _deliver(self, event: object, service: Service) -> None:
         match event:
             case OperationEnded(operation):
                 future = self._waiting.get(operation)
@@ -149,17 +148,17 @@ class Driver:
                     self._guarded(f"the progress callback of {operation}", report, done, total)
         self._on_event(event, service)
 
-    def _guarded(self, what: str, function: Callable[..., None], *arguments: object) -> None:
+    def _guarded(self, description: str, function: Callable[..., None], *arguments: object) -> None:
         try:
             function(*arguments)
-        except Exception as error:  # noqa: BLE001 (a defect of the program must not deafen the link)
-            self._report(what, error)
+        except Exception as error:  # noqa: BLE001 (a defect of the program must not stop the link)
+            self._report(description, error)
 
-    def _failed(self, service: Service, error: Exception) -> None:
-        self._report(f"a function that {type(service).__name__} called", error)
+    def _on_failure(self, service: Service, error: Exception) -> None:
+        self._report(f"a function called by {type(service).__name__}", error)
 
-    def _report(self, what: str, error: Exception) -> None:
-        self._loop.call_exception_handler({"message": f"{what} failed", "exception": error})
+    def _report(self, description: str, error: Exception) -> None:
+        self._loop.call_exception_handler({"message": f"{description} failed", "exception": error})
 
     def _write(self, state: ChannelState, data: bytes) -> None:
         channel = self._by_state.get(state)
@@ -167,31 +166,31 @@ class Driver:
             try:
                 channel.write(data)
             except LinkClosedError:
-                return  # its ChannelClosed is on the way
+                return  # its ChannelClosed follows
 
     async def _read(self, link: Link) -> None:
         try:
-            await link.read(partial(self._take_all, link))
+            await link.read(partial(self._handle_events, link))
         except LinkError as error:
             self._on_event(LinkDown(str(error), float("inf")), None)
 
-    def _take_all(self, link: Link, events: Iterable[LinkEvent]) -> None:
+    def _handle_events(self, link: Link, events: Iterable[LinkEvent]) -> None:
         for event in events:
             try:
                 if type(event) is BytesReceived:
-                    self._received(event)
+                    self._receive(event)
                 else:
-                    self._take(link, event)
-            except Exception as error:  # noqa: BLE001 (a defect of the program must not deafen the link)
-                self._report(f"taking in what {link.url} gave", error)
+                    self._handle(link, event)
+            except Exception as error:  # noqa: BLE001 (a defect of the program must not stop the link)
+                self._report(f"handling an event of {link.url}", error)
         self.step()
 
-    def _received(self, event: BytesReceived) -> None:
+    def _receive(self, event: BytesReceived) -> None:
         state = self.channels[event.channel]
         for packet in self.engine.receive(state, event.data, self._epoch + self._time()):
             self._on_packet(packet)
 
-    def _take(self, link: Link, event: LinkEvent) -> None:
+    def _handle(self, link: Link, event: LinkEvent) -> None:
         match event:
             case ChannelOpened(channel):
                 state = self.engine.open_channel(
@@ -217,9 +216,9 @@ class Driver:
             timer.cancel()
             self._timer = None
         if due is not None:
-            self._timer = self._loop.call_at(due - self._epoch, self._time_out)
+            self._timer = self._loop.call_at(due - self._epoch, self._on_timer)
 
-    def _time_out(self) -> None:
+    def _on_timer(self) -> None:
         self._timer = None
         self.engine.handle_timeout(self.now())
         self.step()

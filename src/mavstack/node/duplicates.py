@@ -1,7 +1,8 @@
-"""Drops the second copy of a packet that came over two channels, as redundant links and routers make them.
+"""Duplicate packets, as redundant links and routers cause them: the second copy is dropped.
 
-A copy is byte for byte the same, of the same source, within `WINDOW` seconds, on another channel. The same
-bytes on the same channel are not a copy: after 256 packets the same message may rightly look the same.
+A duplicate has the same bytes, arrives within `WINDOW` seconds, and on another channel. The same bytes on the
+same channel are no duplicate: sequence numbers repeat after 256 packets, so equal messages may be equal
+packets.
 """
 
 from __future__ import annotations
@@ -14,19 +15,20 @@ if TYPE_CHECKING:
 
 Channel = TypeVar("Channel")
 
+#: Seconds within which a copy on another channel is a duplicate.
 WINDOW = 1.0
-MOST_REMEMBERED = 1024
+MAX_PACKETS = 1024
 
 
 class Duplicates(Generic[Channel]):
-    """The packets of the last second, of sources that are heard on several channels."""
+    """The packets of the last second from sources that are heard on several channels."""
 
     def __init__(self) -> None:
         self.dropped = 0
         self._seen: OrderedDict[bytes, tuple[Channel, float]] = OrderedDict()
 
     def is_copy(self, packet: Packet, channel: Channel, now: float) -> bool:
-        """Whether the packet came before on another channel; remembers it if not."""
+        """Return whether the packet was received on another channel before; record it if not."""
         self._expire(now)
         raw = packet.raw
         before = self._seen.get(raw)
@@ -40,6 +42,6 @@ class Duplicates(Generic[Channel]):
     def _expire(self, now: float) -> None:
         while self._seen:
             raw, (_, seen) = next(iter(self._seen.items()))
-            if now - seen < WINDOW and len(self._seen) < MOST_REMEMBERED:
+            if now - seen < WINDOW and len(self._seen) < MAX_PACKETS:
                 return
             del self._seen[raw]

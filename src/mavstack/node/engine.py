@@ -1,17 +1,18 @@
-"""The node without its sockets and its clock: channels, routes, pace, and the services that live on them.
+"""The engine of a node, without sockets and clock: channels, routes, pacing and services.
 
-    engine.receive(channel, data, now)    bytes in; the packets come out, and services have seen them
+    engine.receive(channel, data, now)    bytes in; returns the packets, which the services have handled
     engine.data_to_send(now)              (channel, bytes) to write, in order
     engine.events()                       (service, event), in order
     engine.next_timeout()                 when to call `engine.handle_timeout(now)`
 
-The asyncio driver runs it over links, tests run two of them over a simulated network in virtual time; both
-therefore run the same routing, the same pacing and the same services. A packet goes to a service if its id
-is among those that the service handles and it is addressed to the service's component or to all. Work is
-done only for services that something happened to: their timers lie in a heap.
+The asyncio driver runs an engine over links; tests run several over a simulated network in virtual time. Both
+therefore use the same routing, pacing and services. A packet is handled by the services that handle its
+message id, if it is addressed to their component or to all. Only services with something to do are processed:
+touched ones, and those whose timer, in a heap, is due.
 
-A service may run a function of the program (a handler, a producer, a policy). If that raises, `on_failure` is
-told, the service is left alone for a moment, and all others go on; without an `on_failure` it is raised.
+A service may call a function of the program (a handler, a producer, a policy). If that function raises,
+`on_failure` is called, the service's timer is suspended for a moment, and all other services continue;
+without an `on_failure` the exception is raised.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from mavstack.errors import EncodeError
 from mavstack.node.channel_state import ChannelState
 from mavstack.node.duplicates import Duplicates
 from mavstack.node.key_change import apply_key_event
-from mavstack.node.listeners import Listeners
 from mavstack.node.routes import Routes
+from mavstack.node.service_index import ServiceIndex
 from mavstack.services import (
     Address,
     Event,
@@ -50,21 +51,20 @@ if TYPE_CHECKING:
 
 AnyService = TypeVar("AnyService", bound=Service)
 
-#: For so long a service that failed is not called by its timer: long enough not to spin, short enough that
-#: what else it does goes on.
-AFTER_FAILURE = 0.05
-#: The heap is built anew when more than so many of its entries are overtaken.
-MOST_OVERTAKEN = 1000
+#: Seconds for which the timer of a service that failed is suspended: no busy loop, and the service recovers.
+FAILURE_INTERVAL = 0.05
+#: Outdated entries of the timer heap that are kept before the heap is rebuilt.
+MAX_OUTDATED_TIMERS = 1000
 
-#: For so long our own heartbeats are remembered, and so many, to know those that come back.
-ECHO = 10.0
-MOST_HEARTBEATS = 256
+#: Own heartbeats are kept for so many seconds, and so many of them, to recognise echoes over looped links.
+ECHO_TIMEOUT = 10.0
+MAX_HEARTBEATS = 256
 
 _RADIO_STATUS = next(iter(message_ids(common.RadioStatus)))
 
 
 class Engine:
-    """Channels on one side, services on the other, and everything between them."""
+    """The channels and services of one local component, and the routing and pacing between them."""
 
     def __init__(self, local: Address, dialect: HasCoreDialect = common) -> None:
         self.local = local
@@ -72,21 +72,21 @@ class Engine:
         self.routes: Routes[ChannelState] = Routes()
         self.duplicates: Duplicates[ChannelState] = Duplicates()
         self.channels: list[ChannelState] = []
-        #: The channel of the packet that services are looking at, while they do.
+        #: The channel of the packet that is being handled; None in between.
         self.arrived_on: ChannelState | None = None
-        self._heartbeats: deque[tuple[float, int, bytes]] = deque(maxlen=MOST_HEARTBEATS)
+        self._heartbeats: deque[tuple[float, int, bytes]] = deque(maxlen=MAX_HEARTBEATS)
         self._past_clock = 0
         self._link_ids = count()
-        #: Told of each exception out of a service; see the head of this file.
+        #: Called with each exception raised by a service; see the module's docstring.
         self.on_failure: Callable[[Service, Exception], None] = _raise
         self._services: dict[Service, None] = {}
-        self._listeners = Listeners()
+        self._index = ServiceIndex()
         self._touched: dict[Service, None] = {}
         self._to_send: list[tuple[ChannelState, bytes]] = []
         self._events: list[tuple[Service, Event]] = []
         self._timers: list[tuple[float, int, Service]] = []
         self._due: dict[Service, float] = {}
-        self._waiting_for_room: dict[Service, float] = {}
+        self._blocked: dict[Service, float] = {}
         self._failed: dict[Service, None] = {}
         self._order = count()
 
@@ -102,9 +102,10 @@ class Engine:
         half_duplex: bool = False,
         bulk_rate: float | None = None,
     ) -> ChannelState:
-        """A peer appeared; `bandwidth` in bytes a second, if it is known, for both ways if `half_duplex`.
+        """Open a channel to a new peer.
 
-        `bulk_rate`: packets of bulk a second where the bandwidth is not known.
+        `bandwidth` in bytes per second, None: not known; with `half_duplex` both directions share it.
+        `bulk_rate` limits bulk packets per second where the bandwidth is not known.
         """
         channel = ChannelState(
             name,
@@ -121,96 +122,96 @@ class Engine:
         return channel
 
     def close_channel(self, channel: ChannelState) -> None:
-        """A peer is gone."""
+        """Close the channel of a peer that is gone."""
         self.channels.remove(channel)
         self._past_clock = max(self._past_clock, channel.clock)
-        self.routes.forget(channel)
+        self.routes.remove_channel(channel)
         self._to_send = [item for item in self._to_send if item[0] is not channel]
 
     @property
     def signing_clock(self) -> int:
-        """The newest signing timestamp of all channels, past ones included."""
+        """The newest signing timestamp of all channels, closed ones included."""
         return max([self._past_clock, *(channel.clock for channel in self.channels)])
 
     # Services
 
-    def arrived_where(self) -> str:
-        """The name of the channel of the packet that services are looking at."""
+    def arrival_channel(self) -> str:
+        """Return the name of the channel of the packet that is being handled."""
         return self.arrived_on.name if self.arrived_on is not None else ""
 
     def is_echo(self, packet: Packet) -> bool:
-        """Whether a packet with our address is a heartbeat of ours that came back over looped links."""
+        """Return whether a packet with the local address is an own heartbeat, echoed over looped links."""
         return any(own[1:] == (packet.sequence, packet.payload) for own in self._heartbeats)
 
     def add(self, service: AnyService) -> AnyService:
-        """Let a service live here."""
+        """Run a service."""
         if service not in self._services:
             self._services[service] = None
-            self._listeners.update(service)
+            self._index.update(service)
             self.touch(service)
         return service
 
     def remove(self, service: Service) -> None:
-        """Take a service away; what it still wanted to send is not sent."""
+        """Stop running a service; its unsent messages are discarded."""
         if self._services.pop(service, service) is None:
-            self._listeners.remove(service)
-            for register in (self._touched, self._due, self._waiting_for_room, self._failed):
+            self._index.remove(service)
+            for register in (self._touched, self._due, self._blocked, self._failed):
                 register.pop(service, None)
 
     def touch(self, service: Service) -> None:
-        """Something was asked of the service: its messages, events and timer are to be looked at."""
+        """Mark a service whose methods were called: its messages, events and timer are processed next."""
         if service in self._services:
             self._touched[service] = None
 
     # Bytes and messages
 
     def receive(self, channel: ChannelState, data: bytes, now: float) -> list[Packet]:
-        """Take bytes of a channel; gives the packets for the program's own eyes, copies left out."""
+        """Handle bytes of a channel; return the packets without duplicates."""
         packets = channel.receive(data, now)
-        return [packet for packet in packets if self._take(packet, channel, now)] if packets else packets
+        return [packet for packet in packets if self._handle(packet, channel, now)] if packets else packets
 
     def send(
         self, message: Message, now: float, target: Address | None = None, *, source: Address | None = None
     ) -> None:
-        """Send a message of the program's own; where to follows from its target fields, if not told."""
+        """Send a message of the program to a target, or to the address in its target fields."""
         outgoing = Outgoing(message, target or target_of(message))
         for channel in self.routes.channels_to(outgoing.target, self.channels):
             self._encode(outgoing, channel, source or self.local, now)
 
     def forward(self, packet: Packet, now: float) -> None:
-        """Send a packet of somebody else as it is, to where it is addressed, or to all channels."""
+        """Send a packet of another component unchanged to its target, or over all channels."""
         message = packet.message
         for channel in self.routes.channels_to(target_of(message), self.channels):
             channel.pacer.sent(len(packet.raw), now, Priority.STREAM)
             self._to_send.append((channel, packet.raw))
 
     def data_to_send(self, now: float) -> list[tuple[ChannelState, bytes]]:
-        """What to write to which channel, after everything that happened until now."""
+        """Return the data to write to each channel."""
         self._settle(now)
         data, self._to_send = self._to_send, []
         return data
 
     def events(self) -> list[tuple[Service, Event]]:
-        """What happened in the services since the last call."""
+        """Return the events of services since the last call."""
         events, self._events = self._events, []
         return events
 
     # Time
 
     def next_timeout(self) -> float | None:
-        """When `handle_timeout` has something to do."""
+        """Return when to call `handle_timeout`; None: nothing is due."""
         while self._timers and self._due.get(self._timers[0][2]) != self._timers[0][0]:
             heappop(self._timers)
         first = self._timers[0][0] if self._timers else None
-        return earliest(first, *self._waiting_for_room.values()) if self._waiting_for_room else first
+        return earliest(first, *self._blocked.values()) if self._blocked else first
 
     @property
     def idle(self) -> bool:
-        """Whether there is nothing to send and nothing to tell until bytes come in or time goes on."""
+        """True if there is nothing to send and no event until bytes are received or a timer is due."""
         return not (self._touched or self._to_send or self._events)
 
     def handle_timeout(self, now: float) -> None:
-        """Let timers fire that are due, and transfers go on for which there is room again."""
+        """Process the services whose timers are due or whose channels have room for bulk again."""
         while self._timers and self._timers[0][0] <= now:
             due, _, service = heappop(self._timers)
             if self._due.get(service) == due:
@@ -218,29 +219,29 @@ class Engine:
                 self._touched[service] = None
                 try:
                     service.handle_timeout(now)
-                except Exception as error:  # noqa: BLE001 (whatever it is, the others go on)
+                except Exception as error:  # noqa: BLE001 (the other services continue)
                     self._fail(service, error)
-        for service in [key for key, due in self._waiting_for_room.items() if due <= now]:
+        for service in [key for key, due in self._blocked.items() if due <= now]:
             self._touched[service] = None
 
     # Within
 
-    def _take(self, packet: Packet, channel: ChannelState, now: float) -> bool:
+    def _handle(self, packet: Packet, channel: ChannelState, now: float) -> bool:
         message_id, system = packet.message_id, packet.system
         redundant = self.routes.learn((system, packet.component), channel, now)
         if redundant and self.duplicates.is_copy(packet, channel, now):
             return False
         if message_id == _RADIO_STATUS:
             self._radio_status(packet, channel, now)
-        services = self._listeners.of(message_id, system)
+        services = self._index.find(message_id, system)
         if services and packet.message is not None:
             self.arrived_on = channel
-            self._give(packet, services, now)
+            self._deliver(packet, services, now)
             self.arrived_on = None
         return True
 
-    def _give(self, packet: Packet, services: Iterable[Service], now: float) -> None:
-        """Have those services receive the packet that it is meant for."""
+    def _deliver(self, packet: Packet, services: Iterable[Service], now: float) -> None:
+        """Deliver a packet to those services that it is addressed to."""
         target = target_of(packet.message)
         source = packet.system, packet.component
         for service in services:
@@ -262,17 +263,17 @@ class Engine:
                 channel.pacer.radio_status(free, now)
 
     def _settle(self, now: float) -> None:
-        """Drain what was touched; draining may end operations, whose events may not touch others."""
+        """Drain the touched services, in order, until none is left."""
         while self._touched:
             service = next(iter(self._touched))
             del self._touched[service]
-            self._collect_events(service)  # a change of keys is meant for what is sent after it
+            self._collect_events(service)  # a change of keys applies to what is sent after it
             try:
                 self._drain(service, now)
             except Exception as error:  # noqa: BLE001 (as above)
                 self._fail(service, error)
             self._collect_events(service)
-            self._listeners.update(service)
+            self._index.update(service)
             self._arm(service, now)
 
     def _collect_events(self, service: Service) -> None:
@@ -282,7 +283,7 @@ class Engine:
             self._events.append((service, event))
 
     def _drain(self, service: Service, now: float) -> None:
-        self._waiting_for_room.pop(service, None)
+        self._blocked.pop(service, None)
 
         def has_room(target: Address, priority: Priority = Priority.BULK) -> bool:
             return self._has_room(service, target, priority, now)
@@ -300,11 +301,11 @@ class Engine:
             return bool(channels)
         full = [channel for channel in channels if not channel.pacer.has_room(priority, now)]
         if priority is Priority.STREAM and len(full) < len(channels):
-            return True  # a slow link thins what goes over it, not what goes over the others
+            return True  # a slow link drops stream messages; the other links carry them
         if full:
             again = max(channel.pacer.room_at(now) for channel in full)
-            known = self._waiting_for_room.get(service, again)
-            self._waiting_for_room[service] = max(min(again, known), now + 0.001)
+            known = self._blocked.get(service, again)
+            self._blocked[service] = max(min(again, known), now + 0.001)
         return bool(channels) and not full
 
     def _dispatch(self, outgoing: Outgoing, source: Address, now: float) -> None:
@@ -323,7 +324,7 @@ class Engine:
                     self._remember(data, now)
 
     def _remember(self, heartbeat: bytes, now: float) -> None:
-        while self._heartbeats and now - self._heartbeats[0][0] > ECHO:
+        while self._heartbeats and now - self._heartbeats[0][0] > ECHO_TIMEOUT:
             self._heartbeats.popleft()
         packet = Packet(heartbeat, self.dialect)
         self._heartbeats.append((now, packet.sequence, packet.payload))
@@ -336,13 +337,13 @@ class Engine:
         due = service.next_timeout()
         failed = self._failed.pop(service, service) is None
         if failed and due is not None:
-            due = max(due, now + AFTER_FAILURE)
+            due = max(due, now + FAILURE_INTERVAL)
         if due is None:
             self._due.pop(service, None)
         elif self._due.get(service) != due:
             self._due[service] = due
             heappush(self._timers, (due, next(self._order), service))
-            if len(self._timers) > len(self._due) + MOST_OVERTAKEN:
+            if len(self._timers) > len(self._due) + MAX_OUTDATED_TIMERS:
                 self._timers = [timer for timer in self._timers if self._due.get(timer[2]) == timer[0]]
                 heapify(self._timers)
 

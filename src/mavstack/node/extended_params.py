@@ -1,64 +1,90 @@
-"""The extended parameters of a component, such as a camera: text, and numbers of all sizes."""
+"""The extended parameters of a remote component: `component.extended_params`."""
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
-from mavstack.services.extended_parameters import ExtendedParameterChanged, ExtendedParameterClient
+from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.services.extended_parameters import ExtendedParameterChanged
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.node.component import RemoteComponent
+    from mavstack.node.clients import ComponentClients
     from mavstack.node.subscription import Subscription
     from mavstack.services.extended_parameters import ExtendedParameter, ExtendedValue
 
 
 class ExtendedParams:
-    """The extended parameters of one component; raises `ParameterDenied` or `ParameterTimeout`."""
+    """The extended parameters of a remote component, such as a camera: texts and numbers of all sizes."""
 
-    def __init__(self, remote: RemoteComponent) -> None:
-        self._remote = remote
-
-    @cached_property
-    def client(self) -> ExtendedParameterClient:
-        """The state machine behind it."""
-        node = self._remote.node
-        return node.serve(ExtendedParameterClient(node.address, self._remote.address))
+    def __init__(self, clients: ComponentClients) -> None:
+        self._clients = clients
 
     @property
     def cached(self) -> Mapping[str, ExtendedParameter]:
-        """Every extended parameter that was heard of, by name."""
-        return self.client.parameters
+        """Every extended parameter received so far, by name."""
+        return self._clients.extended_params.parameters
 
     async def get(self, name: str, *, timeout: float | None = None) -> ExtendedParameter:
-        """Ask for one."""
-        node = self._remote.node
-        return await node.driver.finish(self.client, self.client.read(name, node.now(), timeout=timeout))
+        """Get one extended parameter (PARAM_EXT_REQUEST_READ).
+
+        Args:
+            name: The name of the parameter.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The parameter with its value and type.
+
+        Raises:
+            ParameterTimeout: The component does not answer, or has no such parameter.
+            RemoteCancelled: The node was closed.
+        """
+        host, client = self._clients.host, self._clients.extended_params
+        return await host.finish(client, client.read(name, host.now(), timeout=timeout))
 
     async def set(
         self, name: str, value: ExtendedValue, *, timeout: float | None = None
     ) -> ExtendedParameter:
-        """Set one; the result is what the component holds now."""
-        node = self._remote.node
-        return await node.driver.finish(self.client, self.client.set(name, value, node.now(), timeout=timeout))
+        """Set one extended parameter (PARAM_EXT_SET).
+
+        Args:
+            name: The name of the parameter.
+            value: The new value.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The parameter with the value that the component holds now.
+
+        Raises:
+            ParameterDenied: The component refused the value.
+            ParameterTimeout: The component does not answer, or has no such parameter.
+            RemoteCancelled: The node was closed.
+        """
+        host, client = self._clients.host, self._clients.extended_params
+        return await host.finish(client, client.set(name, value, host.now(), timeout=timeout))
 
     async def download(
         self, *, timeout: float | None = None, progress: Callable[[int, int], None] | None = None
     ) -> Mapping[str, ExtendedParameter]:
-        """Fetch them all."""
-        node = self._remote.node
-        operation = self.client.fetch_all(node.now(), timeout=timeout)
-        await node.driver.finish(self.client, operation, progress)
+        """Download all extended parameters (PARAM_EXT_REQUEST_LIST).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the parameters received and the parameters in total.
+
+        Returns:
+            All parameters, by name.
+
+        Raises:
+            ParameterTimeout: The component does not answer.
+            RemoteCancelled: The node was closed.
+        """
+        host, client = self._clients.host, self._clients.extended_params
+        await host.finish(client, client.download(host.now(), timeout=timeout), progress)
         return self.cached
 
-    def clear_cache(self) -> None:
-        """The component started anew: its parameters are to be asked for again."""
-        if "client" in self.__dict__:
-            self.client.forget(self._remote.node.now())
-            self._remote.node.wake(self.client)
-
     def changes(self) -> Subscription[ExtendedParameterChanged]:
-        """Each one that changes from now on, whoever changes it."""
-        return self._remote.node.events(ExtendedParameterChanged, of=self.client)
+        """Subscribe to changes of extended parameters, whoever makes them."""
+        client = self._clients.extended_params
+        return self._clients.host.events(ExtendedParameterChanged, of=client, queue=DEFAULT_QUEUE)

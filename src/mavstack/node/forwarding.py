@@ -1,12 +1,12 @@
-"""Forwarding: other programs sit behind this node and hear and reach what it hears and reaches.
+"""Forwarding: other programs share the links of a node.
 
     async with Forwarding(node) as forwarding:
         await forwarding.add("udpout://127.0.0.1:14551")
 
-Every packet that the node hears goes to every output as it came; every packet that comes from an output goes,
-as it came, to where it is addressed. Packets are cut out of the bytes, so that a stream and datagrams can be
-on either side and nobody's packets get into each other; what is not MAVLink is left out. What one output
-sends does not reach another, nor the program's own subscriptions.
+Every packet that the node receives is sent unchanged to every output; every packet received from an output is
+sent unchanged to its target. Bytes are split into packets, so that streams and datagrams can be on either
+side and packets never interleave; bytes that are not MAVLink are dropped. Packets from one output reach
+neither the other outputs nor the program's own subscriptions.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import asyncio
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from mavstack.errors import LinkClosedError, LinkError, MavstackError
+from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, Link, open_link
 from mavstack.wire import Parser
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class Output:
-    """One link that is forwarded to, and what went over it, in packets."""
+    """A link that packets are forwarded to, with its counters in packets."""
 
     link: Link
     sent: int = 0
@@ -41,52 +41,72 @@ class Output:
 
     @property
     def url(self) -> str:
-        """Where it leads."""
+        """The URL of the link."""
         return str(self.link.url)
 
     @property
     def peers(self) -> int:
-        """How many are on it now."""
+        """The number of open channels of the link."""
         return len(self.parsers)
 
 
 class Forwarding:
-    """The outputs of a node; they can be added and removed while it runs."""
+    """The outputs of a node; they can be added and removed at any time. An async context manager."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
         self._outputs: list[Output] = []
-        self._listening = node.add_packet_listener(None, self._hear)
+        self._listener = node.add_packet_listener(None, self._forward)
 
     @property
     def outputs(self) -> Sequence[Output]:
-        """Those that are open, in the order in which they were added."""
+        """The open outputs, in the order in which they were added."""
         return tuple(self._outputs)
 
     async def add(self, link: str | Link) -> Output:
-        """Forward to a link from now on; raises `LinkError` if it cannot be opened."""
+        """Forward packets to a link from now on.
+
+        Args:
+            link: A URL, or a link from `mavstack.links`.
+
+        Returns:
+            The output.
+
+        Raises:
+            LinkError: The link cannot be opened, or is an output already.
+        """
         output = Output(open_link(link) if isinstance(link, str) else link)
         if any(output.url == other.url for other in self._outputs):
             raise LinkError(f"{output.url} is an output already")
         await output.link.open()
         output.task = asyncio.get_running_loop().create_task(self._read(output))
         self._outputs.append(output)
-        await asyncio.sleep(0)  # who is there already is heard of
+        await asyncio.sleep(0)  # channels that are open already are reported
         return output
 
-    async def remove(self, which: str | int) -> Output:
-        """Forward no more to a link, by its URL or its place among `outputs`."""
-        output = self._find(which)
-        self._outputs.remove(output)
-        await self._shut(output)
-        return output
+    async def remove(self, output: str | int) -> Output:
+        """Stop forwarding to a link, and close it.
+
+        Args:
+            output: Its URL, or its index in `outputs`.
+
+        Returns:
+            The removed output.
+
+        Raises:
+            InvalidArgumentError: There is no such output.
+        """
+        removed = self._find(output)
+        self._outputs.remove(removed)
+        await self._stop(removed)
+        return removed
 
     async def close(self) -> None:
-        """Forward nothing more. Closing twice does nothing."""
-        self._listening.close()
+        """Close all outputs. Idempotent."""
+        self._listener.close()
         outputs, self._outputs = self._outputs, []
         for output in outputs:
-            await self._shut(output)
+            await self._stop(output)
 
     def _find(self, which: str | int) -> Output:
         if isinstance(which, int) and 0 <= which < len(self._outputs):
@@ -95,30 +115,30 @@ class Forwarding:
             if output.url == str(which):
                 return output
         known = ", ".join(output.url for output in self._outputs) or "none"
-        raise MavstackError(f"{which} is not an output; outputs: {known}")
+        raise InvalidArgumentError(f"{which} is not an output; outputs: {known}")
 
-    async def _shut(self, output: Output) -> None:
+    async def _stop(self, output: Output) -> None:
         if output.task is not None:
             output.task.cancel()
             await asyncio.gather(output.task, return_exceptions=True)
         await output.link.close()
 
-    def _hear(self, packet: Packet) -> None:
+    def _forward(self, packet: Packet) -> None:
         for output in self._outputs:
             for channel in tuple(output.parsers):
                 try:
                     output.sent += channel.write(packet.raw)
                 except LinkClosedError:
-                    continue  # its ChannelClosed is on the way
+                    continue  # its ChannelClosed follows
 
     async def _read(self, output: Output) -> None:
         async for event in output.link:
-            self._take(output, event)
+            self._handle(output, event)
 
-    def _take(self, output: Output, event: LinkEvent) -> None:
+    def _handle(self, output: Output, event: LinkEvent) -> None:
         match event:
             case ChannelOpened(channel):
-                output.parsers[channel] = Parser(self._node.engine.dialect)
+                output.parsers[channel] = Parser(self._node.dialect)
             case ChannelClosed(channel):
                 output.parsers.pop(channel, None)
             case BytesReceived(channel, data):

@@ -1,16 +1,13 @@
-"""The files on a component, by MAVLink FTP."""
+"""The files of a remote component: `component.ftp`."""
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
-
-from mavstack.services.ftp import FtpClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.node.component import RemoteComponent
+    from mavstack.node.clients import ComponentClients
     from mavstack.services import Operation
     from mavstack.services.ftp import Entry
 
@@ -18,19 +15,30 @@ Result = TypeVar("Result")
 
 
 class Ftp:
-    """The files of one component; raises `FileDenied` or `FileTimeout`."""
+    """The files of a remote component, by MAVLink FTP (FILE_TRANSFER_PROTOCOL).
 
-    def __init__(self, remote: RemoteComponent) -> None:
-        self._remote = remote
+    Every method raises `FileDenied` if the component refuses (its `code` is the FTP error), `FileTimeout` if
+    it does not answer, and `RemoteCancelled` if the node is closed during the call.
+    """
 
-    @cached_property
-    def client(self) -> FtpClient:
-        """The state machine behind it."""
-        return self._remote.node.serve(FtpClient(self._remote.node.address, self._remote.address))
+    def __init__(self, clients: ComponentClients) -> None:
+        self._clients = clients
 
     async def list(self, path: str = "/", *, timeout: float | None = None) -> tuple[Entry, ...]:
-        """What is in a directory, without itself and its parent, which some servers list too."""
-        entries = await self._finish(self.client.list_directory(path, self._now(), timeout=timeout))
+        """List a directory.
+
+        Args:
+            path: The directory.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+        Returns:
+            Its files and directories, without "." and "..", which some servers list too.
+
+        Raises:
+            FileDenied: The component refused, for instance because there is no such directory.
+            FileTimeout: The component does not answer.
+        """
+        entries = await self._finish(self._clients.ftp.list_directory(path, self._now(), timeout=timeout))
         return tuple(entry for entry in entries if entry.name not in (".", ".."))
 
     async def download(
@@ -42,8 +50,23 @@ class Ftp:
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> bytes:
-        """Read a file, or `size` bytes from `offset`; a whole one is compared by checksum."""
-        operation = self.client.read_file(path, self._now(), offset=offset, size=size, timeout=timeout)
+        """Download a file, or a part of it. A whole file is verified by its checksum.
+
+        Args:
+            path: The file.
+            offset: The first byte to download.
+            size: The number of bytes to download; None: to the end of the file.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes received and the bytes in total.
+
+        Returns:
+            The bytes.
+
+        Raises:
+            FileDenied: The component refused, for instance because there is no such file.
+            FileTimeout: The component does not answer.
+        """
+        operation = self._clients.ftp.download(path, self._now(), offset=offset, size=size, timeout=timeout)
         return await self._finish(operation, progress)
 
     async def upload(
@@ -54,39 +77,109 @@ class Ftp:
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
-        """Create a file, or replace what it holds; compared by checksum."""
-        await self._finish(self.client.write_file(path, data, self._now(), timeout=timeout), progress)
+        """Create a file, or replace its content. The content is verified by its checksum.
+
+        Args:
+            path: The file.
+            data: Its new content.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes sent and the bytes in total.
+
+        Raises:
+            FileDenied: The component refused, for instance because its storage is full.
+            FileTimeout: The component does not answer.
+        """
+        await self._finish(self._clients.ftp.upload(path, data, self._now(), timeout=timeout), progress)
 
     async def checksum(self, path: str, *, timeout: float | None = None) -> int:
-        """The CRC-32 of a file, as MAVLink FTP computes it."""
-        operation = self.client.crc(path, self._now(), timeout=timeout)
+        """Get the CRC-32 of a file, as MAVLink FTP computes it.
+
+        Args:
+            path: The file.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The CRC-32.
+
+        Raises:
+            FileDenied: The component refused.
+            FileTimeout: The component does not answer.
+        """
+        operation = self._clients.ftp.checksum(path, self._now(), timeout=timeout)
         await self._finish(operation)
         return operation.crc
 
     async def remove(self, path: str, *, timeout: float | None = None) -> None:
-        """Remove a file."""
-        await self._finish(self.client.remove(path, self._now(), timeout=timeout))
+        """Remove a file.
+
+        Args:
+            path: The file.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            FileDenied: The component refused.
+            FileTimeout: The component does not answer.
+        """
+        await self._finish(self._clients.ftp.remove(path, self._now(), timeout=timeout))
 
     async def rename(self, path: str, to: str, *, timeout: float | None = None) -> None:
-        """Rename or move a file or a directory."""
-        await self._finish(self.client.rename(path, to, self._now(), timeout=timeout))
+        """Rename or move a file or a directory.
+
+        Args:
+            path: The present path.
+            to: The new path.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            FileDenied: The component refused.
+            FileTimeout: The component does not answer.
+        """
+        await self._finish(self._clients.ftp.rename(path, to, self._now(), timeout=timeout))
 
     async def truncate(self, path: str, size: int, *, timeout: float | None = None) -> None:
-        """Make a file that long."""
-        await self._finish(self.client.truncate(path, size, self._now(), timeout=timeout))
+        """Cut a file to a length.
+
+        Args:
+            path: The file.
+            size: The new length in bytes.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            FileDenied: The component refused.
+            FileTimeout: The component does not answer.
+        """
+        await self._finish(self._clients.ftp.truncate(path, size, self._now(), timeout=timeout))
 
     async def make_directory(self, path: str, *, timeout: float | None = None) -> None:
-        """Make a directory."""
-        await self._finish(self.client.make_directory(path, self._now(), timeout=timeout))
+        """Create a directory.
+
+        Args:
+            path: The directory.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            FileDenied: The component refused, for instance because the directory exists.
+            FileTimeout: The component does not answer.
+        """
+        await self._finish(self._clients.ftp.make_directory(path, self._now(), timeout=timeout))
 
     async def remove_directory(self, path: str, *, timeout: float | None = None) -> None:
-        """Remove an empty directory."""
-        await self._finish(self.client.remove_directory(path, self._now(), timeout=timeout))
+        """Remove an empty directory.
+
+        Args:
+            path: The directory.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            FileDenied: The component refused.
+            FileTimeout: The component does not answer.
+        """
+        await self._finish(self._clients.ftp.remove_directory(path, self._now(), timeout=timeout))
 
     def _now(self) -> float:
-        return self._remote.node.now()
+        return self._clients.host.now()
 
     async def _finish(
         self, operation: Operation[Result], progress: Callable[[int, int], None] | None = None
     ) -> Result:
-        return await self._remote.node.driver.finish(self.client, operation, progress)
+        return await self._clients.host.finish(self._clients.ftp, operation, progress)

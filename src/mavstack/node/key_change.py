@@ -1,7 +1,8 @@
-"""Changing a channel's key while it is in use: what services ask for is done to the channels of a peer.
+"""Changes of a channel's signing key while the channel is in use.
 
-While a change is open a channel has two signing states and signs with the first; it accepts what either
-accepts. Swapping keeps both as they are, timestamps and half a packet included.
+The events of the signing services are applied to the channels on which a peer is heard. During a change, a
+channel has two signing states: it signs with the first, and accepts packets of either. Switching between them
+keeps both, with their timestamps and half-received packets.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ if TYPE_CHECKING:
     from mavstack.services.signing_setup import SigningRequest
     from mavstack.wire import Signing
 
-#: Radios send it themselves and have no key.
+#: Messages accepted unsigned: radios send them themselves and have no key.
 UNSIGNED = tuple(message_ids(common.RadioStatus))
 
 
 def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState]) -> None:
-    """Do to the channels what a service asks for."""
+    """Apply an event of a signing service to channels."""
     for channel in channels:
         match event:
             case ListenForKey(key=key, timestamp=timestamp):
@@ -40,17 +41,17 @@ def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState]) -> None:
 
 
 def trusted_channels(engine: Engine) -> Callable[[SigningRequest], str | None]:
-    """The policy that lets keys be set over the channels that the program marked as `trusted`."""
+    """Return the policy that accepts keys only over channels that the program marked as `trusted`."""
 
-    def may_set(request: SigningRequest) -> str | None:
+    def refuse(request: SigningRequest) -> str | None:
         channel = engine.arrived_on
         return None if channel is not None and channel.trusted else "this link is not trusted"
 
-    return may_set
+    return refuse
 
 
 def signing_of(key: SigningKey | None, channel: ChannelState, timestamp: int) -> Signing | None:
-    """A signing state for a channel, none without a key; its clock goes on from the channel's, or later."""
+    """Return a signing state for a channel (None without a key); its timestamp continues the channel's."""
     if key is None:
         return None
     return key.signing(channel.link_id, timestamp=max(timestamp, channel.clock), unsigned_ids=UNSIGNED)

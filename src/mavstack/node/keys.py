@@ -1,13 +1,13 @@
-"""The signing keys of a node: which key a new channel signs with, and the clock that outlives the program.
+"""The signing keys of a node: the key of each new channel, and the signing timestamp between two runs.
 
-A key that was set up over a channel (see `services.signing_setup`) also counts when that channel comes back,
-as after a reconnect; a key that was given to this node itself counts for all its channels from then on. A
-channel that opens while a change of keys is under way takes part in it. The program still stores the key for
-its next run: `KeySettled` tells it.
+A key that was set up over a channel (see `services.signing_setup`) is used again when that channel reopens,
+as after a reconnect; a key that a remote component installed on this node applies to all its channels from
+then on. A channel that opens during a change of keys takes part in it. The program stores the key for its
+next run; the event `KeySettled` has it.
 
-The signing clock never goes back, whichever channel it ran on: a new one begins at the newest timestamp of
-all others, past ones and those of the last run included. RADIO_STATUS is accepted unsigned: radios send it
-themselves and have no key.
+Signing timestamps never decrease, whichever channel they are for: a new channel starts at the newest
+timestamp of all others, closed ones and those of the last run included. RADIO_STATUS is accepted unsigned:
+radios send it themselves and have no key.
 """
 
 from __future__ import annotations
@@ -26,25 +26,25 @@ if TYPE_CHECKING:
     from mavstack.services import Address, Service
     from mavstack.services.signing_setup import KeyEvent
 
-#: How often the signing clock is stored, in seconds: a crash loses no more of it.
+#: Seconds between two stores of the signing timestamp; a crash loses at most so much of it.
 STORE_INTERVAL = 30.0
 
 
 @dataclass(slots=True)
 class _Change:
-    """A change of keys under way: the channels that it began on, and those that came back in its course."""
+    """A running change of keys: the channels that it started on, and those that reopened meanwhile."""
 
-    begun: ListenForKey
+    start: ListenForKey
     channels: list[ChannelState]
-    returned: dict[str, ChannelState] = field(default_factory=dict)
+    reopened: dict[str, ChannelState] = field(default_factory=dict)
     last: KeyEvent | None = None
 
     def concerns(self, channel: ChannelState) -> bool:
-        return channel in self.channels or channel in self.returned.values()
+        return channel in self.channels or channel in self.reopened.values()
 
 
 class Keys:
-    """The keys and the stored clock of one node."""
+    """The signing keys and the stored signing timestamp of one node."""
 
     def __init__(self, engine: Engine, key: SigningKey | None, timestamps: TimestampStore | None) -> None:
         self._engine = engine
@@ -55,18 +55,18 @@ class Keys:
         self._changes: dict[Address, _Change] = {}
         self._task: asyncio.Task[None] | None = None
 
-    def opened(self, channel: ChannelState) -> None:
-        """Let a channel that opened sign as it is known to, and take part in the change that it was in."""
+    def on_channel_opened(self, channel: ChannelState) -> None:
+        """Set the key of a channel that opened, and let it take part in the change of keys that it was in."""
         self._sign(channel, self._by_channel.get(channel.name, self._key))
         for change in self._changes.values():
             if any(channel.name == known.name for known in change.channels):
-                change.returned[channel.name] = channel
-                for event in (change.begun, change.last):
+                change.reopened[channel.name] = channel
+                for event in (change.start, change.last):
                     if event is not None:
                         apply_key_event(event, [channel])
 
-    def told(self, event: KeyEvent, service: Service | None) -> None:
-        """The engine changed the keys of the channels on which a peer is heard."""
+    def on_key_event(self, event: KeyEvent, service: Service | None) -> None:
+        """Follow a change of keys, which the engine applied to the channels on which the peer is heard."""
         heard_on = self._engine.routes.heard_on(event.peer)
         if isinstance(event, ListenForKey):
             self._changes[event.peer] = _Change(event, list(heard_on))
@@ -75,21 +75,21 @@ class Keys:
         if change is None:
             return
         change.last = event
-        # The peer is silent on what came back, so the engine does not know that it leads there.
-        apply_key_event(event, [channel for channel in change.returned.values() if channel not in heard_on])
+        # The peer is silent on reopened channels, so the engine has no route over them.
+        apply_key_event(event, [channel for channel in change.reopened.values() if channel not in heard_on])
         if isinstance(event, KeySettled):
             del self._changes[event.peer]
             if event.changed:
-                self._changed(event, change, is_ours=isinstance(service, SigningSetupServer))
+                self._apply_change(event, change, is_own=isinstance(service, SigningSetupServer))
 
-    def _changed(self, event: KeySettled, change: _Change, *, is_ours: bool) -> None:
+    def _apply_change(self, event: KeySettled, change: _Change, *, is_own: bool) -> None:
         heard_on = self._engine.routes.heard_on(event.peer)
-        if is_ours:
+        if is_own:
             self._key = event.key
             self._by_channel.clear()
         else:
             self._by_channel.update((channel.name, event.key) for channel in (*change.channels, *heard_on))
-        for channel in self._engine.channels if is_ours else heard_on:
+        for channel in self._engine.channels if is_own else heard_on:
             if not change.concerns(channel):
                 self._sign(channel, event.key)
 
@@ -97,19 +97,19 @@ class Keys:
         channel.signing = signing_of(key, channel, max(self._stored, self._engine.signing_clock))
 
     def open(self) -> None:
-        """Take up the clock of the last run, and begin to store it; raises SigningError if it is damaged."""
+        """Load the stored timestamp, and start to store it; raises SigningError if it cannot be read."""
         if self._timestamps is not None:
             self._stored = self._timestamps.load()
-            self._task = asyncio.get_running_loop().create_task(self._store_often())
+            self._task = asyncio.get_running_loop().create_task(self._store_periodically())
 
     async def close(self) -> None:
-        """Store the clock for the last time."""
+        """Store the timestamp for the last time."""
         if self._task is not None:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
             self._store()
 
-    async def _store_often(self) -> None:
+    async def _store_periodically(self) -> None:
         while True:
             await asyncio.sleep(STORE_INTERVAL)
             self._store()
@@ -120,6 +120,6 @@ class Keys:
             return
         try:
             self._timestamps.store(clock)
-        except Exception as error:  # noqa: BLE001 (a program's own store may raise anything; the node goes on)
-            context = {"message": "the signing clock is not stored", "exception": error}
+        except Exception as error:  # noqa: BLE001 (a program's store may raise anything)
+            context = {"message": "the signing timestamp could not be stored", "exception": error}
             asyncio.get_running_loop().call_exception_handler(context)

@@ -1,34 +1,37 @@
-"""The logs on a vehicle: listed, fetched, erased."""
+"""The logs of a remote component: `component.logs`."""
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
-
-from mavstack.services.log import LogClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.node.component import RemoteComponent
+    from mavstack.node.clients import ComponentClients
     from mavstack.services.log import LogEntry
 
 
 class Logs:
-    """The logs of one vehicle; raises `LogTimeout`."""
+    """The logs stored on a remote component, by the log protocol (LOG_REQUEST_LIST, LOG_REQUEST_DATA)."""
 
-    def __init__(self, remote: RemoteComponent) -> None:
-        self._remote = remote
-
-    @cached_property
-    def client(self) -> LogClient:
-        """The state machine behind it."""
-        return self._remote.node.serve(LogClient(self._remote.node.address, self._remote.address))
+    def __init__(self, clients: ComponentClients) -> None:
+        self._clients = clients
 
     async def list(self, *, timeout: float | None = None) -> tuple[LogEntry, ...]:
-        """Which logs there are."""
-        node = self._remote.node
-        return await node.driver.finish(self.client, self.client.list_logs(node.now(), timeout=timeout))
+        """List the logs, with their ids, sizes in bytes and times.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            One entry per log, in the order of the ids.
+
+        Raises:
+            LogTimeout: The component does not answer.
+            RemoteCancelled: The node was closed.
+        """
+        host, client = self._clients.host, self._clients.logs
+        return await host.finish(client, client.list_logs(host.now(), timeout=timeout))
 
     async def download(
         self,
@@ -37,12 +40,32 @@ class Logs:
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> bytes:
-        """Fetch a log, by its entry in the list or by its id."""
-        node = self._remote.node
-        operation = self.client.download(log, node.now(), timeout=timeout)
-        return await node.driver.finish(self.client, operation, progress)
+        """Download a log.
+
+        Args:
+            log: The entry from `list`, or the id of the log.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the bytes received and the bytes in total.
+
+        Returns:
+            The complete log.
+
+        Raises:
+            LogTimeout: The component does not answer, or has no such log.
+            RemoteCancelled: The node was closed.
+        """
+        host, client = self._clients.host, self._clients.logs
+        return await host.finish(client, client.download(log, host.now(), timeout=timeout), progress)
 
     async def erase(self, *, timeout: float | None = None) -> None:
-        """Erase all logs."""
-        node = self._remote.node
-        await node.driver.finish(self.client, self.client.erase(node.now(), timeout=timeout))
+        """Erase all logs (LOG_ERASE), and verify that the list is empty.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            LogTimeout: The component does not answer, or still lists logs.
+            RemoteCancelled: The node was closed.
+        """
+        host, client = self._clients.host, self._clients.logs
+        await host.finish(client, client.erase(host.now(), timeout=timeout))

@@ -1,79 +1,103 @@
-"""The flight modes of a vehicle, by name, whatever its firmware calls them on the wire."""
+"""The flight modes of a remote component: `component.modes`."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mavstack.errors import CommandDenied
-from mavstack.services.modes import (
-    ListModes,
-    ModeMonitor,
-    ModeSeen,
-    SetMode,
-    SetStandardMode,
-    mode_names,
-    modes_of,
-)
+from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.services.modes import ListModes, ModeSeen, SetMode, SetStandardMode, mode_names, modes_of
 
 if TYPE_CHECKING:
-    from mavstack.node.component import RemoteComponent
+    from mavstack.node.clients import ComponentClients
     from mavstack.node.subscription import Subscription
     from mavstack.services.modes import AvailableMode
 
 
 class Modes:
-    """The modes of one vehicle; raises `CommandDenied`, or `ModeTimeout` if a mode is not entered."""
+    """The flight modes of a remote component, by name, whatever the firmware's numbers are."""
 
-    def __init__(self, remote: RemoteComponent) -> None:
-        self._remote = remote
+    def __init__(self, clients: ComponentClients) -> None:
+        self._clients = clients
 
-    @cached_property
-    def monitor(self) -> ModeMonitor:
-        """Follows the mode from the first use on."""
-        return self._remote.node.serve(ModeMonitor(self._remote.node.address, self._remote.address))
+    def follow(self) -> None:
+        """Follow the mode from now on, so that `current` is known; every other use does this too."""
+        _ = self._clients.modes
 
     @property
     def current(self) -> str | None:
-        """The name of the mode that it is in, as far as was heard."""
-        return self.monitor.name
+        """The name of the current mode; None until a heartbeat was received."""
+        return self._clients.modes.name
 
-    async def set(self, mode: str | int, *, timeout: float = 60.0) -> int:
-        """Enter a mode, by its name or custom mode number, and see that it is entered."""
-        return await self._remote.node.run_operation(self._remote.command_client, SetMode(mode, timeout=timeout))
+    async def set(self, mode: str | int, *, timeout: float | None = None) -> int:
+        """Set the flight mode (MAV_CMD_DO_SET_MODE), and wait until a heartbeat confirms it.
 
-    async def set_standard(self, standard_mode: int, *, timeout: float = 60.0) -> int:
-        """Enter a MAV_STANDARD_MODE, which means the same on every vehicle that has it."""
+        Args:
+            mode: The name of the mode, such as "GUIDED", or its custom mode number.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The custom mode number that was set.
+
+        Raises:
+            CommandDenied: The component refused the mode.
+            CommandTimeout: The component does not answer.
+            ModeTimeout: The mode was accepted and not entered, or no heartbeat is received.
+        """
+        return await self._clients.host.run_operation(self._clients.command, SetMode(mode, timeout=timeout))
+
+    async def set_standard(self, standard_mode: int, *, timeout: float | None = None) -> int:
+        """Set a standard mode (MAV_CMD_DO_SET_STANDARD_MODE), which means the same with every firmware.
+
+        Args:
+            standard_mode: A MAV_STANDARD_MODE.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The custom mode number that was set.
+
+        Raises:
+            CommandDenied: The component refused the mode, or does not know standard modes.
+            CommandTimeout: The component does not answer.
+            ModeTimeout: The mode was accepted and not entered, or no heartbeat is received.
+        """
         operation = SetStandardMode(standard_mode, timeout=timeout)
-        return await self._remote.node.run_operation(self._remote.command_client, operation)
+        return await self._clients.host.run_operation(self._clients.command, operation)
 
-    async def list(self, *, timeout: float = 60.0) -> tuple[AvailableMode, ...]:
-        """The modes that it says it has; of a firmware that does not tell, those that are known of it."""
-        known = self._known_modes()
+    async def list(self, *, timeout: float | None = None) -> tuple[AvailableMode, ...]:
+        """List the modes of the component (AVAILABLE_MODES).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The modes that the component reports; of a firmware that does not report them, the documented
+            ones.
+
+        Raises:
+            CommandDenied: The component does not report its modes, and its firmware is not known.
+            CommandTimeout: The component does not answer.
+        """
+        known = self._documented_modes()
         try:
-            told = await self._remote.node.run_operation(self._remote.command_client, ListModes(timeout=timeout))
+            listed = await self._clients.host.run_operation(self._clients.command, ListModes(timeout=timeout))
         except CommandDenied:
             if not known:
                 raise
             return known
-        # A standard mode has no name on the wire; it is one of the firmware's own all the same.
+        # A standard mode has no name on the wire; the firmware's table has it.
         names = {mode.custom_mode: mode.name for mode in known}
         return tuple(
-            mode if mode.name else replace(mode, name=names.get(mode.custom_mode, "")) for mode in told
+            mode if mode.name else replace(mode, name=names.get(mode.custom_mode, "")) for mode in listed
         )
 
-    def clear_cache(self) -> None:
-        """The vehicle started anew: it may be in another mode, and have others."""
-        if "monitor" in self.__dict__:
-            self.monitor.forget()
+    def changes(self) -> Subscription[ModeSeen]:
+        """Subscribe to changes of the mode."""
+        return self._clients.host.events(ModeSeen, of=self._clients.modes, queue=DEFAULT_QUEUE)
 
-    def _known_modes(self) -> tuple[AvailableMode, ...]:
-        info = self._remote.info
+    def _documented_modes(self) -> tuple[AvailableMode, ...]:
+        info = self._clients.info
         if info is None:
             return ()
         return tuple(modes_of(info.autopilot, info.type, list(mode_names(info.autopilot, info.type))))
-
-    def changes(self) -> Subscription[ModeSeen]:
-        """Each mode that is entered from now on."""
-        return self._remote.node.events(ModeSeen, of=self.monitor)

@@ -1,47 +1,45 @@
-"""A node is a program as a MAVLink component: an address, links, and the services that live on them.
+"""A node: a program as a MAVLink component, with an address, links, and services.
 
     async with Node("udpin://0.0.0.0:14550") as node:
-        vehicle = await node.wait_for_autopilot()
-        await vehicle.command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
+        autopilot = await node.wait_for_autopilot()
+        await autopilot.command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
         async for message in node.stream(common.Attitude): ...
 
-The same class is a ground station, a companion computer or a payload: what it is, its `system`,
-`component` and `type` say, and what it offers, the services given to `serve`. Nothing is global: dialect,
-version, address and keys belong to the node. Everything a subscriber or a handler does not take in time is
-dropped for it alone.
+The class serves ground stations, companion computers and payloads alike: `system`, `component` and `type` say
+what the program is, and `serve`, `publish` and `on_command` add what it offers. Nothing is global: dialect,
+version, address and keys belong to the node. A slow subscriber or handler loses messages alone; nobody waits
+for it.
 """
 
 from __future__ import annotations
 
 import asyncio
-from functools import cached_property
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import Dialect, Message, common
-from mavstack.errors import MavstackError, RemoteTimeout
+from mavstack.errors import InvalidArgumentError, RemoteTimeout
 from mavstack.links import ChannelClosed, ChannelOpened, Link, open_link
-from mavstack.node.command_handlers import CommandHandlers
-from mavstack.node.dispatch import EventDispatch, PacketDispatch
+from mavstack.node.component import RemoteComponent
+from mavstack.node.diagnostics import describe_traffic
 from mavstack.node.driver import Driver
 from mavstack.node.engine import Engine
-from mavstack.node.diagnostics import what_was_heard
+from mavstack.node.host import NodeHost
 from mavstack.node.keys import Keys
-from mavstack.node.component import RemoteComponent
-from mavstack.node.subscription import QUEUE
+from mavstack.node.log_events import log_event
+from mavstack.node.messaging import Messaging
+from mavstack.node.serving import Serving
 from mavstack.services import DEFAULT_WAIT_TIMEOUT, Address
 from mavstack.services.heartbeat import (
-    Beacon,
     ComponentChanged,
     ComponentFound,
     ComponentRebooted,
     ComponentReturned,
     Discovery,
+    HeartbeatSender,
 )
-from mavstack.services.message_request import MessageServer
 from mavstack.services.ping import PingServer
 from mavstack.services.signing_setup import KeyEvent
-from mavstack.services.statustext import StatustextReceiver, StatustextSender
+from mavstack.services.statustext import StatustextReceiver
 from mavstack.services.timesync import TimesyncServer
 
 if TYPE_CHECKING:
@@ -50,12 +48,9 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack._core import HasCoreDialect
-    from mavstack.node.dispatch import Listening
-    from mavstack.node.subscription import Subscription
     from mavstack.security import SigningKey, TimestampStore
-    from mavstack.services import Client, Operation, Service
+    from mavstack.services import Operation, Service
     from mavstack.services.heartbeat import ComponentInfo
-    from mavstack.wire import Packet
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 AnyEvent = TypeVar("AnyEvent")
@@ -64,8 +59,25 @@ AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
 Result = TypeVar("Result")
 
 
-class Node:
-    """We, on the network; open it with `async with`, or `await node.open()` and `await node.close()`."""
+class Node(Messaging, Serving):
+    """The local MAVLink component; open it with `async with`, or with `open()` and `close()`.
+
+    Args:
+        links: URLs such as "udpin://0.0.0.0:14550", or links from `mavstack.links`.
+        system: The node's system id, 1 to 255.
+        component: The node's component id, 1 to 255.
+        type: The MAV_TYPE in the node's HEARTBEAT.
+        autopilot: The MAV_AUTOPILOT in the node's HEARTBEAT; INVALID for everything but flight controllers.
+        dialect: The dialect of the messages; None: "all".
+        version: The MAVLink version of sent packets, 1 or 2; both are received.
+        signing: The key that new channels sign with; None: unsigned.
+        timestamps: The store of the signing timestamp between two runs of the program; None: not stored.
+        heartbeat: Send HEARTBEAT once a second.
+
+    Raises:
+        InvalidArgumentError: `system` or `component` is not in 1 to 255.
+        LinkURLError: A URL is invalid.
+    """
 
     def __init__(
         self,
@@ -82,61 +94,65 @@ class Node:
     ) -> None:
         local = Address(system, int(component))
         if not (0 < local.system < 256 and 0 < local.component < 256):
-            raise MavstackError(f"{local} is not an address: system and component are 1 to 255")
-        self.engine = Engine(local, dialect or Dialect.load("all"))
-        self.beacon = Beacon(local, type, autopilot)
-        self.discovery = Discovery(local, is_echo=self.engine.is_echo, where=self.engine.arrived_where)
+            raise InvalidArgumentError(f"invalid address {local}: system and component must be 1 to 255")
+        engine = Engine(local, dialect or Dialect.load("all"))
+        self._host = NodeHost(engine, Discovery(local, is_echo=engine.is_echo, channel_name=engine.arrival_channel))
+        self._heartbeat = HeartbeatSender(local, type, autopilot)
+        #: The node's links, in the order in which they were given.
         self.links = [open_link(link) if isinstance(link, str) else link for link in links]
-        #: What every component does: it hears texts, and answers who asks whether and when it is there.
-        self._everyones = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
+        #: The services that every component offers: it receives status texts, and answers PING and TIMESYNC.
+        self._common_services = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
         self._version = version
-        self._keys = Keys(self.engine, signing, timestamps)
+        self._keys = Keys(engine, signing, timestamps)
         self._sends_heartbeat = heartbeat
-        self._packets = PacketDispatch()
-        self._events = EventDispatch()
         self._remotes: dict[Address, RemoteComponent] = {}
-        self._commands: CommandHandlers | None = None
-        self._driver: Driver | None = None
 
     @property
     def address(self) -> Address:
-        """Our system and component id."""
-        return self.engine.local
+        """The node's own system and component id."""
+        return self._host.address
+
+    @property
+    def dialect(self) -> HasCoreDialect:
+        """The dialect of the node's messages."""
+        return self._host.engine.dialect
 
     @property
     def components(self) -> dict[Address, ComponentInfo]:
-        """Everyone who was heard, by address."""
-        return self.discovery.components
-
-    @property
-    def driver(self) -> Driver:
-        """What runs the engine; there is one while the node is open."""
-        if self._driver is None:
-            raise MavstackError("the node is not open: use `async with` or `await node.open()`")
-        return self._driver
+        """Every component heard so far, by address."""
+        return self._host.components
 
     @property
     def is_open(self) -> bool:
-        """Whether its links are open."""
-        return self._driver is not None
+        """True while the node is open."""
+        return self._host.is_open
 
     async def open(self) -> Self:
-        """Open the links; raises `LinkError` for the first that cannot be."""
-        if self._driver is not None:
+        """Open the links and start the services. Does nothing if the node is open.
+
+        Returns:
+            The node.
+
+        Raises:
+            LinkError: A link cannot be opened; the others are closed again.
+            SigningError: The stored signing timestamp cannot be read.
+        """
+        if self._host.is_open:
             return self
         self._keys.open()
-        self._driver = driver = Driver(
-            self.engine,
-            on_packet=self._packets.deliver,
-            on_event=self._happened,
-            on_channel=self._keys.opened,
-            on_error=self._failed,
+        engine = self._host.engine
+        self._host.open_driver = driver = Driver(
+            engine,
+            on_packet=self._host.packet_dispatch.deliver,
+            on_event=self._on_event,
+            on_channel=self._keys.on_channel_opened,
+            on_error=self._on_operation_error,
             version=self._version,
         )
-        for service in (self.discovery, *self._everyones):
-            self.engine.add(service)
+        for service in (self._host.discovery, *self._common_services):
+            engine.add(service)
         if self._sends_heartbeat:
-            self.engine.add(self.beacon)
+            engine.add(self._heartbeat)
         try:
             for link in self.links:
                 await link.open()
@@ -148,47 +164,78 @@ class Node:
         return self
 
     async def close(self) -> None:
-        """Cancel what has not ended on both sides, and close the links. Closing twice does nothing."""
-        driver, self._driver = self._driver, None
+        """Cancel running operations on both ends, end all subscriptions and close the links. Idempotent."""
+        driver, self._host.open_driver = self._host.open_driver, None
         if driver is not None:
-            if self._commands is not None:
-                await self._commands.stop()
+            if "commands" in self.__dict__:
+                await self.commands.stop()
             await driver.stop()
             await self._keys.close()
             for link in self.links:
                 await link.close()
-            self._packets.end()
-            self._events.end()
+            self._host.packet_dispatch.end()
+            self._host.event_dispatch.end()
 
-    # Who is there
+    # Remote components
 
     def component(self, system: int, component: int = common.MavComponent.AUTOPILOT1) -> RemoteComponent:
-        """Another component, by its address, whether it was heard yet or not."""
+        """Return a remote component by its address, whether it was heard or not.
+
+        Args:
+            system: The system id.
+            component: The component id.
+
+        Returns:
+            The component; the same object for the same address.
+        """
         address = Address(system, int(component))
         known = self._remotes.get(address)
         if known is None:
-            known = self._remotes[address] = RemoteComponent(self, address)
+            known = self._remotes[address] = RemoteComponent(self._host, address)
         return known
 
     async def wait_for_autopilot(
         self, system: int | None = None, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT
     ) -> RemoteComponent:
-        """The first autopilot heard, or that of a system; raises `RemoteTimeout` if there is none in time."""
-        what = (
-            "an autopilot's heartbeat" if system is None else f"the heartbeat of system {system}'s autopilot"
-        )
+        """Wait until the heartbeat of an autopilot is received.
+
+        Args:
+            system: The system id; None: the first autopilot that is heard.
+            timeout: Seconds to wait; None: for ever.
+
+        Returns:
+            The autopilot.
+
+        Raises:
+            RemoteTimeout: No autopilot was heard in time; the text says what was heard instead.
+        """
+        description = "an autopilot" if system is None else f"the autopilot of system {system}"
         return await self.wait_for_component(
-            lambda info: info.is_autopilot and system in (None, info.address.system), what, timeout=timeout
+            lambda info: info.is_autopilot and system in (None, info.address.system),
+            description,
+            timeout=timeout,
         )
 
     async def wait_for_component(
         self,
         predicate: Callable[[ComponentInfo], bool],
-        description: str,
+        description: str = "a component",
         *,
         timeout: float | None = DEFAULT_WAIT_TIMEOUT,
     ) -> RemoteComponent:
-        """The first component alive that `predicate` accepts; `description` names it in the error."""
+        """Wait until a component is alive for which `predicate` is true.
+
+        Args:
+            predicate: Called with the `ComponentInfo` of each component.
+            description: The component's name in the error.
+            timeout: Seconds to wait; None: for ever.
+
+        Returns:
+            The first such component.
+
+        Raises:
+            RemoteTimeout: There was none in time; the text says what was heard instead.
+        """
         async with self.events(ComponentFound, ComponentReturned, ComponentChanged) as events:
             try:
                 async with asyncio.timeout(timeout):
@@ -197,175 +244,55 @@ class Node:
                     ):
                         await anext(events)
             except (TimeoutError, StopAsyncIteration):
-                links = ", ".join(str(link.url) for link in self.links) or "no link"
-                answer = f"none in {timeout:g} s; {what_was_heard(self)}"
-                raise RemoteTimeout(description, links, answer=answer) from None
+                raise self._wait_error(description, "none", timeout) from None
         return self.component(*found[0].address)
 
-    # What is heard and said
+    def has_address_conflict(self, address: Address) -> bool:
+        """Return whether several senders use one address.
 
-    def stream(
-        self,
-        *kinds: type[AnyMessage],
-        system: int = 0,
-        component: int = 0,
-        queue: int = QUEUE,
-        keep_all: bool = False,
-    ) -> Subscription[AnyMessage]:
-        """Messages of these classes, as they come; `system` and `component` choose the sender (0: any)."""
-        return self._packets.subscribe(
-            kinds, Address(system, component), attrgetter("message"), queue=queue, keep_all=keep_all
-        )
+        Args:
+            address: The address of a component.
 
-    def packets(
-        self,
-        *kinds: type[Message],
-        system: int = 0,
-        component: int = 0,
-        queue: int = QUEUE,
-        keep_all: bool = False,
-    ) -> Subscription[Packet]:
-        """The same with their headers; without `kinds` every packet, unknown ids too, raw as they are."""
-        return self._packets.subscribe(
-            kinds, Address(system, component), _as_it_is, queue=queue, keep_all=keep_all
-        )
-
-    def add_listener(
-        self,
-        kind: type[AnyMessage] | tuple[type[AnyMessage], ...],
-        callback: Callable[[AnyMessage], None],
-        *,
-        system: int = 0,
-        component: int = 0,
-    ) -> Listening:
-        """Call a function with each message of a class, or of several, as soon as it is received.
-
-        The callback must return quickly: everything else waits for it. It is called until the result is
-        closed, and not for messages that were received while the node was not open.
+        Returns:
+            True while packets of that address contradict each other (boot time, type or unique id).
         """
-        kinds = kind if isinstance(kind, tuple) else (kind,)
-
-        def deliver(packet: Packet) -> None:
-            callback(packet.message)
-
-        return self._packets.listen(kinds, Address(system, component), deliver)
-
-    def add_packet_listener(
-        self,
-        kind: type[Message] | tuple[type[Message], ...] | None,
-        callback: Callable[[Packet], None],
-        *,
-        system: int = 0,
-        component: int = 0,
-    ) -> Listening:
-        """Call a function with each packet of a message class, or of several (None: all), as soon as it is received.
-
-        It must be quick: all else waits for it. It is called until the result is closed, and not called for
-        what came while the node was not open.
-        """
-        kinds = () if kind is None else kind if isinstance(kind, tuple) else (kind,)
-        return self._packets.listen(kinds, Address(system, component), callback)
-
-    def events(
-        self, *kinds: type[AnyEvent], of: Service | None = None, queue: int = QUEUE
-    ) -> Subscription[AnyEvent]:
-        """Events of these classes (none: all), of links and of services; `of` chooses one service."""
-        return self._events.subscribe(kinds, of, queue=queue)
-
-    def send(self, message: Message, target: Address | None = None) -> None:
-        """Send a message; where to, its target fields say, unless `target` does."""
-        self.engine.send(message, self.driver.now(), target)
-        self.driver.step()
-
-    def forward(self, packet: Packet) -> None:
-        """Send a packet of somebody else, byte for byte, to where it is addressed; see `Forwarding`."""
-        self.engine.forward(packet, self.driver.now())
-        self.driver.step()
-
-    # What lives here
-
-    def serve(self, service: AnyService) -> AnyService:
-        """Let a service live on this node, from now on or as soon as it opens."""
-        self.engine.add(service)
-        self.wake(service)
-        return service
-
-    def wake(self, service: Service) -> None:
-        """Say that a service's method was called, so that what it wants to send goes out."""
-        self.engine.touch(service)
-        if self._driver is not None:
-            self._driver.step()
-
-    def now(self) -> float:
-        """The time as services count it: Unix seconds that never go back."""
-        return (self._driver or self.driver).now()
-
-    def publish(
-        self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float = 0.0
-    ) -> None:
-        """Send a message every `interval` seconds, at the rate that others ask for, and when it is requested.
-
-        `producer` is called with the time and makes it, or returns None if there is nothing to tell.
-        """
-        self.message_server.provide(message, producer, interval=interval)
-        self.wake(self.message_server)
-
-    def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
-        """Say something to the people who watch, by STATUSTEXT; a long text goes in chunks."""
-        self._texts.say(text, severity)
-        self.wake(self._texts)
-
-    @cached_property
-    def message_server(self) -> MessageServer:
-        """Sends what `publish` was given."""
-        return self.serve(MessageServer(self.address, self.commands.server))
-
-    @cached_property
-    def _texts(self) -> StatustextSender:
-        return self.serve(StatustextSender(self.address))
-
-    @property
-    def commands(self) -> CommandHandlers:
-        """What this node does when it is sent a command."""
-        if self._commands is None:
-            self._commands = CommandHandlers(self)
-        return self._commands
-
-    def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
-        """Decorate a function, plain or async, that carries out a command; see `CommandHandlers`."""
-        return self.commands.register(command)
-
-    async def run_operation(
-        self,
-        client: Client,
-        operation: Operation[Result],
-        progress: Callable[[int, int], None] | None = None,
-    ) -> Result:
-        """Run an operation of a client that lives here, to its result or its typed error."""
-        return await self.driver.perform(client, operation, progress)
+        return self._host.discovery.has_conflict(address)
 
     async def serve_forever(self) -> None:
-        """Go on until the task is cancelled: what a program that only serves does last."""
+        """Wait until the task is cancelled: the last call of a program that only serves."""
         await asyncio.get_running_loop().create_future()
 
-    def _happened(self, event: object, service: Service | None = None) -> None:
-        """Do what is to be done about an event, and tell it to all who listen; a subclass may do more."""
+    # Hooks for subclasses
+
+    def _on_event(self, event: object, service: Service | None = None) -> None:
+        """Handle an event of a link or a service, then deliver it to subscriptions."""
+        log_event(event)
         match event:
             case ChannelOpened() if self._sends_heartbeat:
-                self.beacon.soon(self.now())  # a new peer need not wait to know us
-                self.engine.touch(self.beacon)
+                self._heartbeat.send_now(self.now())  # a new peer learns of this node at once
+                self._host.engine.touch(self._heartbeat)
             case ChannelClosed(channel, reason):
-                lost = [address for address in self.components if not self.engine.routes.heard_on(address)]
-                self.discovery.unreachable(lost, f"its link {channel.name} is closed: {reason}")
-                self.engine.touch(self.discovery)
+                routes = self._host.engine.routes
+                lost = [address for address in self.components if not routes.heard_on(address)]
+                self._host.discovery.unreachable(lost, f"its link {channel.name} is closed: {reason}")
+                self._host.engine.touch(self._host.discovery)
             case ComponentRebooted(component) if component.address in self._remotes:
                 self._remotes[component.address].clear_cache()
             case KeyEvent():
-                self._keys.told(event, service)
-        self._events.deliver(event, service)
+                self._keys.on_key_event(event, service)
+        self._host.event_dispatch.deliver(event, service)
 
-    def _failed(self, operation: Operation[Any], begun: float) -> None:
-        """An operation that was begun then ends with an error; a subclass may add to it what it knows."""
+    def _on_operation_error(self, operation: Operation[Any], begun: float) -> None:
+        """Handle the error of an operation that began at a time; a subclass may add details to the error."""
+
+    def _wait_error(self, description: str, found: str, timeout: float | None) -> RemoteTimeout:
+        """Return the error of a wait for components that ended without them."""
+        links = ", ".join(str(link.url) for link in self.links) or "no link"
+        reason = (
+            f"{found} in {timeout:g} s" if timeout is not None and self.is_open else "the node was closed"
+        )
+        answer = f"{reason}; {describe_traffic(self._host)}"
+        return RemoteTimeout(f"waiting for {description} on", links, answer=answer)
 
     async def __aenter__(self) -> Self:
         return await self.open()
@@ -374,7 +301,3 @@ class Node:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         await self.close()
-
-
-def _as_it_is(packet: Packet) -> Packet:
-    return packet

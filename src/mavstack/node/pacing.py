@@ -1,19 +1,19 @@
-"""How much a channel may carry: so that a slow radio's queue never grows behind our back.
+"""Pacing of a channel, so that the queue of a slow radio never grows.
 
-A `Pacer` is a bucket of bytes that fills at the channel's bandwidth and that every byte sent empties, also
-those that never wait (control messages), and on a link known to be half-duplex those that were received,
-since both directions share the air. Bulk messages go only while there is something in the bucket, so they
-take what the others leave; streams may run it a little below zero, so they go before bulk. But telemetry
-often wants more than a radio carries, and a transfer would never end: while bulk waits, streams keep to a
-share.
+A `Pacer` is a token bucket in bytes that fills at the channel's bandwidth. Every byte sent takes from it,
+those of control messages too, which never wait; on a half-duplex link every byte received as well, since both
+directions share the air. Bulk messages are sent only while the bucket is above zero, so they get what the
+others leave; stream messages may overdraw it a little, so they precede bulk. Telemetry often needs more than
+a radio carries, and a transfer would never end: while bulk messages wait, streams are limited to a share.
 
-The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or learned: a radio reports in
-RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on the rate follows it,
-down quickly and up slowly, as autopilots do; without either there is no limit. The queue of a radio that has
-little to send is empty and says nothing about what it could carry, so the rate rises only while it is used.
+The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or estimated: a radio reports in
+RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on, the estimate follows
+it, down quickly and up slowly, as autopilots do. With neither, there is no limit. The queue of a radio that
+has little to send is empty whatever the radio can carry, so the estimate rises only while the bandwidth is
+used.
 
-Even a link without a limit may be told a `bulk_rate`, in packets a second: who listens by UDP has a buffer
-for a few hundred packets, and of a whole file at once he gets its beginning.
+A link without a known bandwidth may have a `bulk_rate`, in packets per second: a UDP receiver buffers a few
+hundred packets and drops the tail of a large burst.
 """
 
 from __future__ import annotations
@@ -22,27 +22,28 @@ from math import inf
 
 from mavstack.services import Priority
 
-#: How far each priority may run the bucket below zero, in seconds of bandwidth.
-DEBT = {Priority.CONTROL: inf, Priority.STREAM: 0.15, Priority.BULK: 0.0}
-#: What streams may take of the bandwidth while bulk waits, and for how long it counts as waiting.
+#: How far each priority may overdraw the bucket, in seconds of bandwidth.
+MAX_OVERDRAFT = {Priority.CONTROL: inf, Priority.STREAM: 0.15, Priority.BULK: 0.0}
+#: Share of the bandwidth that streams get while bulk messages wait.
 STREAM_SHARE = 0.15
-WAITING = 0.5
-#: What the bucket holds at most, in seconds of bandwidth: the longest burst after silence.
-DEPTH = 0.05
-#: The least that the bucket holds, in bytes: one packet, else nothing would ever go.
-LEAST_DEPTH = 300.0
-#: Where learning begins: what a radio at its factory settings carries, in bytes a second.
-FIRST_ESTIMATE = 5760.0
-LEAST_ESTIMATE = 200.0
-#: The rate rises only if this share of it was used.
-USED = 0.6
-MOST_ESTIMATE = 1e6
-#: So many packets of bulk go at once where only their rate is limited.
-BULK_AT_ONCE = 100.0
+#: Seconds for which bulk messages count as waiting after they were refused.
+BULK_WAIT_TIMEOUT = 0.5
+#: Size of the bucket in seconds of bandwidth: the longest burst after silence.
+MAX_BURST = 0.05
+#: Minimum size of the bucket in bytes: one packet.
+MIN_DEPTH = 300.0
+#: First estimate of the bandwidth in bytes per second: that of a radio with factory settings.
+DEFAULT_ESTIMATE = 5760.0
+MIN_ESTIMATE = 200.0
+MAX_ESTIMATE = 1e6
+#: The estimate rises only if this share of it was used.
+MIN_USED_SHARE = 0.6
+#: The largest burst of bulk packets where only `bulk_rate` limits them.
+MAX_BULK_BURST = 100.0
 
 
 class Pacer:
-    """The bucket of one channel; `bandwidth` is in bytes a second, None for no limit known."""
+    """The token bucket of one channel; `bandwidth` in bytes per second, None: not known."""
 
     def __init__(
         self,
@@ -54,10 +55,10 @@ class Pacer:
         self.bandwidth = bandwidth
         self.bulk_rate = bulk_rate
         self.learned = False
-        self._bulk_level = BULK_AT_ONCE
+        self._bulk_level = MAX_BULK_BURST
         self.half_duplex = half_duplex
         self._known = bandwidth is not None
-        self._level = LEAST_DEPTH
+        self._level = MIN_DEPTH
         self._stream_level = 0.0
         self._sent_since_status = 0
         self._status_at: float | None = None
@@ -65,36 +66,40 @@ class Pacer:
         self._filled_at: float | None = None
 
     def sent(self, size: int, now: float, priority: Priority = Priority.CONTROL) -> None:
-        """Bytes were handed to the channel."""
+        """Record bytes that were sent over the channel."""
         if self.bandwidth is not None:
             self._fill(now)
             self._level -= size
             self._sent_since_status += size
             if priority is Priority.STREAM:
-                self._stream_level = max(self._stream_level - size, -LEAST_DEPTH)
+                self._stream_level = max(self._stream_level - size, -MIN_DEPTH)
         elif self.bulk_rate is not None and priority is Priority.BULK:
             self._bulk_level -= 1.0
 
     def received(self, size: int, now: float) -> None:
-        """Bytes came in, which took their time on the air too."""
+        """Record bytes that were received; on a half-duplex channel they take from the bucket too."""
         if self.half_duplex and self.bandwidth is not None:
             self._fill(now)
-            self._level = max(self._level - size, -self.bandwidth * DEBT[Priority.STREAM])
+            self._level = max(self._level - size, -self.bandwidth * MAX_OVERDRAFT[Priority.STREAM])
 
     def has_room(self, priority: Priority, now: float) -> bool:
-        """Whether a message of that priority may go now."""
+        """Return whether a message of that priority may be sent now."""
         if self.bandwidth is None:
             return priority is not Priority.BULK or self._bulk_wait(now) <= 0
         self._fill(now)
-        if priority is Priority.STREAM and self._stream_level <= 0 and now < self._bulk_waited_at + WAITING:
+        if (
+            priority is Priority.STREAM
+            and self._stream_level <= 0
+            and now < self._bulk_waited_at + BULK_WAIT_TIMEOUT
+        ):
             return False
-        room = self._level > -self.bandwidth * DEBT[priority]
+        room = self._level > -self.bandwidth * MAX_OVERDRAFT[priority]
         if priority is Priority.BULK and not room:
             self._bulk_waited_at = now
         return room
 
     def room_at(self, now: float) -> float:
-        """When there is room for bulk again, if nothing else is sent until then."""
+        """Return the time at which bulk messages have room again, if nothing else is sent until then."""
         if self.bandwidth is None:
             return now + self._bulk_wait(now)
         self._fill(now)
@@ -102,31 +107,31 @@ class Pacer:
         return now + max(missing, 0.0) / self.bandwidth
 
     def radio_status(self, free_percent: int, now: float) -> None:
-        """Take in what the radio tells about its transmit queue; 255 means that it does not know."""
+        """Update the estimate from a radio's free queue space in percent; 255: not known."""
         if self._known or not 0 <= free_percent <= 100:
             return
         if self.bandwidth is None:
-            self.bandwidth, self.learned = FIRST_ESTIMATE, True
+            self.bandwidth, self.learned = DEFAULT_ESTIMATE, True
         self._fill(now)
         used = self._rate_since_status(now)
         change = _change(free_percent)
-        if change > 1 and used < USED * self.bandwidth:
+        if change > 1 and used < MIN_USED_SHARE * self.bandwidth:
             return
         if change < 1:
-            self.bandwidth = min(self.bandwidth, max(used, LEAST_ESTIMATE))
-        self.bandwidth = min(max(self.bandwidth * change, LEAST_ESTIMATE), MOST_ESTIMATE)
+            self.bandwidth = min(self.bandwidth, max(used, MIN_ESTIMATE))
+        self.bandwidth = min(max(self.bandwidth * change, MIN_ESTIMATE), MAX_ESTIMATE)
 
     def _bulk_wait(self, now: float) -> float:
-        """How long bulk has to wait where only its rate is limited, in seconds."""
+        """Return the seconds that bulk messages have to wait where only `bulk_rate` limits them."""
         if self.bulk_rate is None:
             return 0.0
         since = now if self._filled_at is None else self._filled_at
         gained = max(now - since, 0.0) * self.bulk_rate
-        self._bulk_level, self._filled_at = min(self._bulk_level + gained, BULK_AT_ONCE), now
+        self._bulk_level, self._filled_at = min(self._bulk_level + gained, MAX_BULK_BURST), now
         return max(1.0 - self._bulk_level, 0.0) / self.bulk_rate
 
     def _rate_since_status(self, now: float) -> float:
-        """What was sent since the last report, in bytes a second; infinite at the first."""
+        """Return the bytes per second sent since the last report; infinite at the first."""
         since, sent = self._status_at, self._sent_since_status
         self._status_at, self._sent_since_status = now, 0
         return inf if since is None else sent / max(now - since, 0.001)
@@ -135,7 +140,7 @@ class Pacer:
         bandwidth = self.bandwidth or 0.0
         if self._filled_at is None:
             self._filled_at = now
-        depth = max(bandwidth * DEPTH, LEAST_DEPTH)
+        depth = max(bandwidth * MAX_BURST, MIN_DEPTH)
         gained = max(now - self._filled_at, 0.0) * bandwidth
         self._level = min(self._level + gained, depth)
         self._stream_level = min(self._stream_level + gained * STREAM_SHARE, depth * STREAM_SHARE)
@@ -143,7 +148,7 @@ class Pacer:
 
 
 def _change(free_percent: int) -> float:
-    """By what the estimate is multiplied: a queue half full is near its end, an empty one takes more."""
+    """Return the factor for the estimate: below 1 for a filling queue, above 1 for a nearly empty one."""
     if free_percent < 20:
         return 0.6
     if free_percent < 50:

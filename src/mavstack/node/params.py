@@ -1,60 +1,84 @@
-"""The parameters of a component: read, set, fetched as a whole, watched."""
+"""The parameters of a remote component: `component.params`."""
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
-from mavstack.dialects import common
 from mavstack.errors import RemoteCancelled, RemoteDenied, RemoteError, RemoteTimeout
-from mavstack.services.parameters import (
-    PACKED_NAME,
-    Encoding,
-    ParameterChanged,
-    ParameterClient,
-    encoding_of,
-)
+from mavstack.node.firmware import has_packed_params, param_encoding
+from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.node.time_budget import TimeBudget
+from mavstack.services.parameters import PACKED_NAME, Encoding, ParameterChanged
+from mavstack.services.version import RequestAutopilotVersion
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from mavstack.node.component import RemoteComponent
+    from mavstack.node.clients import ComponentClients
+    from mavstack.node.host import NodeHost
     from mavstack.node.subscription import Subscription
-    from mavstack.services.parameters import Parameter, Snapshot, Value
+    from mavstack.services.parameters import Parameter, ParameterClient, Snapshot, Value
 
-_Capability = common.MavProtocolCapability
-#: How long to ask a component for its capabilities before going by its heartbeat.
-CAPABILITIES_PATIENCE = 3.0
+#: Seconds to wait for a component's capabilities before its parameter encoding follows from its heartbeat.
+CAPABILITIES_TIMEOUT = 3.0
 
 
 class Params:
-    """The parameters of one component; raises `ParameterDenied` or `ParameterTimeout`."""
+    """The parameters of a remote component, by the parameter protocol or ArduPilot's packed file."""
 
-    def __init__(self, remote: RemoteComponent) -> None:
-        self._remote = remote
+    def __init__(self, clients: ComponentClients) -> None:
+        self._clients = clients
         self._capabilities: int | None = None
-
-    @cached_property
-    def client(self) -> ParameterClient:
-        """The state machine behind it."""
-        return self._remote.node.serve(ParameterClient(self._remote.node.address, self._remote.address))
 
     @property
     def cached(self) -> Mapping[str, Parameter]:
-        """Every parameter that was heard of, by name; it follows what others set."""
-        return self.client.parameters
+        """Every parameter received so far, by name; it follows changes that others make."""
+        return self._clients.params.parameters
+
+    @property
+    def encoding(self) -> Encoding:
+        """The encoding of values on the wire, as far as it is known."""
+        return self._clients.params.encoding
 
     async def get(self, name: str, *, timeout: float | None = None) -> Parameter:
-        """Ask for one parameter."""
-        await self._know_encoding()
-        node = self._remote.node
-        return await node.driver.finish(self.client, self.client.read(name, node.now(), timeout=timeout))
+        """Get one parameter (PARAM_REQUEST_READ).
+
+        Args:
+            name: The name of the parameter.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The parameter with its value and type.
+
+        Raises:
+            ParameterDenied: The component has no such parameter (PARAM_ERROR).
+            ParameterTimeout: The component does not answer, as most do for an unknown name.
+            RemoteCancelled: The node was closed.
+        """
+        host, client, budget = self._start(timeout)
+        await self._find_encoding(budget)
+        return await host.finish(client, client.read(name, host.now(), timeout=budget.remaining()))
 
     async def set(self, name: str, value: Value, *, timeout: float | None = None) -> Parameter:
-        """Set a parameter and see it read back; the result is what the component holds now."""
-        await self._know_encoding()
-        node = self._remote.node
-        return await node.driver.finish(self.client, self.client.set(name, value, node.now(), timeout=timeout))
+        """Set one parameter (PARAM_SET), and wait until the component reports its value.
+
+        Args:
+            name: The name of the parameter.
+            value: The new value, in the parameter's own unit.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The parameter with the value that the component holds now.
+
+        Raises:
+            ParameterDenied: The component refused the value.
+            ParameterTimeout: The component does not answer, as most do for an unknown name.
+            RemoteCancelled: The node was closed.
+        """
+        host, client, budget = self._start(timeout)
+        await self._find_encoding(budget)
+        operation = client.set(name, value, host.now(), timeout=budget.remaining())
+        return await host.finish(client, operation)
 
     async def download(
         self,
@@ -64,62 +88,64 @@ class Params:
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Mapping[str, Parameter]:
-        """Fetch them all: by the packed file, or the list, or not at all if `known` still holds."""
-        await self._know_encoding()
-        if not (packed and await self._fetched_packed(timeout, progress)):
-            node = self._remote.node
-            operation = self.client.fetch_all(node.now(), known=known, timeout=timeout)
-            await node.driver.finish(self.client, operation, progress)
+        """Download all parameters: by the packed file, the list (PARAM_REQUEST_LIST) or a cached snapshot.
+
+        Args:
+            known: A snapshot of an earlier download; if the component's hash of its parameters still matches,
+                nothing is downloaded.
+            packed: Download ArduPilot's packed parameter file where there is one, which is much faster.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the parameters (or bytes of the packed file) received and those in total.
+
+        Returns:
+            All parameters, by name.
+
+        Raises:
+            ParameterTimeout: The component does not answer.
+            RemoteCancelled: The node was closed.
+        """
+        host, client, budget = self._start(timeout)
+        await self._find_encoding(budget)
+        if not (packed and await self._download_packed(budget, progress)):
+            operation = client.download(host.now(), known=known, timeout=budget.remaining())
+            await host.finish(client, operation, progress)
         return self.cached
 
     def changes(self) -> Subscription[ParameterChanged]:
-        """Each parameter that changes from now on, whoever changes it."""
-        return self._remote.node.events(ParameterChanged, of=self.client)
+        """Subscribe to changes of parameters, whoever makes them."""
+        return self._clients.host.events(ParameterChanged, of=self._clients.params, queue=DEFAULT_QUEUE)
 
     def clear_cache(self) -> None:
-        """The component started anew: its parameters, and how it tells them, are to be asked for again."""
+        """Discard the capabilities that were cached before a reboot."""
         self._capabilities = None
-        if "client" in self.__dict__:
-            self.client.forget(self._remote.node.now())
-            self._remote.node.wake(self.client)
 
-    async def _fetched_packed(
-        self, timeout: float | None, progress: Callable[[int, int], None] | None
-    ) -> bool:
-        """ArduPilot packs all parameters into a file, which is smaller and comes at a file's speed."""
-        if not (self._is_ardupilot and self._can(_Capability.FTP)):
+    def _start(self, timeout: float | None) -> tuple[NodeHost, ParameterClient, TimeBudget]:
+        host = self._clients.host
+        return host, self._clients.params, TimeBudget(timeout, host.now)
+
+    async def _download_packed(self, budget: TimeBudget, progress: Callable[[int, int], None] | None) -> bool:
+        """Download the packed file; return whether all parameters are known from it."""
+        if not has_packed_params(self._clients.info, self._capabilities or 0):
             return False
-        begun = self._remote.node.now()
+        host, ftp = self._clients.host, self._clients.ftp
+        begun = host.now()
         try:
-            data = await self._remote.ftp.download(PACKED_NAME, timeout=timeout, progress=progress)
+            operation = ftp.download(PACKED_NAME, begun, timeout=budget.remaining())
+            data = await host.finish(ftp, operation, progress)
         except (RemoteTimeout, RemoteDenied):
             return False
-        return self.client.take_packed(data, self._remote.node.now(), begun=begun)
+        return self._clients.params.take_packed(data, host.now(), begun=begun)
 
-    async def _know_encoding(self) -> None:
+    async def _find_encoding(self, budget: TimeBudget) -> None:
         if self._capabilities is None:
-            self._capabilities = await self._ask_capabilities()
-            info = self._remote.info
-            autopilot = info.autopilot if info else common.MavAutopilot.GENERIC
-            self.client.encoding = encoding_of(self._capabilities, autopilot)
+            self._capabilities = await self._get_capabilities(budget.remaining(CAPABILITIES_TIMEOUT))
+            self._clients.params.encoding = param_encoding(self._clients.info, self._capabilities)
 
-    async def _ask_capabilities(self) -> int:
+    async def _get_capabilities(self, timeout: float | None) -> int:
+        operation = RequestAutopilotVersion(timeout=timeout)
         try:
-            return (await self._remote.get_version(timeout=CAPABILITIES_PATIENCE)).capabilities
+            return (await self._clients.host.run_operation(self._clients.command, operation)).capabilities
         except RemoteCancelled:
             raise  # the node was closed
         except RemoteError:
             return 0
-
-    def _can(self, capability: int) -> bool:
-        return bool((self._capabilities or 0) & capability)
-
-    @property
-    def _is_ardupilot(self) -> bool:
-        info = self._remote.info
-        return info is not None and info.autopilot == common.MavAutopilot.ARDUPILOTMEGA
-
-    @property
-    def encoding(self) -> Encoding:
-        """How the component encodes values, as far as is known."""
-        return self.client.encoding

@@ -1,4 +1,4 @@
-"""The plans of a vehicle: its mission, its fence, its rally points."""
+"""The plans of a remote component: `component.mission`, `component.fence`, `component.rally`."""
 
 from __future__ import annotations
 
@@ -6,24 +6,46 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout
-from mavstack.services.mission import Plan, PlanType, set_current_item
+from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.node.time_budget import TimeBudget
+from mavstack.services.mission import ItemReached, Plan, PlanType, set_current_item
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from mavstack.node.component import RemoteComponent
+    from mavstack.node.clients import ComponentClients
+    from mavstack.node.subscription import Subscription
     from mavstack.services.mission import MissionItem, MissionProgress
 
-#: How long to wait for an answer to the newer way of setting the current item, before trying the older one.
+#: Seconds to wait for an answer to MAV_CMD_DO_SET_MISSION_CURRENT before MISSION_SET_CURRENT is tried.
 SET_CURRENT_TIMEOUT = 6.0
 
 
 class Plans:
-    """One kind of plan of one vehicle; raises `MissionDenied` or `MissionTimeout`."""
+    """The plan of one type on a remote component, by the mission protocol.
 
-    def __init__(self, remote: RemoteComponent, plan_type: int) -> None:
-        self._remote = remote
+    Every method raises `MissionDenied` if the component refuses (its `code` is the MAV_MISSION_RESULT),
+    `MissionTimeout` if it does not answer, and `RemoteCancelled` if the node is closed during the call.
+    """
+
+    def __init__(self, clients: ComponentClients, plan_type: int) -> None:
+        self._clients = clients
+        #: The MAV_MISSION_TYPE.
         self.type = plan_type
+
+    @property
+    def home_first(self) -> bool:
+        """True if item 0 of a mission is the home position, as with ArduPilot."""
+        return self._clients.mission.home_first
+
+    def reached_items(self) -> Subscription[ItemReached]:
+        """Subscribe to the mission items that the component reaches (MISSION_ITEM_REACHED).
+
+        Returns:
+            An async iterator over `ItemReached`; close it, or use it as an async context manager.
+        """
+        client = self._clients.mission
+        return self._clients.host.events(ItemReached, of=client, queue=DEFAULT_QUEUE)
 
     async def upload(
         self,
@@ -32,43 +54,84 @@ class Plans:
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Plan:
-        """Give the vehicle a plan in the place of its own; the result has the vehicle's id of it.
+        """Replace the component's plan atomically: it holds either the old plan or the whole new one.
 
-        The vehicle holds either the old plan or the whole new one, whatever happens on the way.
+        Args:
+            items: The new plan; latitudes and longitudes in degrees, altitudes in metres in the item's frame.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the items sent and the items in total.
+
+        Returns:
+            The plan, with the id that the component gave it (0 if it gives none).
+
+        Raises:
+            MissionDenied: The component refused the plan.
+            MissionTimeout: The component does not answer.
         """
         plan = items if isinstance(items, Plan) else Plan.of(items, self.type)
-        client, node = self._remote.mission_client, self._remote.node
-        return await node.driver.finish(client, client.upload(plan, node.now(), timeout=timeout), progress)
+        host, client = self._clients.host, self._clients.mission
+        return await host.finish(client, client.upload(plan, host.now(), timeout=timeout), progress)
 
     async def download(
         self, *, timeout: float | None = None, progress: Callable[[int, int], None] | None = None
     ) -> Plan:
-        """Get the plan that the vehicle holds."""
-        client, node = self._remote.mission_client, self._remote.node
-        operation = client.download(node.now(), self.type, timeout=timeout)
-        return await node.driver.finish(client, operation, progress)
+        """Download the plan.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the items received and the items in total.
+
+        Returns:
+            The plan; latitudes and longitudes in degrees, altitudes in metres in the item's frame.
+
+        Raises:
+            MissionDenied: The component refused.
+            MissionTimeout: The component does not answer.
+        """
+        host, client = self._clients.host, self._clients.mission
+        operation = client.download(host.now(), self.type, timeout=timeout)
+        return await host.finish(client, operation, progress)
 
     async def clear(self, *, timeout: float | None = None) -> None:
-        """Let the vehicle forget the plan."""
-        client, node = self._remote.mission_client, self._remote.node
-        await node.driver.finish(client, client.clear(node.now(), self.type, timeout=timeout))
+        """Remove the plan (MISSION_CLEAR_ALL).
 
-    async def set_current(self, seq: int, *, restart: bool = False) -> None:
-        """Let the mission go on at an item; `restart` lets it begin anew, its jump counters too.
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
 
-        A vehicle that does not know the command, or leaves it unanswered, is told by MISSION_SET_CURRENT.
+        Raises:
+            MissionDenied: The component refused.
+            MissionTimeout: The component does not answer.
         """
-        client, node = self._remote.mission_client, self._remote.node
+        host, client = self._clients.host, self._clients.mission
+        await host.finish(client, client.clear(host.now(), self.type, timeout=timeout))
+
+    async def set_current(self, seq: int, *, restart: bool = False, timeout: float | None = None) -> None:
+        """Set the current mission item (MAV_CMD_DO_SET_MISSION_CURRENT).
+
+        A component that does not know the command or does not answer it gets MISSION_SET_CURRENT instead.
+
+        Args:
+            seq: The sequence number of the item.
+            restart: Reset the mission as well, jump counters included.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The component refused the command.
+            CommandTimeout: The component does not answer, and `restart` is set.
+            MissionTimeout: The component does not answer.
+        """
+        host, client = self._clients.host, self._clients.mission
+        budget = TimeBudget(timeout, host.now)
         try:
-            asked = set_current_item(seq, reset=restart, timeout=SET_CURRENT_TIMEOUT)
-            await node.run_operation(self._remote.command_client, asked)
+            operation = set_current_item(seq, reset=restart, timeout=budget.remaining(SET_CURRENT_TIMEOUT))
+            await host.run_operation(self._clients.command, operation)
         except (CommandDenied, CommandTimeout) as error:
             unknown = isinstance(error, CommandTimeout) or error.code == common.MavResult.UNSUPPORTED
             if restart or not unknown:
                 raise
-            await node.driver.finish(client, client.set_current(seq, node.now()))
+            await host.finish(client, client.set_current(seq, host.now(), timeout=budget.remaining()))
 
     @property
     def progress(self) -> MissionProgress | None:
-        """Where the vehicle said last that it is in its mission."""
-        return self._remote.mission_client.progress if self.type == PlanType.MISSION else None
+        """The progress of a mission (MISSION_CURRENT); None if not received, or for other plans."""
+        return self._clients.mission.progress if self.type == PlanType.MISSION else None

@@ -1,9 +1,9 @@
-"""Which channel leads to whom: learned from every packet, since some sources never send a heartbeat.
+"""Routes: the channel that leads to each address, learned from every packet.
 
-To an address leads the channel that it was last heard on; the choice stays as long as that channel is
-alive, so that two links to one vehicle do not take turns. If an address was never heard, any channel that
-heard its system will do, and if that was never heard either, all channels. Some programs send as component 0;
-what is sent to it is for all components of their system.
+Heartbeats alone would not do, since some sources never send one. The preferred channel of an address stays
+the same as long as the address is heard on it, so that two links to one vehicle do not alternate. A packet to
+an address that was never heard goes over the channels of its system, and if the system is unknown, over all
+channels. Some programs send as component 0; a packet to component 0 is for all components of its system.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 Channel = TypeVar("Channel")
 
-#: After so many seconds of silence a channel gives way to another that still hears the address.
-SILENCE = 2.5
-#: So many addresses are remembered; a flood of forged ones pushes out those learned first.
-MOST_ADDRESSES = 4096
+#: Seconds of silence after which another channel that hears the address becomes the preferred one.
+SILENCE_TIMEOUT = 2.5
+#: Addresses in the table; a flood of forged ones removes those learned first.
+MAX_ADDRESSES = 4096
 
 
 class _Route(Generic[Channel]):
@@ -31,17 +31,20 @@ class _Route(Generic[Channel]):
         self.heard: dict[Channel, float] = {channel: now}
 
     def learn(self, channel: Channel, now: float) -> bool:
-        """It was heard; True if it is heard on more than one channel."""
+        """Record that the address was heard; return whether it is heard on several channels."""
         heard = self.heard
         heard[channel] = now
         if len(heard) == 1:
             return False
-        if channel is not self.preferred and now - heard.get(self.preferred, -SILENCE) >= SILENCE:
+        if (
+            channel is not self.preferred
+            and now - heard.get(self.preferred, -SILENCE_TIMEOUT) >= SILENCE_TIMEOUT
+        ):
             self.preferred = channel
         return True
 
-    def forget(self, channel: Channel) -> bool:
-        """Forget a channel; True if none is left."""
+    def remove_channel(self, channel: Channel) -> bool:
+        """Remove a channel; return whether none is left."""
         self.heard.pop(channel, None)
         if self.heard and self.preferred is channel:
             self.preferred = max(self.heard, key=lambda known: self.heard[known])
@@ -49,27 +52,30 @@ class _Route(Generic[Channel]):
 
 
 class Routes(Generic[Channel]):
-    """Where each address was heard, and which channels lead to it."""
+    """The channels on which each address was heard."""
 
     def __init__(self) -> None:
         self._routes: dict[Address, _Route[Channel]] = {}
         self._systems: dict[int, dict[Address, _Route[Channel]]] = {}
 
     def learn(self, heard: tuple[int, int], channel: Channel, now: float) -> bool:
-        """An address was heard on the channel; True if it is heard on more than one. System 0 is nobody's."""
-        # An address is equal to a tuple, which is made in half the time.
+        """Record that an address was heard on a channel; return whether it is heard on several.
+
+        System 0 is nobody's address and is not recorded.
+        """
+        # An address equals a plain tuple, which is created in half the time.
         route: _Route[Channel] | None = self._routes.get(heard)  # type: ignore[call-overload]
         if route is not None:
             return route.learn(channel, now)
         address = Address(*heard)
         if address.system:
-            self._make_place()
+            self._make_room()
             self._routes[address] = route = _Route(channel, now)
             self._systems.setdefault(address.system, {})[address] = route
         return False
 
     def channels_to(self, target: Address, channels: Sequence[Channel]) -> Sequence[Channel]:
-        """The channels, of those open, that lead to the target."""
+        """Return those of the open channels that lead to a target."""
         if target.system == 0:
             return channels
         route = self._routes.get(target) if target.component else None
@@ -82,13 +88,13 @@ class Routes(Generic[Channel]):
         return [channel for channel in channels if channel in found]
 
     def heard_on(self, address: Address) -> tuple[Channel, ...]:
-        """The channels on which the address was heard."""
+        """Return the channels on which an address was heard."""
         route = self._routes.get(address)
         return tuple(route.heard) if route else ()
 
-    def forget(self, channel: Channel) -> None:
-        """The channel is gone."""
-        for address in [key for key, route in self._routes.items() if route.forget(channel)]:
+    def remove_channel(self, channel: Channel) -> None:
+        """Remove a closed channel."""
+        for address in [key for key, route in self._routes.items() if route.remove_channel(channel)]:
             self._remove(address)
 
     def _remove(self, address: Address) -> None:
@@ -98,6 +104,6 @@ class Routes(Generic[Channel]):
         if not system:
             del self._systems[address.system]
 
-    def _make_place(self) -> None:
-        if len(self._routes) >= MOST_ADDRESSES:
+    def _make_room(self) -> None:
+        if len(self._routes) >= MAX_ADDRESSES:
             self._remove(next(iter(self._routes)))

@@ -1,10 +1,10 @@
-"""A shell on the vehicle, such as PX4's nsh.
+"""A shell on a remote component, such as PX4's nsh, by SERIAL_CONTROL.
 
-    async with vehicle.shell() as shell:
+    async with component.shell() as shell:
         shell.write_line("ver all")
         async for text in shell: ...
 
-Leaving the block gives it back.
+Leaving the block releases the shell.
 """
 
 from __future__ import annotations
@@ -18,48 +18,60 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from mavstack.node.component import RemoteComponent
+    from mavstack.node.host import NodeHost
+    from mavstack.services import Address
+
+#: Chunks of output that are queued while the program does not read.
+OUTPUT_QUEUE = 100_000
 
 
 class Shell:
-    """An open shell: write to it, iterate over what it says; leaving it gives it back."""
+    """A shell: write commands to it, and iterate over its output as text; an async context manager."""
 
-    def __init__(self, remote: RemoteComponent, client: ShellClient) -> None:
-        self._node = remote.node
-        self._client = client
-        self._output = self._node.events(ShellOutput, of=client, queue=100_000)
+    def __init__(self, host: NodeHost, address: Address) -> None:
+        self._host = host
+        self._client = ShellClient(host.address, address)
+        self._output = host.events(ShellOutput, of=self._client, queue=OUTPUT_QUEUE)
         self._decoder = getincrementaldecoder("utf-8")("replace")
 
     def write(self, data: bytes) -> None:
-        """Send bytes."""
-        self._client.write(data, self._node.now())
-        self._node.wake(self._client)
+        """Send bytes to the shell.
+
+        Args:
+            data: The bytes, with their line ends.
+        """
+        self._client.write(data, self._host.now())
+        self._host.wake(self._client)
 
     def write_line(self, text: str) -> None:
-        """Send a text and the end of its line."""
-        self._client.write_line(text, self._node.now())
-        self._node.wake(self._client)
+        """Send a line to the shell.
+
+        Args:
+            text: The line, without its end.
+        """
+        self._client.write_line(text, self._host.now())
+        self._host.wake(self._client)
 
     async def __aenter__(self) -> Self:
-        self._node.serve(self._client)
-        self._client.open(self._node.now())
-        self._node.wake(self._client)
+        self._host.serve(self._client)
+        self._client.open(self._host.now())
+        self._host.wake(self._client)
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         try:
-            if self._node.is_open:
-                await self._give_back()
+            if self._host.is_open:
+                await self._release()
         finally:
             self._output.close()
-            self._node.engine.remove(self._client)
+            self._host.remove(self._client)
 
-    async def _give_back(self) -> None:
-        async with self._node.events(ShellReleased, of=self._client) as released:
-            self._client.close(self._node.now())
-            self._node.wake(self._client)
+    async def _release(self) -> None:
+        async with self._host.events(ShellReleased, of=self._client, queue=1) as released:
+            self._client.close(self._host.now())
+            self._host.wake(self._client)
             await anext(released, None)
 
     def __aiter__(self) -> Self:

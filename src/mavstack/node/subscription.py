@@ -1,8 +1,8 @@
-"""What a program listens to: an async iterator with a bounded queue of its own.
+"""A subscription: an async iterator over messages, packets or events, with a bounded queue of its own.
 
-A slow subscriber never blocks the link or another subscriber: when its queue is full the oldest item goes,
-since the newest is what a vehicle's state is about, and `dropped` counts. `keep_all=True` is for who would
-rather have memory grow than lose anything.
+A slow subscriber never blocks the link or another subscriber: when its queue is full, the oldest item is
+dropped, since a vehicle's newest state matters most, and `dropped` counts. With `keep_all=True` the queue is
+unbounded, and nothing is lost.
 """
 
 from __future__ import annotations
@@ -18,49 +18,68 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 
-QUEUE = 1000
+#: Items that the queue of a subscription holds.
+DEFAULT_QUEUE = 1000
 
 
 class Subscription(Generic[Item]):
-    """Iterate over it; it ends after `close`, or when the node closes."""
+    """An async iterator over received items; it ends after `close`, or when the node closes.
+
+    Close it by `async with` or `close()`. Several tasks may iterate over one subscription; each item is
+    delivered to one of them.
+    """
 
     def __init__(
-        self, close: Callable[[Subscription[Item]], None], *, queue: int = QUEUE, keep_all: bool = False
+        self,
+        close: Callable[[Subscription[Item]], None],
+        *,
+        queue: int = DEFAULT_QUEUE,
+        keep_all: bool = False,
     ) -> None:
+        #: The number of items dropped because the queue was full.
         self.dropped = 0
+        #: True after `close`, or after the node was closed.
         self.closed = False
         self._close = close
-        self._most = None if keep_all else queue
+        self._max_items = None if keep_all else queue
         self._items: deque[Item] = deque()
         self._news = asyncio.Event()  # several tasks may wait for it
 
     def put(self, item: Item) -> None:
-        """Hand an item over; never waits."""
-        if self._most is not None and len(self._items) >= self._most:
+        """Add an item without waiting; drop the oldest if the queue is full."""
+        if self._max_items is not None and len(self._items) >= self._max_items:
             self._items.popleft()
             self.dropped += 1
         self._items.append(item)
         self._news.set()
 
     def end(self) -> None:
-        """No more will come; what is queued can still be read."""
+        """End the iteration once the queued items have been read."""
         self.closed = True
         self._news.set()
 
     def close(self) -> None:
-        """Listen no more."""
+        """Unsubscribe. Idempotent."""
         if not self.closed:
             self._close(self)
             self.end()
 
     def drain(self) -> list[Item]:
-        """All that has come and was not read, without waiting."""
+        """Return all queued items and empty the queue, without waiting.
+
+        Returns:
+            The items, oldest first; empty if there are none.
+        """
         items = list(self._items)
         self._items.clear()
         return items
 
     async def wait(self) -> bool:
-        """Wait until there is something to read; False if nothing will come any more."""
+        """Wait until an item is queued or the subscription ends.
+
+        Returns:
+            True if an item is queued, False if none will come any more.
+        """
         while not self._items and not self.closed:
             self._news.clear()
             await self._news.wait()

@@ -1,0 +1,104 @@
+"""The client state machines toward one remote component, each created on first use."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from mavstack.node.firmware import has_home_item_first
+from mavstack.services.command import CommandClient
+from mavstack.services.extended_parameters import ExtendedParameterClient
+from mavstack.services.ftp import FtpClient
+from mavstack.services.log import LogClient
+from mavstack.services.mission import MissionClient
+from mavstack.services.modes import ModeMonitor
+from mavstack.services.parameters import ParameterClient
+from mavstack.services.ping import PingClient
+from mavstack.services.signing_setup import SigningSetupClient
+from mavstack.services.timesync import TimesyncClient
+
+if TYPE_CHECKING:
+    from mavstack.node.host import NodeHost
+    from mavstack.services import Address
+    from mavstack.services.heartbeat import ComponentInfo
+
+
+class ComponentClients:
+    """The clients toward one remote component; its parts share them."""
+
+    def __init__(self, host: NodeHost, address: Address) -> None:
+        self.host = host
+        self.address = address
+
+    @property
+    def info(self) -> ComponentInfo | None:
+        """The component's last heartbeat; None if it was never heard."""
+        return self.host.components.get(self.address)
+
+    def has(self, name: str) -> bool:
+        """Return whether the client of that name was created."""
+        return name in self.__dict__
+
+    def clear_cache(self) -> None:
+        """Discard the state that the clients cached before a reboot of the component."""
+        now = self.host.now()
+        for name in ("params", "extended_params"):
+            if self.has(name):
+                client = getattr(self, name)
+                client.forget(now)
+                self.host.wake(client)
+        if self.has("modes"):
+            self.modes.forget()
+        if self.has("mission"):
+            self.mission.forget_progress()
+
+    @cached_property
+    def command(self) -> CommandClient:
+        """The client of every command."""
+        return self.host.serve(CommandClient(self.host.address, self.address))
+
+    @cached_property
+    def params(self) -> ParameterClient:
+        """The client of the parameter protocol."""
+        return self.host.serve(ParameterClient(self.host.address, self.address))
+
+    @cached_property
+    def extended_params(self) -> ExtendedParameterClient:
+        """The client of the extended parameter protocol."""
+        return self.host.serve(ExtendedParameterClient(self.host.address, self.address))
+
+    @cached_property
+    def ftp(self) -> FtpClient:
+        """The client of MAVLink FTP."""
+        return self.host.serve(FtpClient(self.host.address, self.address))
+
+    @cached_property
+    def logs(self) -> LogClient:
+        """The client of the log protocol."""
+        return self.host.serve(LogClient(self.host.address, self.address))
+
+    @cached_property
+    def mission(self) -> MissionClient:
+        """The client of the mission protocol, for all plan types."""
+        home_first = has_home_item_first(self.info)
+        return self.host.serve(MissionClient(self.host.address, self.address, home_first=home_first))
+
+    @cached_property
+    def modes(self) -> ModeMonitor:
+        """The monitor that follows the mode from the first use on."""
+        return self.host.serve(ModeMonitor(self.host.address, self.address))
+
+    @cached_property
+    def ping(self) -> PingClient:
+        """The client of the ping protocol."""
+        return self.host.serve(PingClient(self.host.address, self.address))
+
+    @cached_property
+    def signing(self) -> SigningSetupClient:
+        """The client that installs signing keys."""
+        return self.host.serve(SigningSetupClient(self.host.address, self.address))
+
+    @cached_property
+    def clock(self) -> TimesyncClient:
+        """The client that follows the component's clock from the first use on."""
+        return self.host.serve(TimesyncClient(self.host.address, self.address))

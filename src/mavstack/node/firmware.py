@@ -1,0 +1,32 @@
+"""Firmware differences that the clients of a remote component depend on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.services.parameters import encoding_of
+
+if TYPE_CHECKING:
+    from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.services.parameters import Encoding
+
+
+def is_ardupilot(info: ComponentInfo | None) -> bool:
+    """Return whether the heartbeat is that of ArduPilot."""
+    return info is not None and info.autopilot == common.MavAutopilot.ARDUPILOTMEGA
+
+
+def has_home_item_first(info: ComponentInfo | None) -> bool:
+    """Return whether mission item 0 is the home position, as with ArduPilot, and not the first waypoint."""
+    return is_ardupilot(info)
+
+
+def has_packed_params(info: ComponentInfo | None, capabilities: int) -> bool:
+    """Return whether all parameters can be downloaded as one packed file, as from ArduPilot with FTP."""
+    return is_ardupilot(info) and bool(capabilities & common.MavProtocolCapability.FTP)
+
+
+def param_encoding(info: ComponentInfo | None, capabilities: int) -> Encoding:
+    """Return how parameter values are encoded, by capability or else by the firmware's default."""
+    return encoding_of(capabilities, info.autopilot if info else common.MavAutopilot.GENERIC)

@@ -1,0 +1,133 @@
+"""The host of a node's parts: engine, driver and dispatch behind one narrow interface.
+
+A `Node` creates one host and hands it to its remote components and their parts (`params`, `mission`, `ftp`
+…). The parts therefore need no import of the node, and the engine and the driver stay out of the public API.
+"""
+
+from __future__ import annotations
+
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from mavstack.errors import InvalidStateError
+from mavstack.node.dispatch import EventDispatch, PacketDispatch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.dialects import Message
+    from mavstack.node.dispatch import Listener
+    from mavstack.node.driver import Driver
+    from mavstack.node.engine import Engine
+    from mavstack.node.subscription import Subscription
+    from mavstack.services import Address, Client, Operation, Service
+    from mavstack.services.heartbeat import ComponentInfo, Discovery
+    from mavstack.wire import Packet
+
+AnyService = TypeVar("AnyService", bound="Service")
+AnyMessage = TypeVar("AnyMessage", bound="Message")
+Result = TypeVar("Result")
+
+
+class NodeHost:
+    """The engine of a node, its driver while the node is open, and the dispatch of packets and events."""
+
+    def __init__(self, engine: Engine, discovery: Discovery) -> None:
+        self.engine = engine
+        self.discovery = discovery
+        self.packet_dispatch = PacketDispatch()
+        self.event_dispatch = EventDispatch()
+        #: The driver that runs the engine; None while the node is closed.
+        self.open_driver: Driver | None = None
+
+    @property
+    def address(self) -> Address:
+        """The address of the local component."""
+        return self.engine.local
+
+    @property
+    def components(self) -> dict[Address, ComponentInfo]:
+        """Every component heard so far, by address."""
+        return self.discovery.components
+
+    @property
+    def is_open(self) -> bool:
+        """True while the node is open."""
+        return self.open_driver is not None
+
+    @property
+    def driver(self) -> Driver:
+        """The driver that runs the engine; raises `InvalidStateError` while the node is closed."""
+        if self.open_driver is None:
+            raise InvalidStateError("the node is not open: use `async with` or `await node.open()`")
+        return self.open_driver
+
+    def now(self) -> float:
+        """Return the time of services: Unix seconds that never decrease."""
+        return self.driver.now()
+
+    def serve(self, service: AnyService) -> AnyService:
+        """Run a service, now or as soon as the node opens."""
+        self.engine.add(service)
+        self.wake(service)
+        return service
+
+    def remove(self, service: Service) -> None:
+        """Stop running a service; its unsent messages are discarded."""
+        self.engine.remove(service)
+
+    def wake(self, service: Service) -> None:
+        """Process a service whose methods were called: its messages, events and timer."""
+        self.engine.touch(service)
+        if self.open_driver is not None:
+            self.open_driver.step()
+
+    def send(self, message: Message, target: Address | None = None) -> None:
+        """Send a message to a target, or to the address in its target fields."""
+        self.engine.send(message, self.driver.now(), target)
+        self.driver.step()
+
+    async def run_operation(
+        self,
+        client: Client,
+        operation: Operation[Result],
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Result:
+        """Start an operation and wait for its result."""
+        return await self.driver.run(client, operation, progress)
+
+    async def finish(
+        self,
+        client: Client,
+        operation: Operation[Result],
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Result:
+        """Wait for the result of an operation that was just started."""
+        return await self.driver.finish(client, operation, progress)
+
+    def add_listener(
+        self,
+        kind: type[AnyMessage] | tuple[type[AnyMessage], ...],
+        callback: Callable[[AnyMessage], None],
+        source: Address,
+    ) -> Listener:
+        """Call a function with each message of these classes from a source."""
+
+        def deliver(packet: Packet) -> None:
+            callback(packet.message)
+
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        return self.packet_dispatch.add(kinds, source, deliver)
+
+    def events(self, *kinds: type[Any], of: Service | None = None, queue: int) -> Subscription[Any]:
+        """Subscribe to events by class."""
+        return self.event_dispatch.subscribe(kinds, of, queue=queue)
+
+    def stream(
+        self, kinds: tuple[type[Message], ...], source: Address, *, queue: int, keep_all: bool
+    ) -> Subscription[Any]:
+        """Subscribe to messages of these classes (none: all that the dialect defines) from a source."""
+        dispatch = self.packet_dispatch
+        if not kinds:
+            return dispatch.subscribe_to_known(source, queue=queue, keep_all=keep_all)
+        return dispatch.subscribe(kinds, source, attrgetter("message"), queue=queue, keep_all=keep_all)

@@ -1,0 +1,160 @@
+"""Sending and receiving of a node: subscriptions, listeners, events, messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+from mavstack.dialects import Message
+from mavstack.node.subscription import DEFAULT_QUEUE
+from mavstack.services import Address
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mavstack.node.dispatch import Listener
+    from mavstack.node.host import NodeHost
+    from mavstack.node.subscription import Subscription
+    from mavstack.services import Service
+    from mavstack.wire import Packet
+
+AnyMessage = TypeVar("AnyMessage", bound=Message)
+AnyEvent = TypeVar("AnyEvent")
+
+
+class Messaging:
+    """The part of a node that sends and receives messages."""
+
+    _host: NodeHost
+
+    def stream(
+        self,
+        *messages: type[AnyMessage],
+        system: int = 0,
+        component: int = 0,
+        queue: int = DEFAULT_QUEUE,
+        keep_all: bool = False,
+    ) -> Subscription[AnyMessage]:
+        """Subscribe to messages.
+
+        Args:
+            messages: Message classes; none: every message that the dialect defines.
+            system: The system id of the sender; 0: any.
+            component: The component id of the sender; 0: any.
+            queue: Messages that are queued while the program does not read; then the oldest is dropped.
+            keep_all: Queue without limit and drop nothing.
+
+        Returns:
+            An async iterator over the messages; close it, or use it as an async context manager.
+        """
+        return self._host.stream(messages, Address(system, component), queue=queue, keep_all=keep_all)
+
+    def packets(
+        self,
+        *messages: type[Message],
+        system: int = 0,
+        component: int = 0,
+        queue: int = DEFAULT_QUEUE,
+        keep_all: bool = False,
+    ) -> Subscription[Packet]:
+        """Subscribe to packets: messages with their headers and raw bytes.
+
+        Args:
+            messages: Message classes; none: every packet, unknown message ids included.
+            system: The system id of the sender; 0: any.
+            component: The component id of the sender; 0: any.
+            queue: Packets that are queued while the program does not read; then the oldest is dropped.
+            keep_all: Queue without limit and drop nothing.
+
+        Returns:
+            An async iterator over the packets; close it, or use it as an async context manager.
+        """
+        return self._host.packet_dispatch.subscribe(
+            messages, Address(system, component), _unchanged, queue=queue, keep_all=keep_all
+        )
+
+    def add_listener(
+        self,
+        kind: type[AnyMessage] | tuple[type[AnyMessage], ...],
+        callback: Callable[[AnyMessage], None],
+        *,
+        system: int = 0,
+        component: int = 0,
+    ) -> Listener:
+        """Call a function with each message of a class, as soon as it is received.
+
+        Args:
+            kind: A message class, or a tuple of them.
+            callback: The function. It must return quickly, since it runs in the event loop.
+            system: The system id of the sender; 0: any.
+            component: The component id of the sender; 0: any.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+        """
+        return self._host.add_listener(kind, callback, Address(system, component))
+
+    def add_packet_listener(
+        self,
+        kind: type[Message] | tuple[type[Message], ...] | None,
+        callback: Callable[[Packet], None],
+        *,
+        system: int = 0,
+        component: int = 0,
+    ) -> Listener:
+        """Call a function with each packet of a message class, as soon as it is received.
+
+        Args:
+            kind: A message class, or a tuple of them; None: every packet, unknown message ids included.
+            callback: The function. It must return quickly, since it runs in the event loop.
+            system: The system id of the sender; 0: any.
+            component: The component id of the sender; 0: any.
+
+        Returns:
+            The listener; its `close()` ends the calls.
+        """
+        kinds = () if kind is None else kind if isinstance(kind, tuple) else (kind,)
+        return self._host.packet_dispatch.add(kinds, Address(system, component), callback)
+
+    def events(
+        self, *kinds: type[AnyEvent], of: Service | None = None, queue: int = DEFAULT_QUEUE
+    ) -> Subscription[AnyEvent]:
+        """Subscribe to events of links and services.
+
+        Args:
+            kinds: Event classes; none: all.
+            of: The service whose events are delivered; None: all links and services.
+            queue: Events that are queued while the program does not read; then the oldest is dropped.
+
+        Returns:
+            An async iterator over the events; close it, or use it as an async context manager.
+        """
+        return self._host.events(*kinds, of=of, queue=queue)
+
+    def send(self, message: Message, target: Address | None = None) -> None:
+        """Send a message over the channels that lead to its target.
+
+        Args:
+            message: The message.
+            target: The address to send to; None: the address in the message's target fields, or everybody.
+
+        Raises:
+            InvalidStateError: The node is closed.
+            EncodeError: The message cannot be encoded in the node's MAVLink version.
+        """
+        self._host.send(message, target)
+
+    def forward(self, packet: Packet) -> None:
+        """Send a packet of another component unchanged to its target; see `Forwarding`.
+
+        Args:
+            packet: The packet.
+
+        Raises:
+            InvalidStateError: The node is closed.
+        """
+        self._host.engine.forward(packet, self._host.now())
+        self._host.driver.step()
+
+
+def _unchanged(packet: Packet) -> Packet:
+    return packet
