@@ -49,28 +49,28 @@ def test_a_changed_type_breaks_the_wire():
     assert "CRC_EXTRA" in found[0]
 
 
-def test_an_extension_put_before_another_breaks_the_wire():
+def test_an_inserted_extension_breaks_the_wire():
     found = changes(
         '<field type="uint8_t" name="c"/>', '<field type="float" name="z"/><field type="uint8_t" name="c"/>'
     )
     assert found == [
-        "changed field ONE.c: place 0 -> 4 in the extensions (breaks the wire)",
+        "changed field ONE.c: offset 0 -> 4 in the extensions (breaks the wire)",
         "added field ONE.z",
     ]
 
 
-def test_prose_is_compared_when_asked_for():
+def test_descriptions_are_compared_on_request():
     assert len(changes("<description>d<", "<description>e<", prose=True)) == 2
 
 
-def test_marks_are_told_in_words():
+def test_deprecations_are_described():
     found = changes(
         'name="TWO">', 'name="TWO"><deprecated since="2020-01" replaced_by="ONE">why</deprecated>'
     )
     assert found == ["changed message TWO: deprecated nothing -> 2020-01 ONE"]
 
 
-def test_an_official_dialect_does_not_differ_from_itself_and_is_larger_than_what_it_includes():
+def test_an_official_dialect_equals_itself_and_extends_its_includes():
     small, large = Dialect.load("common").definition, Dialect.load("ardupilotmega").definition
     assert compare(large, large, prose=True) == []
     found = compare(small, large)
@@ -109,7 +109,7 @@ def test_warnings(tmp_path):
         "enum NONE",
         "EMPTY has no entries",
         "A_B has no description",
-        "cannot hold enum E",
+        "cannot have the enum E",
         "minimum above",
         "<note>",
         "same class name",
@@ -118,7 +118,7 @@ def test_warnings(tmp_path):
     assert str(check_file(str(path))[0]).startswith(f"{path}:3: warning: ")
 
 
-def test_an_error_is_the_only_finding(tmp_path):
+def test_an_error_is_the_only_problem(tmp_path):
     path = tmp_path / "x.xml"
     path.write_text("<mavlink>\n<include>gone.xml</include></mavlink>")
     (problem,) = check_file(str(path))

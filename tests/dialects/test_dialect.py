@@ -1,4 +1,4 @@
-"""Dialects: loading, looking up, sharing of classes, several versions side by side."""
+"""Dialects: loading, lookup, sharing of classes, several versions at the same time."""
 
 import pickle
 import shutil
@@ -24,7 +24,7 @@ def test_loading_by_name_in_any_case():
         Dialect.load("../common")
 
 
-def test_looking_up():
+def test_lookup_by_name_and_id():
     dialect = Dialect.load("ardupilotmega")
     assert dialect["ATTITUDE"] is dialect[30] is ardupilotmega.Attitude
     assert "ATTITUDE" in dialect
@@ -40,11 +40,11 @@ def test_looking_up():
     assert repr(dialect) == f"<Dialect ardupilotmega: {len(dialect)} messages>"
 
 
-def test_what_a_dialect_says_about_itself():
+def test_properties_of_a_dialect():
     dialect = Dialect.load("ardupilotmega")
     assert (dialect.name, dialect.version, dialect.path) == ("ardupilotmega", 3, "")
-    assert [item.name for item in dialect.family][:3] == ["minimal", "standard", "common"]
-    assert dialect.family[-1] is dialect
+    assert [item.name for item in dialect.with_includes][:3] == ["minimal", "standard", "common"]
+    assert dialect.with_includes[-1] is dialect
     assert len(dialect.definition.messages) == len(dialect)
     assert len(dialect.definition.enums) == len(dialect.enums)
     assert len(dialect.own_definition.messages) < len(dialect)
@@ -52,7 +52,7 @@ def test_what_a_dialect_says_about_itself():
 
 
 @pytest.mark.parametrize("name", official_names())
-def test_every_dialect_makes_all_its_classes(name):
+def test_every_dialect_creates_all_its_classes(name):
     dialect = Dialect.load(name)
     for message_class in dialect:
         definition = message_class.definition
@@ -67,7 +67,7 @@ def test_a_class_belongs_to_the_file_that_defines_it():
     assert pickle.loads(pickle.dumps(ardupilotmega.Attitude)) is common.Attitude
 
 
-def test_a_larger_enum_makes_a_subclass():
+def test_a_larger_enum_creates_a_subclass():
     for smaller, larger in ((common, ardupilotmega), (ardupilotmega, storm32), (storm32, all), (asluav, all)):
         assert smaller.CommandLong is not larger.CommandLong
         assert issubclass(larger.CommandLong, smaller.CommandLong)
@@ -86,7 +86,7 @@ def test_paparazzi_reuses_ids_of_ardupilotmega_and_both_load():
 
 
 @pytest.mark.parametrize("name", official_names())
-def test_our_definition_files_load_as_a_users_and_say_the_same(name):
+def test_our_definition_files_load_as_custom_dialects(name):
     ours = Dialect.load(name)
     theirs = Dialect.from_xml(DEFINITIONS / f"{name}.xml")
     assert compare(ours.definition, theirs.definition, prose=True) == []
@@ -96,7 +96,7 @@ def test_our_definition_files_load_as_a_users_and_say_the_same(name):
         assert issubclass(message_class, ours[message_class.definition.id])
 
 
-def test_an_unchanged_file_gives_the_same_dialect_again_and_a_changed_one_another(tmp_path):
+def test_an_unchanged_file_gives_the_same_dialect_again(tmp_path):
     path = tmp_path / "own.xml"
     message = '<message id="9" name="OWN"><field type="uint8_t" name="a"/></message>'
     text = f"<mavlink><messages>{message}</messages></mavlink>"
@@ -111,7 +111,7 @@ def test_an_unchanged_file_gives_the_same_dialect_again_and_a_changed_one_anothe
 
 @pytest.fixture
 def older(tmp_path):
-    """Another version of common: MISSION_ACK without extensions, STATUSTEXT with one field more."""
+    """Load another version of common: MISSION_ACK without extensions, STATUSTEXT with an additional field."""
     for path in DEFINITIONS.glob("*.xml"):
         shutil.copy(path, tmp_path)
     common_xml = tmp_path / "common.xml"
@@ -127,7 +127,7 @@ def older(tmp_path):
     return Dialect.from_xml(common_xml)
 
 
-def test_several_versions_live_side_by_side_and_match_the_official_classes(older):
+def test_several_versions_coexist_and_match_the_official_classes(older):
     newer = Dialect.load("common")
     ack = older["MISSION_ACK"](type=3)
     assert ack.definition.length < newer["MISSION_ACK"].definition.length
@@ -143,7 +143,7 @@ def test_several_versions_live_side_by_side_and_match_the_official_classes(older
     assert not hasattr(common.Statustext(), "colour")
 
 
-def test_a_users_message_of_the_same_name_but_another_layout_is_another_class(tmp_path):
+def test_a_custom_message_with_another_layout_is_another_class(tmp_path):
     path = tmp_path / "own.xml"
     path.write_text(
         '<mavlink><messages><message id="30" name="ATTITUDE"><field type="float" name="roll"/></message>'
@@ -152,7 +152,7 @@ def test_a_users_message_of_the_same_name_but_another_layout_is_another_class(tm
     assert not issubclass(Dialect.from_xml(path)["ATTITUDE"], common.Attitude)
 
 
-def test_field_names_that_python_cannot_have_get_an_underscore(tmp_path):
+def test_invalid_python_names_of_fields_get_an_underscore(tmp_path):
     path = tmp_path / "own.xml"
     names = ["class", "None", "definition", "to_dict", "__class__", "from_payload", "x", "class_"]
     fields = "".join(f'<field type="uint8_t" name="{name}"/>' for name in names)
@@ -168,7 +168,7 @@ def test_field_names_that_python_cannot_have_get_an_underscore(tmp_path):
     assert pickle.loads(pickle.dumps(message)) == message
 
 
-def test_prose_of_a_users_file_is_kept(tmp_path):
+def test_descriptions_of_a_custom_file_are_kept(tmp_path):
     path = tmp_path / "own.xml"
     path.write_text(
         '<mavlink><messages><message id="9" name="OWN"><description>Says much.</description>'

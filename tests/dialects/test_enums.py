@@ -10,7 +10,7 @@ import pytest
 
 from mavstack.dialects import Dialect, all, ardupilotmega, common, minimal  # noqa: A004
 from mavstack.dialects.enums import MavFlag, enum_reader
-from mavstack.dialects.names import member_names, shared_words
+from mavstack.dialects.names import member_names, shared_prefix
 from mavstack.dialects.tables import official_names
 
 NAMES = official_names()
@@ -39,15 +39,15 @@ def test_names_of_members():
     ],
 )
 def test_shared_words(enum, entries, prefix):
-    assert shared_words(enum, entries) == prefix
+    assert shared_prefix(enum, entries) == prefix
 
 
-def test_names_of_additions_do_not_change_those_of_the_origin():
+def test_added_entries_do_not_change_member_names():
     names = member_names("E", ["E_A", "E_B"], ["E_C", "OTHER", "A", "E_1"], ["name"])
     assert names == {"E_A": "A", "E_B": "B", "E_C": "C", "OTHER": "OTHER", "A": "A_", "E_1": "_1"}
 
 
-def test_names_that_the_class_needs_get_an_underscore():
+def test_reserved_member_names_get_an_underscore():
     names = member_names("E", ["E_name", "E_None", "E_mro", "E_2D"], [], ["name", "mro"])
     assert list(names.values()) == ["name_", "None_", "mro_", "_2D"]
 
@@ -72,7 +72,7 @@ def test_every_enum_of_every_dialect(dialect_name):
 
 
 @pytest.mark.parametrize("dialect_name", NAMES)
-def test_a_member_has_one_name_in_all_dialects(dialect_name):
+def test_a_member_has_the_same_name_in_all_dialects(dialect_name):
     whole = Dialect.load("all")
     for official, enum in Dialect.load(dialect_name).enums.items():
         if official in whole.enums:
@@ -91,7 +91,7 @@ def test_classes_are_shared_unless_a_dialect_adds_entries():
     assert Dialect.load("storm32").enums["MAV_CMD"] is not ardupilotmega.MavCmd
 
 
-def test_modules_and_names_of_classes_lead_back_to_them():
+def test_classes_are_found_by_module_and_name():
     assert pickle.loads(pickle.dumps(ardupilotmega.MavCmd)) is ardupilotmega.MavCmd
     assert (common.MavType.__module__, common.MavType.__qualname__) == (
         "mavstack.dialects.minimal",
@@ -99,7 +99,7 @@ def test_modules_and_names_of_classes_lead_back_to_them():
     )
 
 
-def test_an_unknown_value_is_an_error_only_when_a_member_is_asked_for():
+def test_an_unknown_value_raises_only_when_a_member_is_requested():
     with pytest.raises(ValueError, match="99"):
         common.MavState(99)
     assert common.Heartbeat(system_status=99).system_status == 99
@@ -160,7 +160,7 @@ def test_a_stream_of_random_masks_does_not_grow_memory():
     assert after - before < 400_000
 
 
-def test_every_bitmask_reads_negative_integers_as_they_are():
+def test_bitmasks_read_negative_integers_unchanged():
     members, fallback = enum_reader(common.MavModeFlag)
     assert members[128] is common.MavModeFlag.SAFETY_ARMED
     assert type(fallback(-5)) is int
@@ -172,7 +172,7 @@ def enums_of(tmp_path, text):
     return Dialect.from_xml(path).enums
 
 
-def test_strange_enums_of_users(tmp_path):
+def test_unusual_custom_enums(tmp_path):
     enums = enums_of(
         tmp_path,
         '<enum name="EMPTY"></enum>'

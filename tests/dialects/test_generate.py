@@ -1,4 +1,4 @@
-"""Generated files are up to date, and stubs say what the run-time classes do."""
+"""Generated files are up to date, and stubs match the classes at run time."""
 
 import ast
 from pathlib import Path
@@ -13,13 +13,13 @@ from mavstack.dialects.tables import official_names
 HERE = Path(mavstack.dialects.__file__).parent
 
 
-def test_nothing_is_out_of_date():
+def test_generated_files_are_up_to_date():
     assert generate.out_of_date() == []
     assert generate.main(["--check"]) == 0
     assert generate.main(["--chek"]) == 2
 
 
-def test_a_table_has_one_line_a_message_and_one_an_enum():
+def test_a_table_has_one_line_per_message_and_enum():
     for name in official_names():
         definition = Dialect.load(name).own_definition
         lines = (HERE / "tables" / f"{name}.jsonl").read_text(encoding="utf-8").splitlines()
@@ -27,7 +27,7 @@ def test_a_table_has_one_line_a_message_and_one_an_enum():
 
 
 @pytest.mark.parametrize("name", official_names())
-def test_a_stub_names_every_class_with_its_fields_and_members(name):
+def test_a_stub_declares_every_class_with_its_fields_and_members(name):
     dialect = Dialect.load(name)
     tree = ast.parse((HERE / f"{name.lower()}.pyi").read_text(encoding="utf-8"))
     classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
@@ -84,11 +84,11 @@ WRONG = [
 ]
 
 
-def test_type_checkers_accept_right_use_and_refuse_wrong(tmp_path):
+def test_type_checkers_accept_valid_and_refuse_invalid_use(tmp_path):
     (tmp_path / "right.py").write_text(PROGRAM)
     for index, text in enumerate(WRONG):
         (tmp_path / f"wrong{index}.py").write_text(text)
-    # "--config-file=" keeps mypy from reading the project's own list of files.
+    # "--config-file=" prevents mypy from reading the configuration of the project.
     output, errors, _ = api.run(
         ["--config-file=", "--strict", "--cache-dir", str(tmp_path / "cache"), str(tmp_path)]
     )

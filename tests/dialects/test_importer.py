@@ -1,4 +1,4 @@
-"""Importing official files: facts stay, prose goes, and the same input gives the same bytes."""
+"""Importing official files: facts are kept, descriptions removed, and equal input gives equal bytes."""
 
 from pathlib import Path
 
@@ -92,13 +92,13 @@ def source(tmp_path):
     return path
 
 
-def test_facts_stay_and_prose_goes(source, tmp_path):
+def test_facts_are_kept_and_descriptions_removed(source, tmp_path):
     target = tmp_path / "ours.xml"
     importer.import_file(str(source), str(target), {"ONE": "Our own line <1>."})
     assert target.read_text().partition("-->\n")[2] == OURS
 
 
-def test_importing_again_keeps_our_lines_and_changes_no_byte(source, tmp_path):
+def test_importing_again_keeps_our_descriptions_and_every_byte(source, tmp_path):
     target = tmp_path / "ours.xml"
     importer.import_file(str(source), str(target), {"ONE": "Our own line <1>."})
     first = target.read_bytes()
@@ -108,7 +108,7 @@ def test_importing_again_keeps_our_lines_and_changes_no_byte(source, tmp_path):
     assert (tmp_path / "again.xml").read_bytes() == first
 
 
-def test_a_given_line_wins_over_the_one_that_is_there(source, tmp_path):
+def test_a_given_description_replaces_the_present_one(source, tmp_path):
     target = tmp_path / "ours.xml"
     importer.import_file(str(source), str(target), {"ONE": "Old."})
     importer.import_file(str(source), str(target), {"ONE": "New."})
@@ -116,7 +116,7 @@ def test_a_given_line_wins_over_the_one_that_is_there(source, tmp_path):
 
 
 @pytest.mark.parametrize("name", official_names())
-def test_our_files_are_what_the_importer_writes(name, tmp_path):
+def test_our_files_equal_the_output_of_the_importer(name, tmp_path):
     ours = DEFINITIONS / f"{name}.xml"
     target = tmp_path / "again.xml"
     importer.import_file(str(ours), str(target), importer.descriptions_in(str(ours)))
@@ -124,7 +124,7 @@ def test_our_files_are_what_the_importer_writes(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", official_names())
-def test_our_files_hold_no_prose_but_one_line_a_message(name):
+def test_our_files_have_one_line_of_description_per_message(name):
     path = str(DEFINITIONS / f"{name}.xml")
 
     def walk(element, above):
@@ -141,7 +141,7 @@ def test_our_files_hold_no_prose_but_one_line_a_message(name):
 
 
 @pytest.mark.parametrize("name", ["minimal", "standard", "common", "ardupilotmega"])
-def test_every_message_of_the_main_dialects_has_its_line(name):
+def test_every_message_of_the_main_dialects_has_a_description(name):
     definition = importer.read_file(str(DEFINITIONS / f"{name}.xml"))
     for message in definition.messages:
         assert 10 <= len(message.description) <= 160, message.name

@@ -1,9 +1,9 @@
-"""Includes: where they are found, in which order they come, and what files may not say against each other."""
+"""Includes: where they are searched, their order, and contradictions between files."""
 
 import pytest
 
 from mavstack.dialects import Dialect, common
-from mavstack.dialects.includes import collect, in_order
+from mavstack.dialects.includes import collect, included_first
 from mavstack.errors import DialectError
 
 
@@ -34,22 +34,27 @@ def fails(path):
     return caught.value
 
 
-def test_included_files_come_first_and_once_however_many_ways_lead_to_them(write):
+def test_included_files_come_first_and_once(write):
     write("base", messages=message("BASE", 1))
     write("left", "base.xml", messages=message("LEFT", 2))
     write("right", "base.xml", messages=message("RIGHT", 3))
     top = write("top", "left.xml", "right.xml", "base.xml", messages=message("TOP", 4))
-    assert [item.definition.name for item in in_order(collect(str(top)))] == ["base", "left", "right", "top"]
+    assert [item.definition.name for item in included_first(collect(str(top)))] == [
+        "base",
+        "left",
+        "right",
+        "top",
+    ]
     assert Dialect.from_xml(top).names == ("BASE", "LEFT", "RIGHT", "TOP")
 
 
-def test_includes_are_relative_to_the_file_that_names_them(write):
+def test_includes_are_relative_to_the_including_file(write):
     write("deep/er/inner", messages=message("INNER", 1))
     write("deep/outer", "er/inner.xml", messages=message("OUTER", 2))
     assert len(Dialect.from_xml(write("top", "deep/outer.xml"))) == 2
 
 
-def test_a_circle_of_includes_names_the_chain_the_file_and_the_line(write):
+def test_an_include_cycle_raises_with_the_chain_the_file_and_the_line(write):
     write("b", "c.xml")
     c = write("c", "a.xml")
     error = fails(write("a", "b.xml"))
@@ -57,11 +62,11 @@ def test_a_circle_of_includes_names_the_chain_the_file_and_the_line(write):
     assert (error.path, error.line) == (str(c), 2)
 
 
-def test_a_file_that_includes_itself_is_a_circle(write):
+def test_a_file_that_includes_itself_is_a_cycle(write):
     assert "a.xml -> a.xml" in fails(write("a", "a.xml")).problem
 
 
-def test_a_missing_include_is_told_with_its_line(write):
+def test_a_missing_include_raises_with_its_line(write):
     error = fails(write("a", "gone.xml"))
     assert "gone.xml" in error.problem
     assert error.line == 2
@@ -72,7 +77,7 @@ def test_an_error_in_an_included_file_names_that_file(write):
     assert fails(write("top", "inner.xml")).path == str(inner)
 
 
-def test_chains_and_numbers_of_includes_are_bounded(write):
+def test_depth_and_number_of_includes_are_limited(write):
     for index in range(30):
         write(f"f{index}", f"f{index + 1}.xml")
     write("f30")
@@ -82,7 +87,7 @@ def test_chains_and_numbers_of_includes_are_bounded(write):
     assert "files are included" in fails(write("wide", *(f"g{index}.xml" for index in range(120)))).problem
 
 
-def test_many_ways_to_the_same_files_take_no_exponential_time(write):
+def test_repeated_includes_take_no_exponential_time(write):
     for level in range(15):
         below = [f"l{level + 1}_{index}.xml" for index in range(5)]
         for index in range(5):
@@ -92,14 +97,14 @@ def test_many_ways_to_the_same_files_take_no_exponential_time(write):
     assert len(Dialect.from_xml(write("top", "l0_0.xml"))) == 5
 
 
-def test_official_files_need_no_copy_beside_ones_own(write):
+def test_official_files_need_no_copy(write):
     dialect = Dialect.from_xml(write("mine", "common.xml", messages=message("MINE", 20000)))
     assert dialect["ATTITUDE"] is common.Attitude
     assert dialect["MINE"](a=3).a == 3
     assert len(dialect) == len(common.dialect) + 1
 
 
-def test_a_file_beside_the_including_one_wins_over_an_official_one(write):
+def test_a_file_in_the_folder_replaces_an_official_one(write):
     write("common", messages=message("OWN", 7))
     assert Dialect.from_xml(write("mine", "common.xml")).names == ("OWN",)
 
@@ -107,8 +112,8 @@ def test_a_file_beside_the_including_one_wins_over_an_official_one(write):
 @pytest.mark.parametrize(
     ("first", "second", "problem"),
     [
-        (message("A", 1), message("B", 1), "message id 1 was already given to A of first"),
-        (message("A", 1), message("A", 2), "message A was already defined in first"),
+        (message("A", 1), message("B", 1), "message id 1 is already used by A of first"),
+        (message("A", 1), message("A", 2), "message A is already defined in first"),
         (message("A", 1), message("A", 1), "message id 1"),
     ],
 )
@@ -120,7 +125,7 @@ def test_two_files_may_not_define_the_same_message(write, first, second, problem
     assert error.line == 5
 
 
-def test_enums_grow_from_file_to_file(write):
+def test_enums_are_merged(write):
     write("first", enums=enum(("E_A", 1), ("E_B", 2)))
     top = write("second", "first.xml", enums=enum(("E_C", 3), ("E_B", 2)))
     dialect = Dialect.from_xml(top)
@@ -146,19 +151,19 @@ def test_unnumbered_entries_follow_those_of_the_included_files(write):
     assert [(member.name, member.value) for member in dialect.enums["E"]][2:] == [("C", 8), ("D", 9)]
 
 
-def test_a_bitmask_anywhere_makes_the_merged_enum_one(write):
+def test_an_enum_is_a_bitmask_if_it_is_one_in_any_file(write):
     write("first", enums=enum(("E_A", 1)).replace('name="E"', 'name="E" bitmask="true"', 1))
     assert Dialect.from_xml(write("second", "first.xml", enums=enum(("E_B", 2)))).enums["E"](3).name == "A|B"
 
 
-def test_a_field_may_not_refer_to_an_enum_that_no_file_has(write):
+def test_a_field_may_not_refer_to_an_undefined_enum(write):
     field = '<message id="1" name="M">\n<field type="uint8_t" name="a" enum="NOWHERE"/></message>'
     error = fails(write("a", messages=field))
-    assert "M.a refers to enum NOWHERE" in error.problem
+    assert "M.a refers to the undefined enum NOWHERE" in error.problem
     assert error.line == 5
 
 
-def test_files_that_include_the_same_two_in_different_orders_still_give_classes(write):
+def test_includes_in_different_orders_give_classes(write):
     write(
         "base",
         enums=enum(("E_A", 1)),

@@ -1,4 +1,4 @@
-"""Layouts, lengths and CRC_EXTRA of every official message, against the reference reader of our own files."""
+"""Layouts, lengths and CRC_EXTRA of every official message, compared with pymavlink's reader of our files."""
 
 import contextlib
 import importlib
@@ -10,7 +10,7 @@ import pytest
 
 import mavstack.dialects
 from mavstack.dialects import Dialect
-from mavstack.dialects.layout import crc_extra, lay_out, lengths, wire_order
+from mavstack.dialects.layout import assign_offsets, crc_extra, lengths, wire_order
 from mavstack.dialects.model import FieldDefinition
 
 DEFINITIONS = Path(mavstack.dialects.__file__).parent / "definitions"
@@ -28,11 +28,11 @@ def test_wire_order_is_a_stable_sort_by_element_size_with_extensions_last():
         FieldDefinition("g", "uint64_t", extension=True),
     ]
     assert [item.name for item in wire_order(fields)] == ["d", "b", "e", "a", "c", "f", "g"]
-    assert [item.offset for item in lay_out(fields)] == [16, 8, 17, 0, 14, 25, 26]
+    assert [item.offset for item in assign_offsets(fields)] == [16, 8, 17, 0, 14, 25, 26]
     assert lengths(fields) == (25, 34)
 
 
-def test_crc_extra_leaves_extensions_out_and_takes_array_lengths_in():
+def test_crc_extra_excludes_extensions_and_includes_array_lengths():
     base = [FieldDefinition("a", "uint8_t", 4)]
     longer = [FieldDefinition("a", "uint8_t", 5)]
     extended = [*base, FieldDefinition("b", "float", extension=True)]
@@ -57,14 +57,14 @@ def test_well_known_messages(name, number, crc, base, total):
 
 
 def reference(name):
-    """Messages and enums of one of our files as pymavlink's own parser of definitions reads it."""
+    """Return the messages and enums of one of our files as read by pymavlink."""
     mavparse = importlib.import_module("pymavlink.generator.mavparse")
     with contextlib.redirect_stdout(io.StringIO()):
         return mavparse.MAVXML(os.fspath(DEFINITIONS / f"{name}.xml"), "2.0")
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_message_is_laid_out_as_the_reference_does(name):
+def test_every_layout_equals_that_of_the_reference(name):
     parsed = reference(name)
     own = {message.name: message for message in Dialect.load(name).own_definition.messages}
     assert own.keys() == {message.name for message in parsed.message}
@@ -81,7 +81,7 @@ def test_every_message_is_laid_out_as_the_reference_does(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_enum_has_the_values_that_the_reference_reads(name):
+def test_every_enum_equals_that_of_the_reference(name):
     own = {enum.name: enum for enum in Dialect.load(name).own_definition.enums}
     for theirs in reference(name).enum:
         ours = own[theirs.name]
@@ -91,7 +91,7 @@ def test_every_enum_has_the_values_that_the_reference_reads(name):
         assert ours.bitmask == theirs.bitmask
 
 
-def test_crc_extra_agrees_with_the_generated_module_where_both_know_a_message():
+def test_crc_extra_agrees_with_the_generated_module():
     os.environ.setdefault("MAVLINK20", "1")
     module = importlib.import_module("pymavlink.dialects.v20.ardupilotmega")
     dialect = Dialect.load("ardupilotmega")

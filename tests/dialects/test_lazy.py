@@ -1,4 +1,4 @@
-"""Dialect modules: what they offer, and what importing them does not do."""
+"""Dialect modules: their attributes, and what importing them must not load."""
 
 import importlib
 import subprocess
@@ -40,7 +40,7 @@ HEAVY = {
         "from mavstack.dialects import common as c; repr(c.Heartbeat(type=1)); c.core_dialect; c.MavCmd",
     ],
 )
-def test_importing_stays_light(code):
+def test_imports_are_lazy(code):
     assert modules_after(code) & HEAVY == set()
 
 
@@ -66,8 +66,8 @@ def test_every_dialect_is_a_module(name):
         assert getattr(module, enum.__name__) is enum
 
 
-def test_a_wrong_name_is_an_attribute_error_that_names_it():
-    with pytest.raises(AttributeError, match="common has nothing called 'Atitude'"):
+def test_an_unknown_name_raises_attribute_error():
+    with pytest.raises(AttributeError, match="common has no message or enum class 'Atitude'"):
         _ = common.Atitude
     with pytest.raises(ImportError):
         exec("from mavstack.dialects.common import Atitude")

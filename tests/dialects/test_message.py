@@ -1,4 +1,4 @@
-"""What a Python user may expect of a message."""
+"""Messages from the view of a Python user."""
 
 import copy
 import json
@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.dialects import Dialect, Message, ardupilotmega, common
-from mavstack.dialects.message import shortest
+from mavstack.dialects.message import shortest_float
 from mavstack.errors import FieldNameError, FieldRangeError, FieldTypeError
 
 ALL = Dialect.load("all")
@@ -29,7 +29,7 @@ def test_fields_may_be_given_by_position_in_the_order_of_the_definition():
         common.Attitude(*range(8))
 
 
-def test_a_wrong_field_name_raises_and_names_the_right_ones():
+def test_a_wrong_field_name_raises_with_the_known_names():
     with pytest.raises(FieldNameError, match=r"Attitude has no field rol; it has .*roll"):
         common.Attitude(rol=1)
     with pytest.raises(AttributeError):
@@ -38,7 +38,7 @@ def test_a_wrong_field_name_raises_and_names_the_right_ones():
         _ = common.Attitude().rol
 
 
-def test_a_wrong_field_name_is_a_type_error_to_a_python_user():
+def test_a_wrong_field_name_is_a_type_error():
     with pytest.raises(TypeError):
         common.Attitude(rol=1)
 
@@ -56,7 +56,7 @@ def test_a_wrong_field_name_is_a_type_error_to_a_python_user():
         ("s64", -(2**63), 2**63 - 1),
     ],
 )
-def test_integers_are_held_to_their_range_which_the_error_names(field, low, high):
+def test_integers_out_of_range_raise_with_the_range(field, low, high):
     for value in (low, 0, high):
         assert getattr(TEST_TYPES(**{field: value}), field) == value
     for value in (low - 1, high + 1, 2**100, -(2**100)):
@@ -71,13 +71,13 @@ def test_integers_are_held_to_their_range_which_the_error_names(field, low, high
 
 
 @pytest.mark.parametrize("value", ["1", None, 1.5, b"1", [1], object()])
-def test_integers_take_nothing_else(value):
+def test_integer_fields_refuse_other_types(value):
     with pytest.raises(FieldTypeError, match="u16"):
         TEST_TYPES(u16=value)
 
 
 @pytest.mark.parametrize("value", ["1", None, b"1", [1.0], object()])
-def test_floats_take_only_numbers(value):
+def test_float_fields_refuse_other_types(value):
     with pytest.raises(TypeError, match=r"TestTypes\.f "):
         TEST_TYPES(f=value)
 
@@ -100,7 +100,7 @@ def test_strings():
         common.Statustext(text=5)
 
 
-def test_text_cut_in_the_middle_of_a_character_still_reads():
+def test_a_text_truncated_inside_a_character_is_read():
     payload = bytes([0]) + b"x" + "é".encode()[:1] + bytes(48)
     message = common.Statustext.from_payload(payload)
     assert message.text == "x"
@@ -122,7 +122,7 @@ def test_arrays():
             TEST_TYPES(u16_array=wrong)
 
 
-def test_bytes_fields_take_anything_like_bytes():
+def test_bytes_fields_accept_all_bytes_like_objects():
     for data in (b"abc", bytearray(b"abc"), memoryview(b"abc"), [97, 98, 99]):
         assert common.FileTransferProtocol(payload=data).payload[:4] == b"abc\0"
 
@@ -148,7 +148,7 @@ def test_arrays_of_enum_values_read_as_tuples_of_members():
     assert all(isinstance(value, enum) for value in getattr(message_class(), field.name))
 
 
-def test_a_heartbeat_names_the_protocol_version_unless_told_otherwise():
+def test_a_heartbeat_has_the_protocol_version_by_default():
     assert common.Heartbeat().mavlink_version == 3
     assert common.Heartbeat(mavlink_version=1).mavlink_version == 1
     assert common.Heartbeat(0, 0, 0, 0, 0, 2).mavlink_version == 2
@@ -191,7 +191,7 @@ def test_equality():
         hash(common.Attitude())
 
 
-def test_replace_and_copies_leave_the_original_alone():
+def test_replace_and_copies_do_not_change_the_original():
     first = common.Attitude(roll=0.5, yaw=1)
     assert first.replace(roll=2) == common.Attitude(roll=2, yaw=1)
     for other in (copy.copy(first), copy.deepcopy(first), first.replace()):
@@ -216,7 +216,7 @@ def test_pickle(protocol):
         assert copied == message
 
 
-def test_pickle_of_a_users_message(tmp_path):
+def test_pickle_of_a_custom_message(tmp_path):
     path = tmp_path / "own.xml"
     path.write_text(
         '<mavlink><enums><enum name="E"><entry name="E_A" value="1"/><entry name="E_B" value="2"/></enum>'
@@ -250,7 +250,7 @@ def test_dictionaries():
 
 
 def strict(text):
-    """Standard JSON only: no NaN, no Infinity."""
+    """Parse standard JSON only, without NaN and Infinity."""
     return json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
 
 
@@ -277,7 +277,7 @@ def test_json_of_bytes_strings_large_integers_and_enums():
 
 
 @pytest.mark.parametrize("message_class", list(ALL), ids=lambda item: item.__name__)
-def test_every_message_survives_every_way_out_and_back(message_class):
+def test_every_message_survives_every_conversion(message_class):
     length = message_class.definition.length
     message = message_class.from_payload(bytes(index % 63 + 32 for index in range(length)))
     assert pickle.loads(pickle.dumps(message)) == message
@@ -292,12 +292,12 @@ def test_every_message_survives_every_way_out_and_back(message_class):
 
 
 @given(st.floats(width=32, allow_nan=False, allow_infinity=False))
-def test_the_shortest_text_of_a_float_reads_back_to_the_same_bits(value):
-    assert struct.pack("<f", shortest(value, "float")) == struct.pack("<f", value)
-    assert len(repr(shortest(value, "float"))) <= len(repr(value))
+def test_the_shortest_float_has_the_same_bits(value):
+    assert struct.pack("<f", shortest_float(value, "float")) == struct.pack("<f", value)
+    assert len(repr(shortest_float(value, "float"))) <= len(repr(value))
 
 
-def test_payloads_are_trimmed_filled_and_cut():
+def test_payloads_are_trimmed_and_padded():
     assert common.Attitude(time_boot_ms=1).to_payload() == b"\x01"
     assert common.Attitude().to_payload() == b"\x00"
     assert common.Attitude.from_payload(b"") == common.Attitude()

@@ -1,4 +1,4 @@
-"""Whatever a definition file holds, it is a usable dialect or one clear error."""
+"""Whatever a definition file contains, it is a usable dialect or raises one DialectError."""
 
 import pickle
 

@@ -1,4 +1,4 @@
-"""Fuzz the loader of a user's XML: whatever the file holds, it is a dialect or one clear DialectError.
+"""Fuzz target of the XML loader: whatever the file contains, it is a dialect or raises one DialectError.
 
 Run by `rust/fuzz/run`; needs `pip install atheris`.
 """
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import atheris
 
-# The reader's modules are imported on first use; they are named here so that they are instrumented.
+# The modules of the reader are imported lazily; they are listed here to be instrumented.
 with atheris.instrument_imports(include=["mavstack.dialects"]):
     from mavstack.dialects import Dialect
     from mavstack.errors import DialectError
@@ -42,17 +42,17 @@ FRAGMENTS = [
     b"<wip/>",
 ]
 FOLDER = Path(tempfile.mkdtemp())
-# A whole message with an enum, as fragments, for the fuzzer to start from.
+# A complete message with an enum, as fragments for the initial corpus.
 SEED = bytes([0xFF, 0, 4, 13, 14, 15, 17, 5, 2, 6, 12, 8, 3, 1])
 
 
 def compose(data: bytes) -> bytes:
-    """Take each byte as a fragment or as itself, so that both structure and noise are reached."""
+    """Interpret each byte as a fragment or as itself, to generate both structure and noise."""
     return b"".join(FRAGMENTS[byte % 32] if byte % 32 < len(FRAGMENTS) else bytes([byte]) for byte in data)
 
 
 def load(data: bytes) -> None:
-    """Load one composed file, and use every message of it."""
+    """Load one composed file, and use all its messages."""
     path = FOLDER / "fuzz.xml"
     path.write_bytes(data[1:] if data[:1] < b"\x40" else compose(data[1:]))
     try:

@@ -1,4 +1,4 @@
-"""Logs of packets: the mapping, the tables, and everything that is wrong with real files."""
+"""Logs of packets: the mapping, the tables, and the damage of real files."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ import mavstack
 from mavstack.dialects import Dialect, ardupilotmega, common
 from mavstack.errors import DialectError, LogError, UnknownMessageError
 from mavstack.logs import HEADER_COLUMNS, LogFile, open_log, table_dtype
-from tests.wire import forge
+from tests.wire import raw_packets
 from tests.wire.values import random_message
 
 from .files import START, assert_same, encoded, parsed, stamped
 
 ATTITUDES = [common.Attitude(number, number / 8) for number in range(10)]
-UNKNOWN = forge.version_2(0x4A0000, b"opaque", 7)
+UNKNOWN = raw_packets.version_2(0x4A0000, b"opaque", 7)
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_a_log_is_a_mapping_from_names_to_tables(write):
     assert {name: len(table) for name, table in log.items()} == log.counts
     assert log.unknown == {0x4A0000: 1}
     assert log.get("VFR_HUD") is None
-    with pytest.raises(UnknownMessageError, match=r"has no VFR_HUD; it has .*ATTITUDE"):
+    with pytest.raises(UnknownMessageError, match=r"contains no VFR_HUD; it contains .*ATTITUDE"):
         log["VFR_HUD"]
     with pytest.raises(KeyError):
         log["attitude"]
@@ -102,32 +102,32 @@ def test_every_message_of_ardupilotmega_with_random_values(write):
     assert log.sources == parser.sources
 
 
-def test_junk_behind_the_nul_of_a_text_is_cleared(write):
-    raw = forge.version_1(253, b"\x01" + b"text\0JUNK".ljust(50, b"!"), 83)
-    cut = forge.version_2(253, b"\x02" + ("x" * 49 + "é").encode()[:50], 83)
+def test_bytes_after_the_nul_of_a_text_are_cleared(write):
+    raw = raw_packets.version_1(253, b"\x01" + b"text\0JUNK".ljust(50, b"!"), 83)
+    cut = raw_packets.version_2(253, b"\x02" + ("x" * 49 + "é").encode()[:50], 83)
     log = open_log(write(stamped([raw, cut])))
     assert log["STATUSTEXT"]["text"].tolist() == [b"text", b"x" * 49 + b"\xc3"]
     assert log["STATUSTEXT"]["text"][0].tobytes() == b"text"
     assert log["STATUSTEXT"]["id"].tolist() == [0, 0]
 
 
-def test_payloads_longer_than_known_and_empty_ones(write):
-    longer = forge.version_2(0, bytes([5, 0, 0, 0, 2, 3, 81, 4, 3]) + b"newer", 50)
-    empty = forge.version_2(0, b"", 50)
+def test_long_and_empty_payloads(write):
+    longer = raw_packets.version_2(0, bytes([5, 0, 0, 0, 2, 3, 81, 4, 3]) + b"newer", 50)
+    empty = raw_packets.version_2(0, b"", 50)
     table = open_log(write(stamped([longer, empty])))["HEARTBEAT"]
     assert table["custom_mode"].tolist() == [5, 0]
     assert table["mavlink_version"].tolist() == [3, 0]
 
 
-def test_tables_can_be_forgotten(write):
+def test_clear_cache_drops_tables(write):
     log = open_log(write(stamped(encoded([*ATTITUDES, common.Heartbeat()]))))
     first, other = log["ATTITUDE"], log["HEARTBEAT"]
-    log.forget("ATTITUDE")
+    log.clear_cache("ATTITUDE")
     assert log["ATTITUDE"] is not first
     assert (log["ATTITUDE"] == first).all()
     assert log["HEARTBEAT"] is other
-    log.forget("VFR_HUD")
-    log.forget()
+    log.clear_cache("VFR_HUD")
+    log.clear_cache()
     assert log["HEARTBEAT"] is not other
     with log as same:
         assert same is log
@@ -135,7 +135,7 @@ def test_tables_can_be_forgotten(write):
     assert log["HEARTBEAT"] is not kept
 
 
-def test_tables_stay_when_their_log_goes(write):
+def test_tables_outlive_their_log(write):
     table = open_log(write(stamped(encoded(ATTITUDES))))["ATTITUDE"]
     assert table["roll"][9] == 9 / 8
     table["roll"] = 0
@@ -150,17 +150,17 @@ def test_duration_and_sources(write):
     assert open_log(write(b"".join(packets))).duration == 0
 
 
-# kinds of files
+# file formats
 
 
-def test_a_raw_stream_has_no_times(write):
+def test_a_raw_stream_has_no_timestamps(write):
     log = open_log(write(b"".join(encoded(ATTITUDES)), "link.raw"))
     assert not log.timestamped
     assert np.isnat(log["ATTITUDE"]["_time"]).all()
     assert log["ATTITUDE"]["time_boot_ms"].tolist() == list(range(10))
 
 
-def test_the_kind_is_told_by_the_content_and_may_be_given(write):
+def test_the_format_is_detected_or_given(write):
     packets = encoded(ATTITUDES)
     for data, timestamped in ((stamped(packets), True), (b"".join(packets), False)):
         path = write(data)
@@ -172,7 +172,7 @@ def test_the_kind_is_told_by_the_content_and_may_be_given(write):
     assert open_log(write(stamped(packets)), timestamped=False).statistics.bad_bytes == 80
 
 
-def test_junk_at_the_start_does_not_hide_the_kind(write):
+def test_the_format_is_detected_after_junk(write):
     for junk in (b"\xfd", b"\xfe\xff", bytes(3), b"log started\r\n", bytes(8), encoded(ATTITUDES)[1][9:]):
         for make, timestamped in ((stamped, True), (b"".join, False)):
             log = open_log(write(junk + make(encoded(ATTITUDES))))
@@ -181,7 +181,7 @@ def test_junk_at_the_start_does_not_hide_the_kind(write):
             assert log.statistics.bad_bytes == len(junk)
 
 
-def test_the_dialect_is_all_unless_it_is_given(write, tmp_path):
+def test_the_default_dialect_is_all(write, tmp_path):
     path = write(stamped(encoded([ardupilotmega.Ahrs(), common.Heartbeat()])))
     assert set(open_log(path)) == {"AHRS", "HEARTBEAT"}
     for dialect in ("common", Dialect.load("common")):
@@ -210,7 +210,7 @@ def test_signed_and_mixed_versions_are_counted(write):
 # damage
 
 
-def test_files_that_cannot_be_read_are_told(tmp_path):
+def test_files_that_cannot_be_read_raise(tmp_path):
     for path in (tmp_path / "missing.tlog", tmp_path):
         with pytest.raises(LogError, match=path.name):
             open_log(path)
@@ -219,7 +219,7 @@ def test_files_that_cannot_be_read_are_told(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may read anything")
-def test_a_file_without_permission_is_told(write):
+def test_a_file_without_permission_raises(write):
     path = write(b"")
     path.chmod(0)
     with pytest.raises(LogError, match="ermission"):
@@ -236,11 +236,11 @@ def test_files_without_packets_are_empty_logs(write, data):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="no such device")
-def test_a_device_that_has_nothing_is_an_empty_log():
+def test_an_empty_device_is_an_empty_log():
     assert len(open_log("/dev/null")) == 0
 
 
-def test_a_file_cut_anywhere_gives_its_whole_packets(write):
+def test_a_truncated_file_gives_its_complete_packets(write):
     whole = stamped(encoded(ATTITUDES[:4]))
     ends = [0]
     for raw in encoded(ATTITUDES[:4]):
@@ -249,11 +249,11 @@ def test_a_file_cut_anywhere_gives_its_whole_packets(write):
         expected = sum(end <= cut for end in ends[1:])
         assert open_log(write(whole[:cut]), timestamped=True).counts.get("ATTITUDE", 0) == expected
         later = open_log(write(whole[cut:]), timestamped=True).counts.get("ATTITUDE", 0)
-        # Without some of its time a packet still counts.
+        # A packet with a truncated timestamp still counts.
         assert later == sum(start + 8 >= cut for start in ends[:-1])
 
 
-def test_times_out_of_order_stay_with_their_packets(write):
+def test_unordered_timestamps_stay_with_their_packets(write):
     times = [START, START + 5, START - 10**9, START + 7, 0, START + 3]
     packets = encoded(ATTITUDES[: len(times)])
     data = b"".join(time.to_bytes(8, "big") + raw for time, raw in zip(times, packets, strict=True))
@@ -268,7 +268,7 @@ def test_a_duration_is_never_negative(write):
     assert log.duration >= 0
 
 
-def test_junk_before_a_packet_without_time_is_no_time(write):
+def test_junk_before_a_packet_is_not_a_timestamp(write):
     packets = encoded(ATTITUDES[:3])
     data = stamped(packets[:1]) + b"\xff" * 20 + packets[1] + b"some junk here" + packets[2]
     log = open_log(write(data), timestamped=True)
@@ -276,7 +276,7 @@ def test_junk_before_a_packet_without_time_is_no_time(write):
     assert np.isnat(log["ATTITUDE"]["_time"]).tolist() == [False, True, True]
 
 
-def test_a_packet_without_its_time_among_others(write):
+def test_a_packet_without_timestamp_among_others(write):
     packets = encoded(ATTITUDES)
     data = stamped(packets[:5]) + packets[5] + stamped(packets[6:], START + 6000)
     log = open_log(write(data))
@@ -285,18 +285,18 @@ def test_a_packet_without_its_time_among_others(write):
     assert log.statistics.bad_bytes == 0
 
 
-def test_a_file_made_shorter_while_it_is_open_is_told_and_kills_no_one(write):
+def test_a_file_truncated_while_open_raises(write):
     path = write(stamped(encoded(ATTITUDES * 2000)))
     log = open_log(path)
     heartbeats = open_log(path)
     os.truncate(path, 100)
     for _ in range(2):
-        with pytest.raises(LogError, match="made shorter"):
+        with pytest.raises(LogError, match="truncated"):
             log["ATTITUDE"]
     assert heartbeats.counts == {"ATTITUDE": 20_000}
 
 
-def test_a_file_that_grows_while_it_is_open_stays_what_it_was(write):
+def test_a_file_that_grows_while_open_is_not_read_further(write):
     path = write(stamped(encoded(ATTITUDES)))
     log = open_log(path)
     with path.open("ab") as file:
@@ -318,7 +318,7 @@ pieces = st.lists(
 
 @settings(max_examples=50)
 @given(pieces, st.booleans())
-def test_a_log_is_what_the_parser_finds(tmp_path_factory, data, timestamped):
+def test_a_log_equals_the_packets_of_the_parser(tmp_path_factory, data, timestamped):
     path = tmp_path_factory.getbasetemp() / "property.tlog"
     path.write_bytes(data)
     log = open_log(path, "common", timestamped=timestamped)
@@ -337,7 +337,7 @@ def test_a_log_is_what_the_parser_finds(tmp_path_factory, data, timestamped):
 
 
 def large_log(seed):
-    """Over 4 MB with losses, late packets, junk and times that jump."""
+    """Return more than 4 MB with packet loss, late packets, junk and clock jumps."""
     rng = random.Random(seed)
     packets = []
     for component in (1, 2, 3):
@@ -356,7 +356,7 @@ def large_log(seed):
 
 
 @pytest.mark.parametrize("timestamped", [True, False])
-def test_threads_give_what_one_gives(write, timestamped):
+def test_several_threads_give_the_result_of_one(write, timestamped):
     path = write(large_log(1))
     one, two, many = (open_log(path, timestamped=timestamped, threads=number) for number in (1, 2, 5))
     for other in (two, many):
@@ -370,8 +370,8 @@ def test_threads_give_what_one_gives(write, timestamped):
     assert one.statistics.bad_bytes > 0
 
 
-def test_threads_count_loss_as_one_does(write):
-    """Also where a late packet stands at the border between two threads' parts."""
+def test_several_threads_count_loss_like_one(write):
+    """A late packet at the border between the segments of two threads is included."""
     heartbeats = encoded([common.Attitude(number) for number in range(256)])
     swapped = [heartbeats[number ^ 1] for number in range(256)]
     for offset in range(4):
@@ -380,10 +380,10 @@ def test_threads_count_loss_as_one_does(write):
         assert one.sources == two.sources
 
 
-# beside pymavlink
+# comparison with pymavlink
 
 
-def test_pymavlinks_reader_finds_the_same(write):
+def test_pymavlink_finds_the_same_packets(write):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from pymavlink import mavutil

@@ -1,4 +1,4 @@
-"""The recordings that are kept with the tests: still what makes them makes, and still read alike."""
+"""The recordings in the repository: still equal to the output of their generator, and decoded alike."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from mavstack.logs import open_log
 FOLDER = Path(__file__).parents[1] / "recordings"
 
 
-def test_they_are_what_their_maker_makes():
+def test_recordings_equal_the_output_of_their_generator():
     made = runpy.run_path(str(FOLDER / "make.py"))["recordings"]()
     assert {name: (FOLDER / name).read_bytes() for name in made} == made
     assert max(map(len, made.values())) < 8000
 
 
-def test_the_flight():
+def test_contents_of_the_flight():
     log = open_log(FOLDER / "flight.tlog")
     assert log.timestamped
     assert log.counts == {
@@ -45,7 +45,7 @@ def test_the_flight():
     assert log["PARAM_VALUE"]["param_id"][1] == b"PARAM_5"
 
 
-def test_the_link():
+def test_contents_of_the_link():
     log = open_log(FOLDER / "link.raw")
     assert not log.timestamped
     assert log.statistics.packets == 42

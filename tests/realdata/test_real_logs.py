@@ -1,7 +1,8 @@
-"""Recordings of real vehicles, which are no part of the project: run with MAVSTACK_REALDATA=/folder.
+"""Logs of real vehicles, which are not in the repository: run with MAVSTACK_REALDATA=/folder.
 
-The folder has a MANIFEST.md whose table says what pymavlink 2.4.50 finds in each file. A reader that finds
-its way back better finds more, never less; each difference is explained below, by what the file's bytes are.
+The table in MANIFEST.md of the folder lists what pymavlink 2.4.50 finds in each file. A reader that recovers
+faster after junk finds more packets, never fewer; each difference is explained below by the bytes of the
+file.
 """
 
 from __future__ import annotations
@@ -24,24 +25,24 @@ ROW = re.compile(
     r"bad (?P<bad_chunks>\d+)/(?P<bad_bytes>\d+) B, sources (?P<sources>\{[^}]*\}), (?P<duration>[\d.]+) s\."
 )
 
-#: What we find otherwise, and why.
+#: Our results that differ from the manifest, with the reasons.
 EXPLAINED = {
     "node_mavlink_data.mavlink": {
-        # Packets without times: pymavlink shows the autopilot's own clock, read from the messages.
+        # Packets without timestamps: pymavlink uses the clock of the autopilot in the messages.
         "duration": 0.0,
         # The file ends inside a packet, which pymavlink does not count.
         "bad_bytes": 11,
     },
     "sitl_px4main.tlog": {
-        # Newer definitions than pymavlink 2.4.50's: it has no header for ids that it does not know.
+        # Definitions newer than pymavlink 2.4.50, which decodes no header for unknown ids.
         "sources": {"1/1": 6640},
     },
     "dronekit_flight_replay.tlog": {
-        # As for all tlogs (see `bad_bytes_of`), and 19 bytes of a packet cut off at the end.
+        # As for all tlogs (see `bad_bytes_of`), and 19 bytes of a truncated packet at the end.
         "bad_bytes": 17082 + 8 * 1314 + 19,
     },
 }
-#: Ids that pymavlink 2.4.50 has no definition of, by their names in ours.
+#: Messages that pymavlink 2.4.50 does not define, by its name for them.
 NEWER = {
     "UNKNOWN_8": "LINK_NODE_STATUS",
     "UNKNOWN_290": "ESC_INFO",
@@ -51,17 +52,17 @@ NEWER = {
     "UNKNOWN_411": "CURRENT_EVENT_SEQUENCE",
     "UNKNOWN_514": "ESTIMATOR_SENSOR_FUSION_STATUS",
 }
-#: Bytes that look like packets but are of definitions that changed since, by their id.
+#: Number of packets of older definitions, which no longer pass their CRC, by message id.
 OLDER = {
-    # A camera manager of 2023 with an older CAMERA_INFORMATION and friends.
+    # A camera manager of 2023 with older CAMERA_ messages.
     "ardusub_small.tlog": {259: 1, 260: 1, 262: 1, 269: 1},
-    # A ground station of 2015 that sends five bytes as 142, once a second.
+    # A ground station of 2015 that sends five bytes with id 142 every second.
     "dronekit_flight_replay.tlog": {142: 1314},
 }
 
 
 def manifest():
-    """The rows of the manifest's table that are logs of packets, by file name."""
+    """Return the rows of the manifest's table that are logs of packets, by file name."""
     path = FOLDER / "MANIFEST.md"
     rows = {}
     for line in path.read_text().splitlines() if path.exists() else []:
@@ -78,12 +79,12 @@ each_log = pytest.mark.parametrize("name", list(LOGS) or ["none"])
 
 
 def bad_bytes_of(row):
-    """Our measure: pymavlink leaves out the eight bytes of time before a packet that it cannot read."""
+    """Return the expected bad bytes: pymavlink does not count the timestamp before a damaged packet."""
     return row["bad_bytes"] + 8 * row["bad_chunks"]
 
 
 @each_log
-def test_a_log_holds_what_the_manifest_says(name):
+def test_a_log_matches_the_manifest(name):
     row, explained, log = LOGS[name], EXPLAINED.get(name, {}), open_log(FOLDER / name)
     statistics = log.statistics
     assert sum(log.counts.values()) == statistics.packets == row["messages"]
@@ -99,7 +100,7 @@ def test_a_log_holds_what_the_manifest_says(name):
 
 
 @each_log
-def test_pymavlink_finds_the_same_of_each_message(name):
+def test_pymavlink_finds_as_many_of_each_message(name):
     from pymavlink import mavutil
 
     log = open_log(FOLDER / name)
@@ -141,7 +142,7 @@ def test_threads_and_the_parser_find_the_same(name, threads):
 
 
 @each_log
-def test_what_is_bad_is_of_older_definitions_or_cut_off(name):
+def test_bad_bytes_are_of_older_definitions_or_truncated(name):
     data, log = (FOLDER / name).read_bytes(), open_log(FOLDER / name)
     parser = Parser(Dialect.load("all"), timestamped=log.timestamped)
     position, stamp, ids = 0, 8 * log.timestamped, Counter()
@@ -154,14 +155,14 @@ def test_what_is_bad_is_of_older_definitions_or_cut_off(name):
     assert ids == OLDER.get(name, {})
 
 
-def test_a_log_of_2012_of_other_definitions_is_an_empty_one():
-    """Times in the other byte order, and no packet whose checksum is right: pymavlink finds none either."""
+def test_a_log_of_2012_with_other_definitions_is_empty():
+    """Its timestamps have the other byte order, and no checksum is valid; pymavlink finds no packets either."""
     log = open_log(FOLDER / "pymavlink_js_capture.mavlink")
     assert (len(log), log.unknown, log.statistics.packets) == (0, {}, 0)
     assert log.statistics.bad_bytes == log.size
 
 
-def test_other_files_are_empty_logs_and_break_nothing():
+def test_other_files_are_empty_logs():
     for path in FOLDER.iterdir():
         if path.name in LOGS or not path.is_file():
             continue

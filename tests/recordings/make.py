@@ -1,7 +1,7 @@
-"""Writes the recordings of this folder: `python tests/recordings/make.py`; the same bytes on every run.
+"""Generator of the recordings in this folder: `python tests/recordings/make.py`; each run writes equal bytes.
 
-Small, and with everything that real recordings have: both versions mixed, several sources, losses, junk, a
-signed packet, an unknown id, a packet cut off at each end, a step of the clock.
+The recordings are small and contain the properties of real ones: both versions mixed, several sources, packet
+loss, junk, a signed packet, an unknown id, a truncated packet at each end, a clock jump.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from mavstack.wire import crc16
 
 FOLDER = Path(__file__).parent
 START = 1_700_000_000_000_000
-#: A message that no dialect has, of a source of its own.
+#: A message that is in no dialect, of a separate source.
 UNKNOWN = bytes.fromhex("fd060000 00 01bf ffff4a") + b"opaque"
 AUTOPILOT, CAMERA, GROUND = (1, 1), (1, 100), (255, 190)
 
 
 class Recorder:
-    """Packets with their times; one encoder a source and version."""
+    """A recorder of packets with their timestamps; each source counts its own sequence numbers."""
 
     def __init__(self, *, timestamped: bool) -> None:
         self.data = bytearray()
@@ -31,7 +31,7 @@ class Recorder:
         self.signing = mavstack.Signing(bytes(range(32)), 2, timestamp=27_990_000_000_000)
 
     def add(self, message, source=AUTOPILOT, *, version=2, lost=0, signed=False) -> None:
-        """Records a packet, after `lost` ones that were not heard."""
+        """Record a packet, after `lost` packets that were not received."""
         sequence = self.sequences.get(source, 0) + lost
         self.sequences[source] = sequence + 1
         system, component = source
@@ -46,7 +46,7 @@ class Recorder:
         self.raw(raw)
 
     def raw(self, data: bytes) -> None:
-        """Records bytes as one packet."""
+        """Record bytes as one packet."""
         if self.timestamped:
             self.data += self.now.to_bytes(8, "big")
         self.data += data
@@ -54,8 +54,8 @@ class Recorder:
 
 
 def flight(recorder: Recorder, rng: random.Random, steps: int) -> None:
-    """A short flight as three sources tell it."""
-    recorder.data += b"\x03\x51\x04\x03\x9c\x1d"  # the end of a packet whose start was not recorded
+    """Return a short flight with packets of three sources."""
+    recorder.data += b"\x03\x51\x04\x03\x9c\x1d"  # the end of a packet that began before the recording
     for step in range(steps):
         roll, height = rng.uniform(-0.5, 0.5), 584_000 + step * 100
         recorder.add(common.Attitude(step * 100, roll, -roll, 1.5, 0.01, 0.02, 0.03), lost=int(step == 7))
@@ -80,7 +80,7 @@ def flight(recorder: Recorder, rng: random.Random, steps: int) -> None:
 
 
 def recordings() -> dict[str, bytes]:
-    """All recordings by their file names."""
+    """Return all recordings by file name."""
     made = {}
     for name, timestamped, steps in (("flight.tlog", True, 24), ("link.raw", False, 12)):
         recorder = Recorder(timestamped=timestamped)

@@ -1,4 +1,4 @@
-"""Keys are kept, never shown."""
+"""Signing keys are never shown."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SECRET = bytes(range(0xA0, 0xC0))
 
 
 def forms(secret):
-    """How a key could be seen in a text."""
+    """Return the forms in which a key could appear in a text."""
     return (
         repr(secret)[2:-1],
         secret.hex(),
@@ -37,7 +37,7 @@ def assert_hidden(text, secret=SECRET):
         assert form[-16:] not in text
 
 
-def test_a_key_is_made_of_32_bytes_hex_or_a_passphrase():
+def test_a_key_is_created_from_bytes_hex_or_a_passphrase():
     key = SigningKey(SECRET)
     assert key == SigningKey.from_hex(SECRET.hex()) == SigningKey(bytearray(SECRET))
     assert key.secret_bytes() == SECRET
@@ -50,7 +50,7 @@ def test_a_key_is_made_of_32_bytes_hex_or_a_passphrase():
         hash(key)
 
 
-def test_no_text_of_a_key_holds_it(caplog):
+def test_no_text_of_a_key_contains_it(caplog):
     key = SigningKey(SECRET)
     signing = key.signing(3)
     with caplog.at_level(logging.DEBUG):
@@ -83,19 +83,19 @@ def test_no_text_of_a_key_holds_it(caplog):
         lambda: copy.deepcopy({"key": SigningKey(SECRET)}),
     ],
 )
-def test_no_error_holds_a_key(action):
+def test_no_error_contains_a_key(action):
     with pytest.raises(SigningError) as failure:
         action()
     error = failure.value
     assert isinstance(error, MavstackError)
     assert isinstance(error, ValueError)
     assert_hidden("".join(traceback.format_exception_only(error)))
-    # Nor does the error that it was made from, whose text a traceback would show.
+    # The original error must not contain it either, because a traceback shows it.
     assert error.__cause__ is None
     assert error.__suppress_context__ or error.__context__ is None
 
 
-def test_signing_is_not_pickled():
+def test_signing_cannot_be_pickled():
     with pytest.raises(TypeError) as failure:
         pickle.dumps(SigningKey(SECRET).signing())
     assert_hidden(str(failure.value))
@@ -119,7 +119,7 @@ def test_the_message_that_carries_a_key_does_not_show_it(caplog):
     assert packet.message.secret_key == SECRET, "it is there for who asks for it"
 
 
-def test_a_key_message_read_from_a_users_xml_does_not_show_it(tmp_path):
+def test_a_key_message_of_a_custom_dialect_does_not_show_it(tmp_path):
     path = tmp_path / "mine.xml"
     path.write_text(
         '<mavlink><messages><message id="256" name="SETUP_SIGNING">'
@@ -143,7 +143,7 @@ def test_an_error_about_the_key_field_does_not_show_it(wrong):
 # files
 
 
-def test_key_files_are_for_their_owner_only(tmp_path):
+def test_key_files_are_readable_by_their_owner_only(tmp_path):
     path = tmp_path / "link.key"
     old = os.umask(0)
     try:
@@ -165,7 +165,7 @@ def test_key_files_are_never_overwritten(tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="symbolic links")
-def test_a_key_is_not_written_through_a_link(tmp_path):
+def test_a_key_is_not_written_through_a_symbolic_link(tmp_path):
     target = tmp_path / "elsewhere"
     (tmp_path / "link.key").symlink_to(target)
     with pytest.raises(SigningError):
@@ -176,7 +176,7 @@ def test_a_key_is_not_written_through_a_link(tmp_path):
 @pytest.mark.parametrize(
     "content", [b"", SECRET, SECRET.hex()[:-2].encode(), b"key: " + SECRET.hex().encode(), b"\xff" * 64]
 )
-def test_a_damaged_key_file_is_told_without_its_content(tmp_path, content):
+def test_a_damaged_key_file_raises_without_its_content(tmp_path, content):
     path = tmp_path / "link.key"
     path.write_bytes(content)
     with pytest.raises(SigningError, match=r"link\.key") as failure:
@@ -185,7 +185,7 @@ def test_a_damaged_key_file_is_told_without_its_content(tmp_path, content):
     assert failure.value.__suppress_context__
 
 
-def test_a_missing_key_file_is_told(tmp_path):
+def test_a_missing_key_file_raises(tmp_path):
     for path in (tmp_path / "none.key", tmp_path):
         with pytest.raises(SigningError, match=str(path.name)):
             SigningKey.load(path)

@@ -1,4 +1,4 @@
-"""What is recorded of packets that carry a secret."""
+"""Recorded bytes of packets that carry a secret."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import pytest
 
 import mavstack
 from mavstack.dialects import ardupilotmega, common, minimal
-from mavstack.dialects.secrets import SECRET_IDS, SECRETS
-from mavstack.security import redacted
+from mavstack.dialects.secrets import SECRET_FIELDS, SECRET_IDS
+from mavstack.security import redact
 
 SECRET = b"K" * 32
 SETUP = common.SetupSigning(target_system=1, target_component=2, secret_key=SECRET, initial_timestamp=99)
@@ -19,17 +19,17 @@ def packet_of(message, dialect=common, **header):
     return packet
 
 
-def test_packets_without_secrets_stay_as_they_came():
+def test_packets_without_secrets_are_unchanged():
     for packet in (packet_of(common.Heartbeat()), packet_of(common.Attitude(), minimal)):
-        assert redacted(packet) == packet.raw
+        assert redact(packet) == packet.raw
 
 
-# `minimal` does not have the message: what it cannot name is a secret all the same.
+# `minimal` lacks the message, which is redacted by its id.
 @pytest.mark.parametrize("dialect", [common, ardupilotmega, minimal])
 @pytest.mark.parametrize("signing", [None, mavstack.Signing(bytes(32))])
-def test_a_key_is_blanked_whatever_the_dialect_and_the_signature(dialect, signing):
+def test_a_key_is_blanked_for_any_dialect_and_signature(dialect, signing):
     packet = packet_of(SETUP, dialect, signing=signing)
-    recorded = redacted(packet)
+    recorded = redact(packet)
     assert SECRET[:2] not in recorded
     (again,) = mavstack.Parser(common).feed(recorded)
     blanked = (
@@ -40,7 +40,7 @@ def test_a_key_is_blanked_whatever_the_dialect_and_the_signature(dialect, signin
     assert packet.raw != recorded, "what is to be acted on keeps it"
 
 
-def test_an_id_that_a_users_dialect_gives_to_another_message_is_no_secret(tmp_path):
+def test_an_id_of_another_message_in_a_custom_dialect_is_not_redacted(tmp_path):
     path = tmp_path / "mine.xml"
     path.write_text(
         '<mavlink><messages><message id="256" name="MINE"><field type="uint8_t[32]" name="a"/></message>'
@@ -48,19 +48,19 @@ def test_an_id_that_a_users_dialect_gives_to_another_message_is_no_secret(tmp_pa
     )
     dialect = mavstack.Dialect.from_xml(path)
     packet = packet_of(dialect["MINE"](a=SECRET), dialect)
-    assert redacted(packet) == packet.raw
+    assert redact(packet) == packet.raw
 
 
-def test_only_the_secret_of_a_message_is_blanked():
+def test_only_secret_fields_are_blanked():
     packet = packet_of(common.WifiConfigAp(ssid="drone", password="hunter2secret"))
-    (again,) = mavstack.Parser(common).feed(redacted(packet))
+    (again,) = mavstack.Parser(common).feed(redact(packet))
     assert again.message == common.WifiConfigAp(ssid="drone")
     assert "hunter2secret" not in repr(packet.message)
 
 
-def test_secret_messages_and_fields_and_ids_are_those_of_the_definitions():
+def test_secret_fields_and_ids_match_the_definitions():
     dialect = mavstack.Dialect.load("all")
-    definitions = [dialect[name].definition for name in SECRETS]
+    definitions = [dialect[name].definition for name in SECRET_FIELDS]
     assert {definition.id for definition in definitions} == SECRET_IDS
     for definition in definitions:
-        assert SECRETS[definition.name] <= {field.name for field in definition.fields}
+        assert SECRET_FIELDS[definition.name] <= {field.name for field in definition.fields}

@@ -1,4 +1,4 @@
-"""The signing clock on disk."""
+"""The signing timestamp on disk."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def store(tmp_path):
     return TimestampStore(tmp_path / "clock")
 
 
-def test_nothing_stored_is_zero(store):
+def test_a_missing_file_reads_as_zero(store):
     assert store.load() == 0
     assert not store.path.exists()
 
 
-def test_it_only_moves_forward(store):
+def test_the_timestamp_only_increases(store):
     for timestamp, stored in (
         (5, 5),
         (3, 5),
@@ -44,7 +44,7 @@ def test_it_only_moves_forward(store):
 @pytest.mark.parametrize(
     "damage", [b"", b"x", b"-1", b"1.5", b"12\n34", b"\xff", b"0" * 99, b"9" * 5000, b"281474976710656"]
 )
-def test_a_damaged_file_is_told_and_kept(store, damage):
+def test_a_damaged_file_raises_and_is_kept(store, damage):
     store.path.write_bytes(damage)
     for action in (store.load, lambda: store.store(5)):
         with pytest.raises(SigningError, match="clock"):
@@ -53,21 +53,21 @@ def test_a_damaged_file_is_told_and_kept(store, damage):
 
 
 @pytest.mark.parametrize("wrong", [-1, MAX_TIMESTAMP + 1])
-def test_what_is_no_timestamp_is_not_stored(store, wrong):
+def test_an_invalid_timestamp_is_not_stored(store, wrong):
     with pytest.raises(SigningError, match="48 bits"):
         store.store(wrong)
     assert store.load() == 0
 
 
-def test_a_file_that_cannot_be_read_or_written_is_told(tmp_path):
+def test_a_file_that_cannot_be_read_or_written_raises(tmp_path):
     with pytest.raises(SigningError):
         TimestampStore(tmp_path).load()
-    with pytest.raises(SigningError, match="cannot be written"):
+    with pytest.raises(SigningError, match="cannot write"):
         TimestampStore(tmp_path / "no" / "folder").store(5)
 
 
 @pytest.mark.parametrize("step", ["fsync", "replace"])
-def test_a_failure_half_way_leaves_the_old_value(store, monkeypatch, step):
+def test_an_interrupted_write_leaves_the_old_value(store, monkeypatch, step):
     store.store(5)
 
     def fail(*_arguments):
@@ -82,7 +82,7 @@ def test_a_failure_half_way_leaves_the_old_value(store, monkeypatch, step):
     assert store.load() == 7
 
 
-def test_a_reader_never_sees_half_a_value(store):
+def test_a_reader_never_sees_a_partial_value(store):
     store.store(1)
     seen, done = set(), threading.Event()
 
@@ -100,24 +100,24 @@ def test_a_reader_never_sees_half_a_value(store):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="permissions")
-def test_the_clock_is_no_secret_but_nobody_else_writes_it(store):
+def test_others_may_read_the_timestamp_but_not_write_it(store):
     store.store(5)
     assert store.path.stat().st_mode & 0o022 == 0
 
 
-def test_a_link_that_starts_again_goes_on_where_it_was(store):
+def test_a_restarted_link_continues_after_the_stored_timestamp(store):
     now = 1_750_000_000.0
     first = mavstack.Signing(bytes(32), timestamp=store.load())
     mavstack.encode(common.Heartbeat(), system=1, component=1, signing=first, now=now)
     store.store(first.timestamp)
-    # After the restart the clock of the machine is an hour behind.
+    # After the restart the system clock is an hour behind.
     second = mavstack.Signing(bytes(32), timestamp=store.load())
     raw = mavstack.encode(common.Heartbeat(), system=1, component=1, signing=second, now=now - 3600)
     assert int.from_bytes(raw[-12:-6], "little") == timestamp_at(now) + 1
 
 
 @given(st.floats(0, 4e9))
-def test_python_and_the_core_count_time_alike(now):
+def test_python_and_the_core_convert_times_alike(now):
     signing = mavstack.Signing(bytes(32))
     mavstack.encode(common.Heartbeat(), system=1, component=1, signing=signing, now=now)
     assert signing.timestamp == max(1, timestamp_at(now))

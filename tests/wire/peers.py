@@ -1,4 +1,4 @@
-"""pymavlink as a peer: its generator run on our definitions, its modules made of what it writes."""
+"""pymavlink as a peer: modules that its generator writes from our definitions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DEFINITIONS = Path(mavstack.dialects.__file__).parent / "definitions"
 
 
 def generate(dialect: str, wire_protocol: str, folder: Path) -> ModuleType:
-    """pymavlink's module for one of our definition files."""
+    """Return the module of pymavlink for one of our definition files."""
     from pymavlink.generator import mavgen
 
     path = folder / f"peer_{dialect}_{wire_protocol[0]}.py"
@@ -26,7 +26,7 @@ def generate(dialect: str, wire_protocol: str, folder: Path) -> ModuleType:
     with contextlib.redirect_stdout(io.StringIO()):
         assert mavgen.mavgen(options, [str(DEFINITIONS / f"{dialect}.xml")])
     text = path.read_text("utf-8")
-    # The second half is a method to encode and one to send each message: not needed, and slow to compile.
+    # The second half has methods to encode and send each message, which are not needed and slow to compile.
     codec = text.index("class MAVLink(object)")
     methods = re.compile(r"^    def \w+_encode\(self", re.MULTILINE).search(text, codec)
     text = text[: methods.start()] if methods else text
@@ -36,28 +36,28 @@ def generate(dialect: str, wire_protocol: str, folder: Path) -> ModuleType:
 
 
 def link(module: ModuleType, system: int = 1, component: int = 1) -> Any:
-    """One end of a pymavlink link; `robust_parsing` off, so that whatever it cannot read raises."""
+    """Return one end of a pymavlink link, without `robust_parsing`, so that damaged input raises."""
     return module.MAVLink(None, srcSystem=system, srcComponent=component)
 
 
 def argument(field: FieldDefinition, value: Any) -> Any:
-    """A field's value as pymavlink's constructors take it."""
+    """Convert a field value to the form of pymavlink's constructors."""
     if field.type == "char":
         return value if field.array_length else value or b"\0"
     if isinstance(value, bytes | tuple):
-        # Its generator makes no difference between an array of one element and a single value.
+        # Its generator does not distinguish an array of one element from a single value.
         return list(value) if len(value) > 1 else value[0]
     return value
 
 
 def message(module: ModuleType, message_id: int, fields: dict[FieldDefinition, Any]) -> Any:
-    """pymavlink's message; `fields` must be those that its module has, in the order of the definition."""
+    """Create a message of pymavlink; `fields` must be those of its module, in the order of the definition."""
     made = module.mavlink_map[message_id]
     return made(*[argument(field, value) for field, value in fields.items()])
 
 
 def raw_value(message: Any, field: FieldDefinition) -> Any:
-    """What pymavlink read, texts as the bytes that came."""
+    """Return the fields that pymavlink read, with texts as raw bytes."""
     if field.type == "char":
         return getattr(message, f"_{field.name}_raw")
     value = getattr(message, field.name)

@@ -1,8 +1,8 @@
-"""Every message of every official dialect, byte for byte and field for field against pymavlink.
+"""Every message of every official dialect, compared with pymavlink byte for byte and field for field.
 
-pymavlink's generator is run on our definition files, once for each wire version: a MAVLink 2 module that is
-forced to version 1 sends the extensions too (`test_forced_version_1_of_pymavlink_sends_extensions`), which
-no version 1 receiver expects; its MAVLink 1 modules do what the specification says, and lack ids over 255.
+pymavlink's generator runs on our definition files, once per wire version: a MAVLink 2 module that is forced
+to version 1 sends the extensions too (`test_forced_version_1_of_pymavlink_sends_extensions`), which no
+version 1 receiver expects. Its MAVLink 1 modules follow the specification, and lack ids above 255.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def _read_equally(message: Any, theirs: Any, values: dict[Any, Any]) -> None:
 
 
 def _exchange(dialect: Dialect, module: ModuleType, version: int) -> int:
-    """Sends every message with every case of values both ways; gives the number of messages compared."""
+    """Send every message with every set of values in both directions; return the number of messages."""
     parser = mavstack.Parser(dialect)
     compared = 0
     for message_class in dialect:
@@ -83,8 +83,8 @@ def _exchange(dialect: Dialect, module: ModuleType, version: int) -> int:
 
 @pytest.mark.parametrize("version", [1, 2])
 @pytest.mark.parametrize("name", official_names())
-def test_every_message_both_ways(name: str, version: int, tmp_path: Path) -> None:
-    """CRC_EXTRA and length of all messages, then the bytes and fields of each, with every case of values."""
+def test_every_message_in_both_directions(name: str, version: int, tmp_path: Path) -> None:
+    """CRC_EXTRA and length of all messages, then bytes and fields of each with every set of values."""
     dialect, module = Dialect.load(name), peers.generate(name, f"{version}.0", tmp_path)
     definitions = [message.definition for message in dialect if version == 2 or message.definition.id < 256]
     ours = {
@@ -100,15 +100,15 @@ def test_every_message_both_ways(name: str, version: int, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("name", official_names())
-def test_version_1_refuses_every_larger_id(name: str) -> None:
+def test_version_1_refuses_every_id_above_255(name: str) -> None:
     for message_class in Dialect.load(name):
         if message_class.definition.id > 255:
             with pytest.raises(EncodeError, match="over 255"):
                 mavstack.encode(message_class(), system=1, component=1, version=1)
 
 
-def test_every_message_survives_python() -> None:
-    """Text, dictionary, JSON, copy and pickle of a message hold what its payload holds."""
+def test_every_message_survives_python_conversions() -> None:
+    """Text, dictionary, JSON, copy and pickle of a message preserve its payload."""
     for message_class in Dialect.load("all"):
         made = random_message(message_class)
         assert message_class.from_payload(made.to_payload()) == made
@@ -117,7 +117,7 @@ def test_every_message_survives_python() -> None:
         assert made.replace() == made
         assert repr(made).startswith(f"{message_class.__name__}(")
         values = made.to_dict(enums="value")
-        # A text cut inside a character reads with a replacement that is longer than the cut: see test_traps.
+        # A text truncated inside a character reads shorter than it is: see test_pitfalls.
         values |= {field.name: "x" for field in message_class.definition.fields if field.type == "char"}
         again = message_class.from_json(message_class.from_dict(values).to_json()).to_dict(enums="value")
         for field in message_class.definition.fields:
@@ -125,14 +125,14 @@ def test_every_message_survives_python() -> None:
 
 
 def _exact(value: Any, kind: str) -> Any:
-    """The value bit for bit, but for what JSON cannot say: which NaN it is."""
+    """Compare values bit for bit, except the payload of a NaN, which JSON cannot express."""
     if isinstance(value, float):
         return comparable(math.nan if math.isnan(value) else value, kind)
     return [_exact(element, kind) for element in value] if isinstance(value, tuple) else value
 
 
 def test_forced_version_1_of_pymavlink_sends_extensions(tmp_path: Path) -> None:
-    """The peer deviates here: its packets are longer than version 1 has them; we read them all the same."""
+    """Here pymavlink deviates: its packets are longer than in version 1; our parser accepts them."""
     module = peers.generate("common", "2.0", tmp_path)
     fields = common.Statustext.definition.fields
     values = dict(zip(fields, (4, b"chunked", 5, 1), strict=True))
@@ -148,11 +148,11 @@ def test_forced_version_1_of_pymavlink_sends_extensions(tmp_path: Path) -> None:
     assert packet.message.text == "chunked"
 
 
-def test_the_definitions_that_pymavlink_ships_agree() -> None:
-    """Its own copy of the official definitions is a second opinion: older, so last fields may be missing."""
+def test_the_definitions_of_pymavlink_agree() -> None:
+    """Its copy of the official definitions is older, so that the last fields may be missing."""
     from pymavlink.dialects.v20 import all as shipped
 
-    # 53 was dropped from the official definitions.
+    # Id 53 was removed from the official definitions.
     known = {number: peer for number, peer in shipped.mavlink_map.items() if number != 53}
     dialect = Dialect.load("all")
     for number, peer in known.items():
@@ -183,7 +183,7 @@ def _damaged_stream(rng: random.Random) -> bytes:
     return bytes(stream)
 
 
-def test_damaged_streams_give_no_fewer_messages_than_pymavlink_finds() -> None:
+def test_damaged_streams_give_at_least_the_messages_of_pymavlink() -> None:
     from pymavlink.dialects.v20 import common as peer
 
     rng, more = random.Random(11), 0

@@ -1,4 +1,4 @@
-"""What must hold of parsers for any stream and any way of cutting it, seen from Python."""
+"""Properties of the parser for random streams and random chunks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import mavstack
 from mavstack.dialects import Dialect, common, minimal
 from mavstack.wire import Packet
 
-from . import forge
+from . import raw_packets
 from .values import CASES, random_message
 
 MESSAGES = tuple(Dialect.load("common"))
@@ -27,14 +27,14 @@ messages = st.builds(random_message, st.sampled_from(MESSAGES), st.sampled_from(
 
 @st.composite
 def packets(draw):
-    """One whole packet of any kind, and what it is."""
+    """Draw one complete packet of any kind, with its properties."""
     kind = draw(st.sampled_from(("v2", "v2", "v1", "signed", "unknown")))
     system, component = draw(st.sampled_from(SOURCES))
     sequence = draw(st.integers(0, 255))
     if kind == "unknown":
-        # Only an id that is unknown and a payload without magics is certainly taken for what it is.
+        # A packet of an unknown id is certainly accepted only if its payload contains no magic.
         payload = bytes(draw(st.lists(st.integers(0, 200), max_size=30)))
-        return forge.version_2(
+        return raw_packets.version_2(
             0x50000 + sequence, payload, 7, system=system, component=component, sequence=sequence
         )
     message = draw(messages)
@@ -66,7 +66,7 @@ def cut(data, places):
 
 
 @given(streams, st.lists(st.integers(0, 5000), max_size=10), buffers, st.booleans())
-def test_chunks_make_no_difference(stream, places, buffer, timestamped):
+def test_chunking_does_not_change_the_result(stream, places, buffer, timestamped):
     whole, parser = run([stream], timestamped=timestamped)
     for chunks in (cut(stream, places), [stream[i : i + 1] for i in range(len(stream))]):
         again, other = run(map(buffer, chunks), timestamped=timestamped)
@@ -78,7 +78,7 @@ def test_chunks_make_no_difference(stream, places, buffer, timestamped):
 
 
 @given(streams)
-def test_every_byte_is_counted_once_and_every_packet_can_be_read(stream):
+def test_every_byte_is_counted_once(stream):
     found, parser = run([stream])
     statistics = parser.statistics
     assert statistics.packets == len(found) == statistics.version_1 + statistics.version_2
@@ -94,12 +94,12 @@ def test_every_byte_is_counted_once_and_every_packet_can_be_read(stream):
 
 
 @given(st.binary(max_size=3000), st.booleans())
-def test_garbage_never_raises(data, timestamped):
+def test_random_bytes_never_raise(data, timestamped):
     run([data], timestamped=timestamped)
 
 
 @given(st.lists(st.tuples(no_magic, packets()), max_size=6), no_magic)
-def test_garbage_between_packets_hides_none(pieces, tail):
+def test_garbage_between_packets_hides_no_packet(pieces, tail):
     found, parser = run([b"".join(junk + packet for junk, packet in pieces) + tail])
     assert [packet.raw for packet in found] == [packet for _, packet in pieces]
     assert parser.statistics.bad_bytes == sum(len(junk) for junk, _ in pieces) + len(tail)
@@ -111,10 +111,10 @@ def test_garbage_between_packets_hides_none(pieces, tail):
     assert {source: (item.received, item.bytes) for source, item in parser.sources.items()} == expected
 
 
-# A damaged packet passes its CRC once in 65,536 times: with the same examples each time, never or always.
+# A damaged packet passes its CRC once in 65,536 times; derandomized, the result is the same in each run.
 @settings(derandomize=True)
 @given(st.lists(messages, min_size=3, max_size=6), st.integers(0, 10_000), st.integers(1, 255))
-def test_one_damaged_byte_costs_one_packet_at_most(contents, place, change):
+def test_one_damaged_byte_loses_at_most_one_packet(contents, place, change):
     encoder = mavstack.Encoder(1, 1)
     sent = [encoder.encode(message) for message in contents]
     stream = bytearray(b"".join(sent))
@@ -137,7 +137,7 @@ def test_a_stream_may_begin_and_end_inside_a_packet(first, second, cut_at):
 
 
 @given(messages, st.sampled_from((1, 2)), st.integers(0, 255))
-def test_parsing_what_was_encoded_gives_the_message(message, version, sequence):
+def test_encoding_and_parsing_preserves_the_message(message, version, sequence):
     if version == 1 and message.definition.id > 255:
         version = 2
     raw = mavstack.encode(message, system=3, component=4, sequence=sequence, version=version)
@@ -159,8 +159,8 @@ def test_parsing_what_was_encoded_gives_the_message(message, version, sequence):
         st.tuples(no_magic.filter(lambda junk: len(junk) < 8), st.integers(0, 2**53), packets()), max_size=5
     )
 )
-def test_the_eight_bytes_before_a_packet_are_its_time(pieces):
-    # Times below 2000 are kept as they are: microseconds since boot.
+def test_the_eight_bytes_before_a_packet_are_its_timestamp(pieces):
+    # Times before the year 2000 are kept: they are microseconds since boot.
     stream = b"".join(junk + stamp.to_bytes(8, "big") + raw for junk, stamp, raw in pieces)
     if any(byte in (0xFD, 0xFE) for _, stamp, _ in pieces for byte in stamp.to_bytes(8, "big")):
         return
@@ -168,7 +168,7 @@ def test_the_eight_bytes_before_a_packet_are_its_time(pieces):
     assert [packet.raw for packet in found] == [raw for _, _, raw in pieces]
     for packet, (junk, stamp, _) in zip(found, pieces, strict=True):
         swapped = int.from_bytes(stamp.to_bytes(8, "big"), "little")
-        # Behind junk only a believable time is one.
+        # After junk only a plausible time is accepted.
         assert packet.timestamp in (stamp, swapped) or (packet.timestamp is None and junk)
 
 
@@ -185,15 +185,15 @@ def test_the_eight_bytes_before_a_packet_are_its_time(pieces):
         lambda data: memoryview(data).cast("B", (len(data), 1)),
     ],
 )
-def test_any_buffer_of_bytes_is_taken(view):
+def test_any_byte_buffer_is_accepted(view):
     raw = mavstack.encode(common.Attitude(roll=0.5), system=1, component=1)
     assert [packet.raw for packet in mavstack.Parser(common).feed(view(raw))] == [raw]
     assert Packet(view(raw), common).raw == raw
     assert common.Attitude.from_payload(view(raw[10:-2])) == common.Attitude(roll=0.5)
-    assert mavstack.wire.crc16(view(raw)) == forge.crc(raw)
+    assert mavstack.wire.crc16(view(raw)) == raw_packets.crc(raw)
 
 
-def test_a_memory_map_is_taken(tmp_path):
+def test_a_memory_map_is_accepted(tmp_path):
     path = tmp_path / "raw"
     raw = mavstack.encode(common.Heartbeat(), system=1, component=1)
     path.write_bytes(raw * 3)
@@ -202,7 +202,7 @@ def test_a_memory_map_is_taken(tmp_path):
 
 
 @pytest.mark.parametrize("wrong", ["text", None, 5, [1, 2], array.array("d", [1.0]), np.zeros(3, "i8")])
-def test_what_is_no_buffer_of_bytes_raises_and_the_parser_goes_on(wrong):
+def test_a_wrong_argument_raises_and_keeps_the_parser_state(wrong):
     parser = mavstack.Parser(common)
     raw = mavstack.encode(common.Heartbeat(), system=1, component=1)
     parser.feed(raw[:5])
@@ -211,7 +211,7 @@ def test_what_is_no_buffer_of_bytes_raises_and_the_parser_goes_on(wrong):
     assert len(parser.feed(raw[5:])) == 1
 
 
-def test_packets_do_not_change_with_the_buffer_they_came_in():
+def test_packets_do_not_share_the_buffer_of_the_caller():
     raw = mavstack.encode(common.Attitude(roll=0.5), system=1, component=1)
     buffer = bytearray(raw)
     (packet,) = mavstack.Parser(common).feed(buffer)
@@ -219,14 +219,14 @@ def test_packets_do_not_change_with_the_buffer_they_came_in():
     assert (packet.raw, packet.message.roll) == (raw, 0.5)
 
 
-def test_a_packet_is_made_of_exactly_one_packet():
+def test_a_packet_is_created_from_exactly_one_packet():
     raw = mavstack.encode(common.Heartbeat(), system=1, component=1)
     for wrong in (b"", raw[:-1], raw + b"x", raw + raw, b"x" + raw, raw[:-1] + b"\0"):
-        with pytest.raises(ValueError, match="one whole"):
+        with pytest.raises(ValueError, match="exactly one valid"):
             Packet(wrong, common)
 
 
-def test_dialects_are_chosen_by_parser():
+def test_each_parser_has_its_own_dialect():
     raw = mavstack.encode(common.Attitude(roll=0.5), system=1, component=1)
     small, large = mavstack.Parser(minimal), mavstack.Parser(common)
     assert small.feed(raw)[0].message is None
@@ -236,7 +236,7 @@ def test_dialects_are_chosen_by_parser():
         mavstack.Parser("common")
 
 
-def test_flush_ends_a_stream_and_the_next_begins_afresh():
+def test_flush_ends_a_stream_and_resets_the_parser():
     parser = mavstack.Parser(common)
     raw = mavstack.encode(common.Heartbeat(), system=1, component=1)
     assert parser.feed(b"\xfd\xff\0\0" + raw) == []

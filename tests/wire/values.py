@@ -1,4 +1,4 @@
-"""Values for messages: zeros, extremes, random ones, as both peers of a comparison take them."""
+"""Field values for comparisons: zeros, extremes and random values, in the form of both peers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.dialects.model import FieldDefinition
 
-#: struct codes of the wire types that hold numbers.
+#: struct codes of the numeric wire types.
 CODES = {
     "uint8_t": "B",
     "uint8_t_mavlink_version": "B",
@@ -31,7 +31,7 @@ _TEXTS = (b"", b"a", b"one\0junk", "Höhe 12 µm".encode(), b"\xff\xfe", b"\xc3"
 
 
 def limits(kind: str) -> tuple[Any, Any]:
-    """Smallest and largest value of a type."""
+    """Return the minimum and maximum of a type."""
     code = CODES[kind]
     if code in "fd":
         largest = struct.unpack("<" + code, {"f": b"\xff\xff\x7f\x7f", "d": b"\xff" * 6 + b"\xef\x7f"}[code])[
@@ -50,7 +50,7 @@ def _float(rng: random.Random, code: str) -> float:
     while True:
         pattern = rng.randbytes(size)
         value = struct.unpack("<" + code, pattern)[0]
-        # A signalling NaN becomes a quiet one on its way through a register: no peer keeps it.
+        # A signalling NaN becomes a quiet one in a register, so no peer preserves it.
         if not math.isnan(value) or struct.pack("<" + code, value) == pattern:
             return value
 
@@ -78,7 +78,7 @@ def _text(rng: random.Random, length: int, case: str) -> bytes:
 
 
 def field_value(rng: random.Random, field: FieldDefinition, case: str) -> Any:
-    """A value of one field, in the form that mavstack takes (text as bytes)."""
+    """Return a value of one field in the form of mavstack (texts as bytes)."""
     if case == "base only":
         case = "zero" if field.extension else "random"
     if case == "half":
@@ -92,18 +92,18 @@ def field_value(rng: random.Random, field: FieldDefinition, case: str) -> Any:
 
 
 def field_values(message: type[Message], case: str, seed: object = "") -> dict[str, Any]:
-    """Values of all fields of a message by their official names; the same each time."""
+    """Return reproducible values of all fields of a message by name."""
     rng = random.Random(f"{seed}/{message.__name__}/{case}")
     return {field.name: field_value(rng, field, case) for field in message.definition.fields}
 
 
 def random_message(message: type[Message], case: str = "random", seed: object = "") -> Message:
-    """A message whose fields are set to `field_values`."""
+    """Create a message with the given field values."""
     return message(*field_values(message, case, seed).values())
 
 
 def comparable(value: Any, kind: str) -> Any:
-    """A value in a form for which `==` means the same bytes on the wire."""
+    """Convert a value to a form for which `==` means equal bytes on the wire."""
     if isinstance(value, bytes | tuple | list):
         return [comparable(element, kind) for element in value]
     if CODES[kind] in "fd":
@@ -112,6 +112,6 @@ def comparable(value: Any, kind: str) -> Any:
 
 
 def text_of(raw: bytes) -> str:
-    """What the bytes of a text field say."""
-    # A character cut off at the end is left out.
+    """Decode the bytes of a text field."""
+    # A truncated character at the end is dropped.
     return codecs.getincrementaldecoder("utf-8")("replace").decode(raw.split(b"\0", 1)[0])

@@ -1,4 +1,4 @@
-"""Dialects: MAVLink's definitions as facts, and typed message and enum classes made from them.
+"""Dialects: MAVLink definitions, and the typed message and enum classes made from them.
 
 Each official dialect is a module of this package: `from mavstack.dialects import common`.
 """

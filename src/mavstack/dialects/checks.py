@@ -1,7 +1,7 @@
-"""What is wrong or doubtful in a definition file, as a list with lines.
+"""Checks of a definition file, with a list of problems and their lines.
 
-An error is what keeps the file from loading; there is at most one, the first that is met. Warnings are what
-loads but is likely not meant, or what other readers of these files stumble over.
+An error prevents the file from loading; only the first one is reported. A warning is a construct that loads,
+but is probably unintended or not accepted by other readers of definition files.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from mavstack.dialects.includes import collect, in_order, merge_enums
+from mavstack.dialects.includes import collect, included_first, merge_enums
 from mavstack.dialects.names import class_name
 from mavstack.dialects.xml_reader import Element, read_bytes, read_tree
 from mavstack.errors import DialectError
@@ -48,7 +48,7 @@ _ATTRIBUTES = {
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One thing that is wrong or doubtful in a file."""
+    """One error or warning about a definition file."""
 
     severity: Literal["error", "warning"]
     text: str
@@ -61,19 +61,26 @@ class Problem:
 
 
 def check_file(path: str) -> list[Problem]:
-    """All that is found in the file at `path`; its includes are read, but only their errors are told."""
+    """Check a definition file; of its includes only errors are reported.
+
+    Args:
+        path: Path of the XML file.
+
+    Returns:
+        The problems: one error, or any number of warnings.
+    """
     try:
         source = collect(path)
         tree = read_tree(read_bytes(path), path)
     except DialectError as error:
         return [Problem("error", error.problem, error.path or path, error.line)]
-    enums = merge_enums([item.definition for item in in_order(source)])
-    found = [*_unknown(tree), *_messages(source.definition), *_enums(source.definition, enums)]
-    return [Problem("warning", text, path, line or None) for line, text in sorted(found)]
+    enums = merge_enums([item.definition for item in included_first(source)])
+    warnings = [*_unknown(tree), *_messages(source.definition), *_enums(source.definition, enums)]
+    return [Problem("warning", text, path, line or None) for line, text in sorted(warnings)]
 
 
 def _unknown(element: Element) -> Iterator[tuple[int, str]]:
-    """Elements and attributes that the schema does not have."""
+    """Yield the elements and attributes that are not in the schema."""
     known = _ATTRIBUTES.get(element.tag, frozenset())
     for name in element.attributes:
         if name not in known and ":" not in name:
@@ -90,7 +97,7 @@ def _messages(definition: DialectDefinition) -> Iterator[tuple[int, str]]:
     for message in definition.messages:
         other = classes.setdefault(class_name(message.name), message.name)
         if other != message.name:
-            yield message.line, f"{message.name} and {other} make the same class name"
+            yield message.line, f"{message.name} and {other} have the same class name"
         if not message.description:
             yield message.line, f"message {message.name} has no description"
         yield from _fields(message)
@@ -99,7 +106,10 @@ def _messages(definition: DialectDefinition) -> Iterator[tuple[int, str]]:
 def _fields(message: MessageDefinition) -> Iterator[tuple[int, str]]:
     for item in message.fields:
         if item.enum and not item.is_integer:
-            yield item.line, f"{message.name}.{item.name} is a {item.type} and cannot hold enum {item.enum}"
+            yield (
+                item.line,
+                f"{message.name}.{item.name} is a {item.type} and cannot have the enum {item.enum}",
+            )
         if item.minimum is not None and item.maximum is not None and item.minimum > item.maximum:
             yield item.line, f"{message.name}.{item.name} has a minimum above its maximum"
 
@@ -110,9 +120,9 @@ def _enums(definition: DialectDefinition, known: dict[str, EnumDefinition]) -> I
             yield enum.line, f"enum {enum.name} has no entries"
         for entry in enum.entries:
             if entry.automatic:
-                yield entry.line, f"{entry.name} has no value; {entry.value} was assumed"
+                yield entry.line, f"{entry.name} has no value; {entry.value} is assumed"
             if enum.bitmask and entry.value.bit_count() > 1:
                 yield entry.line, f"{entry.name} is in a bitmask, but {entry.value} is not a single bit"
             for param in entry.params:
                 if param.enum and param.enum not in known:
-                    yield entry.line, f"{entry.name} refers to enum {param.enum}, which is not defined"
+                    yield entry.line, f"{entry.name} refers to the undefined enum {param.enum}"

@@ -1,9 +1,9 @@
-"""Definitions to table lines and back, without loss.
+"""Conversion between definitions and table lines, without loss.
 
-A message's row is `[id, name, CRC_EXTRA, base length, length, fields]` with `[name, type, array length,
-offset, enum]` a field, in the order of the definition; its facts are `[message facts, {field: facts}]`. Facts
-are objects that hold only what differs from the default, so a line stays short and a change shows as one
-changed line. Whether a field is an extension follows from its offset.
+The row of a message is `[id, name, CRC_EXTRA, base length, length, fields]` with `[name, type, array length,
+offset, enum]` for each field, in the order of the definition. Its facts are `[message facts, {field:
+facts}]`. Facts are objects with only those attributes that differ from their default, so that a line stays
+short and a change is one changed line. Whether a field is an extension follows from its offset.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _Value = TypeVar(
 
 
 def _facts(value: object, leave_out: frozenset[str] = frozenset()) -> dict[str, Any]:
-    """The attributes of a definition that differ from their default."""
+    """Return the attributes of a definition that differ from their default."""
     found: dict[str, Any] = {}
     for item in fields(value):  # type: ignore[arg-type]
         content = getattr(value, item.name)
@@ -51,8 +51,8 @@ def _facts(value: object, leave_out: frozenset[str] = frozenset()) -> dict[str, 
     return found
 
 
-def _revive(kind: type[_Value], facts: dict[str, Any], given: dict[str, Any]) -> _Value:
-    """The definition that `_facts` was made of."""
+def _restore(kind: type[_Value], facts: dict[str, Any], given: dict[str, Any]) -> _Value:
+    """Return the definition from which `_facts` were made."""
     for mark in ("deprecated", "superseded"):
         if mark in facts:
             given[mark] = Replacement(**facts[mark])
@@ -66,13 +66,13 @@ def _line(*values: object) -> str:
 
 
 def message_row(message: MessageDefinition) -> MessageRow:
-    """The part of a message that every program needs at once."""
+    """Return the row of a message: the part that every program needs."""
     rows = [[item.name, item.type, item.array_length, item.offset, item.enum] for item in message.fields]
     return [message.id, message.name, message.crc_extra, message.base_length, message.length, rows]
 
 
 def table_lines(definition: DialectDefinition) -> Iterator[str]:
-    """The lines of the table of one definition file."""
+    """Yield the lines of the table of one definition file."""
     header = {
         "name": definition.name,
         "version": definition.version,
@@ -91,16 +91,16 @@ def table_lines(definition: DialectDefinition) -> Iterator[str]:
 
 
 def encode_table(definition: DialectDefinition) -> Table:
-    """The table of one definition file, kept in memory."""
+    """Return the table of one definition file."""
     return Table(table_lines(definition), definition.path)
 
 
 def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
-    """A message of a table."""
+    """Return the definition of a message in a table."""
     number, name, crc_extra, base_length, length, field_rows = row
     facts, field_facts = table.message_facts(name)
     found = tuple(
-        _revive(
+        _restore(
             FieldDefinition,
             field_facts.get(field_name, {}),
             {
@@ -114,7 +114,7 @@ def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
         )
         for field_name, kind, array_length, offset, enum in field_rows
     )
-    return _revive(
+    return _restore(
         MessageDefinition,
         facts,
         {
@@ -130,16 +130,16 @@ def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
 
 
 def decode_enum(name: str, table: Table) -> EnumDefinition:
-    """An enum of a table, with the entries of this file only."""
+    """Return the definition of an enum in a table, with the entries of this file only."""
     facts, entry_rows = table.enum_row(name)
     entries = tuple(
-        _revive(EnumEntry, more, {"value": value, "name": entry}) for value, entry, more in entry_rows
+        _restore(EnumEntry, more, {"value": value, "name": entry}) for value, entry, more in entry_rows
     )
-    return _revive(EnumDefinition, facts, {"name": name, "entries": entries})
+    return _restore(EnumDefinition, facts, {"name": name, "entries": entries})
 
 
 def decode_table(table: Table) -> DialectDefinition:
-    """The definition that a table was made of."""
+    """Return the definition from which a table was made."""
     return DialectDefinition(
         name=table.name,
         version=table.header["version"],

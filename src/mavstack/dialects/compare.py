@@ -1,7 +1,7 @@
-"""The differences between two dialects, and which of them peers would notice on the wire.
+"""Comparison of two dialects, marking the differences that break communication.
 
-A message whose CRC_EXTRA, id or base length differs cannot be read by a peer with the other definition;
-an added extension field, or a new entry of an enum, can.
+A message whose id, CRC_EXTRA or base length differs cannot be read by a peer with the other definition; with
+an added extension field or a new enum entry it can.
 """
 
 from __future__ import annotations
@@ -36,58 +36,74 @@ _PROSE = frozenset({"description"})
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One difference: `what` as in `message ATTITUDE`, with old and new in words."""
+    """One difference between two dialects.
+
+    Attributes:
+        kind: `added`, `removed` or `changed`.
+        subject: The definition, such as `message ATTITUDE`.
+        detail: The old and the new value as text.
+        breaks_wire: True if peers with the other definition cannot read the message.
+    """
 
     kind: Kind
-    what: str
+    subject: str
     detail: str = ""
     breaks_wire: bool = False
 
     def __str__(self) -> str:
         detail = f": {self.detail}" if self.detail else ""
-        return f"{self.kind} {self.what}{detail}{' (breaks the wire)' if self.breaks_wire else ''}"
+        return f"{self.kind} {self.subject}{detail}{' (breaks the wire)' if self.breaks_wire else ''}"
 
 
 def compare(old: DialectDefinition, new: DialectDefinition, *, prose: bool = False) -> list[Change]:
-    """What `new` adds, removes and changes; descriptions only if `prose` is asked for."""
+    """Compare two dialects.
+
+    Args:
+        old: The old definition.
+        new: The new definition.
+        prose: True to compare descriptions too.
+
+    Returns:
+        The differences: messages first, then enums, by name.
+    """
     ignored = _NOT_COMPARED if prose else _NOT_COMPARED | _PROSE
     return [*_messages(old, new, ignored), *_enums(old, new, ignored)]
 
 
 def _pairs(
-    what: str, old: Mapping[str, _Value], new: Mapping[str, _Value]
+    subject: str, old: Mapping[str, _Value], new: Mapping[str, _Value]
 ) -> Iterator[Change | tuple[_Value, _Value]]:
-    """Changes for what only one side has, pairs for what both have, in the order of names."""
+    """Yield a change for each name that only one side has, and a pair for each common name, in order."""
     for name in sorted(old.keys() | new.keys()):
         if name not in new:
-            yield Change("removed", f"{what}{name}")
+            yield Change("removed", f"{subject}{name}")
         elif name not in old:
-            yield Change("added", f"{what}{name}")
+            yield Change("added", f"{subject}{name}")
         else:
             yield old[name], new[name]
 
 
-def _facts(what: str, old: object, new: object, ignored: frozenset[str]) -> Iterator[Change]:
-    """Changes of the attributes of one thing."""
+def _facts(subject: str, old: object, new: object, ignored: frozenset[str]) -> Iterator[Change]:
+    """Yield the changed attributes of one definition."""
     for item in fields(old):  # type: ignore[arg-type]
         before, after = getattr(old, item.name), getattr(new, item.name)
         if "description" in ignored:
             before, after = _without_prose(before), _without_prose(after)
         if item.name not in ignored and before != after:
-            yield Change("changed", what, f"{item.name} {_words(before)} -> {_words(after)}")
+            yield Change("changed", subject, f"{item.name} {_format(before)} -> {_format(after)}")
 
 
 def _without_prose(value: object) -> object:
-    """A mark or a command's parameters without their descriptions; anything else as it is."""
+    """Remove the description of a mark or of the parameters of a command."""
     if isinstance(value, Replacement | EnumParam):
         return replace(value, description="")
     return tuple(map(_without_prose, value)) if isinstance(value, tuple) else value
 
 
-def _words(value: object) -> str:
-    """A value as a reader of differences wants it."""
+def _format(value: object) -> str:
+    """Format a value for the detail of a change."""
     if isinstance(value, tuple):
-        return f"({', '.join(map(_words, value))})"
+        return f"({', '.join(map(_format, value))})"
     if isinstance(value, Replacement | EnumParam):
         kept = (getattr(value, item.name) for item in fields(value))
         return " ".join(str(part) for part in kept if part not in ("", None, False))
@@ -103,40 +119,40 @@ def _messages(old: DialectDefinition, new: DialectDefinition, ignored: frozenset
 
 
 def _message(old: MessageDefinition, new: MessageDefinition, ignored: frozenset[str]) -> Iterator[Change]:
-    what = f"message {old.name}"
+    subject = f"message {old.name}"
     if old.id != new.id:
-        yield Change("changed", what, f"id {old.id} -> {new.id}", breaks_wire=True)
+        yield Change("changed", subject, f"id {old.id} -> {new.id}", breaks_wire=True)
     if (old.crc_extra, old.base_length) != (new.crc_extra, new.base_length):
         detail = f"CRC_EXTRA {old.crc_extra} -> {new.crc_extra}"
-        yield Change("changed", what, detail, breaks_wire=True)
-    yield from _facts(what, old, new, ignored | {"id"})
+        yield Change("changed", subject, detail, breaks_wire=True)
+    yield from _facts(subject, old, new, ignored | {"id"})
     for pair in _pairs(f"field {old.name}.", old.by_name, new.by_name):
         if isinstance(pair, Change):
             yield pair
         else:
             yield from _field(old.name, *pair, ignored)
-            yield from _place(old, new, *pair)
+            yield from _extension_offset(old, new, *pair)
 
 
 def _field(
     message: str, old: FieldDefinition, new: FieldDefinition, ignored: frozenset[str]
 ) -> Iterator[Change]:
-    what = f"field {message}.{old.name}"
-    for change in _facts(what, old, new, ignored):
+    subject = f"field {message}.{old.name}"
+    for change in _facts(subject, old, new, ignored):
         moved = change.detail.startswith(("type ", "array_length ", "extension "))
-        yield Change("changed", what, change.detail, breaks_wire=moved)
+        yield Change("changed", subject, change.detail, breaks_wire=moved)
 
 
-def _place(
+def _extension_offset(
     old: MessageDefinition, new: MessageDefinition, before: FieldDefinition, after: FieldDefinition
 ) -> Iterator[Change]:
-    """Whether an extension lies elsewhere among the extensions; CRC_EXTRA does not tell."""
+    """Yield a change if an extension has another offset, which CRC_EXTRA does not detect."""
     was, now = before.offset - old.base_length, after.offset - new.base_length
     if before.extension and after.extension and was != now:
         yield Change(
             "changed",
             f"field {old.name}.{before.name}",
-            f"place {was} -> {now} in the extensions",
+            f"offset {was} -> {now} in the extensions",
             breaks_wire=True,
         )
 

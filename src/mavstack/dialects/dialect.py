@@ -1,10 +1,10 @@
-"""A dialect as programs use it: message and enum classes by name and id, made on first use.
+"""A dialect: message and enum classes by name and id, created on first use.
 
-A class belongs to the file that defines it, so `ardupilotmega.Attitude` is `common.Attitude`. Where a
-dialect adds entries to an enum (as ardupilotmega does to MAV_CMD) it has an enum class of its own, and
-each message with such a field has a subclass that reads as the larger enum; a packet read by the one still
-matches the class of the other. The messages of a user's files are subclasses of the official ones wherever
-they mean the same on the wire, so that programs written for `common` work with any version of it.
+A class belongs to the file that defines it, so `ardupilotmega.Attitude` is `common.Attitude`. If a dialect
+adds entries to an enum (as ardupilotmega does to MAV_CMD), it has its own enum class, and each message with
+such a field has a subclass whose field reads as the larger enum; a packet parsed with the larger dialect
+still matches the class of the smaller one. The messages of a user's file are subclasses of the official ones
+if they are equal on the wire, so that programs written for `common` work with any version of it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, cached_property, lru_cache
 
 from mavstack._core import Dialect as CoreDialect
-from mavstack.dialects.classes import attribute_names, counterpart, make_class
+from mavstack.dialects.classes import attribute_names, make_class, official_bases
 from mavstack.dialects.enums import EnumClass, make_enum, reserved_names
 from mavstack.dialects.names import class_name, member_names
 from mavstack.dialects.tables import MessageRow, Table, load_table, official_name, official_names
@@ -33,7 +33,11 @@ _INTEGERS_ONLY = ("float", "double", "char")
 
 
 class Dialect:
-    """The messages and enums of one definition file and of all that it includes."""
+    """The messages and enums of a definition file and of the files that it includes.
+
+    `Dialect.load` and `Dialect.from_xml` create dialects. `dialect["ATTITUDE"]` and `dialect[30]` are message
+    classes, `dialect.enums["MAV_CMD"]` is an enum class. Iterating yields all message classes.
+    """
 
     def __init__(self, table: Table, includes: Iterable[Dialect], path: str = "") -> None:
         self.table = table
@@ -46,94 +50,120 @@ class Dialect:
 
     @classmethod
     def load(cls, name: str) -> Dialect:
-        """An official dialect by its name, such as `common`, in any case."""
+        """Load an official dialect.
+
+        Args:
+            name: The name, such as `common`, in upper or lower case.
+
+        Returns:
+            The dialect; the same object for each call.
+
+        Raises:
+            UnknownDialectError: There is no official dialect of that name.
+        """
         return _load(official_name(name))
 
     @classmethod
     def from_xml(cls, path: str | PathLike[str]) -> Dialect:
-        """The dialect in a MAVLink XML file; an unchanged file gives the same dialect again."""
+        """Load a dialect from a MAVLink XML file and the files that it includes.
+
+        Args:
+            path: Path of the file. Includes are searched in its folder, then among the official definitions.
+
+        Returns:
+            The dialect; the same object again while the files are unchanged.
+
+        Raises:
+            DialectError: A file is missing, malformed or contradicts another; names the file and the line.
+        """
         from mavstack.dialects.includes import collect
 
         return _from_source(collect(str(path)))
 
-    # what it is
-
     @property
     def name(self) -> str:
-        """The name of the file, without `.xml`."""
+        """Name of the definition file, without `.xml`."""
         return self.table.name
 
     @property
     def version(self) -> int | None:
-        """The `<version>` of the file, or of the first included file that has one."""
-        versions = (dialect.table.header["version"] for dialect in reversed(self.family))
+        """The `<version>` of the file, or of the first included file that has one; None without any."""
+        versions = (dialect.table.header["version"] for dialect in reversed(self.with_includes))
         return next((int(version) for version in versions if version is not None), None)
 
     @property
     def module_name(self) -> str:
-        """The module that its classes say they are in."""
+        """The `__module__` of the classes: a dialect module, or the path of a user's file."""
         return self.path or f"mavstack.dialects.{self.name.lower()}"
 
     @cached_property
-    def family(self) -> tuple[Dialect, ...]:
-        """All dialects it is made of, the included ones first, itself last."""
-        found = {id(item): item for dialect in self.includes for item in dialect.family}
+    def with_includes(self) -> tuple[Dialect, ...]:
+        """This dialect and all that it includes, included ones first."""
+        found = {id(item): item for dialect in self.includes for item in dialect.with_includes}
         return (*found.values(), self)
 
     @cached_property
     def core_dialect(self) -> CoreDialect:
-        """The layout tables of all messages, for parsers."""
-        rows = [row for dialect in self.family for row in dialect.table.rows]
+        """The layout tables of all messages, for the core."""
+        rows = [row for dialect in self.with_includes for row in dialect.table.rows]
         return CoreDialect(self.name, [self.layout(row) for row in rows], self.message_class)
 
     @property
     def dialect(self) -> Dialect:
-        """Itself, as a dialect module has it."""
+        """The dialect itself, so that dialects and dialect modules have a common attribute."""
         return self
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The official names of all messages."""
+        """Names of all messages, such as `ATTITUDE`."""
         return tuple(self._ids)
 
     @cached_property
     def definition(self) -> DialectDefinition:
-        """All that is said about its messages and enums, included ones too."""
+        """The definitions of all messages and enums, including those of included files."""
         from mavstack.dialects.codec import decode_table
         from mavstack.dialects.includes import merge_definitions
 
-        return merge_definitions([decode_table(dialect.table) for dialect in self.family])
+        return merge_definitions([decode_table(dialect.table) for dialect in self.with_includes])
 
     @cached_property
     def own_definition(self) -> DialectDefinition:
-        """What the file says itself."""
+        """The definitions of this file alone."""
         from mavstack.dialects.codec import decode_table
 
         return decode_table(self.table)
 
-    # messages
-
     @cached_property
     def _ids(self) -> dict[str, int]:
-        return {name: number for dialect in self.family for name, number in dialect.table.ids.items()}
+        return {name: number for dialect in self.with_includes for name, number in dialect.table.ids.items()}
 
     @cached_property
     def _origins(self) -> dict[int, Dialect]:
-        return {number: dialect for dialect in self.family for number in dialect.table.ids.values()}
+        return {number: dialect for dialect in self.with_includes for number in dialect.table.ids.values()}
 
     def name_of(self, number: int) -> str:
-        """The official name of a message by its id, without making its class."""
+        """Return the name of a message, without creating its class.
+
+        Args:
+            number: Id of the message.
+
+        Returns:
+            The name, such as `ATTITUDE`.
+
+        Raises:
+            KeyError: The dialect has no message of that id.
+        """
         return str(self.row(number)[1])
 
     def row(self, number: int) -> MessageRow:
-        """A message's row in the table that it comes from."""
+        """Return the row of a message in the table of the file that defines it."""
         return self._origins[number].table.row(number)
 
     def __getitem__(self, key: str | int) -> type[Message]:
         number = self._ids.get(key) if isinstance(key, str) else key
         if number is None or number not in self._origins:
-            kind = "called" if isinstance(key, str) else "with id"
-            raise UnknownMessageError(f"dialect {self.name} has no message {kind} {key}")
+            label = "" if isinstance(key, str) else "with id "
+            raise UnknownMessageError(f"dialect {self.name} has no message {label}{key}")
         return self.message_class(number)
 
     def __contains__(self, key: object) -> bool:
@@ -152,7 +182,7 @@ class Dialect:
         return (Dialect.from_xml, (self.path,)) if self.path else (Dialect.load, (self.name,))
 
     def layout(self, row: MessageRow) -> MessageLayout:
-        """A message as the core wants it."""
+        """Return the layout of a message for the core."""
         number, name, crc_extra, base_length, length, fields = row
         attributes = attribute_names(row) if self.path else None
         layouts: list[FieldLayout] = [
@@ -168,7 +198,17 @@ class Dialect:
         return number, name, crc_extra, base_length, length, layouts
 
     def message_class(self, number: int) -> type[Message]:
-        """The class of a message by its id, which must be known."""
+        """Return the class of a message, created on first use.
+
+        Args:
+            number: Id of a message of the dialect.
+
+        Returns:
+            The class.
+
+        Raises:
+            KeyError: The dialect has no message of that id.
+        """
         made = self._classes.get(number)
         if made is None:
             owner = self._owner(number)
@@ -177,12 +217,14 @@ class Dialect:
         return made
 
     def _owner(self, number: int) -> Dialect:
-        """The first dialect of the family for which the message means what it means here."""
+        """Return the first included dialect in which the message has the same enums as in this one."""
         enums = {field[4] for field in self.row(number)[5] if field[4]}
         origin = self._origins[number]
         owners = {enum: self.enum_owner(enum) for enum in enums}
-        for dialect in self.family:
-            if origin in dialect.family and all(dialect.enum_owner(enum) is owners[enum] for enum in enums):
+        for dialect in self.with_includes:
+            if origin in dialect.with_includes and all(
+                dialect.enum_owner(enum) is owners[enum] for enum in enums
+            ):
                 return dialect
         return self
 
@@ -190,17 +232,27 @@ class Dialect:
         row = self.row(number)
         parents = [dialect.message_class(number) for dialect in self.includes if number in dialect]
         if self.path:
-            parents += counterpart(row, self._official_views())
+            parents += official_bases(row, self._official_views())
         table = self._origins[number].table
         return make_class(self, row, parents, table)
 
     def _official_views(self) -> list[Dialect]:
-        """Official dialects in which a user's message may be known, the namesake first."""
+        """Return the official dialects that may define a user's message, that of the same name first."""
         names = [name for name in official_names() if name.lower() == self.name.lower()]
         return [Dialect.load(name) for name in dict.fromkeys([*names, "common"])]
 
     def message_definition(self, number: int) -> MessageDefinition:
-        """All that is said about a message."""
+        """Return the definition of a message.
+
+        Args:
+            number: Id of a message of the dialect.
+
+        Returns:
+            The definition, with descriptions, units and enums.
+
+        Raises:
+            KeyError: The dialect has no message of that id.
+        """
         from mavstack.dialects.codec import decode_message
 
         origin = self._origins[number]
@@ -208,26 +260,34 @@ class Dialect:
             origin.definitions[number] = decode_message(self.row(number), origin.table)
         return origin.definitions[number]
 
-    # enums
-
     @cached_property
     def enum_files(self) -> dict[str, tuple[Dialect, ...]]:
-        """The dialects that each enum's entries come from."""
+        """The dialects that define entries of each enum."""
         files: dict[str, list[Dialect]] = {}
-        for dialect in self.family:
+        for dialect in self.with_includes:
             for name in dialect.table.enum_names:
                 files.setdefault(name, []).append(dialect)
         return {name: tuple(dialects) for name, dialects in files.items()}
 
     def enum_owner(self, name: str) -> Dialect:
-        """The first dialect of the family that has the same entries."""
+        """Return the first included dialect with the same entries."""
         files = self.enum_files[name]
         if len(files) == 1:
             return files[0]
-        return next(dialect for dialect in self.family if dialect.enum_files.get(name) == files)
+        return next(dialect for dialect in self.with_includes if dialect.enum_files.get(name) == files)
 
     def enum_class(self, name: str) -> EnumClass:
-        """The class of an enum by its official name."""
+        """Return the class of an enum, created on first use.
+
+        Args:
+            name: Name of the enum, such as `MAV_CMD`.
+
+        Returns:
+            A subclass of `MavEnum`, or of `MavFlag` for a bitmask.
+
+        Raises:
+            KeyError: The dialect has no enum of that name.
+        """
         made = self._enum_classes.get(name)
         if made is None:
             owner = self.enum_owner(name)
@@ -247,16 +307,36 @@ class Dialect:
         return make_enum(self, name, made, members, bitmask=bitmask)
 
     def _enum_entries(self, name: str) -> tuple[list[list[list[Any]]], bool]:
-        """The entries [value, name, facts] that each file gives an enum, and whether it is a bitmask."""
+        """Return the entries [value, name, facts] of an enum by file, and true if it is a bitmask."""
         rows = [dialect.table.enum_row(name) for dialect in self.enum_files[name]]
         return [entries for _, entries in rows], any(facts.get("bitmask", False) for facts, _ in rows)
 
     def enum_values(self, name: str) -> dict[str, int]:
-        """The values of an enum by the official names of its entries."""
+        """Return the values of an enum.
+
+        Args:
+            name: Name of the enum, such as `MAV_CMD`.
+
+        Returns:
+            The values by entry name, such as `MAV_CMD_NAV_TAKEOFF`.
+
+        Raises:
+            KeyError: The dialect has no enum of that name.
+        """
         return {entry: value for rows in self._enum_entries(name)[0] for value, entry, _ in rows}
 
     def enum_definition(self, name: str) -> EnumDefinition:
-        """All that is said about an enum, additions by included files too."""
+        """Return the definition of an enum, with the entries of all files.
+
+        Args:
+            name: Name of the enum, such as `MAV_CMD`.
+
+        Returns:
+            The definition.
+
+        Raises:
+            KeyError: The dialect has no enum of that name.
+        """
         from mavstack.dialects.codec import decode_enum
         from mavstack.dialects.includes import merge_enum
 
@@ -265,22 +345,20 @@ class Dialect:
             first = merge_enum(first, more, self.path or self.name)
         return first
 
-    # Python names
-
     @cached_property
     def messages_by_class(self) -> dict[str, str]:
-        """Official names of the messages by the names of their classes."""
+        """Names of the messages by class name."""
         return {class_name(name): name for name in self._ids}
 
     @cached_property
     def enums_by_class(self) -> dict[str, str]:
-        """Official names of the enums by the names of their classes; that of a message gets `Enum` added."""
+        """Names of the enums by class name; `Enum` is appended to the name of a message class."""
         names = ((class_name(name), name) for name in self.enum_files)
         return {f"{made}Enum" if made in self.messages_by_class else made: name for made, name in names}
 
 
 class EnumMapping(Mapping[str, EnumClass]):
-    """The enums of a dialect by their official names."""
+    """The enum classes of a dialect by name, such as `MAV_CMD`."""
 
     def __init__(self, dialect: Dialect) -> None:
         self._dialect = dialect
@@ -308,11 +386,11 @@ def _load(name: str) -> Dialect:
 
 
 def _from_source(source: Source) -> Dialect:
-    """The dialect of a set of files; included files get dialects of their own."""
-    from mavstack.dialects.includes import in_order
+    """Create the dialect of a definition file, and those of its included files."""
+    from mavstack.dialects.includes import included_first
 
     made: dict[int, Dialect] = {}
-    for item in in_order(source):
+    for item in included_first(source):
         includes = tuple(made[id(included)] for included in item.includes)
         made[id(item)] = (
             _load(item.definition.name) if item.official else _from_definition(item.definition, includes)
@@ -322,13 +400,13 @@ def _from_source(source: Source) -> Dialect:
 
 @lru_cache(maxsize=64)
 def _from_definition(definition: DialectDefinition, includes: tuple[Dialect, ...]) -> Dialect:
-    """One dialect for one content of a file and of all that it includes."""
+    """Create a dialect; equal definitions and includes give the same object."""
     from mavstack.dialects.codec import encode_table
-    from mavstack.dialects.includes import with_settled_values
+    from mavstack.dialects.includes import with_automatic_values
 
     highest: dict[str, int] = {}
     if any(entry.automatic for enum in definition.enums for entry in enum.entries):
         for item in includes:
             for name in item.enums:
                 highest[name] = max(highest.get(name, 0), *item.enum_values(name).values(), 0)
-    return Dialect(encode_table(with_settled_values(definition, highest)), includes, definition.path)
+    return Dialect(encode_table(with_automatic_values(definition, highest)), includes, definition.path)

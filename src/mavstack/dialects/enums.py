@@ -1,8 +1,8 @@
-"""Enum classes, made on first use: `IntEnum`, and for bitmasks `IntFlag`.
+"""Enum classes, created on first use: `IntEnum`, and `IntFlag` for bitmasks.
 
-A value that an `IntEnum` does not know stays a plain integer wherever a message is read. A bitmask reads as
-its `IntFlag` whatever bits are set; `enum` would keep every combination it ever met, so that a stream of
-random masks could fill the memory, and `_missing_` here makes them without keeping any.
+A value without a member reads as a plain integer in an `IntEnum` field. A bitmask always reads as its
+`IntFlag`. Python's `enum` keeps every combination of flags it ever created, so a stream of random masks could
+fill the memory; `_missing_` here creates combinations without keeping them.
 """
 
 from __future__ import annotations
@@ -18,25 +18,29 @@ if TYPE_CHECKING:
     from mavstack.dialects.dialect import Dialect
     from mavstack.dialects.model import EnumDefinition
 
-#: How many combinations of a bitmask are kept at hand, an enum.
-_KEPT_COMBINATIONS = 256
+#: Number of combinations of flags cached per bitmask.
+MAX_CACHED_COMBINATIONS = 256
 
 EnumClass: TypeAlias = "type[MavEnum | MavFlag]"
-#: Members by value, and what to call for a value that has none.
+#: Members by value, and a function for values without a member.
 EnumReader: TypeAlias = "tuple[dict[int, int], Callable[[int], int] | None]"
 
 
 class MavEnum(IntEnum):
-    """Base of the enums whose values exclude each other."""
+    """Base of the enum classes."""
 
     @classmethod
     def definition(cls) -> EnumDefinition:
-        """What the dialect says about the enum, additions by other files included."""
+        """Return the definition of the enum, with the entries of all files.
+
+        Returns:
+            The definition, with descriptions and command parameters.
+        """
         return definition_of(cls)
 
     @property
     def official_name(self) -> str:
-        """The name in the definition: `MAV_CMD_NAV_TAKEOFF`."""
+        """Name in the definition, such as `MAV_CMD_NAV_TAKEOFF`."""
         return official_names(type(self))[self.value]
 
     def __reduce_ex__(self, _protocol: object) -> tuple[Any, ...]:
@@ -44,16 +48,20 @@ class MavEnum(IntEnum):
 
 
 class MavFlag(IntFlag):
-    """Base of the bitmask enums."""
+    """Base of the bitmask classes."""
 
     @classmethod
     def definition(cls) -> EnumDefinition:
-        """What the dialect says about the enum, additions by other files included."""
+        """Return the definition of the enum, with the entries of all files.
+
+        Returns:
+            The definition, with descriptions and command parameters.
+        """
         return definition_of(cls)
 
     @property
     def official_name(self) -> str:
-        """The names in the definition, joined by `|`; bits that have none as one number."""
+        """Names in the definition, joined by `|`; bits without a name as one number."""
         return "|".join(flag_names(self, official_names(type(self))))
 
     def __reduce_ex__(self, _protocol: object) -> tuple[Any, ...]:
@@ -75,7 +83,7 @@ class MavFlag(IntFlag):
 
 
 def flag_names(value: int, names: dict[int, str]) -> list[str]:
-    """The names of the single bits set in `value`, in the order of `names`, and what is left as a number."""
+    """Return the names of the bits set in `value`, and the bits without a name as a number."""
     value = int(value)
     if value in names:
         return [names[value]]
@@ -87,8 +95,8 @@ def flag_names(value: int, names: dict[int, str]) -> list[str]:
     return [*found, str(value)] if value or not found else found
 
 
-def _kept(enum: EnumClass, name: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401 (what `make` gives)
-    """What `make` gives, kept with the enum class: a cache beside it would keep a user's dialect alive."""
+def _cached_on_class(enum: EnumClass, name: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401 (the type of `make`)
+    """Cache the result of `make` on the enum class; a global cache would keep a user's dialect alive."""
     attribute = f"__mavlink_{name}__"
     if attribute not in enum.__dict__:
         setattr(enum, attribute, make())
@@ -96,8 +104,8 @@ def _kept(enum: EnumClass, name: str, make: Callable[[], Any]) -> Any:  # noqa: 
 
 
 def _bit_names(enum: type[MavFlag]) -> dict[int, str]:
-    """Python names by value."""
-    names: dict[int, str] = _kept(enum, "bit_names", lambda: _names_of_members(enum))
+    """Return Python names by value."""
+    names: dict[int, str] = _cached_on_class(enum, "bit_names", lambda: _names_of_members(enum))
     return names
 
 
@@ -106,7 +114,7 @@ def _names_of_members(enum: EnumClass) -> dict[int, str]:
 
 
 def _first_names(pairs: Iterable[tuple[int, str]]) -> dict[int, str]:
-    """The first name of each value, in order."""
+    """Return the first name of each value, in order."""
     names: dict[int, str] = {}
     for value, name in pairs:
         names.setdefault(value, name)
@@ -114,7 +122,7 @@ def _first_names(pairs: Iterable[tuple[int, str]]) -> dict[int, str]:
 
 
 def reserved_names(bitmask: bool) -> Iterable[str]:
-    """Names that members may not have, because the class uses them."""
+    """Return the names that members may not have, because the class uses them."""
     base = MavFlag if bitmask else MavEnum
     return [*dir(base), *dir(type(base)), "name", "value", "mro", *dir(int)]
 
@@ -122,7 +130,7 @@ def reserved_names(bitmask: bool) -> Iterable[str]:
 def make_enum(
     dialect: Dialect, official: str, name: str, members: dict[str, int], *, bitmask: bool
 ) -> EnumClass:
-    """The class of an enum of `dialect`; `members` are values by Python names."""
+    """Create the class of an enum of `dialect`; `members` are values by Python name."""
     base: Any = MavFlag if bitmask else MavEnum
     made: Any = base(name, list(members.items()), module=dialect.module_name, qualname=name)
     made.__mavlink_source__ = (dialect, official)
@@ -130,20 +138,20 @@ def make_enum(
 
 
 def source_of(enum: EnumClass) -> tuple[Dialect, str]:
-    """The dialect that an enum class belongs to, and its official name."""
+    """Return the dialect of an enum class, and the name of the enum."""
     source: tuple[Dialect, str] = enum.__dict__["__mavlink_source__"]
     return source
 
 
 def definition_of(enum: EnumClass) -> EnumDefinition:
-    """What the dialect says about an enum."""
+    """Return the definition of an enum class."""
     dialect, official = source_of(enum)
     return dialect.enum_definition(official)
 
 
 def official_names(enum: EnumClass) -> dict[int, str]:
-    """Official names by value."""
-    names: dict[int, str] = _kept(enum, "official_names", lambda: _names_of_entries(enum))
+    """Return the names of the entries by value."""
+    names: dict[int, str] = _cached_on_class(enum, "official_names", lambda: _names_of_entries(enum))
     return names
 
 
@@ -152,8 +160,8 @@ def _names_of_entries(enum: EnumClass) -> dict[int, str]:
 
 
 def enum_reader(enum: EnumClass) -> EnumReader:
-    """How the core turns integers into members of `enum`."""
-    reader: EnumReader = _kept(enum, "reader", lambda: _make_reader(enum))
+    """Return the conversion of integers to members, for the core."""
+    reader: EnumReader = _cached_on_class(enum, "reader", lambda: _make_reader(enum))
     return reader
 
 
@@ -162,7 +170,7 @@ def _make_reader(enum: EnumClass) -> EnumReader:
     if not members or not issubclass(enum, MavFlag):
         return members, None
 
-    @lru_cache(maxsize=_KEPT_COMBINATIONS)
+    @lru_cache(maxsize=MAX_CACHED_COMBINATIONS)
     def combination(value: int) -> int:
         return enum(value) if value >= 0 else value
 
@@ -170,7 +178,7 @@ def _make_reader(enum: EnumClass) -> EnumReader:
 
 
 def restore_member(dialect: Dialect, official: str, value: int) -> int:
-    """The member that was pickled; a plain integer if the dialect no longer knows it."""
+    """Restore a pickled member, as a plain integer if the dialect has no such member."""
     enum = dialect.enums[official]
     members, fallback = enum_reader(enum)
     return members.get(value, fallback(value) if fallback else value)

@@ -1,4 +1,4 @@
-"""How fields that give one type and take several are typed in the dialects' stubs; unused at run time."""
+"""Descriptor types of fields for the stubs of dialects: fields that read as one type and accept several."""
 
 from __future__ import annotations
 
@@ -10,39 +10,39 @@ _Written_contra = TypeVar("_Written_contra", contravariant=True)
 
 
 class TypedField(Protocol, Generic[_Read_co, _Written_contra]):
-    """A field that reads as one type and may be written as another."""
+    """A field that reads as one type and accepts another."""
 
     @overload
     def __get__(self, message: None, owner: type[Any]) -> Self: ...
     @overload
     def __get__(self, message: object, owner: type[Any]) -> _Read_co: ...
     def __get__(self, message: object, owner: type[Any]) -> _Read_co | Self:
-        """The field's value."""
+        """Return the value of the field."""
         raise NotImplementedError
 
     def __set__(self, message: object, value: _Written_contra) -> None:
-        """Set the field's value."""
+        """Set the value of the field."""
 
 
 class Flags(TypedField[_Read_co, int], Protocol[_Read_co]):
-    """A bitmask."""
+    """A bitmask field."""
 
 
 class Text(TypedField[str, str | bytes], Protocol):
-    """A `char` array."""
+    """A `char` array field."""
 
 
 class Bytes(TypedField[bytes, bytes | bytearray | memoryview | Sequence[int]], Protocol):
-    """A `uint8_t` array."""
+    """A `uint8_t` array field."""
 
 
 class Integers(TypedField[tuple[int, ...], Sequence[int]], Protocol):
-    """Any other array of integers."""
+    """An array field of other integers."""
 
 
 class Floats(TypedField[tuple[float, ...], Sequence[float]], Protocol):
-    """An array of `float` or `double`."""
+    """An array field of `float` or `double`."""
 
 
 class Enums(TypedField[tuple[_Read_co, ...], Sequence[int]], Protocol[_Read_co]):
-    """An array of enum values."""
+    """An array field of enum values."""

@@ -1,7 +1,7 @@
-"""Writes what is made from our definitions: tables, dialect modules and stubs.
+"""Generation of the tables, dialect modules and stubs from the definitions.
 
-Run `python -m mavstack.dialects.generate` after changing a definition, and with `--check` to learn whether
-anything is out of date.
+Run `python -m mavstack.dialects.generate` after changing a definition; with `--check` it reports outdated
+files.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ _HERE = Path(__file__).parent
 
 
 def tables(folder: Path = _HERE) -> Iterator[tuple[Path, str]]:
-    """The tables that the definitions in `folder` give."""
+    """Yield path and content of each table, generated from the definitions in `folder`."""
     for path in sorted((folder / "definitions").glob("*.xml")):
         definition = read_file(str(path))
         yield folder / "tables" / f"{definition.name}.jsonl", "\n".join(table_lines(definition)) + "\n"
 
 
 def modules(folder: Path = _HERE) -> Iterator[tuple[Path, str]]:
-    """The modules and stubs that the installed tables give."""
+    """Yield path and content of each module and stub, generated from the installed tables."""
     for path in sorted((folder / "definitions").glob("*.xml")):
         dialect = Dialect.load(path.stem)
         module = folder / f"{path.stem.lower()}.py"
@@ -38,7 +38,7 @@ def modules(folder: Path = _HERE) -> Iterator[tuple[Path, str]]:
 
 
 def out_of_date() -> list[Path]:
-    """The generated files that differ from what would be generated now."""
+    """Return the generated files that are outdated."""
     wanted = [*tables(), *modules()]
     stale = [path for path, text in wanted if not path.exists() or path.read_text(encoding="utf-8") != text]
     known = {path for path, _ in wanted}
@@ -46,15 +46,15 @@ def out_of_date() -> list[Path]:
 
 
 def generate() -> None:
-    """Write all generated files; tables first, because modules and stubs are made from them."""
-    for making in (tables, modules):
-        for path, text in making():
+    """Write all generated files: the tables first, because modules and stubs are generated from them."""
+    for step in (tables, modules):
+        for path, text in step():
             path.parent.mkdir(exist_ok=True)
             path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def main(arguments: list[str]) -> int:
-    """The command: 0 if all is well, 1 if `--check` found something out of date, 2 for wrong usage."""
+    """Run the command; return 0 on success, 1 if `--check` found outdated files, 2 for wrong usage."""
     if arguments not in ([], ["--check"]):
         sys.stderr.write("usage: python -m mavstack.dialects.generate [--check]\n")
         return 2

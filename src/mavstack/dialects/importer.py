@@ -1,7 +1,8 @@
-"""From a definition file as published to one of ours: the facts stay, the prose goes.
+"""Import of published definition files: the facts are kept, the descriptions are not.
 
-Importing again over a file keeps the line that each of its messages has, by name: our definition files are
-the only home of these lines. `import_file` follows no includes, so files may come in any order.
+Importing a file again keeps the one-line description of each message that our file has, by name: our
+definition files are the only source of these lines. `import_file` does not follow includes, so files can be
+imported in any order.
 """
 
 from __future__ import annotations
@@ -21,19 +22,31 @@ if TYPE_CHECKING:
 
 
 def read_file(path: str) -> DialectDefinition:
-    """What one file says itself."""
+    """Read the definition in one file, without its includes."""
     return parse_definition(read_bytes(path), path, file_stem(path))
 
 
 def descriptions_in(path: str) -> dict[str, str]:
-    """The line of each message in one of our own files; nothing if the file is not there."""
+    """Return the descriptions by message name in one of our files; none if the file does not exist."""
     if not Path(path).exists():
         return {}
     return {message.name: message.description for message in read_file(path).messages if message.description}
 
 
 def import_file(source: str, target: str, descriptions: Mapping[str, str] | None = None) -> DialectDefinition:
-    """Write the facts of `source` to `target`; given descriptions win over those that `target` has."""
+    """Import a definition file.
+
+    Args:
+        source: Path of the published XML file.
+        target: Path of our XML file, which is written.
+        descriptions: Descriptions by message name, in place of those in `target`.
+
+    Returns:
+        The definition in `source`.
+
+    Raises:
+        DialectError: A file cannot be read.
+    """
     definition = read_file(source)
     text = definition_xml(definition, descriptions_in(target) | dict(descriptions or {}))
     Path(target).write_text(text, encoding="utf-8", newline="\n")

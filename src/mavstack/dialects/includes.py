@@ -1,9 +1,9 @@
-"""A definition file with all that it includes, found, ordered and checked against each other.
+"""A definition file with all included files: searched, ordered and checked against each other.
 
-An include is looked for beside the file that names it, and if there is none, among the official
-definitions, so that a small file of one's own needs no copies. Files come out with the included ones
-first, each once, however many ways lead to it; a circle is an error. Enums of the same name grow from file
-to file; a message id, a message name, an entry's name or an entry's value may mean only one thing.
+An included file is searched in the folder of the including file, then among the official definitions, so that
+a custom dialect needs no copies of them. Files are ordered with included ones first, each once; an include
+cycle is an error. Enums of the same name are merged; a message id, a message name, an entry name and an entry
+value must be unique.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects.codec import decode_table
 from mavstack.dialects.tables import load_table, official_names
-from mavstack.dialects.xml_definitions import parse_definition, with_values
+from mavstack.dialects.xml_definitions import parse_definition, renumbered
 from mavstack.dialects.xml_reader import read_bytes
 from mavstack.errors import DialectError
 
@@ -30,7 +30,7 @@ MAX_INCLUDE_DEPTH = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Source:
-    """One file of the set and the sources it includes directly; `official` when it is one of ours."""
+    """A definition file with the files that it includes directly; `official` if it is a built-in dialect."""
 
     definition: DialectDefinition
     includes: tuple[Source, ...]
@@ -39,12 +39,12 @@ class Source:
 
 @lru_cache(maxsize=64)
 def official_definition(name: str) -> DialectDefinition:
-    """What the official file of that name says itself."""
+    """Return the definition in an official file, without its includes."""
     return decode_table(load_table(name))
 
 
 class _Collector:
-    """Follows includes depth first; `chain` holds the files on the way to the one at hand."""
+    """Reads included files depth first; `chain` is the path of includes to the current file."""
 
     def __init__(self) -> None:
         self.done: dict[str, Source] = {}
@@ -66,11 +66,11 @@ class _Collector:
         if not Path(path).is_file():
             if file_stem(name) in official_names():
                 return self.official(file_stem(name))
-            raise DialectError(f"includes {name}, which is not there", definition.path, line)
+            raise DialectError(f"includes {name}, which does not exist", definition.path, line)
         key = str(Path(path).resolve())
         if key in self.chain:
             names = [Path(item).name for item in (*self.chain[self.chain.index(key) :], key)]
-            raise DialectError(f"includes go in a circle: {' -> '.join(names)}", definition.path, line)
+            raise DialectError(f"include cycle: {' -> '.join(names)}", definition.path, line)
         if len(self.chain) >= MAX_INCLUDE_DEPTH:
             raise DialectError(f"includes are nested deeper than {MAX_INCLUDE_DEPTH}", definition.path, line)
         if len(self.done) + len(self.chain) >= MAX_FILES:
@@ -86,25 +86,35 @@ class _Collector:
 
 
 def file_stem(path: str) -> str:
-    """`common` for `some/where/common.xml`."""
+    """Return the dialect name of a path: `common` for `folder/common.xml`."""
     name = Path(path).name
     return name[:-4] if name.lower().endswith(".xml") else name
 
 
 def collect(path: str) -> Source:
-    """The file at `path` and all that it includes, checked; raises one `DialectError`."""
+    """Read a definition file and all included files, and check them.
+
+    Args:
+        path: Path of the XML file.
+
+    Returns:
+        The file with its includes.
+
+    Raises:
+        DialectError: A file is missing, malformed or contradicts another.
+    """
     source = _Collector().file(path)
-    check_set([item.definition for item in in_order(source)])
+    check_definitions([item.definition for item in included_first(source)])
     return source
 
 
 def collect_official(name: str) -> Source:
-    """An official definition and all that it includes."""
+    """Return an official definition with its includes."""
     return _Collector().official(name)
 
 
-def in_order(source: Source) -> list[Source]:
-    """All sources of a set, the included ones first, each once."""
+def included_first(source: Source) -> list[Source]:
+    """Return a file and all included files, included ones first, each once."""
     found: dict[int, Source] = {}
 
     def visit(item: Source) -> None:
@@ -117,8 +127,8 @@ def in_order(source: Source) -> list[Source]:
     return list(found.values())
 
 
-def check_set(definitions: Iterable[DialectDefinition]) -> None:
-    """Raise for what one file says against another, or for an enum that none of them has."""
+def check_definitions(definitions: Iterable[DialectDefinition]) -> None:
+    """Raise `DialectError` if files contradict each other, or a field refers to an undefined enum."""
     definitions = tuple(definitions)
     _check_messages(definitions)
     enums = merge_enums(definitions)
@@ -126,7 +136,7 @@ def check_set(definitions: Iterable[DialectDefinition]) -> None:
         for message in definition.messages:
             for item in message.fields:
                 if item.enum and item.enum not in enums:
-                    problem = f"{message.name}.{item.name} refers to enum {item.enum}, which is not defined"
+                    problem = f"{message.name}.{item.name} refers to the undefined enum {item.enum}"
                     raise DialectError(problem, definition.path or definition.name, item.line or None)
 
 
@@ -139,15 +149,15 @@ def _check_messages(definitions: Iterable[DialectDefinition]) -> None:
             other, file = ids.setdefault(message.id, (message, definition))
             if file is not definition:
                 raise DialectError(
-                    f"message id {message.id} was already given to {other.name} of {file.name}", *where
+                    f"message id {message.id} is already used by {other.name} of {file.name}", *where
                 )
             _, file = names.setdefault(message.name, (message, definition))
             if file is not definition:
-                raise DialectError(f"message {message.name} was already defined in {file.name}", *where)
+                raise DialectError(f"message {message.name} is already defined in {file.name}", *where)
 
 
 def merge_enums(definitions: Iterable[DialectDefinition]) -> dict[str, EnumDefinition]:
-    """The enums of several files by name, entries in the order of the files."""
+    """Return the merged enums of several files by name, with entries in the order of the files."""
     merged: dict[str, EnumDefinition] = {}
     for definition in definitions:
         for enum in definition.enums:
@@ -159,9 +169,9 @@ def merge_enums(definitions: Iterable[DialectDefinition]) -> dict[str, EnumDefin
 
 
 def merge_enum(known: EnumDefinition, more: EnumDefinition, path: str) -> EnumDefinition:
-    """`known` with the entries that another file adds to it."""
+    """Return an enum with the entries that another file adds."""
     highest = max((entry.value for entry in known.entries), default=0)
-    added = tuple(_new_entries(known, with_values(more, highest), path))
+    added = tuple(_new_entries(known, renumbered(more, highest), path))
     return replace(known, entries=known.entries + added, bitmask=known.bitmask or more.bitmask)
 
 
@@ -174,7 +184,7 @@ def _new_entries(known: EnumDefinition, more: EnumDefinition, path: str) -> Iter
             continue
         if same is not None:
             problem = (
-                f"{entry.name} of enum {more.name} is {same.value} in a file before and {entry.value} here"
+                f"{entry.name} of enum {more.name} is {same.value} in an included file and {entry.value} here"
             )
             raise DialectError(problem, path, entry.line or None)
         if entry.value in by_value:
@@ -185,19 +195,19 @@ def _new_entries(known: EnumDefinition, more: EnumDefinition, path: str) -> Iter
         yield entry
 
 
-def with_settled_values(definition: DialectDefinition, highest: Mapping[str, int]) -> DialectDefinition:
-    """The definition with its unnumbered entries moved past the highest values of the included files."""
-    enums = tuple(with_values(enum, highest.get(enum.name, 0)) for enum in definition.enums)
+def with_automatic_values(definition: DialectDefinition, highest: Mapping[str, int]) -> DialectDefinition:
+    """Return a definition whose entries without a value follow the highest values of the included files."""
+    enums = tuple(renumbered(enum, highest.get(enum.name, 0)) for enum in definition.enums)
     return replace(definition, enums=enums)
 
 
 def merge_definitions(definitions: Sequence[DialectDefinition]) -> DialectDefinition:
-    """The last of some definitions, with all messages and enums of those before it."""
+    """Return the last definition with the messages and enums of all definitions."""
     messages = [message for definition in definitions for message in definition.messages]
     enums = tuple(merge_enums(definitions).values())
     return replace(definitions[-1], messages=tuple(sorted(messages, key=lambda item: item.id)), enums=enums)
 
 
 def merged_definition(source: Source) -> DialectDefinition:
-    """One definition with all messages and enums of a set."""
-    return merge_definitions([item.definition for item in in_order(source)])
+    """Return one definition with the messages and enums of a file and its includes."""
+    return merge_definitions([item.definition for item in included_first(source)])

@@ -1,9 +1,9 @@
-"""Where the fields of a message lie on the wire, and the CRC_EXTRA that tells two definitions apart.
+"""The order of fields on the wire, and the CRC_EXTRA of a message.
 
-Base fields lie sorted by the size of their element, largest first, equal ones in the order of the
-definition; extension fields follow as written. CRC_EXTRA is a CRC-16/MCRF4XX over `NAME ` and, for each
-base field in wire order, `type name ` and an array's length as one byte, folded to eight bits. Extensions
-stay out of it, so that adding one keeps old and new peers talking.
+Base fields are sorted by element size, largest first, and fields of equal size keep the order of the
+definition; extension fields follow in the order of the definition. CRC_EXTRA is a CRC-16/MCRF4XX over `NAME `
+and, for each base field in wire order, `type name ` and the length of an array as one byte, folded to eight
+bits. Extensions are excluded, so that peers with and without them can communicate.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ MAX_MESSAGE_ID = 0xFFFFFF
 
 
 def wire_order(fields: Sequence[FieldDefinition]) -> list[FieldDefinition]:
-    """The fields in the order of the payload."""
+    """Return the fields in the order of the payload."""
     base = [item for item in fields if not item.extension]
     extensions = [item for item in fields if item.extension]
     return sorted(base, key=lambda item: -TYPE_SIZES[item.type]) + extensions
 
 
-def lay_out(fields: Sequence[FieldDefinition]) -> tuple[FieldDefinition, ...]:
-    """The same fields in the same order, with their payload offsets filled in."""
+def assign_offsets(fields: Sequence[FieldDefinition]) -> tuple[FieldDefinition, ...]:
+    """Return the fields in their given order, with their payload offsets."""
     offsets = {}
     position = 0
     for item in wire_order(fields):
@@ -40,7 +40,7 @@ def lay_out(fields: Sequence[FieldDefinition]) -> tuple[FieldDefinition, ...]:
 
 
 def lengths(fields: Iterable[FieldDefinition]) -> tuple[int, int]:
-    """Payload length without and with extensions."""
+    """Return the payload length without and with extensions, in bytes."""
     base = total = 0
     for item in fields:
         total += item.size
@@ -49,7 +49,7 @@ def lengths(fields: Iterable[FieldDefinition]) -> tuple[int, int]:
 
 
 def crc_extra(name: str, fields: Sequence[FieldDefinition]) -> int:
-    """The byte that both ends of a link add to the checksum."""
+    """Return the CRC_EXTRA of a message, which sender and receiver add to the checksum."""
     crc = crc16(f"{name} ".encode())
     for item in wire_order(fields):
         if not item.extension:

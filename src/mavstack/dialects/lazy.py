@@ -1,4 +1,4 @@
-"""What makes a dialect a module: its classes appear as attributes when they are first asked for."""
+"""Lazy attributes of dialect modules: classes are created when they are first accessed."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ if TYPE_CHECKING:
 
 
 def module_attributes(module: str, name: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """`__getattr__` and `__dir__` of the module of an official dialect."""
+    """Return `__getattr__` and `__dir__` of the module of an official dialect."""
 
     def get(attribute: str) -> object:
         dialect = Dialect.load(name)
         value = _attribute(dialect, attribute)
         if value is None:
-            raise AttributeError(f"dialect {dialect.name} has nothing called {attribute!r}", name=attribute)
+            raise AttributeError(
+                f"dialect {dialect.name} has no message or enum class {attribute!r}", name=attribute
+            )
         setattr(sys.modules[module], attribute, value)
         return value
 

@@ -1,10 +1,9 @@
-"""The base of all message classes: what a message can do beside holding its fields.
+"""The base of all message classes: text, dictionaries, JSON, copies and pickles.
 
-Fields are read and written in the payload by the core; this class adds text, dictionaries, JSON, copies and
-pickles. JSON has no NaN and no infinities: they are written as the strings "NaN", "Infinity" and
-"-Infinity", and a float32 is written with the fewest digits that read back to the same float32, so that
-nothing is lost. `uint8_t` arrays are lists of numbers in JSON, and enum values are integers unless names
-are asked for.
+The core reads and writes the fields in the payload. JSON has no NaN and no infinities: they are written as
+the strings "NaN", "Infinity" and "-Infinity". A float32 is written with the fewest digits that read back to
+the same float32. `uint8_t` arrays are lists of numbers in JSON, and enum values are integers unless names are
+requested.
 """
 
 from __future__ import annotations
@@ -27,19 +26,31 @@ if TYPE_CHECKING:
     from mavstack.dialects.model import MessageDefinition
     from mavstack.dialects.tables import MessageRow
 
-#: How enum values come out: as members, as integers, or by their official names.
+#: The form of enum values: members, integers, or names of the definition.
 EnumForm: TypeAlias = 'Literal["member", "value", "name"]'
 
 
 class _LazyDefinition:
-    """`Attitude.definition`, built when someone asks for it."""
+    """`Attitude.definition`, created on first access."""
 
     def __get__(self, _message: object, owner: type[Message]) -> MessageDefinition:
         return owner.__mavlink_dialect__.message_definition(owner.__mavlink_row__[0])
 
 
 class Message(MessageBase):
-    """A MAVLink message; its class says which."""
+    """Base class of all MAVLink messages.
+
+    A message class has an attribute for each field. `Attitude(roll=0.1)` creates a message; fields that are
+    not given are zero. Values are checked when they are assigned. Messages are compared by their payload.
+
+    Attributes:
+        definition: The definition of the message, with descriptions, units and enums.
+
+    Raises:
+        FieldNameError: The message has no such field.
+        FieldTypeError: A value has the wrong type.
+        FieldRangeError: A value is outside the range of its field.
+    """
 
     __slots__ = ()
 
@@ -47,13 +58,13 @@ class Message(MessageBase):
 
     if TYPE_CHECKING:
         __match_args__: ClassVar[tuple[str, ...]]
-        #: The dialect whose class this is, and the row of its table that says how it lies on the wire.
+        #: The dialect of the class, and the row of its table with the layout.
         __mavlink_dialect__: ClassVar[Dialect]
         __mavlink_row__: ClassVar[MessageRow]
 
     @classmethod
     def _enum_values(cls, name: str) -> EnumReader:
-        """How the core reads an enum field: asked once a field."""
+        """Return the conversion of an enum field, for the core, which calls it once per field."""
         enum = cls.__mavlink_row__[5][cls.__match_args__.index(name)][4]
         return enum_reader(cls.__mavlink_dialect__.enums[enum])
 
@@ -62,23 +73,42 @@ class Message(MessageBase):
         return f"{type(self).__name__}({', '.join(parts)})"
 
     def _text(self, name: str) -> str:
-        # What is shown ends up in log files, where a key or a password must never be.
+        # Texts of messages are logged, and logs must not contain keys or passwords.
         if name in secret_fields(self.__mavlink_row__[1]):
             return "…"
-        return _shown(getattr(self, name), self._kind(name))
+        return _shown(getattr(self, name), self._field_type(name))
 
     @classmethod
-    def _kind(cls, name: str) -> str:
+    def _field_type(cls, name: str) -> str:
         return str(cls.__mavlink_row__[5][cls.__match_args__.index(name)][1])
 
     def to_dict(self, *, enums: EnumForm = "member") -> dict[str, Any]:
-        """The fields by their official names."""
+        """Return the fields as a dictionary.
+
+        Args:
+            enums: Form of enum values: "member", "value" (an integer) or "name" (of the definition).
+
+        Returns:
+            The values by field name.
+        """
         names = zip(self.__mavlink_row__[5], self.__match_args__, strict=True)
         return {row[0]: _enum_form(getattr(self, name), enums) for row, name in names}
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> Self:
-        """A message of what `to_dict` gave; fields left out are zero, enum values may be official names."""
+        """Create a message from a dictionary of `to_dict`.
+
+        Args:
+            fields: Values by field name; missing fields are zero. Enum values may be numbers or names.
+
+        Returns:
+            The message.
+
+        Raises:
+            FieldNameError: The message has no such field.
+            FieldTypeError: A value has the wrong type, or the enum has no such entry.
+            FieldRangeError: A value is outside the range of its field.
+        """
         attributes = {
             row[0]: name for row, name in zip(cls.__mavlink_row__[5], cls.__match_args__, strict=True)
         }
@@ -87,7 +117,14 @@ class Message(MessageBase):
         )
 
     def to_json(self, *, enums: EnumForm = "value") -> str:
-        """The fields as one JSON object."""
+        """Return the fields as a JSON object.
+
+        Args:
+            enums: Form of enum values: "value" (an integer) or "name" (of the definition).
+
+        Returns:
+            The JSON text, without NaN or Infinity literals.
+        """
         fields = self.to_dict(enums="value" if enums == "member" else enums)
         kinds = {row[0]: row[1] for row in self.__mavlink_row__[5]}
         return json.dumps(
@@ -96,10 +133,23 @@ class Message(MessageBase):
 
     @classmethod
     def from_json(cls, text: str | bytes) -> Self:
-        """A message of what `to_json` gave."""
+        """Create a message from the JSON text of `to_json`.
+
+        Args:
+            text: A JSON object with values by field name.
+
+        Returns:
+            The message.
+
+        Raises:
+            FieldNameError: The message has no such field.
+            FieldTypeError: The text is no JSON object, or a value has the wrong type.
+            FieldRangeError: A value is outside the range of its field.
+            ValueError: The text is not JSON.
+        """
         fields = json.loads(text)
         if not isinstance(fields, dict):
-            raise FieldTypeError(f"{cls.__name__} is made from a JSON object, not {type(fields).__name__}")
+            raise FieldTypeError(f"{cls.__name__} needs a JSON object, got {type(fields).__name__}")
         kinds = {row[0]: row[1] for row in cls.__mavlink_row__[5]}
         return cls.from_dict(
             {name: _from_jsonable(value, kinds.get(name, "")) for name, value in fields.items()}
@@ -107,7 +157,7 @@ class Message(MessageBase):
 
     @classmethod
     def _from_name(cls, field: str, value: object) -> object:
-        """An enum value given by name, or by several names joined by `|`, as a number."""
+        """Convert an enum value given by name, or by several names joined by `|`, to a number."""
         if not isinstance(value, str | list | tuple):
             return value
         enum = next((row[4] for row in cls.__mavlink_row__[5] if row[0] == field and row[1] != "char"), "")
@@ -124,7 +174,19 @@ class Message(MessageBase):
         return total
 
     def replace(self, **changes: object) -> Self:
-        """A copy with some fields changed."""
+        """Return a copy with some fields changed.
+
+        Args:
+            changes: New values by attribute name.
+
+        Returns:
+            A new message of the same class.
+
+        Raises:
+            FieldNameError: The message has no such field.
+            FieldTypeError: A value has the wrong type.
+            FieldRangeError: A value is outside the range of its field.
+        """
         copy = self.__copy__()
         for name, value in changes.items():
             if name not in self.__match_args__:
@@ -145,12 +207,12 @@ class Message(MessageBase):
 
 
 def restore_message(dialect: Dialect, name: str, payload: bytes) -> Message:
-    """The message that was pickled."""
+    """Restore a pickled message."""
     return dialect[name].from_payload(payload)
 
 
-def shortest(value: float, kind: str) -> float:
-    """The float with the fewest digits that is the same on the wire."""
+def shortest_float(value: float, kind: str) -> float:
+    """Return the float with the fewest digits that has the same value on the wire."""
     if kind != "float" or not isfinite(value):
         return value
     for digits in range(6, 9):
@@ -161,7 +223,7 @@ def shortest(value: float, kind: str) -> float:
 
 
 def _shown(value: object, kind: str) -> str:
-    """A field's value as the text of a message shows it."""
+    """Format the value of a field for `repr`."""
     if isinstance(value, tuple):
         inside = ", ".join(_shown(element, kind) for element in value)
         return f"({inside},)" if len(value) == 1 else f"({inside})"
@@ -170,11 +232,11 @@ def _shown(value: object, kind: str) -> str:
         return "|".join(name if name.isdecimal() else f"{type(value).__name__}.{name}" for name in names)
     if isinstance(value, MavEnum):
         return f"{type(value).__name__}.{value.name}"
-    return repr(shortest(value, kind)) if isinstance(value, float) else repr(value)
+    return repr(shortest_float(value, kind)) if isinstance(value, float) else repr(value)
 
 
 def _enum_form(value: object, form: EnumForm) -> object:
-    """A value with the enum members in it in the form asked for."""
+    """Convert the enum members in a value to the given form."""
     if form == "member":
         return value
     if isinstance(value, tuple):
@@ -188,7 +250,7 @@ def _jsonable(value: object, kind: str) -> object:
     if isinstance(value, bytes | tuple):
         return [_jsonable(element, kind) for element in value]
     if not isinstance(value, float) or isfinite(value):
-        return shortest(value, kind) if isinstance(value, float) else value
+        return shortest_float(value, kind) if isinstance(value, float) else value
     if isnan(value):
         return "NaN"
     return "Infinity" if value > 0 else "-Infinity"
@@ -196,7 +258,7 @@ def _jsonable(value: object, kind: str) -> object:
 
 def _from_jsonable(value: object, kind: str) -> object:
     if kind == "char" and isinstance(value, str):
-        return value.replace("\N{REPLACEMENT CHARACTER}", "?")  # one byte again, as what was not UTF-8
+        return value.replace("\N{REPLACEMENT CHARACTER}", "?")  # it replaced one invalid byte
     if kind not in ("float", "double"):
         return value
     if isinstance(value, list):

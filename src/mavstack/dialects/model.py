@@ -1,10 +1,10 @@
-"""What a definition says, as immutable values: dialects, messages, fields, enums, entries and parameters.
+"""The content of definitions as immutable values: dialects, messages, fields, enums, entries and parameters.
 
-The names follow the developer guide. A field's `type` is the C name of its element (`uint8_t`, `char`);
-`array_length` is 0 for a single value. Texts which a definition may leave out are the empty string, and
-numbers which it may leave out are `None`. `line` is where an XML file said it, for error texts only: it is
-0 in our own tables and takes no part in comparisons. Whatever can be computed from a message's fields
-(offsets, lengths, CRC_EXTRA) is filled in by `layout.lay_out`, never by hand.
+Names follow the developer guide. The `type` of a field is the C name of its element (`uint8_t`, `char`);
+`array_length` is 0 for a single value. Optional texts are empty strings if absent, and optional numbers are
+None. `line` is the line in the XML file, for error texts: it is 0 in tables and ignored in comparisons.
+Values computed from the fields of a message (offsets, lengths, CRC_EXTRA) are set by `layout.assign_offsets`,
+never by hand.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 Number: TypeAlias = int | float
 
-#: Bytes of one element, by type name.
+#: Size of an element in bytes, by type name.
 TYPE_SIZES = {
     "char": 1,
     "int8_t": 1,
@@ -33,7 +33,7 @@ TYPE_SIZES = {
 
 @dataclass(frozen=True, slots=True)
 class Replacement:
-    """A mark that a message, enum or entry should no longer be used, since when, and what to use instead."""
+    """A deprecation: since when a message, enum or entry should not be used, and its replacement."""
 
     since: str = ""
     replaced_by: str = ""
@@ -66,17 +66,17 @@ class FieldDefinition:
 
     @property
     def size(self) -> int:
-        """Bytes this field takes in the payload."""
+        """Size of the field in the payload, in bytes."""
         return TYPE_SIZES[self.type] * max(self.array_length, 1)
 
     @property
     def is_integer(self) -> bool:
-        """Whether elements are integers, and so may be enum values."""
+        """True if the elements are integers, which may have an enum."""
         return self.type not in ("float", "double", "char")
 
     @property
     def factor(self) -> float:
-        """What a raw value is multiplied by to give a value in `units`."""
+        """Factor that converts a raw value to `units`."""
         if not self.multiplier:
             return 1.0
         numerator, _, denominator = self.multiplier.partition("/")
@@ -84,7 +84,7 @@ class FieldDefinition:
 
     @property
     def value_range(self) -> tuple[Number, Number] | None:
-        """The least and greatest number the wire type can hold, or `None` for text."""
+        """Minimum and maximum of the wire type, or None for text."""
         if self.type == "char":
             return None
         if self.type in ("float", "double"):
@@ -114,16 +114,16 @@ class MessageDefinition:
 
     @cached_property
     def wire_order(self) -> tuple[FieldDefinition, ...]:
-        """The fields as they lie in the payload."""
+        """The fields in the order of the payload."""
         return tuple(sorted(self.fields, key=lambda item: item.offset))
 
     @cached_property
     def by_name(self) -> dict[str, FieldDefinition]:
-        """The fields by their official names."""
+        """The fields by name."""
         return {item.name: item for item in self.fields}
 
     def field(self, name: str) -> FieldDefinition:
-        """The field of that official name."""
+        """Return the field of a name; raises KeyError if there is none."""
         return self.by_name[name]
 
 
@@ -172,7 +172,7 @@ class EnumEntry:
 
 @dataclass(frozen=True, slots=True)
 class EnumDefinition:
-    """A set of named values; `bitmask` when they combine."""
+    """A set of named values; `bitmask` if they are flags."""
 
     name: str
     entries: tuple[EnumEntry, ...]
@@ -185,15 +185,15 @@ class EnumDefinition:
     line: int = field(default=0, compare=False, repr=False)
 
     def entry(self, value: int) -> EnumEntry | None:
-        """The entry of that value, if there is one."""
+        """Return the entry of a value, or None."""
         return next((entry for entry in self.entries if entry.value == value), None)
 
 
 @dataclass(frozen=True, eq=False)
 class DialectDefinition:
-    """Messages and enums of one file, or of a file with all that it includes.
+    """Messages and enums of one file, or of a file with all its includes.
 
-    `includes` holds what the file wrote: names of files.
+    `includes` are the file names as written in the file.
     """
 
     name: str
@@ -207,10 +207,10 @@ class DialectDefinition:
 
     @cached_property
     def messages_by_name(self) -> dict[str, MessageDefinition]:
-        """The messages by their official names."""
+        """The messages by name."""
         return {message.name: message for message in self.messages}
 
     @cached_property
     def enums_by_name(self) -> dict[str, EnumDefinition]:
-        """The enums by their official names."""
+        """The enums by name."""
         return {enum.name: enum for enum in self.enums}

@@ -1,11 +1,11 @@
-"""Official names to Python names: classes, enum members, attributes.
+"""Conversion of definition names to Python names: classes, enum members and attributes.
 
-`ATTITUDE` is the class `Attitude`, `MAV_CMD` is `MavCmd`. An enum's members lose the words that they all
-begin with (`MAV_CMD_NAV_TAKEOFF` is `NAV_TAKEOFF`; a lone member loses those that it shares with its enum),
-and what would begin with a digit gets a `_`. The words to lose are found in the file that first defines the
-enum, so that a member keeps its name whatever another file adds; an addition that does not begin with these
-words, or would take another member's name, keeps its official name. A Python keyword, or a name that the
-class needs for itself, gets a trailing `_`.
+`ATTITUDE` becomes the class `Attitude`, `MAV_CMD` becomes `MavCmd`. Enum members lose the words with which
+all entries begin (`MAV_CMD_NAV_TAKEOFF` becomes `NAV_TAKEOFF`; a single entry loses the words that it shares
+with its enum), and a name that would begin with a digit gets a leading `_`. The prefix is determined from the
+file that first defines the enum, so that other files never change the name of a member; an added entry that
+does not begin with the prefix, or would have the name of another member, keeps its full name. A Python
+keyword, or a name that the class itself uses, gets a trailing `_`.
 """
 
 from __future__ import annotations
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
 
 
 def class_name(official: str) -> str:
-    """The Python class of a message or enum."""
+    """Return the class name of a message or enum."""
     if official.isupper():
         name = official.title().replace("_", "")
     else:
         words = official.split("_")
         name = "".join(word.title() if word.isupper() else word[:1].upper() + word[1:] for word in words)
-    return usable(name or "_") if not name[:1].isalpha() or iskeyword(name) else name
+    return to_identifier(name or "_") if not name[:1].isalpha() or iskeyword(name) else name
 
 
-def usable(name: str, taken: Iterable[str] = ()) -> str:
-    """The name, changed as little as needed to be an attribute that is not in `taken`."""
+def to_identifier(name: str, taken: Iterable[str] = ()) -> str:
+    """Return a valid attribute name that is not in `taken`, changed as little as possible."""
     name = f"_{name}" if name[:1].isdigit() else name
     while iskeyword(name) or name in taken or (name.startswith("_") and name.endswith("_")):
         name += "_" if not name.startswith("_") else "0"
     return name
 
 
-def shared_words(enum: str, entries: Sequence[str]) -> str:
-    """What all entries begin with, up to and with a `_`; never a whole entry."""
+def shared_prefix(enum: str, entries: Sequence[str]) -> str:
+    """Return the words with which all entries begin, including the last `_`; never a complete entry."""
     split = [entry.split("_") for entry in entries]
     if len(split) == 1:
         split.append([*enum.split("_"), ""])
@@ -53,15 +53,15 @@ def shared_words(enum: str, entries: Sequence[str]) -> str:
 def member_names(
     enum: str, origin: Sequence[str], added: Sequence[str], taken: Iterable[str]
 ) -> dict[str, str]:
-    """Python member names by official names; `taken` are names that the enum class needs for itself."""
-    prefix = shared_words(enum, origin)
+    """Return the member names by entry name; `taken` are names that the enum class uses itself."""
+    prefix = shared_prefix(enum, origin)
     taken = frozenset(taken)
     names: dict[str, str] = {}
     used: set[str] = set()
     for entry in (*origin, *added):
-        name = usable(entry.removeprefix(prefix), taken)
+        name = to_identifier(entry.removeprefix(prefix), taken)
         if name in used:
-            name = usable(entry, taken | used)
+            name = to_identifier(entry, taken | used)
         used.add(name)
         names[entry] = name
     return names

@@ -1,7 +1,7 @@
-"""Which fields hold what must never be shown or written down: keys, passwords and PINs sent in the clear.
+"""The fields that must never be shown or stored: keys, passwords and PINs that are sent unencrypted.
 
-With a secret goes what could help to guess or replay it. Messages are known by their ids too, for programs
-whose dialect lacks them.
+Fields that help to guess or replay a secret are included. The messages are listed by id too, for dialects
+that lack them.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: Secret fields by message; their ids stand in SECRET_IDS.
-SECRETS: Mapping[str, frozenset[str]] = MappingProxyType(
+#: Secret fields by message; the ids of these messages are SECRET_IDS.
+SECRET_FIELDS: Mapping[str, frozenset[str]] = MappingProxyType(
     {
         "AIRLINK_AUTH": frozenset({"password"}),
         "AUTH_KEY": frozenset({"key"}),
@@ -24,9 +24,9 @@ SECRETS: Mapping[str, frozenset[str]] = MappingProxyType(
     }
 )
 SECRET_IDS = frozenset({5, 7, 256, 299, 336, 52000})
-_ANYWHERE = frozenset({"secret_key"})
+_SECRET_FIELD_NAMES = frozenset({"secret_key"})
 
 
 def secret_fields(message: str) -> frozenset[str]:
-    """The fields of a message that are never shown, by official names."""
-    return SECRETS.get(message, _ANYWHERE)
+    """Return the names of the secret fields of a message."""
+    return SECRET_FIELDS.get(message, _SECRET_FIELD_NAMES)

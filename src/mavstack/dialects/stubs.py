@@ -1,8 +1,8 @@
-"""The text of the generated files: one module and one stub a dialect.
+"""The text of the generated dialect modules and stubs.
 
-A stub holds the classes that the dialect makes itself and re-exports the others from where they are made,
-exactly as the run-time classes are shared. Fields are plain annotations; `Message` is a dataclass transform,
-so type checkers derive the keyword arguments from them.
+A stub declares the classes that the dialect creates itself and re-exports all others from the modules that
+create them, like the classes at run time. Fields are plain annotations: `Message` is a dataclass transform,
+from which type checkers derive the keyword arguments.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ _WIDTH = 110
 
 
 def module_text(name: str) -> str:
-    """The module of an official dialect."""
+    """Return the source of the module of an official dialect."""
     return (
         f"{_NOTE}"
-        f'"""Messages and enums of the {name} dialect, each made when it is first used."""\n\n'
+        f'"""Messages and enums of the {name} dialect; each class is created on first use."""\n\n'
         "from mavstack.dialects.lazy import module_attributes\n\n"
         f'__getattr__, __dir__ = module_attributes(__name__, "{name}")\n'
     )
 
 
 def stub_text(dialect: Dialect) -> str:
-    """The stub of an official dialect."""
+    """Return the stub of an official dialect."""
     return _NOTE + "\n".join(_StubWriter(dialect).lines()) + "\n"
 
 
 class _StubWriter:
-    """Writes the stub of one dialect."""
+    """Writer of the stub of one dialect."""
 
     def __init__(self, dialect: Dialect) -> None:
         self.dialect = dialect
@@ -114,7 +114,9 @@ class _StubWriter:
         for item, name in zip(message.definition.fields, message.__match_args__, strict=True):
             kind = self.kind(item.type, item.array_length, item.enum)
             if shadowed & {"int", "float", "str"}:
-                raise ValueError(f"{message.__name__} has a field named like a built-in type of the stubs")
+                raise ValueError(
+                    f"{message.__name__} has a field with the name of a built-in type of the stubs"
+                )
             yield f"    {name}: {kind} = ..."
 
     def kind(self, kind: str, array_length: int, enum: str) -> str:

@@ -1,8 +1,7 @@
-"""One MAVLink XML file to a `DialectDefinition` of what it says itself, includes not followed.
+"""Parsing of one MAVLink XML file to a `DialectDefinition`, without following its includes.
 
-The schema is MAVLink's own. Elements and attributes that it does not name are skipped, as every other
-reader of these files does; what is named but wrong (a type, a number, a length, a name given twice) is one
-`DialectError` with its line.
+The schema is that of MAVLink. Unknown elements and attributes are skipped, as by other readers of these
+files; an invalid type, number, length or a duplicate name is a `DialectError` with its line.
 """
 
 from __future__ import annotations
@@ -12,7 +11,14 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NoReturn
 
-from mavstack.dialects.layout import MAX_FIELDS, MAX_MESSAGE_ID, MAX_PAYLOAD, crc_extra, lay_out, lengths
+from mavstack.dialects.layout import (
+    MAX_FIELDS,
+    MAX_MESSAGE_ID,
+    MAX_PAYLOAD,
+    assign_offsets,
+    crc_extra,
+    lengths,
+)
 from mavstack.dialects.model import (
     TYPE_SIZES,
     DialectDefinition,
@@ -31,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,127}", re.ASCII)
-_LONGEST_PROBLEM = 300
+_MAX_PROBLEM_LENGTH = 300
 _TYPE = re.compile(r"([a-z0-9_]+?)(_mavlink_version)?(?:\[([0-9]+)\])?", re.ASCII)
 _INTEGER = re.compile(
     r"(-?[0-9]{1,20})|0[xX]([0-9a-fA-F]{1,16})|0[bB]([01]{1,64})|2\*\*([0-9]{1,2})", re.ASCII
@@ -40,12 +46,12 @@ _INTEGER = re.compile(
 
 @lru_cache(maxsize=64)
 def parse_definition(data: bytes, path: str, name: str) -> DialectDefinition:
-    """The definition in `data`; equal data gives the same object, so that its classes are made once."""
+    """Parse a definition; equal data gives the same object, so that its classes are created once."""
     return _Reader(path, name).dialect(read_tree(data, path))
 
 
 def _integer(text: str) -> int | None:
-    """A decimal, hexadecimal, binary or `2**n` number."""
+    """Parse a decimal, hexadecimal, binary or `2**n` number."""
     match = _INTEGER.fullmatch(text.strip())
     if match is None:
         return None
@@ -58,14 +64,14 @@ def _integer(text: str) -> int | None:
 
 
 class _Reader:
-    """Reads the elements of one file; knows which file to blame."""
+    """Reader of the elements of one file; its errors name the file and the line."""
 
     def __init__(self, path: str, name: str) -> None:
         self.path = path
         self.name = name
 
     def fail(self, problem: str, element: Element) -> NoReturn:
-        if len(problem) > _LONGEST_PROBLEM:
+        if len(problem) > _MAX_PROBLEM_LENGTH:
             problem = f"{problem[:100]} ... {problem[-100:]}"
         raise DialectError(problem, self.path, element.line)
 
@@ -80,7 +86,7 @@ class _Reader:
 
     def name_in(self, element: Element, name: str, what: str) -> str:
         if not _NAME.fullmatch(name):
-            self.fail(f"{name!r} is not a usable name for a {what}", element)
+            self.fail(f"{name!r} is not a to_identifier name for a {what}", element)
         return name
 
     def integer(self, element: Element, text: str, what: str, low: int, high: int) -> int:
@@ -129,10 +135,8 @@ class _Reader:
     def includes(self, root: Element) -> Iterator[tuple[str, int]]:
         for element in root.named("include"):
             if not element.text or "\0" in element.text or "://" in element.text:
-                self.fail(f"<include> names no file: {element.text!r}", element)
+                self.fail(f"<include> is no file name: {element.text!r}", element)
             yield element.text, element.line
-
-    # messages
 
     def messages(self, root: Element) -> Iterator[MessageDefinition]:
         ids: dict[int, MessageDefinition] = {}
@@ -142,7 +146,7 @@ class _Reader:
                 message = self.message(element)
                 other = ids.setdefault(message.id, message)
                 if other is not message:
-                    self.fail(f"message id {message.id} was already given to {other.name}", element)
+                    self.fail(f"message id {message.id} is already used by {other.name}", element)
                 if names.setdefault(message.name, message) is not message:
                     self.fail(f"message {message.name} is defined twice", element)
                 yield message
@@ -153,12 +157,12 @@ class _Reader:
         fields = self.fields(element, name)
         base, total = lengths(fields)
         if total > MAX_PAYLOAD:
-            self.fail(f"{name} takes {total} bytes; a payload holds {MAX_PAYLOAD}", element)
+            self.fail(f"{name} has {total} bytes; the maximum payload is {MAX_PAYLOAD}", element)
         wip = element.first("wip")
         return MessageDefinition(
             id=number,
             name=name,
-            fields=lay_out(fields),
+            fields=assign_offsets(fields),
             crc_extra=crc_extra(name, fields),
             base_length=base,
             length=total,
@@ -186,7 +190,7 @@ class _Reader:
                 self.fail(f"{name} has two fields called {item.name!r}", element)
             found[item.name] = item
         if not 0 < len(found) <= MAX_FIELDS:
-            self.fail(f"{name} has {len(found)} fields; 1 to {MAX_FIELDS} are possible", message)
+            self.fail(f"{name} has {len(found)} fields; it must have 1 to {MAX_FIELDS}", message)
         return list(found.values())
 
     def field(self, element: Element, extension: bool) -> FieldDefinition:
@@ -220,7 +224,7 @@ class _Reader:
         text = self.attribute(element, "type")
         match = _TYPE.fullmatch(text)
         if match is None or match[1] not in TYPE_SIZES or (match[2] and (match[1] != "uint8_t" or match[3])):
-            self.fail(f"there is no field type {text!r}", element)
+            self.fail(f"unknown field type {text!r}", element)
         if match[3] is None:
             return match[1], 0, match[2] is not None
         return match[1], self.integer(element, match[3], "array length", 1, MAX_PAYLOAD), False
@@ -230,8 +234,6 @@ class _Reader:
             _ = item.factor
         except (ValueError, ZeroDivisionError):
             self.fail(f"multiplier {item.multiplier!r} is not a number or a fraction", element)
-
-    # enums
 
     def enums(self, root: Element) -> Iterator[EnumDefinition]:
         found: dict[str, EnumDefinition] = {}
@@ -328,8 +330,6 @@ class _Reader:
                 description=element.text,
             )
 
-    # marks and prose
-
     def replacement(self, element: Element, tag: str) -> Replacement | None:
         mark = element.first(tag)
         if mark is None:
@@ -346,8 +346,8 @@ class _Reader:
         return element.text if child is None else child.text
 
 
-def with_values(enum: EnumDefinition, highest: int) -> EnumDefinition:
-    """The enum with its unnumbered entries moved past `highest`, which files before it have reached."""
+def renumbered(enum: EnumDefinition, highest: int) -> EnumDefinition:
+    """Return an enum whose entries without a value are numbered after `highest`, that of included files."""
     if not any(entry.automatic and entry.value <= highest for entry in enum.entries):
         return enum
     entries = []

@@ -1,8 +1,8 @@
-"""XML text to a small tree that knows its line numbers, from files that may be broken or hostile.
+"""XML parsing to a small tree with line numbers, safe for malformed or malicious files.
 
-Only elements, attributes and text are read. A document type declaration is refused, so there are no
-entities to expand and nothing outside the file to fetch; size, depth and count of elements are bounded.
-Whatever is wrong becomes one `DialectError` that names the file and the line.
+Only elements, attributes and text are read. A document type declaration is refused, so that there are no
+entities to expand and no external files to fetch; size, depth and number of elements are limited. Every
+problem is a `DialectError` with the file and the line.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MAX_ELEMENTS = 500_000
 
 
 class Element:
-    """One XML element: its attributes, the elements in it, the text in it, and its line."""
+    """An XML element: its attributes, children, text and line."""
 
     __slots__ = ("attributes", "children", "line", "tag", "texts")
 
@@ -35,16 +35,16 @@ class Element:
 
     @property
     def text(self) -> str:
-        """The text directly in this element, its lines stripped."""
+        """The text directly in this element, with stripped lines."""
         lines = [line.strip() for line in "".join(self.texts).strip().splitlines()]
         return "\n".join(lines)
 
     def named(self, tag: str) -> Iterator[Element]:
-        """The direct children of that tag."""
+        """Return the direct children with a tag."""
         return (child for child in self.children if child.tag == tag)
 
     def first(self, tag: str) -> Element | None:
-        """The first direct child of that tag."""
+        """Return the first direct child with a tag, or None."""
         return next(self.named(tag), None)
 
 
@@ -92,7 +92,7 @@ class _TreeBuilder:
 
 
 def read_tree(data: bytes, path: str) -> Element:
-    """The root element of an XML document."""
+    """Parse an XML document; return its root element."""
     if len(data) > MAX_FILE_BYTES:
         raise DialectError(f"larger than {MAX_FILE_BYTES} bytes", path)
     if not data.strip():
@@ -105,12 +105,12 @@ def read_tree(data: bytes, path: str) -> Element:
     except (LookupError, ValueError) as error:
         raise DialectError(f"cannot be decoded: {error}", path, 1) from None
     if builder.root is None:
-        raise DialectError("there is no element", path, 1)
+        raise DialectError("the file has no element", path, 1)
     return builder.root
 
 
 def _syntax_error(error: expat.ExpatError, data: bytes, path: str) -> DialectError:
-    """What expat found, or the undecodable byte that made it stumble."""
+    """Convert an error of expat; an undecodable byte is reported as such."""
     if b"encoding=" not in data[:200]:
         try:
             data.decode()
@@ -120,7 +120,7 @@ def _syntax_error(error: expat.ExpatError, data: bytes, path: str) -> DialectErr
 
 
 def read_bytes(path: str) -> bytes:
-    """The content of a definition file."""
+    """Read a definition file."""
     try:
         with Path(path).open("rb") as file:
             return file.read(MAX_FILE_BYTES + 1)

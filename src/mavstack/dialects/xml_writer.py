@@ -1,7 +1,7 @@
-"""A `DialectDefinition` as XML in MAVLink's own schema, the facts only.
+"""Writing of a `DialectDefinition` as XML in MAVLink's schema.
 
-Of all prose just the one line of a message is written. The same definition gives the same text, byte for
-byte, so that a new import shows as a readable difference.
+Of all descriptions only the line of each message is written. Equal definitions give equal text, byte for
+byte, so that a new import is a readable difference.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _NOTE = "Facts of MAVLink's definition, by mavstack.dialects.importer. A message
 
 
 def definition_xml(definition: DialectDefinition, descriptions: Mapping[str, str]) -> str:
-    """The whole file; `descriptions` holds the line of each message that has one."""
+    """Return the file as text; `descriptions` are the lines of messages by name."""
     return "\n".join(_lines(definition, descriptions)) + "\n"
 
 
@@ -56,7 +56,7 @@ def _lines(definition: DialectDefinition, descriptions: Mapping[str, str]) -> It
 
 
 def _tag(tag: str, **attributes: str | Number | bool | None) -> str:
-    """An opening tag without its end; empty, absent and false attributes are left out."""
+    """Return an opening tag without its end; empty, absent and false attributes are omitted."""
     parts = [f"<{tag}"]
     for name, value in attributes.items():
         if value is not None and value is not False and value != "":

@@ -1,4 +1,4 @@
-"""Files on disk to columns in memory."""
+"""Log files: indexing, and decoding to columns of numpy arrays."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Logs that are packets: tlogs (a timestamp before each packet) and raw streams.
+"""Logs of packets: tlogs (a timestamp before each packet) and raw streams.
 
-The file is mapped into memory, not read. Opening it makes an index of where each packet is, CRC checked; a
-message's table is decoded when it is first asked for. Junk between packets is skipped and counted.
+The file is mapped into memory. Opening it builds an index of all packets, whose CRC is verified; the table of
+a message is decoded on first access. Junk between packets is skipped and counted.
 """
 
 from __future__ import annotations
@@ -24,14 +24,31 @@ if TYPE_CHECKING:
 
     from mavstack.wire import SourceStatistics, Statistics
 
-_HEAD = 1 << 18
+_MAX_HEAD = 1 << 18  # bytes examined to detect timestamps
 
 
 class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
-    """A log as a mapping from message name to table: a numpy structured array, one row a packet.
+    """A log as a mapping from message names to tables: `log["ATTITUDE"]["roll"]` is a column.
 
-    Columns: `_time` (datetime64 in µs UTC, NaT where not recorded), `_system`, `_component`,
-    `_sequence`, `_version`, and the message's fields, raw as on the wire.
+    A table is a numpy structured array with one row per packet. Its columns are `_time` (datetime64 in µs
+    UTC, NaT if not recorded), `_system`, `_component`, `_sequence`, `_version`, and the fields of the message
+    with their raw values.
+
+    Args:
+        path: Path of the file.
+        dialect: The dialect of the messages.
+        timestamped: True for a tlog, False for a raw stream; None detects it from the content.
+        threads: Maximum number of threads; 0 for one per processor.
+
+    Attributes:
+        path: Path of the file.
+        dialect: The dialect of the messages.
+        size: Size of the file in bytes.
+        timestamped: True for a tlog.
+        counts: Number of packets by message name.
+
+    Raises:
+        LogError: The file cannot be read.
     """
 
     def __init__(
@@ -48,7 +65,9 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         data = _map(self.path)
         self._data = data
         self.size = len(data)
-        self.timestamped = looks_timestamped(data[:_HEAD], dialect) if timestamped is None else timestamped
+        self.timestamped = (
+            looks_timestamped(data[:_MAX_HEAD], dialect) if timestamped is None else timestamped
+        )
         self._index = Index(data, dialect, timestamped=self.timestamped, threads=self._threads)
         ids = self._index.counts
         self._ids = {dialect.name_of(message_id): message_id for message_id in ids}
@@ -61,21 +80,29 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         return self._tables[name]
 
     def load(self, *names: str) -> None:
-        """Decode the tables of `names`, or all tables, in one go: faster than one after the other."""
+        """Decode several tables in one pass, which is faster than one after the other.
+
+        Args:
+            names: The message names; without names all tables are decoded.
+
+        Raises:
+            UnknownMessageError: The log has no message of that name.
+            LogError: The file was truncated since it was opened.
+        """
         wanted = [name for name in dict.fromkeys(names or self) if name not in self._tables]
         dtypes = [self._dtype(name) for name in wanted]
         parts = [np.empty(self.counts[name], dtype) for name, dtype in zip(wanted, dtypes, strict=True)]
         rows = [(self._ids[name], part.view(np.uint8).data) for name, part in zip(wanted, parts, strict=True)]
-        # A map of bytes that the file no longer has ends the whole process where it is read.
+        # Reading mapped bytes beyond the end of a truncated file would kill the process.
         if isinstance(self._data, mmap.mmap) and self._data.size() < self.size:
-            raise LogError(f"{self.path}: was made shorter since it was opened; open it again")
+            raise LogError(f"cannot read {self.path}: it was truncated since it was opened; open it again")
         self._index.decode(rows, threads=self._threads)
         self._tables.update(zip(wanted, parts, strict=True))
 
     def _dtype(self, name: str) -> np.dtype[np.void]:
         message_id = self._ids.get(name)
         if message_id is None:
-            raise UnknownMessageError(f"{self.path} has no {name}; it has {', '.join(self)}")
+            raise UnknownMessageError(f"{self.path} contains no {name}; it contains {', '.join(self)}")
         return table_dtype(self.dialect[name].definition, self._index.row_size(message_id))
 
     def __iter__(self) -> Iterator[str]:
@@ -89,7 +116,7 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
 
     @property
     def unknown(self) -> dict[int, int]:
-        """Packets whose id the dialect does not have, counted by id."""
+        """Number of packets of each message id that is not in the dialect."""
         return self._index.unknown
 
     @property
@@ -99,17 +126,21 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
 
     @property
     def sources(self) -> dict[tuple[int, int], SourceStatistics]:
-        """What was heard of each (system, component)."""
+        """Statistics of each source, by (system, component)."""
         return self._index.sources
 
     @property
     def duration(self) -> float:
-        """Seconds from the earliest packet's time to the latest's; 0 without times."""
+        """Seconds from the earliest to the latest recorded time; 0 without times."""
         span = self._index.time_span
         return 0.0 if span is None else (span[1] - span[0]) / 1e6
 
-    def forget(self, name: str | None = None) -> None:
-        """Drop the decoded table of `name`, or all tables; they are decoded anew when asked for."""
+    def clear_cache(self, name: str | None = None) -> None:
+        """Drop decoded tables, which are decoded again on the next access.
+
+        Args:
+            name: The message name; None for all tables.
+        """
         if name is None:
             self._tables.clear()
         else:
@@ -119,7 +150,7 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         return self
 
     def __exit__(self, *exception: object) -> None:
-        self.forget()
+        self.clear_cache()
 
     def __repr__(self) -> str:
         return f"<LogFile {self.path.name}: {self.statistics.packets} packets, {len(self)} messages>"
@@ -128,14 +159,14 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
 def _map(path: Path) -> mmap.mmap | bytes:
     try:
         with path.open("rb") as file:
-            # A map of nothing is refused by the operating system.
+            # An empty file cannot be mapped.
             if os.fstat(file.fileno()).st_size == 0:
                 return b""
             return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
     except OSError as error:
-        raise LogError(f"{path}: {error.strerror or error}") from error
+        raise LogError(f"cannot open {path}: {error.strerror or error}") from error
     except ValueError as error:
-        raise LogError(f"{path}: cannot be mapped into memory ({error}); is it a regular file?") from error
+        raise LogError(f"cannot open {path}: not a regular file ({error})") from error
 
 
 def open_log(
@@ -145,10 +176,20 @@ def open_log(
     timestamped: bool | None = None,
     threads: int = 0,
 ) -> LogFile:
-    """Open a tlog or a raw stream of packets as a mapping from message name to table.
+    """Open a tlog or a raw stream of packets as a mapping from message names to tables.
 
-    `timestamped` says whether a time precedes each packet (told from the content if not given); `threads` is
-    the number of threads to decode with (0: one a processor). Raises LogError if the file cannot be read.
+    Args:
+        path: Path of the file.
+        dialect: The dialect of the messages, or its name.
+        timestamped: True for a tlog, False for a raw stream; None detects it from the content.
+        threads: Maximum number of threads; 0 for one per processor.
+
+    Returns:
+        The log, with all packets indexed and no table decoded.
+
+    Raises:
+        LogError: The file cannot be read.
+        UnknownDialectError: There is no dialect of that name.
     """
     if isinstance(dialect, str):
         dialect = Dialect.load(dialect)

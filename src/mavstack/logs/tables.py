@@ -1,8 +1,8 @@
-"""The numpy type of a message's table: the row that the core writes, under the definition's names.
+"""The numpy type of a message's table, whose rows the core writes.
 
-A row is a header (time, system, component, sequence, protocol version) and the payload as it lies on the
-wire, extensions included, so that a packet becomes a row by copying. The header's names begin with an
-underscore, which no field of a definition does.
+A row is a header (time, system, component, sequence, protocol version) followed by the full payload as on the
+wire, so that a packet becomes a row by copying. The names of header columns begin with an underscore, which
+no field name of a definition does.
 """
 
 from __future__ import annotations
@@ -46,7 +46,15 @@ def _format(field: FieldDefinition) -> str | tuple[str, tuple[int]]:
 
 
 def table_dtype(message: MessageDefinition, row_size: int) -> np.dtype[np.void]:
-    """The structured type of `message`'s table: header columns, then the fields in definition order."""
+    """Return the structured type of a message's table.
+
+    Args:
+        message: The definition of the message.
+        row_size: Size of a row in bytes.
+
+    Returns:
+        The type: the header columns, then the fields in the order of the definition.
+    """
     return np.dtype(
         {
             "names": [name for name, _, _ in HEADER_COLUMNS] + [field.name for field in message.fields],

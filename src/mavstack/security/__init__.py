@@ -1,9 +1,9 @@
-"""Keys and policy: who may speak on a link, and what must never be written down."""
+"""Signing keys and their timestamps, and the redaction of secrets."""
 
 from __future__ import annotations
 
 from mavstack.security.keys import SigningKey
-from mavstack.security.redaction import holds_secret, redacted
+from mavstack.security.redaction import has_secret_fields, redact
 from mavstack.security.timestamps import TimestampStore
 
-__all__ = ["SigningKey", "TimestampStore", "holds_secret", "redacted"]
+__all__ = ["SigningKey", "TimestampStore", "has_secret_fields", "redact"]

@@ -1,7 +1,7 @@
-"""Signing keys: 32 secret bytes that never show in a text.
+"""Signing keys: 32 secret bytes that are never shown.
 
-A key from a passphrase is its SHA-256, as ground stations make it. A key file holds the key in hexadecimal
-and is readable by its owner only.
+The key of a passphrase is its SHA-256, as in ground stations. A key file contains the key in hexadecimal and
+is readable by its owner only.
 """
 
 from __future__ import annotations
@@ -23,61 +23,121 @@ KEY_LENGTH = 32
 
 
 class SigningKey:
-    """A signing key; its `repr` and error texts never hold it."""
+    """A signing key of 32 bytes, which never appears in a `repr`, an error or a pickle.
+
+    Args:
+        secret: The 32 bytes of the key.
+
+    Raises:
+        SigningError: The key does not have 32 bytes.
+    """
 
     __slots__ = ("_secret",)
 
     def __init__(self, secret: bytes) -> None:
         if len(secret) != KEY_LENGTH:
-            raise SigningError(f"a signing key has {KEY_LENGTH} bytes, not {len(secret)}")
+            raise SigningError(f"a signing key must have {KEY_LENGTH} bytes, got {len(secret)}")
         self._secret = bytes(secret)
 
     @classmethod
     def generate(cls) -> Self:
-        """Make a new random key."""
+        """Create a random key from the operating system's source of randomness.
+
+        Returns:
+            The new key.
+        """
         return cls(secrets.token_bytes(KEY_LENGTH))
 
     @classmethod
     def from_passphrase(cls, passphrase: str) -> Self:
-        """Make the key that ground stations make of `passphrase`: its SHA-256."""
+        """Derive the key of a passphrase, which is its SHA-256, as in ground stations.
+
+        Args:
+            passphrase: The passphrase; it is encoded as UTF-8.
+
+        Returns:
+            The key.
+        """
         return cls(hashlib.sha256(passphrase.encode()).digest())
 
     @classmethod
     def from_hex(cls, text: str) -> Self:
-        """Read a key written as 64 hexadecimal digits."""
+        """Read a key from 64 hexadecimal digits.
+
+        Args:
+            text: The digits.
+
+        Returns:
+            The key.
+
+        Raises:
+            SigningError: The text is not 64 hexadecimal digits.
+        """
         try:
             secret = bytes.fromhex(text)
         except ValueError:
-            raise SigningError("a signing key is written as 64 hexadecimal digits") from None
+            raise SigningError("a signing key must be 64 hexadecimal digits") from None
         return cls(secret)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a key file."""
+        """Read a key file.
+
+        Args:
+            path: Path of the file.
+
+        Returns:
+            The key.
+
+        Raises:
+            SigningError: The file cannot be read, or contains no key.
+        """
         try:
             text = Path(path).read_text("ascii")
         except (OSError, UnicodeDecodeError) as error:
-            raise SigningError(f"{path}: cannot be read as a key file ({type(error).__name__})") from None
+            raise SigningError(f"cannot read the key file {path}: {type(error).__name__}") from None
         try:
             return cls.from_hex(text.strip())
         except SigningError as error:
-            raise SigningError(f"{path}: {error}") from None
+            raise SigningError(f"cannot read the key file {path}: {error}") from None
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a key file that only its owner can read; an existing file is never overwritten."""
+        """Write a key file that only its owner can read.
+
+        Args:
+            path: Path of the new file; an existing file is never overwritten.
+
+        Raises:
+            SigningError: The file exists or cannot be written.
+        """
         try:
             descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         except OSError as error:
-            raise SigningError(f"{path}: {error.strerror or error}") from None
+            raise SigningError(f"cannot write the key file {path}: {error.strerror or error}") from None
         with os.fdopen(descriptor, "w", encoding="ascii") as file:
             file.write(self._secret.hex() + "\n")
 
     def secret_bytes(self) -> bytes:
-        """The key itself, for SETUP_SIGNING."""
+        """Return the 32 bytes of the key, for SETUP_SIGNING.
+
+        Returns:
+            The secret; do not log or store it.
+        """
         return self._secret
 
-    def signing(self, link_id: int = 0, **policy: Any) -> Signing:  # noqa: ANN401 (Signing's own keywords)
-        """Make the signing state of one link; `policy` as for `mavstack.Signing`."""
+    def signing(self, link_id: int = 0, **policy: Any) -> Signing:  # noqa: ANN401 (the keywords of Signing)
+        """Create the signing state of one link.
+
+        Args:
+            link_id: Id of the link in signatures, 0 to 255.
+            policy: Keyword arguments of `mavstack.Signing`.
+
+        Returns:
+            The signing state, for the parser and the encoder of the link.
+
+        Raises:
+            SigningError: The timestamp is out of range.
+        """
         return Signing(self._secret, link_id, **policy)
 
     def __eq__(self, other: object) -> bool:
@@ -91,4 +151,4 @@ class SigningKey:
         return "SigningKey(…)"
 
     def __reduce__(self) -> NoReturn:
-        raise SigningError("signing keys are not pickled; save them to a key file")
+        raise SigningError("signing keys cannot be pickled: save them to a key file")

@@ -1,6 +1,6 @@
-"""Packets as they may be written down: what holds a secret is blanked by whoever records or shows it.
+"""Redaction of packets for logs and recordings: secret fields are blanked.
 
-SETUP_SIGNING above all: it carries a signing key in the clear, and is never forwarded.
+SETUP_SIGNING is the most important case: it carries a signing key unencrypted, and is never forwarded.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import Dialect
-from mavstack.dialects.secrets import SECRET_IDS, SECRETS, secret_fields
+from mavstack.dialects.secrets import SECRET_FIELDS, SECRET_IDS, secret_fields
 from mavstack.wire import encode
 
 if TYPE_CHECKING:
@@ -16,14 +16,29 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 
-def holds_secret(packet: Packet) -> bool:
-    """Whether the packet's message has a field that must not be shown, its dialect knowing it or not."""
-    return packet.name in SECRETS or (packet.name is None and packet.message_id in SECRET_IDS)
+def has_secret_fields(packet: Packet) -> bool:
+    """Return whether the message of a packet has a secret field.
+
+    Args:
+        packet: The packet; its dialect need not have the message.
+
+    Returns:
+        True for messages with keys, passwords or PINs, such as SETUP_SIGNING.
+    """
+    return packet.name in SECRET_FIELDS or (packet.name is None and packet.message_id in SECRET_IDS)
 
 
-def redacted(packet: Packet) -> bytes:
-    """The bytes to record for `packet`: as they came, or unsigned and with its secrets blanked."""
-    if not holds_secret(packet):
+def redact(packet: Packet) -> bytes:
+    """Return the bytes of a packet without its secrets, for recording.
+
+    Args:
+        packet: The packet.
+
+    Returns:
+        The unchanged bytes; or, if the message has secret fields, an unsigned packet with these fields
+        blanked.
+    """
+    if not has_secret_fields(packet):
         return packet.raw
     return encode(
         _blanked(packet),
@@ -35,7 +50,7 @@ def redacted(packet: Packet) -> bytes:
 
 
 def _blanked(packet: Packet) -> Message:
-    """The message without its secrets; nothing is left of one that the packet's dialect does not know."""
+    """Return the message with its secret fields blanked; all fields if the dialect lacks the message."""
     if packet.message is None:
         return Dialect.load("all")[packet.message_id]()
     message: Message = packet.message

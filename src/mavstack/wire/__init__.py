@@ -1,10 +1,10 @@
-"""Packets in and out: the parser, the encoder, signing and their statistics, all sans-IO.
+"""The wire protocol: parser, encoder, signing and their statistics, all sans-IO.
 
-A `Parser` takes the bytes of one channel in any chunks and yields `Packet`s, MAVLink 1 and 2 mixed. What
-is not a packet never raises: it is counted in `Parser.statistics` and skipped, and after a false start the
-search goes on one byte behind the false magic. A packet keeps its bytes as they came. An `Encoder` numbers
-the packets of one component on one link. `Signing` belongs to a link and is shared by its parser and its
-encoder; time is an argument.
+A `Parser` takes the bytes of one channel in chunks of any size and returns `Packet`s; MAVLink 1 and 2 may be
+mixed. Bytes that are no valid packet never raise: they are counted in `Parser.statistics` and skipped. After
+a false start the search continues one byte after the false magic. A packet keeps its bytes unchanged. An
+`Encoder` encodes the messages of one component for one link, and counts their sequence numbers. `Signing` is
+the state of one link, shared by its parser and its encoder; time is an argument.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mavstack._core import (
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    # Known to type checkers only: the core takes whatever has the attribute.
+    # For type checkers only: the core accepts any object with the attribute `core_dialect`.
     from mavstack._core import HasCoreDialect as HasCoreDialect
 
 __all__ = [

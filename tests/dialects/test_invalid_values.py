@@ -5,7 +5,7 @@ import math
 import pytest
 
 from mavstack.dialects import Dialect, common
-from mavstack.dialects.meaning import invalid_elements, is_invalid, scaled
+from mavstack.dialects.invalid_values import invalid_elements, is_invalid, scaled_value
 
 
 @pytest.fixture(scope="module")
@@ -65,13 +65,13 @@ def test_invalid_values(own, field, value, expected):
 
 
 def test_multipliers(own):
-    assert scaled(own(m=250), "m") == 2.5
-    assert scaled(own(u=65535), "u") is None
-    assert scaled(own(u=3), "u") == 3
-    assert scaled(own(each=[0, 5]), "each") == (None, 5, None)
+    assert scaled_value(own(m=250), "m") == 2.5
+    assert scaled_value(own(u=65535), "u") is None
+    assert scaled_value(own(u=3), "u") == 3
+    assert scaled_value(own(each=[0, 5]), "each") == (None, 5, None)
 
 
-def test_every_marker_of_the_official_files_is_understood():
+def test_every_invalid_value_of_the_official_files_is_parsed():
     for message_class in Dialect.load("all"):
         message = message_class()
         for name in message_class.__match_args__:

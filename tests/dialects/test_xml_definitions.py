@@ -1,4 +1,4 @@
-"""Reading definition files: what the schema allows, and one clear error for what is broken or hostile."""
+"""Reading definition files: the schema, and one DialectError for a malformed or malicious file."""
 
 import pytest
 
@@ -64,7 +64,7 @@ BROKEN = {
     "message id twice": (
         messages(f'<message id="1" name="A">{FIELD}</message>\n<message id="1" name="B">{FIELD}</message>'),
         4,
-        "already given to A",
+        "already used by A",
     ),
     "message name twice": (
         messages(f'<message id="1" name="A">{FIELD}</message>\n<message id="2" name="A">{FIELD}</message>'),
@@ -72,7 +72,7 @@ BROKEN = {
         "defined twice",
     ),
     "message name no identifier": (message(FIELD, name="A-B"), 3, "'A-B'"),
-    "message name endless": (message(FIELD, name="A" * 10_000), 3, "not a usable name"),
+    "message name endless": (message(FIELD, name="A" * 10_000), 3, "not a to_identifier name"),
     "enum reference no identifier": (message('<field type="uint8_t" name="a" enum="E F"/>'), 5, "'E F'"),
     "no fields": (message(""), 3, "0 fields"),
     "too many fields": (
@@ -87,8 +87,8 @@ BROKEN = {
     "field name with bracket": (message('<field type="uint8_t" name="a[2]"/>'), 5, "'a[2]'"),
     "field name not ascii": (message('<field type="uint8_t" name="ä"/>'), 5, "'ä'"),
     "unknown type": (message('<field type="uint24_t" name="a"/>'), 5, "'uint24_t'"),
-    "type with space": (message('<field type="uint8_t [3]" name="a"/>'), 5, "no field type"),
-    "array of versions": (message('<field type="uint8_t_mavlink_version[2]" name="a"/>'), 5, "no field type"),
+    "type with space": (message('<field type="uint8_t [3]" name="a"/>'), 5, "unknown field type"),
+    "array of versions": (message('<field type="uint8_t_mavlink_version[2]" name="a"/>'), 5, "unknown field type"),
     "array length zero": (message('<field type="uint8_t[0]" name="a"/>'), 5, "1 to 255"),
     "array length 256": (message('<field type="uint8_t[256]" name="a"/>'), 5, "1 to 255"),
     "array length huge": (message(f'<field type="uint8_t[{"9" * 5000}]" name="a"/>'), 5, "not an integer"),
@@ -139,7 +139,7 @@ BROKEN = {
 
 
 @pytest.mark.parametrize(("text", "line", "problem"), BROKEN.values(), ids=BROKEN.keys())
-def test_a_broken_file_gets_one_clear_error_with_file_and_line(text, line, problem):
+def test_a_malformed_file_raises_with_file_and_line(text, line, problem):
     with pytest.raises(DialectError) as caught:
         read(text)
     assert caught.value.path == "some/file.xml"
@@ -151,7 +151,7 @@ def test_a_broken_file_gets_one_clear_error_with_file_and_line(text, line, probl
 
 
 @pytest.mark.parametrize(("text", "line", "problem"), BROKEN.values(), ids=BROKEN.keys())
-def test_the_same_error_comes_out_of_from_xml(tmp_path, text, line, problem):
+def test_from_xml_raises_the_same_error(tmp_path, text, line, problem):
     path = tmp_path / "bad.xml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(DialectError) as caught:
@@ -159,7 +159,7 @@ def test_the_same_error_comes_out_of_from_xml(tmp_path, text, line, problem):
     assert (caught.value.path, caught.value.line) == (str(path), line)
 
 
-def test_a_missing_file_and_a_folder_are_errors(tmp_path):
+def test_a_missing_file_and_a_directory_raise(tmp_path):
     with pytest.raises(DialectError, match="no such file"):
         Dialect.from_xml(tmp_path / "none.xml")
     with pytest.raises(DialectError, match="cannot be read"):
@@ -170,7 +170,7 @@ def test_a_missing_file_and_a_folder_are_errors(tmp_path):
     ("text", "value"),
     [("7", 7), ("0x1F", 31), ("0b101", 5), ("2**40", 1 << 40), (str(2**64 - 1), 2**64 - 1), ("-3", -3)],
 )
-def test_entry_values_may_be_written_in_four_ways(text, value):
+def test_entry_values_have_four_notations(text, value):
     assert read(enum(f'<entry value="{text}" name="A"/>')).enums[0].entries[0].value == value
 
 
@@ -179,7 +179,7 @@ def test_entries_without_value_follow_the_highest_one():
     assert [(entry.value, entry.automatic) for entry in entries] == [(1, True), (10, False), (11, True)]
 
 
-def test_all_that_a_field_can_say():
+def test_all_attributes_of_a_field():
     text = message(
         '<field type="uint16_t" name="a" units="cV" multiplier="1E-2" invalid="UINT16_MAX" instance="true"'
         ' print_format="0x%04x" display="bitmask" minValue="-1" maxValue="1.5" increment="0.5"'
@@ -208,7 +208,7 @@ def test_all_that_a_field_can_say():
     )
 
 
-def test_all_that_an_entry_can_say():
+def test_all_attributes_of_an_entry():
     text = enum(
         '<entry value="1" name="A" hasLocation="true" isDestination="true" missionOnly="true" mission="true">'
         '<deprecated since="2020-01" replaced_by="B">why</deprecated><description>what</description>'
@@ -234,13 +234,13 @@ def test_comments_unknown_elements_and_unknown_attributes_are_skipped():
     assert [item.name for item in definition.messages[0].fields] == ["a"]
 
 
-def test_a_file_may_declare_another_encoding_and_begin_with_a_mark():
+def test_a_file_may_have_another_encoding_and_a_byte_order_mark():
     latin = '<?xml version="1.0" encoding="ISO-8859-1"?>\n' + message(FIELD).replace(">d<", ">caf\xe9<")
     assert read(latin.encode("latin-1")).messages[0].description == "caf\xe9"
     assert read(b"\xef\xbb\xbf" + message(FIELD).encode()).messages[0].name == "M"
 
 
-def test_the_version_type_counts_as_a_plain_byte():
+def test_the_version_type_is_uint8_in_crc_extra():
     version = read(message('<field type="uint8_t_mavlink_version" name="a"/>')).messages[0]
     assert version.fields[0].protocol_version
     assert version.fields[0].type == "uint8_t"

@@ -1,9 +1,8 @@
-"""One test a trap: what is often written wrong about MAVLink, and where implementations trip over.
+"""Pitfalls: frequent errors in articles about MAVLink and in implementations, one test each.
 
-Packets are made by `forge`, which shares no code with what is tested. Routing and the microservices have
-their traps too; those are tested where the router and the services are. The Rust tests of `rust/core` hold
-some of these once more, below Python: `scan_tests.rs` for framing, `signing_tests.rs` for signing,
-`sequence.rs` for loss.
+Packets are built by `raw_packets`, which shares no code with the code under test. The pitfalls of routing and
+of the microservices are tested with those. The Rust tests of `rust/core` test some of these below Python too:
+`scan_tests.rs` framing, `signing_tests.rs` signing, `sequence.rs` packet loss.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from mavstack.errors import DialectError, EncodeError, FieldRangeError, SigningE
 from mavstack.security.timestamps import timestamp_at
 from mavstack.wire import crc16
 
-from . import forge
+from . import raw_packets
 
 HEARTBEAT = bytes([5, 0, 0, 0, 2, 3, 81, 4, 3])
 HEARTBEAT_EXTRA = 50
@@ -29,7 +28,7 @@ NOW = 1_700_000_000.0
 
 
 def heartbeat(sequence=0, version=2, **header):
-    make = forge.version_2 if version == 2 else forge.version_1
+    make = raw_packets.version_2 if version == 2 else raw_packets.version_1
     return make(0, HEARTBEAT, HEARTBEAT_EXTRA, sequence=sequence, **header)
 
 
@@ -38,10 +37,10 @@ def parse(data, dialect=common):
     return parser.feed(data) + parser.flush(), parser.statistics
 
 
-# where articles contradict the wire
+# contradictions between articles and the wire
 
 
-def test_version_1_ids_are_one_byte_and_larger_ones_are_an_error_not_a_wrap():
+def test_version_1_ids_above_255_raise():
     assert common.OpenDroneIdBasicId.definition.id > 255
     with pytest.raises(EncodeError, match="over 255 and needs MAVLink 2"):
         mavstack.encode(common.OpenDroneIdBasicId(), system=1, component=1, version=1)
@@ -53,7 +52,7 @@ def test_version_1_ids_are_one_byte_and_larger_ones_are_an_error_not_a_wrap():
 def test_version_2_ids_are_three_bytes_little_endian_and_system_and_component_one_each():
     raw = mavstack.encode(common.OpenDroneIdBasicId(), system=250, component=251)
     assert raw[5:10] == bytes([250, 251]) + (12900).to_bytes(3, "little")
-    packets, _ = parse(forge.version_2(UNKNOWN_ID, b"x", 1, system=255, component=254))
+    packets, _ = parse(raw_packets.version_2(UNKNOWN_ID, b"x", 1, system=255, component=254))
     assert (packets[0].message_id, packets[0].system, packets[0].component) == (UNKNOWN_ID, 255, 254)
     for outside in ({"system": 256, "component": 1}, {"system": 1, "component": -1}):
         with pytest.raises(EncodeError, match=r"outside 0\.\.255"):
@@ -65,7 +64,7 @@ def test_version_1_header_is_magic_length_sequence_system_component_id():
     assert list(raw[:6]) == [0xFE, 9, 9, 7, 8, 0]
 
 
-def test_payloads_end_at_255_bytes_in_both_versions(tmp_path):
+def test_payloads_have_at_most_255_bytes_in_both_versions(tmp_path):
     for length, fine in ((255, True), (256, False)):
         fields = f'<field type="uint8_t[{length - 1}]" name="a"/><field type="uint8_t" name="b"/>'
         path = tmp_path / f"of_{length}.xml"
@@ -84,34 +83,34 @@ def test_payloads_end_at_255_bytes_in_both_versions(tmp_path):
 
 
 def test_the_crc_is_mcrf4xx_over_length_to_payload_without_the_magic():
-    assert crc16(b"123456789") == forge.crc(b"123456789") == 0x6F91
+    assert crc16(b"123456789") == raw_packets.crc(b"123456789") == 0x6F91
     for version in (1, 2):
         ours = mavstack.encode(common.Heartbeat(2, 3, 81, 5, 4, 3), system=1, component=1, version=version)
         assert ours == heartbeat(version=version)
-        assert ours[-2:] == forge.crc(ours[1:-2] + bytes([HEARTBEAT_EXTRA])).to_bytes(2, "little")
+        assert ours[-2:] == raw_packets.crc(ours[1:-2] + bytes([HEARTBEAT_EXTRA])).to_bytes(2, "little")
 
 
-def test_crc_extra_is_one_more_byte_at_the_end_and_not_xored_in():
+def test_crc_extra_is_appended_and_not_xored():
     raw = heartbeat()
-    xored = raw[:-2] + (forge.crc(raw[1:-2]) ^ HEARTBEAT_EXTRA).to_bytes(2, "little")
-    without = raw[:-2] + forge.crc(raw[1:-2]).to_bytes(2, "little")
+    xored = raw[:-2] + (raw_packets.crc(raw[1:-2]) ^ HEARTBEAT_EXTRA).to_bytes(2, "little")
+    without = raw[:-2] + raw_packets.crc(raw[1:-2]).to_bytes(2, "little")
     for wrong in (xored, without):
         packets, statistics = parse(wrong)
         assert (packets, statistics.bad_checksum) == ([], 1)
 
 
-def test_the_signature_is_plain_sha256_over_key_packet_link_and_time():
+def test_the_signature_is_sha256_over_key_packet_link_id_and_timestamp():
     signing = mavstack.Signing(KEY, 7, timestamp=1000)
     raw = mavstack.encode(common.Heartbeat(), system=1, component=1, signing=signing)
     link_and_time = bytes([7]) + (1001).to_bytes(6, "little")
     assert raw[-13:-6] == link_and_time
     assert raw[-6:] == hashlib.sha256(KEY + raw[:-6]).digest()[:6]
-    # Not chained: the same packet again differs only in its time.
+    # Signatures are not chained: the same packet differs only in its timestamp.
     again = mavstack.encode(common.Heartbeat(), system=1, component=1, signing=signing)
-    assert again == forge.signed(raw[:-13], KEY, 7, 1002)
+    assert again == raw_packets.signed(raw[:-13], KEY, 7, 1002)
 
 
-def test_the_signing_time_counts_ten_microseconds_since_2015():
+def test_signing_timestamps_count_ten_microseconds_since_2015():
     signing = mavstack.Signing(KEY)
     raw = mavstack.encode(
         common.Heartbeat(), system=1, component=1, signing=signing, now=1_420_070_400.0 + 2.5
@@ -145,20 +144,20 @@ def test_a_false_magic_hides_no_packet(version):
     assert parser.statistics.bad_bytes == 2
 
 
-def test_after_a_bad_checksum_the_search_goes_on_one_byte_further():
-    # The damaged packet claims to be 40 bytes long; two good ones lie inside that length.
+def test_after_a_bad_checksum_the_search_continues_one_byte_later():
+    # The damaged packet claims a length of 40 bytes, which contains two valid packets.
     damaged = b"\xfe\x20\x00\x01\x01\x00"
     packets, statistics = parse(damaged + heartbeat(1) + heartbeat(2) + bytes(20))
     assert [packet.sequence for packet in packets] == [1, 2]
     assert statistics.bad_checksum == 1
 
 
-def test_a_checksum_byte_equal_to_a_magic_is_no_new_start():
+def test_a_checksum_byte_equal_to_a_magic_starts_no_packet():
     found = 0
     for number in range(256):
         for mode in range(12):
             payload = bytes([mode]) + HEARTBEAT[1:]
-            raw = forge.version_2(0, payload, HEARTBEAT_EXTRA, sequence=number)
+            raw = raw_packets.version_2(0, payload, HEARTBEAT_EXTRA, sequence=number)
             if raw[-1] not in (0xFD, 0xFE):
                 continue
             found += 1
@@ -167,8 +166,8 @@ def test_a_checksum_byte_equal_to_a_magic_is_no_new_start():
     assert found
 
 
-def test_unknown_ids_are_packets_with_raw_bytes_and_not_corrupt():
-    raw = forge.version_2(UNKNOWN_ID, b"opaque", 77, sequence=3, compat=9)
+def test_packets_of_unknown_ids_are_returned_with_their_bytes():
+    raw = raw_packets.version_2(UNKNOWN_ID, b"opaque", 77, sequence=3, compat=9)
     (packet,), statistics = parse(raw)
     assert packet.raw == raw
     assert packet.message is None
@@ -179,8 +178,8 @@ def test_unknown_ids_are_packets_with_raw_bytes_and_not_corrupt():
     assert "unknown" in repr(packet)
 
 
-def test_unknown_version_1_ids_too():
-    raw = forge.version_1(255, b"opaque", 77)
+def test_packets_of_unknown_version_1_ids_are_returned():
+    raw = raw_packets.version_1(255, b"opaque", 77)
     assert 255 not in Dialect.load("common")
     (packet,), statistics = parse(raw)
     assert (packet.raw, packet.message, statistics.unknown) == (raw, None, 1)
@@ -198,10 +197,10 @@ def test_unknown_compatibility_flags_are_ignored_and_kept():
     assert (packet.raw, packet.compat_flags, packet.name) == (raw, 0xFF, "HEARTBEAT")
 
 
-def test_a_packet_leaves_byte_for_byte_as_it_came():
-    untrimmed = forge.version_2(0, HEARTBEAT + bytes(5), HEARTBEAT_EXTRA, compat=1)
-    longer = forge.version_2(30, bytes(range(60)), 39)
-    junk_behind_the_nul = forge.version_1(253, b"\x01" + b"a\0junk".ljust(50, b"?"), 83)
+def test_a_packet_keeps_its_bytes():
+    untrimmed = raw_packets.version_2(0, HEARTBEAT + bytes(5), HEARTBEAT_EXTRA, compat=1)
+    longer = raw_packets.version_2(30, bytes(range(60)), 39)
+    junk_behind_the_nul = raw_packets.version_1(253, b"\x01" + b"a\0junk".ljust(50, b"?"), 83)
     packets, _ = parse(untrimmed + longer + junk_behind_the_nul)
     assert [packet.raw for packet in packets] == [untrimmed, longer, junk_behind_the_nul]
     for packet in packets:
@@ -219,7 +218,7 @@ def test_version_1_sends_the_exact_length_and_never_extensions():
 
 
 def test_version_1_packets_shorter_than_their_message_are_refused():
-    packets, statistics = parse(forge.version_1(0, HEARTBEAT[:5], HEARTBEAT_EXTRA))
+    packets, statistics = parse(raw_packets.version_1(0, HEARTBEAT[:5], HEARTBEAT_EXTRA))
     assert (packets, statistics.bad_length) == ([], 1)
 
 
@@ -233,25 +232,25 @@ def test_version_2_trims_trailing_zeros_but_keeps_the_first_byte():
 @pytest.mark.parametrize("length", [0, 1, 5, 28, 40])
 def test_trimmed_untrimmed_and_empty_payloads_are_accepted(length):
     payload = struct.pack("<I", 7)[:length].ljust(length, b"\0")
-    (packet,), _ = parse(forge.version_2(30, payload, 39))
+    (packet,), _ = parse(raw_packets.version_2(30, payload, 39))
     assert packet.payload == payload
     assert packet.message == common.Attitude(time_boot_ms=7 if length else 0)
 
 
 def test_short_payloads_are_zero_filled_extensions_included():
-    (packet,), _ = parse(forge.version_2(253, b"\x03hi", 83))
+    (packet,), _ = parse(raw_packets.version_2(253, b"\x03hi", 83))
     message = packet.message
     assert (message.severity, message.text, message.id, message.chunk_seq) == (3, "hi", 0, 0)
 
 
-def test_payloads_longer_than_known_decode_what_is_known_and_keep_the_rest():
+def test_payloads_longer_than_known_are_decoded_and_kept():
     payload = struct.pack("<I6f", 9, 1, 2, 3, 4, 5, 6) + b"newer extension"
-    (packet,), _ = parse(forge.version_2(30, payload, 39))
+    (packet,), _ = parse(raw_packets.version_2(30, payload, 39))
     assert packet.message == common.Attitude(9, 1, 2, 3, 4, 5, 6)
     assert packet.payload == payload
 
 
-def test_fields_lie_by_size_stably_and_extensions_behind_as_written(tmp_path):
+def test_fields_are_sorted_by_size_and_extensions_follow_unsorted(tmp_path):
     path = tmp_path / "order.xml"
     fields = (
         '<field type="uint8_t" name="a"/><field type="uint16_t[2]" name="b"/>'
@@ -270,44 +269,44 @@ def test_fields_lie_by_size_stably_and_extensions_behind_as_written(tmp_path):
 
 def test_crc_extra_uses_wire_order_array_lengths_and_no_extensions():
     words = b"HEARTBEAT uint32_t custom_mode uint8_t type uint8_t autopilot uint8_t base_mode "
-    value = forge.crc(words + b"uint8_t system_status uint8_t mavlink_version ")
+    value = raw_packets.crc(words + b"uint8_t system_status uint8_t mavlink_version ")
     assert (value & 0xFF) ^ value >> 8 == HEARTBEAT_EXTRA == common.Heartbeat.definition.crc_extra
-    # An array adds its length as a byte; what follows <extensions/> (id, chunk_seq) is left out.
-    value = forge.crc(b"STATUSTEXT uint8_t severity char text \x32")
+    # An array adds its length as a byte; fields after <extensions/> (id, chunk_seq) are excluded.
+    value = raw_packets.crc(b"STATUSTEXT uint8_t severity char text \x32")
     assert (value & 0xFF) ^ value >> 8 == 83 == common.Statustext.definition.crc_extra
 
 
-def test_char_fields_have_a_nul_only_if_they_are_shorter_and_junk_behind_it_is_not_text():
+def test_bytes_after_the_nul_of_a_char_field_are_ignored():
     assert common.ParamValue(param_id="SIXTEEN_LETTERS_").param_id == "SIXTEEN_LETTERS_"
     with pytest.raises(FieldRangeError, match="16 bytes"):
         common.ParamValue(param_id="SEVENTEEN_LETTERS")
-    junk = forge.version_1(253, b"\x01" + b"text\0JUNK".ljust(50, b"!"), 83)
+    junk = raw_packets.version_1(253, b"\x01" + b"text\0JUNK".ljust(50, b"!"), 83)
     (packet,), _ = parse(junk)
     assert packet.message.text == "text"
     assert packet.message == common.Statustext(severity=1, text="text")
 
 
-def test_utf8_cut_inside_a_character_is_still_read():
+def test_utf8_truncated_inside_a_character_is_read():
     cut = ("x" * 49 + "é").encode()[:50]
-    (packet,), _ = parse(forge.version_1(253, b"\x01" + cut, 83))
+    (packet,), _ = parse(raw_packets.version_1(253, b"\x01" + cut, 83))
     assert packet.message.text == "x" * 49
     assert packet.message.to_payload()[1:] == cut
 
 
-def test_a_text_cut_inside_a_character_can_be_written_again():
-    (packet,), _ = parse(forge.version_1(253, b"\x01" + ("x" * 49 + "é").encode()[:50], 83))
+def test_a_text_truncated_inside_a_character_can_be_written_again():
+    (packet,), _ = parse(raw_packets.version_1(253, b"\x01" + ("x" * 49 + "é").encode()[:50], 83))
     message = packet.message
     assert common.Statustext.from_json(message.to_json()).severity == 1
     assert message.replace(text=message.text).severity == 1
 
 
-def test_a_count_larger_than_its_array_reads_no_further():
+def test_a_count_larger_than_its_array_reads_only_the_array():
     message = common.GpsRtcmData(len=255, data=b"x" * 180)
     (packet,), _ = parse(mavstack.encode(message, system=1, component=1))
     assert (packet.message.len, len(packet.message.data[: packet.message.len])) == (255, 180)
 
 
-def test_sequence_is_counted_by_link_and_source():
+def test_sequence_numbers_count_per_link_and_source():
     vehicle, camera = mavstack.Encoder(1, 1), mavstack.Encoder(1, 100)
     for number in range(300):
         assert vehicle.encode(common.Heartbeat())[4] == number % 256
@@ -318,14 +317,14 @@ def test_sequence_is_counted_by_link_and_source():
     assert vehicle.sequence == 300 % 256
 
 
-def test_a_message_that_could_not_be_encoded_takes_no_sequence_number():
+def test_a_failed_encoding_uses_no_sequence_number():
     encoder = mavstack.Encoder(1, 1, version=1)
     with pytest.raises(EncodeError):
         encoder.encode(common.OpenDroneIdBasicId())
     assert encoder.encode(common.Heartbeat())[2] == 0
 
 
-def test_loss_is_counted_by_link_and_source():
+def test_loss_is_counted_per_link_and_source():
     stream = b"".join(heartbeat(number) for number in (254, 255, 3, 4))
     stream += b"".join(heartbeat(number, component=100) for number in (0, 1, 2))
     one, other = mavstack.Parser(common), mavstack.Parser(common)
@@ -351,10 +350,10 @@ def accepts(signing, raw, now=NOW):
 
 
 def signed_at(timestamp, *, link_id=1, key=KEY, **header):
-    return forge.signed(heartbeat(incompat=1, **header), key, link_id, timestamp)
+    return raw_packets.signed(heartbeat(incompat=1, **header), key, link_id, timestamp)
 
 
-def test_a_forged_packet_from_the_far_future_silences_no_stream():
+def test_a_forged_packet_from_the_far_future_blocks_no_stream():
     signing, now = receiver(), timestamp_at(NOW)
     assert accepts(signing, signed_at(now))
     assert not accepts(signing, signed_at(2**48 - 1, key=bytes(32)))
@@ -363,13 +362,13 @@ def test_a_forged_packet_from_the_far_future_silences_no_stream():
     assert signing.timestamp == now + 1, "nor does it move the clock"
 
 
-def test_a_forged_first_packet_makes_no_stream():
+def test_a_forged_first_packet_creates_no_stream():
     signing = receiver()
     assert not accepts(signing, signed_at(timestamp_at(NOW), key=bytes(32)))
     assert signing.streams == 0
 
 
-def test_streams_are_kept_apart_by_link_system_and_component():
+def test_streams_are_distinguished_by_link_system_and_component():
     signing, now = receiver(), timestamp_at(NOW)
     variants = ({}, {"link_id": 2}, {"system": 2}, {"component": 2})
     assert all(accepts(signing, signed_at(now, **variant)) for variant in variants)
@@ -399,14 +398,14 @@ def test_replays_and_equal_timestamps_are_refused():
     assert accepts(signing, signed_at(now + 1))
 
 
-def test_a_new_stream_may_be_one_minute_behind_the_clock_and_no_more():
+def test_a_new_stream_may_be_up_to_one_minute_behind_the_clock():
     signing, now = receiver(), timestamp_at(NOW)
     assert not accepts(signing, signed_at(now - 6_000_001))
     assert signing.refusals.stale == 1
     assert accepts(signing, signed_at(now - 6_000_000))
 
 
-def test_reordered_datagrams_need_an_explicit_slack():
+def test_reordered_datagrams_need_a_reorder_slack():
     now = timestamp_at(NOW)
     for slack, expected in ((0.0, False), (0.001, True)):
         signing = receiver(reorder_slack=slack)
@@ -428,21 +427,21 @@ def test_the_clock_only_moves_forward():
     assert signing.timestamp == times[-1] + 100
 
 
-def test_a_signed_packet_from_the_far_future_does_not_push_the_clock():
+def test_a_signed_packet_from_the_far_future_does_not_advance_the_clock():
     signing, now = receiver(), timestamp_at(NOW)
     assert not accepts(signing, signed_at(2**48 - 1))
     assert (signing.refusals.future, signing.timestamp) == (1, now)
     assert accepts(signing, signed_at(now + 100))
 
 
-def test_many_signed_packets_do_not_push_the_clock_step_by_step():
+def test_many_signed_packets_do_not_advance_the_clock_step_by_step():
     signing, now, day = receiver(), timestamp_at(NOW), 24 * 3600 * 100_000
     for step in range(1, 8):
         accepts(signing, signed_at(now + step * day))
     assert signing.timestamp <= now + day
 
 
-def test_signed_only_refuses_version_1_downgrades():
+def test_version_1_packets_are_refused_on_a_signed_link():
     signing = receiver()
     assert not accepts(signing, heartbeat(version=1))
     assert not accepts(signing, heartbeat(version=2))
@@ -457,7 +456,7 @@ def test_version_1_cannot_be_signed():
         mavstack.Encoder(1, 1, version=1, signing=receiver()).encode(common.Heartbeat())
 
 
-def test_radio_status_may_come_unsigned_if_that_is_allowed():
+def test_radio_status_may_be_accepted_unsigned():
     radio = mavstack.encode(common.RadioStatus(rssi=9), system=51, component=68, version=1)
     assert not accepts(receiver(), radio)
     signing = receiver(unsigned_ids=[common.RadioStatus.definition.id])
@@ -465,15 +464,15 @@ def test_radio_status_may_come_unsigned_if_that_is_allowed():
     assert not accepts(signing, heartbeat()), "and nothing else"
 
 
-def test_a_wrong_key_length_is_refused_without_telling_the_key():
+def test_a_wrong_key_length_is_refused_without_showing_the_key():
     for wrong in (b"", b"secret-secret", bytes(33)):
         with pytest.raises(SigningError) as failure:
             mavstack.Signing(wrong)
         assert "secret" not in str(failure.value)
 
 
-def test_the_signed_flag_is_part_of_what_is_signed():
-    """A signature cannot be cut off: the flag that announces it is covered by the hash and the CRC."""
+def test_the_signed_flag_is_covered_by_the_signature():
+    """A signature cannot be removed: its flag is covered by the hash and the CRC."""
     signing, raw = receiver(), signed_at(timestamp_at(NOW))
     assert not accepts(signing, raw[:-13])
     assert not accepts(signing, raw[:2] + b"\0" + raw[3:-13])

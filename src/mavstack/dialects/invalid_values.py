@@ -1,8 +1,8 @@
-"""What a field's raw value means: whether it stands for "not known", and its value in the field's units.
+"""Invalid values of fields ("unknown"), and conversion of raw values to units.
 
-A definition marks a field's invalid value as a number, a name such as UINT16_MAX or NaN, or an enum entry.
-For an array, `[x]` marks every element that is x, `[x:]` all elements if the first is x, and `[x,y,]` each
-element by its place, an empty place having no invalid value.
+A definition marks the invalid value of a field as a number, a name such as UINT16_MAX or NaN, or an enum
+entry. For an array, `[x]` marks every element equal to x, `[x:]` all elements if the first one is x, and
+`[x,y,]` each element by position, where an empty position has no invalid value.
 """
 
 from __future__ import annotations
@@ -18,22 +18,46 @@ if TYPE_CHECKING:
 
 
 def is_invalid(message: Message, name: str) -> bool:
-    """Whether a field, or every element of an array, is marked as not known."""
+    """Return whether a field has its invalid value.
+
+    Args:
+        message: The message.
+        name: Attribute name of the field.
+
+    Returns:
+        True if the value, or every element of an array, is marked as invalid.
+    """
     flags = invalid_elements(message, name)
     return bool(flags) and all(flags)
 
 
 def invalid_elements(message: Message, name: str) -> tuple[bool, ...]:
-    """For each element of a field (one for a plain field) whether it is marked as not known."""
+    """Return which elements of a field have their invalid value.
+
+    Args:
+        message: The message.
+        name: Attribute name of the field.
+
+    Returns:
+        True or False for each element; one element for a single value.
+    """
     item, value = _item(message, name), getattr(message, name)
     elements = value if isinstance(value, tuple | bytes) else (value,)
     entries = message.__mavlink_dialect__.enum_values(item.enum) if item.enum else {}
     markers = _markers(item, len(elements), entries, elements)
-    return tuple(map(_same, elements, markers))
+    return tuple(map(_equals, elements, markers))
 
 
-def scaled(message: Message, name: str) -> float | tuple[float | None, ...] | None:
-    """A field's value multiplied into its units; `None` where it is marked as not known."""
+def scaled_value(message: Message, name: str) -> float | tuple[float | None, ...] | None:
+    """Return the value of a field in its units, by the multiplier of the definition.
+
+    Args:
+        message: The message.
+        name: Attribute name of the field.
+
+    Returns:
+        The value or a tuple of values; None for an invalid value.
+    """
     item, value = _item(message, name), getattr(message, name)
     flags = invalid_elements(message, name)
     elements = value if isinstance(value, tuple | bytes) else (value,)
@@ -51,14 +75,16 @@ def _item(message: Message, name: str) -> FieldDefinition:
 def _markers(
     item: FieldDefinition, count: int, entries: Mapping[str, int], elements: Sequence[object]
 ) -> list[float | None]:
-    """The invalid value of each element, or `None`."""
+    """Return the invalid value of each element, or None."""
     text = item.invalid
     if not text.startswith("["):
         return [_number(text, entries)] * count
     inside = text.strip("[]")
     if inside.endswith(":"):
         first = _number(inside[:-1], entries)
-        return [_as_marker(element) for element in elements] if _same(elements[0], first) else [None] * count
+        return (
+            [_as_marker(element) for element in elements] if _equals(elements[0], first) else [None] * count
+        )
     if "," not in inside:
         return [_number(inside, entries)] * count
     places = [_number(part, entries) for part in inside.split(",")][:count]
@@ -70,7 +96,7 @@ def _as_marker(element: object) -> float | None:
 
 
 def _number(text: str, entries: Mapping[str, int]) -> float | None:
-    """The value that a marker stands for; `None` if it stands for none."""
+    """Parse an invalid value; return None if there is none."""
     text = text.strip()
     if text in entries:
         return entries[text]
@@ -90,7 +116,7 @@ def _number(text: str, entries: Mapping[str, int]) -> float | None:
         return None
 
 
-def _same(element: object, marker: float | None) -> bool:
+def _equals(element: object, marker: float | None) -> bool:
     if marker is None or not isinstance(element, int | float):
         return False
     return isnan(element) if isnan(marker) else element == marker

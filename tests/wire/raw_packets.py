@@ -1,4 +1,4 @@
-"""Packets made byte by byte, by other code than that under test: the specification's words, written out."""
+"""Packets built byte by byte from the specification, without the code under test."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import hashlib
 
 
 def crc(data: bytes) -> int:
-    """CRC-16/MCRF4XX, bit by bit: polynomial 0x1021 reflected, from 0xFFFF, no final xor."""
+    """Calculate the CRC-16/MCRF4XX bit by bit: reflected polynomial 0x1021, initial value 0xFFFF."""
     value = 0xFFFF
     for byte in data:
         value ^= byte
@@ -20,17 +20,17 @@ def _closed(head_and_payload: bytes, crc_extra: int) -> bytes:
 
 
 def version_1(message_id, payload, crc_extra, *, system=1, component=1, sequence=0):
-    """A MAVLink 1 packet."""
+    """Build a MAVLink 1 packet."""
     return _closed(bytes([0xFE, len(payload), sequence, system, component, message_id]) + payload, crc_extra)
 
 
 def version_2(message_id, payload, crc_extra, *, system=1, component=1, sequence=0, incompat=0, compat=0):
-    """A MAVLink 2 packet, the payload as it is given."""
+    """Build a MAVLink 2 packet with the payload as given."""
     head = bytes([0xFD, len(payload), incompat, compat, sequence, system, component])
     return _closed(head + message_id.to_bytes(3, "little") + payload, crc_extra)
 
 
 def signed(packet: bytes, key: bytes, link_id: int, timestamp: int) -> bytes:
-    """A packet made with `incompat=1`, and the signature behind it."""
+    """Append the signature to a packet built with `incompat=1`."""
     packet += bytes([link_id]) + timestamp.to_bytes(6, "little")
     return packet + hashlib.sha256(key + packet).digest()[:6]

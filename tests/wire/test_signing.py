@@ -1,4 +1,4 @@
-"""Signing against pymavlink, and against time: what each accepts of the other's."""
+"""Signing compared with pymavlink, and over time: which packets each side accepts."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ OURS = common.Attitude(1, 0.5, 0.25, 0.125)
 
 
 @given(st.binary(min_size=32, max_size=32), st.integers(0, 255), timestamps, st.integers(0, 255))
-def test_the_bytes_are_those_of_pymavlink(key, link_id, timestamp, system):
+def test_signatures_equal_those_of_pymavlink(key, link_id, timestamp, system):
     link = their_link(timestamp, link_id, key, system=system)
     signing = mavstack.Signing(key, link_id, timestamp=timestamp - 1)
     encoder = mavstack.Encoder(system, 1, signing=signing)
@@ -50,7 +50,7 @@ def test_the_bytes_are_those_of_pymavlink(key, link_id, timestamp, system):
 
 
 @given(timestamps, st.integers(0, 255))
-def test_pymavlink_accepts_ours_and_refuses_it_again_or_changed(timestamp, link_id):
+def test_pymavlink_accepts_our_packets_and_refuses_replayed_or_changed_ones(timestamp, link_id):
     link = their_link(0)
     raw = mavstack.encode(
         OURS, system=9, component=8, signing=mavstack.Signing(KEY, link_id, timestamp=timestamp - 1)
@@ -63,7 +63,9 @@ def test_pymavlink_accepts_ours_and_refuses_it_again_or_changed(timestamp, link_
 
 
 @given(timestamps, st.integers(0, 255), st.integers(0, 27), st.integers(1, 255))
-def test_we_accept_pymavlinks_and_refuse_it_again_or_changed(timestamp, link_id, place, change):
+def test_we_accept_packets_of_pymavlink_and_refuse_replayed_or_changed_ones(
+    timestamp, link_id, place, change
+):
     raw = attitude(their_link(timestamp, link_id))
     signing = mavstack.Signing(KEY, 5)
     parser = mavstack.Parser(common, signing=signing)
@@ -80,7 +82,7 @@ def test_we_accept_pymavlinks_and_refuse_it_again_or_changed(timestamp, link_id,
     assert (fresh.refusals.forged, fresh.refusals.total, fresh.streams, fresh.timestamp) == (1, 1, 0, 0)
 
 
-def test_a_conversation_of_both():
+def test_both_sides_exchange_signed_packets():
     ours, theirs = mavstack.Signing(KEY, 1, timestamp=1000), their_link(500, 2, system=255)
     parser, encoder = mavstack.Parser(common, signing=ours), mavstack.Encoder(1, 1, signing=ours)
     for _ in range(50):
@@ -92,8 +94,8 @@ def test_a_conversation_of_both():
     assert (ours.streams, theirs.signing.badsig_count) == (1, 0)
 
 
-def test_a_wrong_key_silences_neither_side_for_the_right_one():
-    """The peer stores the time before it checks the hash: a forged packet ends its stream. Ours goes on."""
+def test_a_wrong_key_does_not_block_the_right_one():
+    """Pymavlink stores the timestamp before it checks the hash, so a forged packet blocks its stream."""
     forged = attitude(their_link(2**48 - 2, key=bytes(32)))
     good = attitude(their_link(1000))
     theirs = their_link(0)
@@ -106,7 +108,7 @@ def test_a_wrong_key_silences_neither_side_for_the_right_one():
     assert len(parser.feed(good)) == 1
 
 
-def test_the_minute_of_a_new_stream_is_that_of_pymavlink():
+def test_the_age_limit_of_a_new_stream_equals_that_of_pymavlink():
     now = timestamp_at(NOW)
     for behind, accepted in ((6_000_000, True), (6_000_001, False)):
         raw = attitude(their_link(now - behind))
@@ -120,7 +122,7 @@ def test_the_minute_of_a_new_stream_is_that_of_pymavlink():
             assert bool(mavstack.Parser(common, signing=signing).feed(raw, time)) is accepted
 
 
-def test_refused_packets_are_counted_but_not_lost_from_the_statistics():
+def test_refused_packets_are_counted_in_the_statistics():
     signing = mavstack.Signing(KEY)
     parser = mavstack.Parser(common, signing=signing)
     unsigned = mavstack.encode(OURS, system=1, component=1)
@@ -141,7 +143,7 @@ def test_one_state_for_both_directions_of_a_link():
     assert parser.signing is encoder.signing is signing
     parser.feed(attitude(their_link(5000)))
     raw = encoder.encode(OURS)
-    assert int.from_bytes(raw[-12:-6], "little") == 5001, "what is heard moves the clock of what is sent"
+    assert int.from_bytes(raw[-12:-6], "little") == 5001, "received timestamps advance the clock of sent ones"
     (packet,) = mavstack.Parser(common).feed(raw)
     assert packet.link_id == 3
 
@@ -150,12 +152,12 @@ def test_one_state_for_both_directions_of_a_link():
     "policy",
     [{"max_streams": -1}, {"link_id": 256}, {"timestamp": -1}, {"timestamp": 2**48}, {"unsigned_ids": ["x"]}],
 )
-def test_a_policy_that_makes_no_sense_is_refused(policy):
+def test_invalid_policies_are_refused(policy):
     with pytest.raises((ValueError, TypeError, OverflowError)):
         mavstack.Signing(KEY, **policy)
 
 
-def test_a_time_that_is_no_time_is_refused():
+def test_invalid_times_are_refused():
     signing = mavstack.Signing(KEY)
     with pytest.raises(ValueError, match="time"):
         mavstack.encode(OURS, system=1, component=1, signing=signing, now=float("inf"))
