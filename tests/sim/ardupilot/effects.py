@@ -9,7 +9,7 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.services.mission import MissionItem
 from mavstack.sim.ardupilot.sensor_calibration import calibrations_of
 
-from .bench import CMD, RELATIVE, Bench
+from .harness import CMD, RELATIVE, ArdupilotHarness
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,93 +19,95 @@ if TYPE_CHECKING:
 class Case:
     """`ready` prepares, `params` (or what makes them) are sent, and `seen` tells that it was done."""
 
-    params: tuple[float, ...] | Callable[[Bench], tuple[float, ...]]
-    seen: Callable[[Bench], bool]
-    ready: Callable[[Bench], object] = lambda bench: None
+    params: tuple[float, ...] | Callable[[ArdupilotHarness], tuple[float, ...]]
+    seen: Callable[[ArdupilotHarness], bool]
+    ready: Callable[[ArdupilotHarness], object] = lambda bench: None
     frame: int | None = None
     wait: float = 1.0
 
 
-def fitted(*names: str) -> Callable[[Bench], None]:
-    def ready(bench: Bench) -> None:
+def fitted(*names: str) -> Callable[[ArdupilotHarness], None]:
+    def ready(bench: ArdupilotHarness) -> None:
         for name in names:
             bench.vehicle.parameters.set(name, 1)
 
     return ready
 
 
-def sent(kind: type) -> Callable[[Bench], bool]:
-    return lambda bench: any(isinstance(message, kind) for message in bench.messages)
+def sent(kind: type) -> Callable[[ArdupilotHarness], bool]:
+    return lambda bench: any(isinstance(message, kind) for message in bench.received)
 
 
-def said(text: str) -> Callable[[Bench], bool]:
+def said(text: str) -> Callable[[ArdupilotHarness], bool]:
     return lambda bench: any(text in known for known in bench.texts)
 
 
-def in_mode(*names: str) -> Callable[[Bench], bool]:
+def in_mode(*names: str) -> Callable[[ArdupilotHarness], bool]:
     return lambda bench: bench.mode in names
 
 
-def there(bench: Bench) -> tuple[float, ...]:
-    return (-1, 1, 0, 0, *bench.at(30, 40), -4 if bench.vehicle.type == "sub" else 12)
+def there(bench: ArdupilotHarness) -> tuple[float, ...]:
+    return (-1, 1, 0, 0, *bench.at(30, 40), -4 if bench.vehicle.vehicle_type == "sub" else 12)
 
 
-def goes_there(bench: Bench) -> bool:
+def goes_there(bench: ArdupilotHarness) -> bool:
     target = bench.autopilot.target
     return (
         bench.mode == "GUIDED" and target is not None and abs(target[0] - 30) < 1 and abs(target[1] - 40) < 1
     )
 
 
-def armed(bench: Bench) -> None:
+def armed(bench: ArdupilotHarness) -> None:
     assert not bench.autopilot.arm(force=True)
 
 
-def flying(bench: Bench) -> None:
-    bench.lift(30.0 if bench.vehicle.type == "plane" else 10.0)
+def flying(bench: ArdupilotHarness) -> None:
+    bench.lift(30.0 if bench.vehicle.vehicle_type == "plane" else 10.0)
 
 
-def tagged(bench: Bench) -> None:
+def tagged(bench: ArdupilotHarness) -> None:
     tag = MissionItem(ardupilotmega.MavCmd.JUMP_TAG, param1=7, frame=common.MavFrame.MISSION)
     bench.load(bench.waypoint(10, 0, 10), tag, bench.waypoint(20, 0, 10))
 
 
-def landable(bench: Bench) -> None:
+def landable(bench: ArdupilotHarness) -> None:
     start = MissionItem(common.MavCmd.DO_LAND_START, frame=RELATIVE)
     bench.load(bench.waypoint(10, 0, 10), start, bench.waypoint(20, 0, 10))
     flying(bench)
 
 
-def on_mission(bench: Bench) -> None:
+def on_mission(bench: ArdupilotHarness) -> None:
     bench.load(bench.waypoint(100, 0, 10), bench.waypoint(200, 0, 10))
     flying(bench)
     bench.set_mode("AUTO")
     bench.run(2)
 
 
-def missioned(bench: Bench) -> None:
-    bench.load(bench.waypoint(100, 0, 0 if bench.vehicle.type.on_surface else 10), bench.waypoint(200, 0, 10))
-    if bench.vehicle.type == "sub":
+def missioned(bench: ArdupilotHarness) -> None:
+    bench.load(
+        bench.waypoint(100, 0, 0 if bench.vehicle.vehicle_type.on_surface else 10), bench.waypoint(200, 0, 10)
+    )
+    if bench.vehicle.vehicle_type == "sub":
         armed(bench)
 
 
-def calibrated(bench: Bench) -> None:
-    bench.ask(CMD.DO_START_MAG_CAL)
+def calibrated(bench: ArdupilotHarness) -> None:
+    bench.command(CMD.DO_START_MAG_CAL)
     bench.vehicle.body.offset_compass(0.5)
     bench.run(10.7)
 
 
-def parachute_out(bench: Bench) -> None:
+def parachute_out(bench: ArdupilotHarness) -> None:
     bench.accepted(CMD.DO_PARACHUTE, 1)
     flying(bench)
 
 
-def forward_speed(bench: Bench) -> bool:
+def forward_speed(bench: ArdupilotHarness) -> bool:
     maneuvers = bench.autopilot.maneuvers
     return maneuvers.speed == (3.0 if not bench.autopilot.maneuvers.circles else 20.0)
 
 
-def speed(bench: Bench) -> tuple[float, ...]:
+def speed(bench: ArdupilotHarness) -> tuple[float, ...]:
     return (1, 3.0) if not bench.autopilot.maneuvers.circles else (0, 20.0)
 
 
@@ -231,11 +233,11 @@ CASES: dict[int, Case] = {
     CMD.DO_MOTOR_TEST: Case((1, 0, 20, 3), lambda bench: bench.autopilot.payload.motor_tested == 1),
     CMD.DO_START_MAG_CAL: Case((), sent(ardupilotmega.MagCalProgress)),
     CMD.DO_ACCEPT_MAG_CAL: Case(
-        (), lambda bench: not calibrations_of(bench.autopilot).compass_done, calibrated
+        (), lambda bench: not calibrations_of(bench.autopilot).compass_ready, calibrated
     ),
     CMD.DO_CANCEL_MAG_CAL: Case(
         (),
-        lambda bench: calibrations_of(bench.autopilot).turned_since is None,
+        lambda bench: calibrations_of(bench.autopilot).compass_started is None,
         lambda bench: bench.accepted(CMD.DO_START_MAG_CAL),
     ),
     CMD.ACCELCAL_VEHICLE_POS: Case(
@@ -251,7 +253,7 @@ CASES: dict[int, Case] = {
     CMD.REQUEST_MESSAGE: Case((common.Attitude.__mavlink_row__[0],), sent(common.Attitude)),
     CMD.SET_MESSAGE_INTERVAL: Case(
         (common.Attitude.__mavlink_row__[0], 50_000),
-        lambda bench: sum(isinstance(message, common.Attitude) for message in bench.messages) > 15,
+        lambda bench: sum(isinstance(message, common.Attitude) for message in bench.received) > 15,
     ),
     CMD.GET_MESSAGE_INTERVAL: Case((common.Attitude.__mavlink_row__[0],), sent(common.MessageInterval)),
     CMD.REQUEST_AUTOPILOT_CAPABILITIES: Case((1,), sent(common.AutopilotVersion)),
@@ -260,6 +262,6 @@ CASES: dict[int, Case] = {
 CASES[CMD.NAV_VTOL_TAKEOFF] = CASES[CMD.NAV_TAKEOFF]
 
 
-def lose_gps(bench: Bench) -> None:
+def lose_gps(bench: ArdupilotHarness) -> None:
     bench.vehicle.body.fail_gps(True)
     bench.run_until(lambda: not bench.autopilot.has_position)

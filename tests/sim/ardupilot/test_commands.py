@@ -9,8 +9,8 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sim.vehicle_types import VehicleType
 
-from .bench import CMD, RELATIVE, RESULT, Bench
 from .effects import CASES, armed, flying
+from .harness import CMD, RELATIVE, RESULT, ArdupilotHarness
 
 TYPES = list(VehicleType)
 #: Answered, but never ACCEPTED: none of the modes is a standard one; a plane takes off in a mode.
@@ -21,7 +21,7 @@ def cases() -> list[tuple[VehicleType, int]]:
     return [
         (kind, command)
         for kind in TYPES
-        for command in sorted(Bench(kind, settle=0).vehicle.commands.supported)
+        for command in sorted(ArdupilotHarness(kind, settle=0).vehicle.commands.supported)
         if kind != "boat"  # it is a rover afloat
         and command not in NEVER
         and not (kind == "plane" and command == CMD.NAV_TAKEOFF)
@@ -31,75 +31,75 @@ def cases() -> list[tuple[VehicleType, int]]:
 @pytest.mark.parametrize(("kind", "command"), cases(), ids=lambda value: str(getattr(value, "name", value)))
 def test_every_accepted_command_acts(kind: VehicleType, command: int) -> None:
     case = CASES[CMD(command)]
-    bench = Bench(kind)
+    bench = ArdupilotHarness(kind)
     case.ready(bench)
-    bench.messages.clear()
+    bench.received.clear()
     params = case.params(bench) if callable(case.params) else case.params
     before = case.seen(bench)
-    assert bench.ask(command, *params, frame=case.frame, wait=case.wait) == RESULT.ACCEPTED, bench.texts
-    bench.run_until(lambda: case.seen(bench), 20)
+    assert bench.command(command, *params, frame=case.frame, wait=case.wait) == RESULT.ACCEPTED, bench.texts
+    bench.run_until(lambda: case.seen(bench), timeout=20)
     assert not before, "the case would pass without the command"
 
 
 @pytest.mark.parametrize("kind", TYPES)
 def test_every_other_command_is_unsupported(kind: VehicleType) -> None:
-    bench = Bench(kind)
+    bench = ArdupilotHarness(kind)
     for command in CMD:
         if command not in bench.vehicle.commands.supported:
-            assert bench.ask(command, wait=0) == RESULT.UNSUPPORTED, command
-            assert bench.ask(command, frame=RELATIVE, wait=0) == RESULT.UNSUPPORTED, command
-    assert bench.ask(CMD.DO_SET_STANDARD_MODE, 1) == RESULT.UNSUPPORTED
+            assert bench.command(command, wait=0) == RESULT.UNSUPPORTED, command
+            assert bench.command(command, frame=RELATIVE, wait=0) == RESULT.UNSUPPORTED, command
+    assert bench.command(CMD.DO_SET_STANDARD_MODE, 1) == RESULT.UNSUPPORTED
 
 
 def test_a_boat_takes_what_a_rover_takes() -> None:
-    rover, boat = (Bench(kind, settle=0).vehicle.commands.supported for kind in ("rover", "boat"))
+    rover, boat = (ArdupilotHarness(kind, settle=0).vehicle.commands.supported for kind in ("rover", "boat"))
     assert rover == boat
 
 
 def test_takeoff_needs_guided_arms_and_a_height() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     takeoff = (CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0)
-    assert bench.ask(*takeoff, 10) == RESULT.FAILED
+    assert bench.command(*takeoff, 10) == RESULT.FAILED
     bench.set_mode("GUIDED")
-    assert bench.ask(*takeoff, 10) == RESULT.FAILED
+    assert bench.command(*takeoff, 10) == RESULT.FAILED
     armed(bench)
-    assert bench.ask(*takeoff, -5) == RESULT.FAILED
-    assert bench.ask(*takeoff, 10, frame=common.MavFrame.GLOBAL) == RESULT.DENIED
-    assert bench.ask(*takeoff, 10, frame=RELATIVE) == RESULT.ACCEPTED
+    assert bench.command(*takeoff, -5) == RESULT.FAILED
+    assert bench.command(*takeoff, 10, frame=common.MavFrame.GLOBAL) == RESULT.DENIED
+    assert bench.command(*takeoff, 10, frame=RELATIVE) == RESULT.ACCEPTED
     bench.run(8)
-    assert bench.ask(*takeoff, 20) == RESULT.FAILED
+    assert bench.command(*takeoff, 20) == RESULT.FAILED
 
 
 @pytest.mark.parametrize("kind", TYPES)
 def test_reposition_says_no_where_it_means_nothing(kind: VehicleType) -> None:
-    bench = Bench(kind)
+    bench = ArdupilotHarness(kind)
     flying(bench)
     here = bench.at(10, 10)
-    assert bench.ask(CMD.DO_REPOSITION, -1, 1, 0, nan, *here, 10) == RESULT.UNSUPPORTED
+    assert bench.command(CMD.DO_REPOSITION, -1, 1, 0, nan, *here, 10) == RESULT.UNSUPPORTED
     for frame in (99, common.MavFrame.BODY_NED, common.MavFrame.MISSION):
-        assert bench.ask(CMD.DO_REPOSITION, -1, 1, 0, nan, *here, 10, frame=frame) == RESULT.DENIED
-    assert bench.ask(CMD.DO_REPOSITION, -1, 1, 0, nan, 95.0, 0.0, 10, frame=RELATIVE) == RESULT.DENIED
-    assert bench.ask(CMD.DO_REPOSITION, -1, 1, 0, nan, *here, nan, frame=RELATIVE) == RESULT.DENIED
+        assert bench.command(CMD.DO_REPOSITION, -1, 1, 0, nan, *here, 10, frame=frame) == RESULT.DENIED
+    assert bench.command(CMD.DO_REPOSITION, -1, 1, 0, nan, 95.0, 0.0, 10, frame=RELATIVE) == RESULT.DENIED
+    assert bench.command(CMD.DO_REPOSITION, -1, 1, 0, nan, *here, nan, frame=RELATIVE) == RESULT.DENIED
     bench.set_mode("RTL" if kind != "sub" else "POSHOLD")
-    assert bench.ask(CMD.DO_REPOSITION, -1, 0, 0, nan, *here, 10, frame=RELATIVE) == RESULT.DENIED
+    assert bench.command(CMD.DO_REPOSITION, -1, 0, 0, nan, *here, 10, frame=RELATIVE) == RESULT.DENIED
     assert bench.mode != "GUIDED"
 
 
 def test_what_may_not_be_done_in_the_air() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     flying(bench)
-    assert bench.ask(CMD.COMPONENT_ARM_DISARM, 0) == RESULT.FAILED
-    assert bench.ask(CMD.PREFLIGHT_CALIBRATION, 0, 0, 1) == RESULT.FAILED
+    assert bench.command(CMD.COMPONENT_ARM_DISARM, 0) == RESULT.FAILED
+    assert bench.command(CMD.PREFLIGHT_CALIBRATION, 0, 0, 1) == RESULT.FAILED
     assert bench.texts[-1] == "Disarm to allow calibration"
-    assert bench.ask(CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1) == RESULT.FAILED
-    assert bench.ask(CMD.DO_MOTOR_TEST, 1, 0, 20, 1) == RESULT.FAILED
+    assert bench.command(CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1) == RESULT.FAILED
+    assert bench.command(CMD.DO_MOTOR_TEST, 1, 0, 20, 1) == RESULT.FAILED
     assert bench.autopilot.armed
-    assert bench.ask(CMD.COMPONENT_ARM_DISARM, 0, 21196) == RESULT.ACCEPTED
+    assert bench.command(CMD.COMPONENT_ARM_DISARM, 0, 21196) == RESULT.ACCEPTED
     assert not bench.autopilot.armed
 
 
 def test_what_is_not_fitted_failed() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     for command in (
         CMD.DO_GRIPPER,
         CMD.DO_WINCH,
@@ -107,21 +107,21 @@ def test_what_is_not_fitted_failed() -> None:
         CMD.IMAGE_START_CAPTURE,
         CMD.DO_MOUNT_CONTROL,
     ):
-        assert bench.ask(command, 0, 1, 1) == RESULT.FAILED
+        assert bench.command(command, 0, 1, 1) == RESULT.FAILED
 
 
 def test_numbers_that_are_none_are_refused() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     flying(bench)
     harmless = {CMD.DO_FLIGHTTERMINATION, CMD.PREFLIGHT_REBOOT_SHUTDOWN}
     for command in sorted(bench.vehicle.commands.supported - harmless):
         for value in (nan, float("inf"), -1e30, 3e38):
-            bench.ask(command, *(value,) * 7, wait=0.02)
-            bench.ask(command, *(value,) * 4, frame=RELATIVE, wait=0.02)
+            bench.command(command, *(value,) * 7, wait=0.02)
+            bench.command(command, *(value,) * 4, frame=RELATIVE, wait=0.02)
 
 
 def test_a_changed_speed_counts_on_the_way() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     flying(bench)
     bench.reposition(400, 0, 10)
     bench.run(8)
@@ -136,30 +136,30 @@ def test_a_changed_speed_counts_on_the_way() -> None:
 
 
 def test_home_that_was_set_stays_when_the_motors_are_armed() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     bench.accepted(CMD.DO_SET_HOME, 0, 0, 0, 0, *bench.at(100, 0), 500, frame=common.MavFrame.GLOBAL)
     bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     assert bench.autopilot.home_position[0] == pytest.approx(100, abs=0.1)
-    assert bench.ask(CMD.DO_SET_HOME, 0, 0, 0, 0, *bench.at(5, 0), 500, frame=99) == RESULT.DENIED
+    assert bench.command(CMD.DO_SET_HOME, 0, 0, 0, 0, *bench.at(5, 0), 500, frame=99) == RESULT.DENIED
 
 
 def test_a_cancelled_calibration_is_cancelled() -> None:
-    bench = Bench("copter")
-    assert bench.ask(CMD.PREFLIGHT_CALIBRATION, 0, 0, 1) == RESULT.IN_PROGRESS
+    bench = ArdupilotHarness("copter")
+    assert bench.command(CMD.PREFLIGHT_CALIBRATION, 0, 0, 1) == RESULT.IN_PROGRESS
     bench.send(common.CommandCancel(target_system=1, target_component=1, command=CMD.PREFLIGHT_CALIBRATION))
     bench.run(0.3)
-    answers = [message.result for message in bench.messages if isinstance(message, common.CommandAck)]
+    answers = [message.result for message in bench.received if isinstance(message, common.CommandAck)]
     assert answers[-1] == RESULT.CANCELLED
-    assert bench.ask(CMD.PREFLIGHT_CALIBRATION, 0, 0, 1, wait=4) == RESULT.ACCEPTED
+    assert bench.command(CMD.PREFLIGHT_CALIBRATION, 0, 0, 1, wait=4) == RESULT.ACCEPTED
 
 
 def test_accelerometers_are_calibrated_in_six_positions() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     bench.accepted(CMD.PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 1, wait=3)
-    asked = [m for m in bench.messages if isinstance(m, common.CommandLong) and m.param1 == 1]
+    asked = [m for m in bench.received if isinstance(m, common.CommandLong) and m.param1 == 1]
     assert len(asked) >= 2
     for position in range(1, 7):
         bench.accepted(CMD.ACCELCAL_VEHICLE_POS, position)
     assert "Place vehicle on its BACK and press any key." in bench.texts
     assert bench.texts[-1] == "Calibration successful"
-    assert bench.ask(CMD.ACCELCAL_VEHICLE_POS, 1) == RESULT.FAILED
+    assert bench.command(CMD.ACCELCAL_VEHICLE_POS, 1) == RESULT.FAILED

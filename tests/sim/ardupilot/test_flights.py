@@ -8,16 +8,16 @@ import pytest
 
 from mavstack.dialects import common
 
-from .bench import CMD, RESULT, Bench
+from .harness import CMD, RESULT, ArdupilotHarness
 
 
-def place(bench: Bench) -> tuple[float, float, float]:
+def place(bench: ArdupilotHarness) -> tuple[float, float, float]:
     here = bench.vehicle.body.truth
     return here.north, here.east, here.down
 
 
 def test_a_copter_takes_off_goes_there_and_returns() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     assert bench.set_mode("GUIDED") == RESULT.ACCEPTED
     bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     bench.accepted(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 10)
@@ -36,8 +36,8 @@ def test_a_copter_takes_off_goes_there_and_returns() -> None:
 
 
 def test_a_plane_takes_off_in_its_mode_and_circles() -> None:
-    bench = Bench("plane")
-    assert bench.ask(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 50) == RESULT.FAILED
+    bench = ArdupilotHarness("plane")
+    assert bench.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 50) == RESULT.FAILED
     assert bench.set_mode("TAKEOFF") == RESULT.ACCEPTED
     bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     bench.run_until(lambda: bench.autopilot.altitude > 45)
@@ -54,9 +54,9 @@ def test_a_plane_takes_off_in_its_mode_and_circles() -> None:
 
 
 def test_a_quadplane_takes_off_upright_flies_forward_and_lands_hovering() -> None:
-    bench = Bench("vtol")
+    bench = ArdupilotHarness("vtol")
     assert bench.set_mode("GUIDED") == RESULT.ACCEPTED
-    assert bench.ask(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 20) == RESULT.FAILED
+    assert bench.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 20) == RESULT.FAILED
     assert "Must be armed for takeoff" in bench.texts
     bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     bench.accepted(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 20)
@@ -66,25 +66,25 @@ def test_a_quadplane_takes_off_upright_flies_forward_and_lands_hovering() -> Non
     bench.run(25)
     assert bench.vehicle.body.transition == pytest.approx(1, abs=0.05)
     assert bench.set_mode("QRTL") == RESULT.ACCEPTED
-    bench.run_until(lambda: not bench.autopilot.armed, 240)
+    bench.run_until(lambda: not bench.autopilot.armed, timeout=240)
     north, east, _ = place(bench)
     assert hypot(north, east) < 5
 
 
 @pytest.mark.parametrize("kind", ["rover", "boat"])
 def test_what_drives_goes_there_and_returns(kind: str) -> None:
-    bench = Bench(kind)
+    bench = ArdupilotHarness(kind)
     bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     assert bench.reposition(15, 6, 0) == RESULT.ACCEPTED
     bench.run(18)
     north, east, _ = place(bench)
     assert hypot(north - 15, east - 6) < 3
     bench.accepted(CMD.NAV_RETURN_TO_LAUNCH)
-    bench.run_until(lambda: hypot(*place(bench)[:2]) < 4, 40)
+    bench.run_until(lambda: hypot(*place(bench)[:2]) < 4, timeout=40)
 
 
 def test_a_sub_dives_and_surfaces() -> None:
-    bench = Bench("sub")
+    bench = ArdupilotHarness("sub")
     bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     assert bench.reposition(10, 5, -6) == RESULT.ACCEPTED
     bench.run(25)
@@ -93,11 +93,11 @@ def test_a_sub_dives_and_surfaces() -> None:
     assert down == pytest.approx(6, abs=1)
     bench.accepted(CMD.NAV_LAND)
     assert bench.mode == "SURFACE"
-    bench.run_until(lambda: place(bench)[2] < 1, 30)
+    bench.run_until(lambda: place(bench)[2] < 1, timeout=30)
 
 
 def test_smart_rtl_retraces_the_way() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     bench.lift()
     for corner in ((20, 0), (20, 20)):
         bench.reposition(*corner, 10)
@@ -110,7 +110,7 @@ def test_smart_rtl_retraces_the_way() -> None:
 
 
 def test_the_older_goto_of_mission_items() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     bench.lift()
     latitude, longitude = bench.at(20, -10)
     item = common.MissionItem(
@@ -124,7 +124,7 @@ def test_the_older_goto_of_mission_items() -> None:
         z=15.0,
     )
     bench.send(item)
-    answers = [message.type for message in bench.messages if isinstance(message, common.MissionAck)]
+    answers = [message.type for message in bench.received if isinstance(message, common.MissionAck)]
     assert answers == [common.MavMissionResult.ACCEPTED]
     bench.run(15)
     north, east, down = place(bench)
@@ -135,5 +135,5 @@ def test_the_older_goto_of_mission_items() -> None:
     )
     bench.set_mode("LOITER")
     bench.send(item)
-    answers = [message.type for message in bench.messages if isinstance(message, common.MissionAck)]
+    answers = [message.type for message in bench.received if isinstance(message, common.MissionAck)]
     assert answers[-1] == common.MavMissionResult.ERROR

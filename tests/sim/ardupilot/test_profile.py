@@ -13,7 +13,7 @@ from mavstack.services.version import AutopilotVersion
 from mavstack.sim.ardupilot.modes import MODES
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 
-from .bench import CMD, RESULT, Bench
+from .harness import CMD, RESULT, ArdupilotHarness
 
 WANTED = {
     "copter": "STABILIZE ACRO ALT_HOLD AUTO GUIDED LOITER RTL CIRCLE LAND POSHOLD BRAKE SMART_RTL AUTO_RTL",
@@ -37,7 +37,7 @@ def test_modes_have_the_numbers_that_their_names_mean_elsewhere(kind: VehicleTyp
 
 @pytest.mark.parametrize("kind", list(VehicleType))
 def test_every_mode_can_be_entered_and_flown(kind: VehicleType) -> None:
-    bench = Bench(kind)
+    bench = ArdupilotHarness(kind)
     bench.lift(40.0)
     for mode in MODES[kind]:
         if mode.name in ("AUTO", "AUTO_RTL"):
@@ -47,25 +47,25 @@ def test_every_mode_can_be_entered_and_flown(kind: VehicleType) -> None:
             bench.vehicle.body.place(0.0, 0.0, -40.0, 0.0)
         assert bench.set_mode(mode.name) == RESULT.ACCEPTED, mode.name
         bench.run(1)
-        heartbeat = [message for message in bench.messages if isinstance(message, common.Heartbeat)][-1]
+        heartbeat = [message for message in bench.received if isinstance(message, common.Heartbeat)][-1]
         assert heartbeat.custom_mode == mode.number
         assert heartbeat.base_mode & common.MavModeFlag.SAFETY_ARMED
 
 
 def test_a_mode_that_needs_a_position_is_refused_without() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     bench.lift()
     bench.set_mode("ALT_HOLD")
     bench.vehicle.body.fail_gps(True)
     bench.run_until(lambda: not bench.autopilot.has_position)
     assert bench.set_mode("LOITER") == RESULT.FAILED
     assert bench.texts[-1] == "Mode change to LOITER failed: requires position"
-    assert bench.ask(CMD.NAV_RETURN_TO_LAUNCH) == RESULT.FAILED
+    assert bench.command(CMD.NAV_RETURN_TO_LAUNCH) == RESULT.FAILED
     assert "Mode change to RTL failed: requires position" in bench.texts
 
 
 def test_ground_stations_can_be_kept_from_modes() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     bench.vehicle.parameters.set("FLTMODE_GCSBLOCK", 1 << 4)
     assert bench.set_mode("GUIDED") == RESULT.FAILED
     assert bench.texts[-1].startswith("Mode change to GUIDED failed: GCS entry disabled")
@@ -73,7 +73,7 @@ def test_ground_stations_can_be_kept_from_modes() -> None:
 
 
 def test_auto_with_nothing_to_fly_is_refused_when_armed() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     assert bench.set_mode("AUTO") == RESULT.FAILED
     assert bench.texts[-1] == "Mode change to AUTO failed: init failed"
@@ -81,9 +81,9 @@ def test_auto_with_nothing_to_fly_is_refused_when_armed() -> None:
 
 @pytest.mark.parametrize("kind", list(VehicleType))
 def test_who_it_is(kind: VehicleType) -> None:
-    bench = Bench(kind)
+    bench = ArdupilotHarness(kind)
     bench.accepted(CMD.REQUEST_MESSAGE, common.AutopilotVersion.__mavlink_row__[0])
-    told = next(message for message in bench.messages if isinstance(message, common.AutopilotVersion))
+    told = next(message for message in bench.received if isinstance(message, common.AutopilotVersion))
     version = AutopilotVersion.read(told)
     assert (version.flight.major, version.flight.minor) == (4, 6)
     assert version.can(common.MavProtocolCapability.FTP | common.MavProtocolCapability.COMMAND_INT)
@@ -96,7 +96,7 @@ def test_who_it_is(kind: VehicleType) -> None:
 
 
 def test_what_is_said_at_the_start_and_when_gps_comes_and_goes() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     for text in ("ArduPilot Ready", "EKF3 IMU0 is using GPS", "Field Elevation Set: 488m"):
         assert text in bench.texts
     bench.vehicle.body.fail_gps(True)
@@ -106,7 +106,7 @@ def test_what_is_said_at_the_start_and_when_gps_comes_and_goes() -> None:
 
 
 def test_figures_follow_their_parameters() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     parameters, flight_parameters = bench.vehicle.parameters, bench.autopilot.flight_parameters
     for name, value in (("WPNAV_SPEED", 750), ("RTL_ALT", 3000), ("LAND_SPEED", 70), ("RTL_ALT_FINAL", 500)):
         parameters.set(name, value)
@@ -126,13 +126,13 @@ def test_figures_follow_their_parameters() -> None:
 
 
 def test_a_reboot_is_answered_and_the_vehicle_comes_back() -> None:
-    bench = Bench("copter")
+    bench = ArdupilotHarness("copter")
     bench.accepted(CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1)
-    bench.messages.clear()
+    bench.received.clear()
     bench.run(5)
     assert "ArduPilot Ready" in bench.texts
     assert bench.vehicle.uptime < 6
     assert isinstance(
-        next(message for message in bench.messages if isinstance(message, common.Heartbeat)), common.Heartbeat
+        next(message for message in bench.received if isinstance(message, common.Heartbeat)), common.Heartbeat
     )
     assert bench.autopilot.mode.number == ardupilotmega.CopterMode.STABILIZE

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from mavstack.sim.px4.arming import REFUSED
-from tests.sim.flights import CMD, RESULT, Airspace, Flown, grounded
+from mavstack.sim.px4.arming import ARMING_DENIED
+from tests.sim.harness import CMD, RESULT, SimulationHarness, VehicleHarness, grounded
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,29 +15,29 @@ if TYPE_CHECKING:
 
 class Refusal(NamedTuple):
     text: str
-    spoil: Callable[[Flown], object]
+    spoil: Callable[[VehicleHarness], object]
     kind: str = "copter"
     #: Whether it is about the vehicle, whatever a pilot wants: such reasons are said by themselves.
     standing: bool = True
 
 
-def set_(**parameters: float) -> Callable[[Flown], object]:
+def set_(**parameters: float) -> Callable[[VehicleHarness], object]:
     return lambda one: one.set(**parameters)
 
 
-def inject(*faults: str) -> Callable[[Flown], object]:
+def inject(*faults: str) -> Callable[[VehicleHarness], object]:
     return lambda one: one.inject(*faults)
 
 
-def enter(mode: str, *faults: str) -> Callable[[Flown], object]:
+def enter(mode: str, *faults: str) -> Callable[[VehicleHarness], object]:
     return lambda one: one.enter(mode).inject(*faults)
 
 
-def open_throttle(one: Flown) -> None:
+def open_throttle(one: VehicleHarness) -> None:
     one.autopilot.radio.move(3, 1900)
 
 
-def fence(one: Flown) -> None:
+def fence(one: VehicleHarness) -> None:
     one.set(FENCE_ENABLE=1, FENCE_TYPE=2).inject("gps off")
 
 
@@ -89,29 +89,29 @@ PX4 = [
 ]
 
 
-def spoil(refusals: list[Refusal], firmware: str) -> list[Flown]:
-    airspace = Airspace()
-    flown = [airspace.add(refusal.kind, firmware).mute() for refusal in refusals]
+def spoil(refusals: list[Refusal], firmware: str) -> list[VehicleHarness]:
+    simulation_harness = SimulationHarness()
+    flown = [simulation_harness.add(refusal.kind, firmware).without_telemetry() for refusal in refusals]
     for one in flown:
-        one.talks = False
-    airspace.run(3)
+        one.sends_heartbeats = False
+    simulation_harness.run(3)
     for one in flown:
         assert not list(one.vehicle.profile.arming_problems(one.autopilot))
     for one, refusal in zip(flown, refusals, strict=True):
-        one.texts.forget()
+        one.texts.clear_texts()
         refusal.spoil(one)
     # GPS that is lost is missed after five seconds, and once it is, nothing fits badly any more.
-    airspace.run(4.9 if firmware == "px4" else 6)
+    simulation_harness.run(4.9 if firmware == "px4" else 6)
     return flown
 
 
 @pytest.fixture(scope="module")
-def ardupilot() -> list[Flown]:
+def ardupilot() -> list[VehicleHarness]:
     return spoil(ARDUPILOT, "ardupilot")
 
 
 @pytest.fixture(scope="module")
-def px4() -> list[Flown]:
+def px4() -> list[VehicleHarness]:
     return spoil(PX4, "px4")
 
 
@@ -135,17 +135,17 @@ def test_px4_refuses(px4, index) -> None:
 
 def test_a_ground_station_hears_why(ardupilot, px4) -> None:
     one = ardupilot[0]
-    one.texts.forget()
+    one.texts.clear_texts()
     assert one.command(CMD.COMPONENT_ARM_DISARM, 1) == RESULT.FAILED
     assert "Arm: Compass 1 not healthy" in one.texts
     other = px4[0]
-    other.texts.forget()
+    other.texts.clear_texts()
     assert other.command(CMD.COMPONENT_ARM_DISARM, 1) in (RESULT.DENIED, RESULT.TEMPORARILY_REJECTED)
-    assert REFUSED in other.texts
+    assert ARMING_DENIED in other.texts
 
 
 def test_ardupilot_says_it_every_half_minute_and_can_be_told_not_to_check() -> None:
-    one = grounded().mute().inject("compass 120").run(35)
+    one = grounded().without_telemetry().inject("compass 120").run(35)
     assert one.texts.count("PreArm: Compass 1 not healthy") == 1
     one.set(ARMING_CHECK=0)
     assert not one.autopilot.arm()
@@ -153,9 +153,9 @@ def test_ardupilot_says_it_every_half_minute_and_can_be_told_not_to_check() -> N
 
 
 def test_before_it_has_booted_it_cannot_be_armed() -> None:
-    airspace = Airspace()
-    one, other = airspace.add("copter", "ardupilot"), airspace.add("copter", "px4")
-    airspace.run(1)
+    simulation_harness = SimulationHarness()
+    one, other = simulation_harness.add("copter", "ardupilot"), simulation_harness.add("copter", "px4")
+    simulation_harness.run(1)
     assert one.autopilot.arm() == ["Arm: System not initialised"]
     assert other.autopilot.arm() == ["Preflight Fail: ekf2 missing data"]
 

@@ -1,4 +1,4 @@
-"""ArduPilot's profile: Copter, Plane with and without lifting motors, Rover on land and water, Sub."""
+"""ArduPilot's firmware profile: Copter, Plane, quadplanes, Rover, boats and Sub."""
 
 from mavstack.sim.ardupilot.profile import ArdupilotProfile
 

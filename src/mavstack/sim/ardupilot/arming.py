@@ -1,8 +1,8 @@
-"""Whether an ArduPilot may be armed, and what it says if not.
+"""Arming checks of ArduPilot and their status texts.
 
-ARMING_CHECK switches the checks on by bits, bit 0 being all of them; what the mode needs is checked always.
-The same reasons come with "PreArm:" every half minute while the vehicle is disarmed, and with "Arm:" when
-somebody tries to arm it.
+ARMING_CHECK enables the checks by bits, where bit 0 enables all; the requirements of the mode are always
+checked. The problems are sent with "PreArm:" every 30 s while the vehicle is disarmed, and with "Arm:" when
+arming is refused.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"
 
 #: Bits of ARMING_CHECK.
 _ALL, _BAROMETER, _COMPASS, _GPS, _RC, _BATTERY, _MISSION = 0, 1, 2, 3, 6, 8, 14
-#: How often the reasons are said again, in seconds.
-DISPLAY_PERIOD = 30.0
+#: Seconds between reports of the problems.
+DISPLAY_INTERVAL = 30.0
 _QUIET_OPTION = 1
 _FIX_3D = int(common.GpsFixType["_3D_FIX"])
-_LEAST_SATELLITES = 6
+_MIN_SATELLITES = 6
 _THROTTLE_LOW = 0.03
-_THROTTLE_MIDDLE = 0.55
+_THROTTLE_NEUTRAL = 0.55
 _FENCES_WITH_POSITION = 0b110
 #: Bits of ARMING_MIS_ITEMS.
 _REQUIRED_ITEMS: Final = (
@@ -41,24 +41,25 @@ _REQUIRED_ITEMS: Final = (
 
 
 def prearm_problems(autopilot: Autopilot) -> Iterator[str]:
-    """What is wrong with the vehicle, whatever the pilot wants; without a prefix."""
+    """Yield problems of the vehicle that do not depend on the pilot, without a prefix."""
     if not autopilot.booted:
         yield "System not initialised"
         return
-    yield from _failed(autopilot, _CHECKS)
+    yield from _problems_of(autopilot, _CHECKS)
 
 
 def arming_problems(autopilot: Autopilot) -> Iterator[str]:
-    """Everything that keeps it from being armed now: with all that in order, the mode and the throttle."""
-    passed = True
+    """Yield everything that prevents arming now: without pre-arm problems, the mode and the throttle."""
+    ready = True
     for problem in prearm_problems(autopilot):
-        passed = False
+        ready = False
         yield problem
-    if passed:
-        yield from _failed(autopilot, _ARM_CHECKS)
+    if ready:
+        yield from _problems_of(autopilot, _ARM_CHECKS)
 
 
-def _failed(autopilot: Autopilot, checks: tuple[tuple[int | None, Check], ...]) -> Iterator[str]:
+def _problems_of(autopilot: Autopilot, checks: tuple[tuple[int | None, Check], ...]) -> Iterator[str]:
+    """Yield the problems of the enabled checks."""
     enabled = int(_number(autopilot.vehicle.parameters, "ARMING_CHECK"))
     for bit, check in checks:
         if bit is None or enabled & 1 or enabled >> bit & 1:
@@ -66,7 +67,7 @@ def _failed(autopilot: Autopilot, checks: tuple[tuple[int | None, Check], ...]) 
 
 
 def _position(autopilot: Autopilot) -> Iterator[str]:
-    """What the mode needs, whatever ARMING_CHECK says."""
+    """Check the requirements of the mode, whatever ARMING_CHECK says."""
     if not autopilot.body.health.attitude:
         yield "EKF attitude is bad"
     fenced = int(_number(autopilot.vehicle.parameters, "FENCE_ENABLE")) and (
@@ -81,6 +82,7 @@ def _position(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _mode(autopilot: Autopilot) -> Iterator[str]:
+    """Check that the mode allows arming."""
     mode, parameters = autopilot.mode, autopilot.vehicle.parameters
     if mode.may_arm or (mode.name == "AUTO" and int(_number(parameters, "AUTO_OPTIONS")) & 1):
         return
@@ -88,12 +90,13 @@ def _mode(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _gps(autopilot: Autopilot) -> Iterator[str]:
+    """Check the GPS fix."""
     if not _uses_gps(autopilot):
         return
     sensors, parameters = autopilot.body.sensors, autopilot.vehicle.parameters
-    if sensors.gps_fix < _FIX_3D or sensors.gps_satellites < _LEAST_SATELLITES:
+    if sensors.gps_fix < _FIX_3D or sensors.gps_satellites < _MIN_SATELLITES:
         yield "GPS 1: Bad fix"
-    elif autopilot.vehicle.type is VehicleType.COPTER:
+    elif autopilot.vehicle.vehicle_type is VehicleType.COPTER:
         if sensors.gps_eph * 100 > _number(parameters, "GPS_HDOP_GOOD", 140.0):
             yield "High GPS HDOP"
     elif autopilot.home is None:
@@ -101,16 +104,20 @@ def _gps(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _uses_gps(autopilot: Autopilot) -> bool:
-    """Plane and Rover always do; Copter and Sub if the mode does."""
-    if autopilot.vehicle.type in (VehicleType.COPTER, VehicleType.SUB):
+    """Return whether GPS is required: always on Plane and Rover, by the mode on Copter and Sub."""
+    if autopilot.vehicle.vehicle_type in (VehicleType.COPTER, VehicleType.SUB):
         return autopilot.mode.needs_position
     return True
 
 
 def _variances(autopilot: Autopilot) -> Iterator[str]:
-    """Copters look at what the filter makes of its sensors."""
+    """Check the test ratios of Copter's filter."""
     limit = _number(autopilot.vehicle.parameters, "FS_EKF_THRESH")
-    if limit <= 0 or autopilot.vehicle.type is not VehicleType.COPTER or not autopilot.mode.needs_position:
+    if (
+        limit <= 0
+        or autopilot.vehicle.vehicle_type is not VehicleType.COPTER
+        or not autopilot.mode.needs_position
+    ):
         return
     health = autopilot.body.health
     named = (
@@ -123,43 +130,49 @@ def _variances(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _barometer(autopilot: Autopilot) -> Iterator[str]:
+    """Check the barometer."""
     if not autopilot.body.health.vertical:
         yield "Barometer not healthy"
 
 
 def _compass(autopilot: Autopilot) -> Iterator[str]:
+    """Check the compass."""
     enabled = int(_number(autopilot.vehicle.parameters, "COMPASS_ENABLE", 1.0))
     if enabled and not autopilot.body.health.heading:
         yield "Compass 1 not healthy"
 
 
 def _radio(autopilot: Autopilot) -> Iterator[str]:
+    """Check the radio receiver."""
     radio, parameters = autopilot.radio, autopilot.vehicle.parameters
-    if autopilot.vehicle.type is VehicleType.SUB:
+    if autopilot.vehicle.vehicle_type is VehicleType.SUB:
         return
     if not radio.present:
         watched = _number(parameters, "FS_THR_ENABLE", 0.0) or _number(parameters, "THR_FAILSAFE", 0.0)
         if watched:
-            copter = autopilot.vehicle.type is VehicleType.COPTER
+            copter = autopilot.vehicle.vehicle_type is VehicleType.COPTER
             yield "Throttle below failsafe" if copter else "Radio failsafe on"
 
 
 def _throttle(autopilot: Autopilot) -> Iterator[str]:
-    if not autopilot.radio.present or autopilot.vehicle.type is VehicleType.SUB:
+    """Check that the throttle is closed."""
+    if not autopilot.radio.present or autopilot.vehicle.vehicle_type is VehicleType.SUB:
         return
-    if autopilot.mode.manual_control and _throttle_is_open(autopilot):
-        copter = autopilot.vehicle.type is VehicleType.COPTER
+    if autopilot.mode.manual_control and _is_throttle_open(autopilot):
+        copter = autopilot.vehicle.vehicle_type is VehicleType.COPTER
         yield "Throttle too high" if copter else "Throttle (RC3) is not neutral"
 
 
-def _throttle_is_open(autopilot: Autopilot) -> bool:
+def _is_throttle_open(autopilot: Autopilot) -> bool:
+    """Return whether the throttle is too far from idle or neutral."""
     throttle = autopilot.radio.sticks.throttle
-    if autopilot.vehicle.type.on_surface:
-        return not 1 - _THROTTLE_MIDDLE <= throttle <= _THROTTLE_MIDDLE
+    if autopilot.vehicle.vehicle_type.on_surface:
+        return not 1 - _THROTTLE_NEUTRAL <= throttle <= _THROTTLE_NEUTRAL
     return throttle > _THROTTLE_LOW
 
 
 def _battery(autopilot: Autopilot) -> Iterator[str]:
+    """Check voltage and capacity."""
     battery, parameters = autopilot.body.battery, autopilot.vehicle.parameters
     left = _number(parameters, "BATT_CAPACITY") - battery.consumed
     limits = (
@@ -175,16 +188,18 @@ def _battery(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _fence(autopilot: Autopilot) -> Iterator[str]:
+    """Check the geofence."""
     yield from autopilot.fence.problems()
 
 
 def _mission(autopilot: Autopilot) -> Iterator[str]:
+    """Check the items that ARMING_MIS_ITEMS requires."""
     wanted = int(_number(autopilot.vehicle.parameters, "ARMING_MIS_ITEMS"))
     if not wanted:
         return
-    held = {int(item.command) for item in autopilot.vehicle.mission.plan(0).items}
+    present = {int(item.command) for item in autopilot.vehicle.mission.plan(0).items}
     for bit, (command, name) in enumerate(_REQUIRED_ITEMS):
-        if wanted >> bit & 1 and command not in held:
+        if wanted >> bit & 1 and command not in present:
             yield f"Missing mission item: {name}"
 
 
@@ -202,19 +217,19 @@ _CHECKS: Final[tuple[tuple[int | None, Check], ...]] = (
 _ARM_CHECKS: Final[tuple[tuple[int | None, Check], ...]] = ((None, _mode), (_RC, _throttle))
 
 
-class PreArmWatch:
-    """Says every half minute why the vehicle could not be armed."""
+class PreArmReporter:
+    """Reports the pre-arm problems every 30 s."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
-        self._due = autopilot.booted_at + DISPLAY_PERIOD
+        self._due = autopilot.booted_at + DISPLAY_INTERVAL
 
     def tick(self, now: float) -> None:
-        """Look, and say."""
+        """Report if due."""
         autopilot = self._autopilot
         if autopilot.armed or now < self._due:
             return
-        self._due = now + DISPLAY_PERIOD
+        self._due = now + DISPLAY_INTERVAL
         if int(_number(autopilot.vehicle.parameters, "ARMING_OPTIONS")) & _QUIET_OPTION:
             return
         for problem in prearm_problems(autopilot):
@@ -222,5 +237,6 @@ class PreArmWatch:
 
 
 def _number(parameters: Parameters, name: str, default: float = 0.0) -> float:
+    """Return a parameter as a number."""
     value = float(parameters.get(name, default))
     return value if abs(value) < 1e9 else default

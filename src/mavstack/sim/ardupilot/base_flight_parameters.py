@@ -1,8 +1,8 @@
-"""What ArduPilot's flight parameters have in common: how parameters become flight parameters, and limits of the body.
+"""Base of ArduPilot's flight parameters, and the limits of the body that follow from parameters.
 
-Copter and Sub count in centimetres, Plane and Rover in metres. What a parameter cannot mean (nothing, or no
-number) is replaced by the least that can be flown. The limits of the body follow the parameters: `follow`
-sets them at boot and whenever one changes.
+Copter and Sub use centimetres, Plane and Rover metres. An invalid value (zero or NaN) is replaced by the
+minimum that can be flown. `apply_limits` sets the limits of the body at boot and whenever one of their
+parameters changes.
 """
 
 from __future__ import annotations
@@ -21,38 +21,38 @@ if TYPE_CHECKING:
 
 CM = 0.01
 CENTIDEGREE = radians(0.01)
-SLOWEST = 0.1
-SMALLEST_RADIUS = 0.5
-#: In CIRCLE_OPTIONS.
-_CENTRE_IS_HERE = 4
+MIN_SPEED = 0.1
+MIN_RADIUS = 0.5
+#: Bit of CIRCLE_OPTIONS.
+_CENTRE_AT_VEHICLE = 4
 _F = common.MavFrame
 _FRAMES = frozenset({int(_F.LOCAL_NED), int(_F.LOCAL_OFFSET_NED), int(_F.BODY_NED), int(_F.BODY_OFFSET_NED)})
 
-#: Which limits of the body a parameter sets, and in which unit the parameter is.
+#: Limit of the body that a parameter sets, and the parameter's unit.
 Limits: TypeAlias = Mapping[str, tuple[str, float]]
 
 
 class ArdupilotFlightParameters(FlightParameters):
-    """What all types have in common."""
+    """Flight parameters of all types."""
 
-    #: Parameter to limit of the body.
+    #: Limits of the body by parameter.
     limits: ClassVar[Limits] = MappingProxyType({})
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
 
-    def number(self, name: str, unit: float = 1.0, *, least: float = -inf, default: float = 0.0) -> float:
-        """A parameter in metres, seconds or radians."""
+    def number(self, name: str, unit: float = 1.0, *, minimum: float = -inf, default: float = 0.0) -> float:
+        """Return a parameter in metres, seconds or radians."""
         value = float(self._parameters.get(name, default / unit)) * unit
-        return max(value, least) if isfinite(value) else max(default, least)
+        return max(value, minimum) if isfinite(value) else max(default, minimum)
 
-    def follow(self, body: Body) -> None:
+    def apply_limits(self, body: Body) -> None:
         """Set the limits of the body, and again whenever their parameters change."""
         for name, (limit, unit) in self.limits.items():
             if name in self._parameters:
-                push = _pusher(self, body, name, limit, unit)
-                push(None)
-                self._parameters.on_change(name, push)
+                set_limit = _limit_setter(self, body, name, limit, unit)
+                set_limit(None)
+                self._parameters.on_change(name, set_limit)
 
     @property
     def loiter_radius(self) -> float:
@@ -72,29 +72,29 @@ class ArdupilotFlightParameters(FlightParameters):
 
     @property
     def lean_angle(self) -> float:
-        return self.number("ANGLE_MAX", CENTIDEGREE, least=0.1, default=radians(30.0))
+        return self.number("ANGLE_MAX", CENTIDEGREE, minimum=0.1, default=radians(30.0))
 
     @property
     def pilot_climb_speed(self) -> float:
-        return self.number("PILOT_SPEED_UP", CM, least=SLOWEST, default=2.5)
+        return self.number("PILOT_SPEED_UP", CM, minimum=MIN_SPEED, default=2.5)
 
     @property
     def pilot_yaw_rate(self) -> float:
-        return self.number("PILOT_Y_RATE", radians(1.0), least=0.1, default=radians(100.0))
+        return self.number("PILOT_Y_RATE", radians(1.0), minimum=0.1, default=radians(100.0))
 
     @property
     def acro_rate(self) -> float:
-        return self.number("ACRO_RP_RATE", radians(1.0), least=0.1, default=radians(180.0))
+        return self.number("ACRO_RP_RATE", radians(1.0), minimum=0.1, default=radians(180.0))
 
     @property
     def circle_radius(self) -> float:
-        """Counter-clockwise if CIRCLE_RATE is negative."""
+        """Radius of Circle mode in metres; negative (counter-clockwise) if CIRCLE_RATE is negative."""
         radius = self.number("CIRCLE_RADIUS", CM, default=10.0)
         return -radius if self.number("CIRCLE_RATE", default=20.0) < 0 else radius
 
     @property
     def circles_where_it_is(self) -> bool:
-        return bool(int(self.number("CIRCLE_OPTIONS", default=0.0)) & _CENTRE_IS_HERE)
+        return bool(int(self.number("CIRCLE_OPTIONS", default=0.0)) & _CENTRE_AT_VEHICLE)
 
     @property
     def circle_speed(self) -> float:
@@ -151,12 +151,14 @@ class ArdupilotFlightParameters(FlightParameters):
         return _FRAMES
 
 
-def _pusher(
+def _limit_setter(
     flight_parameters: ArdupilotFlightParameters, body: Body, name: str, limit: str, unit: float
 ) -> Callable[[object], None]:
-    def push(value: object) -> None:
+    """Return the callback that sets a limit from a parameter."""
+
+    def set_limit(value: object) -> None:
         number = flight_parameters.number(name, unit)
         if number:
             body.set_limit(limit, abs(number))
 
-    return push
+    return set_limit

@@ -1,4 +1,4 @@
-"""What only ArduPilot's vehicles do: come back the way they came, land by the mission, take off on a wing."""
+"""Behaviours that only ArduPilot has: SmartRTL, landing sequences, Plane's take-off and returns."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
-#: RTL_AUTOLAND: by the mission's landing sequence when home is reached, or at once.
+#: RTL_AUTOLAND: landing sequence at home, or at once.
 _AT_HOME, _AT_ONCE = 1, 2
-#: Q_RTL_MODE: land on the lifting motors when home is reached.
+#: Q_RTL_MODE: land on the lifting motors at home.
 _HOVER_AT_HOME: Final = 1
 _QRTL: Final = int(ardupilotmega.PlaneMode.QRTL)
-_MOST_POINTS = 2000
-_LEAST_SPACING = 1.0
-#: The nose follows a region of interest in steps of so many radians.
-_TURN: Final = radians(2)
+_MAX_POINTS = 2000
+_MIN_SPACING = 1.0
+#: Step in radians in which the nose follows a region of interest.
+_MIN_YAW_CHANGE: Final = radians(2)
 
 
-class Trail:
-    """The way that the vehicle came since it was armed, loops cut off; one of its autopilot's watches."""
+class ReturnPath:
+    """The path flown since arming, without loops, for SMART_RTL; one of the periodic checks."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
         self.points: list[Point] = []
-        #: Whether the way became longer than there is room for.
+        #: True if the path exceeded its maximum length.
         self.lost = False
         self._armed = False
 
     def tick(self, now: float) -> None:
-        """Note where it is, if it is somewhere else than before."""
+        """Add the present position if it is far enough from the last point."""
         autopilot = self._autopilot
         if autopilot.armed != self._armed:
             self._armed, self.lost = autopilot.armed, False
@@ -52,47 +52,52 @@ class Trail:
 
     @property
     def _spacing(self) -> float:
-        return max(2 * float(self._autopilot.vehicle.parameters.get("SRTL_ACCURACY", 2.0)), _LEAST_SPACING)
+        """Minimum distance between points in metres."""
+        return max(2 * float(self._autopilot.vehicle.parameters.get("SRTL_ACCURACY", 2.0)), _MIN_SPACING)
 
     def _add(self, here: Point, spacing: float) -> None:
+        """Add a point, and remove the loop that it closes."""
         known = next((index for index, point in enumerate(self.points) if dist(point, here) < spacing), None)
         if known is not None:
             del self.points[known + 1 :]
         self.points.append(here)
-        most = min(max(int(self._autopilot.vehicle.parameters.get("SRTL_POINTS", 300)), 0), _MOST_POINTS)
-        if len(self.points) > most:
+        max_points = min(max(int(self._autopilot.vehicle.parameters.get("SRTL_POINTS", 300)), 0), _MAX_POINTS)
+        if len(self.points) > max_points:
             self.lost, self.points = True, []
             self._autopilot.vehicle.send_statustext("SmartRTL deactivated: buffer full")
 
 
-class NoseWatch:
-    """Turns a copter's or sub's nose to the region of interest while it flies to what it is told."""
+class RegionOfInterestYaw:
+    """Turns the nose of a copter or sub to the region of interest in guided flight."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
-        self._turned = False
+        self._active = False
 
     def tick(self, now: float) -> None:
-        """Look, and turn; the mission does that itself."""
+        """Turn the nose if due; in missions the mission does it."""
         autopilot, region = self._autopilot, self._autopilot.payload.region_of_interest
         guided = autopilot.armed and autopilot.mode.number == autopilot.profile.guided
         if region is None or not guided:
-            if self._turned:
-                self._turned, autopilot.maneuvers.yaw = False, None
+            if self._active:
+                self._active, autopilot.maneuvers.yaw = False, None
             return
         wanted = autopilot.maneuvers.bearing(region)
-        if not self._turned or abs(remainder(wanted - (autopilot.maneuvers.yaw or 0.0), tau)) > _TURN:
-            self._turned, autopilot.maneuvers.yaw = True, wanted
-            autopilot.maneuvers.again()
+        if (
+            not self._active
+            or abs(remainder(wanted - (autopilot.maneuvers.yaw or 0.0), tau)) > _MIN_YAW_CHANGE
+        ):
+            self._active, autopilot.maneuvers.yaw = True, wanted
+            autopilot.maneuvers.reissue()
 
 
-def trail_of(autopilot: Autopilot) -> Trail | None:
-    """The way that a vehicle came; None if its firmware keeps none."""
-    return next((watch for watch in autopilot.watches if isinstance(watch, Trail)), None)
+def return_path_of(autopilot: Autopilot) -> ReturnPath | None:
+    """Return the vehicle's return path; None if its firmware has none."""
+    return next((watch for watch in autopilot.watches if isinstance(watch, ReturnPath)), None)
 
 
 def land_by_mission(autopilot: Autopilot, reason: str) -> bool:
-    """Fly the mission's landing sequence; False if it has none."""
+    """Fly the mission's landing sequence; return False if there is none."""
     start = autopilot.mission.landing_start()
     if start is None or not autopilot.has_position:
         return False
@@ -101,17 +106,17 @@ def land_by_mission(autopilot: Autopilot, reason: str) -> bool:
 
 
 class SmartReturn(Behaviour):
-    """SMART_RTL: back along the trail, then land or stop."""
+    """SMART_RTL: back along the return path, then land or stop."""
 
     def fly(self) -> Iterator[None]:
-        """Until it is home, and then for ever."""
+        """Fly home, then stay for ever."""
         autopilot = self.autopilot
-        trail = trail_of(autopilot)
-        points = trail.points if trail is not None else []
+        path = return_path_of(autopilot)
+        points = path.points if path is not None else []
         while len(points) > 1:
             yield from fly_to(autopilot, points[-1])
             points.pop()
-        if autopilot.vehicle.type.flies:
+        if autopilot.vehicle.vehicle_type.flies:
             self.landing = True
             yield from Land(autopilot, points[0] if points else None).fly()
         elif points:
@@ -121,10 +126,10 @@ class SmartReturn(Behaviour):
 
 
 class LandingSequence(Behaviour):
-    """AUTO_RTL: on with the mission at its landing sequence; without one, home."""
+    """AUTO_RTL: continue the mission at its landing sequence; without one, return home."""
 
     def fly(self) -> Iterator[None]:
-        """As the mission does."""
+        """Fly the landing sequence."""
         mission = self.autopilot.mission
         start = mission.landing_start()
         if start is None:
@@ -135,29 +140,32 @@ class LandingSequence(Behaviour):
 
 
 class PlaneReturn(Behaviour):
-    """RTL of a plane: home and round it, or into the mission's landing sequence if RTL_AUTOLAND says so."""
+    """RTL of a plane: circle home, or fly the mission's landing sequence if RTL_AUTOLAND says so."""
 
     def fly(self) -> Iterator[None]:
-        """For ever."""
+        """Return and stay for ever."""
         autopilot = self.autopilot
-        wanted = int(autopilot.vehicle.parameters.get("RTL_AUTOLAND", 0))
-        sequence = autopilot.mission.landing_start() if wanted in (_AT_HOME, _AT_ONCE) else None
+        option = int(autopilot.vehicle.parameters.get("RTL_AUTOLAND", 0))
+        sequence = autopilot.mission.landing_start() if option in (_AT_HOME, _AT_ONCE) else None
         for _ in ReturnToLaunch(autopilot, forward=True).fly():
-            if sequence is not None and (wanted == _AT_ONCE or self._is_home()):
+            if sequence is not None and (option == _AT_ONCE or self._is_home()):
                 yield from self._land_by_mission(sequence)
             if self._hovers_at_home() and self._is_home():
                 yield from autopilot.mission.leave(_QRTL, reason="home is reached")
             yield
 
     def _land_by_mission(self, sequence: int) -> Iterator[None]:
+        """Change to the landing sequence."""
         autopilot = self.autopilot
         autopilot.mission.go_to_item(sequence)
         yield from autopilot.mission.leave(autopilot.profile.mission, reason="landing sequence")
 
     def _hovers_at_home(self) -> bool:
+        """Return whether Q_RTL_MODE lands on the lifting motors."""
         return int(self.autopilot.vehicle.parameters.get("Q_RTL_MODE", 0)) == _HOVER_AT_HOME
 
     def _is_home(self) -> bool:
+        """Return whether home is near."""
         autopilot = self.autopilot
         near = abs(autopilot.flight_parameters.loiter_radius) * 1.5
         return autopilot.maneuvers.distance(autopilot.rally.destination()) <= near
@@ -172,26 +180,27 @@ class QuadplaneReturn(ReturnToLaunch):
         super().__init__(autopilot, forward=far and autopilot.body.flies_forward)
 
 
-class WingTakeoff(Behaviour):
-    """TAKEOFF: up to TKOFF_ALT, and round there."""
+class PlaneTakeoff(Behaviour):
+    """TAKEOFF: climb to TKOFF_ALT and circle there."""
 
     def fly(self) -> Iterator[None]:
-        """For ever."""
+        """Take off, then circle for ever."""
         autopilot = self.autopilot
         if not autopilot.landed:
             autopilot.maneuvers.hold()
         else:
             altitude = self._altitude()
-            part = Takeoff(autopilot, altitude, forward=True)
+            takeoff = Takeoff(autopilot, altitude, forward=True)
             self._send_statustext(altitude)
-            for _ in part.fly():
-                self.taking_off = part.taking_off
+            for _ in takeoff.fly():
+                self.taking_off = takeoff.taking_off
                 yield
             self.taking_off = False
         while True:
             yield
 
     def _send_statustext(self, altitude: float) -> None:
+        """Report the take-off."""
         vehicle, here = self.autopilot.vehicle, self.autopilot.body.estimate
         speed = hypot(here.velocity_north, here.velocity_east)
         distance = float(vehicle.parameters.get("TKOFF_DIST", 200.0))
@@ -200,4 +209,5 @@ class WingTakeoff(Behaviour):
         vehicle.send_statustext(f"Takeoff to {altitude:.0f}m for {distance:.1f}m heading {heading:.1f} deg")
 
     def _altitude(self) -> float:
+        """Return the altitude of take-off in metres."""
         return max(float(self.autopilot.vehicle.parameters.get("TKOFF_ALT", 50.0)), 5.0)

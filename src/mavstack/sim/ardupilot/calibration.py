@@ -1,4 +1,4 @@
-"""ArduPilot on the ground: calibration, parameters, reboot, motor tests."""
+"""ArduPilot's ground commands: calibration, parameters, reboot, motor tests."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _RESET = 2
 _SIX_POSITIONS, _LEVEL, _SIMPLE_ACCEL = 1, 2, 4
-_DONE = {
+_END_TEXTS = {
     "gyro": "Gyro calibration successful",
     "baro": "Barometer calibration complete",
     "accel": "Accelerometer calibration successful",
     "level": "Trim OK: roll=0.00 pitch=0.00 yaw=0.00",
 }
-_BEGUN = {
+_START_TEXTS = {
     "baro": "Updating barometer calibration",
     "gyro": "Calibrating gyros",
     "accel": "Calibrating accelerometers",
@@ -36,7 +36,7 @@ _BEGUN = {
 
 
 class ArdupilotMaintenance(MaintenanceCommands):
-    """With ArduPilot's answers and words."""
+    """Ground commands with ArduPilot's answers and status texts."""
 
     def handlers(self) -> Handlers:
         handlers = {
@@ -44,71 +44,71 @@ class ArdupilotMaintenance(MaintenanceCommands):
             _CMD.DO_START_MAG_CAL: self.start_compass,
             _CMD.DO_ACCEPT_MAG_CAL: self.accept_compass,
             _CMD.DO_CANCEL_MAG_CAL: self.cancel_compass,
-            _CMD.ACCELCAL_VEHICLE_POS: self.placed,
+            _CMD.ACCELCAL_VEHICLE_POS: self.confirm_position,
         }
-        if self.vehicle.type is VehicleType.PLANE:
+        if self.vehicle.vehicle_type is VehicleType.PLANE:
             del handlers[_CMD.DO_MOTOR_TEST]
         return handlers
 
     def refuse_calibration(self) -> common.MavResult:
-        """Armed."""
+        """Refuse a calibration while armed."""
         raise CommandRefusedError(_RESULT.FAILED, "Disarm to allow calibration")
 
     def calibrate(self, request: CommandRequest) -> Outcome:
-        """PREFLIGHT_CALIBRATION: with param 5 = 1 the accelerometers, by the pilot's hands."""
+        """Answer PREFLIGHT_CALIBRATION; param5 = 1 starts the accelerometer calibration in six positions."""
         if whole(request.command.param5) == _SIX_POSITIONS and not self.autopilot.armed:
             calibrations_of(self.autopilot).begin_accelerometers()
             return _RESULT.ACCEPTED
         return super().calibrate(request)
 
-    def placed(self, request: CommandRequest) -> common.MavResult:
-        """ACCELCAL_VEHICLE_POS: it lies as it was asked to."""
+    def confirm_position(self, request: CommandRequest) -> common.MavResult:
+        """Answer ACCELCAL_VEHICLE_POS: the vehicle is in the requested position."""
         position = whole(request.command.param1)
-        return accept(position is not None and calibrations_of(self.autopilot).placed(position))
+        return accept(position is not None and calibrations_of(self.autopilot).confirm_position(position))
 
     def start_compass(self, request: CommandRequest) -> common.MavResult:
-        """DO_START_MAG_CAL: param 3 = 1 accepts the result by itself."""
+        """Answer DO_START_MAG_CAL; param3 = 1 accepts the result automatically."""
         if self.autopilot.armed:
             raise CommandRefusedError(_RESULT.FAILED, "Disarm to allow calibration")
         calibrations_of(self.autopilot).begin_compass(accept=request.command.param3 == 1)
         return _RESULT.ACCEPTED
 
     def accept_compass(self, request: CommandRequest) -> common.MavResult:
-        """DO_ACCEPT_MAG_CAL."""
+        """Answer DO_ACCEPT_MAG_CAL."""
         return accept(calibrations_of(self.autopilot).accept_compass())
 
     def cancel_compass(self, request: CommandRequest) -> common.MavResult:
-        """DO_CANCEL_MAG_CAL."""
+        """Answer DO_CANCEL_MAG_CAL."""
         calibrations_of(self.autopilot).cancel_compass()
         return _RESULT.ACCEPTED
 
-    def wanted_calibrations(self, request: CommandRequest) -> list[str]:
-        """Gyros, barometer, and the accelerometers level or in one position; the rest it cannot here."""
+    def requested_calibrations(self, request: CommandRequest) -> list[str]:
+        """Return the supported calibrations that a command requests."""
         command = request.command
-        wanted = []
+        requested = []
         if command.param1 == 1:
-            wanted.append("gyro")
+            requested.append("gyro")
         if command.param3 == 1:
-            wanted.append("baro")
+            requested.append("baro")
         if whole(command.param5) == _LEVEL:
-            wanted.append("level")
+            requested.append("level")
         elif whole(command.param5) == _SIMPLE_ACCEL:
-            wanted.append("accel")
-        return wanted
+            requested.append("accel")
+        return requested
 
-    def say_begun(self, name: str) -> None:
-        """As the sensor's driver says it."""
-        if name in _BEGUN:
-            self.vehicle.send_statustext(_BEGUN[name])
+    def announce_start(self, name: str) -> None:
+        """Report the start as the sensor's driver does."""
+        if name in _START_TEXTS:
+            self.vehicle.send_statustext(_START_TEXTS[name])
 
-    def say_done(self, name: str) -> None:
-        """As the sensor's driver says it."""
-        self.vehicle.send_statustext(_DONE[name])
-        if name == "baro" and self.vehicle.type in (VehicleType.PLANE, VehicleType.VTOL):
+    def announce_end(self, name: str) -> None:
+        """Report the end as the sensor's driver does."""
+        self.vehicle.send_statustext(_END_TEXTS[name])
+        if name == "baro" and self.vehicle.vehicle_type in (VehicleType.PLANE, VehicleType.VTOL):
             self.vehicle.send_statustext("Airspeed 1 calibrated")
 
     def store(self, request: CommandRequest) -> common.MavResult:
-        """PREFLIGHT_STORAGE: only the reset to defaults; parameters are saved as they are set."""
+        """Answer PREFLIGHT_STORAGE: only the reset to defaults; parameters are always saved."""
         if whole(request.command.param1) != _RESET:
             return _RESULT.DENIED
         self.vehicle.parameters.reset()
@@ -116,7 +116,7 @@ class ArdupilotMaintenance(MaintenanceCommands):
         return _RESULT.ACCEPTED
 
     def test_motor(self, request: CommandRequest) -> Outcome:
-        """DO_MOTOR_TEST."""
+        """Answer DO_MOTOR_TEST."""
         result = super().test_motor(request)
         self.vehicle.send_statustext(
             "starting motor test" if result == _RESULT.ACCEPTED else "finished motor test"

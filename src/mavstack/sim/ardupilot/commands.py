@@ -1,7 +1,7 @@
-"""The commands that ArduPilot takes, as it answers them, and which firmware has which.
+"""ArduPilot's commands and their answers, by vehicle type.
 
-Most are the shared ones; what is here and in `movement.py` is where ArduPilot has its own mind. Everything
-that is not registered is answered UNSUPPORTED by the server.
+Most commands are shared with PX4; here and in `movement.py` are those that ArduPilot answers differently. The
+server answers unregistered commands with UNSUPPORTED.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from mavstack.sim.autopilot.commands import (
     accept,
     has_place,
     place_of,
-    take,
+    register_handlers,
     whole,
 )
 from mavstack.sim.vehicle_types import VehicleType
@@ -49,14 +49,14 @@ if TYPE_CHECKING:
 
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _INFO = common.MavSeverity.INFO
-#: What param 2 of COMPONENT_ARM_DISARM may be besides the usual number, for arming alone.
+#: Another value of param2 of COMPONENT_ARM_DISARM that forces arming.
 _FORCE_ARMING = 2989.0
-_MOST_SOURCES = 3
+_MAX_SOURCES = 3
 Handler: TypeAlias = "Callable[[CommandRequest], Outcome]"
-#: None of its modes is a standard one.
-_NOT_HERE = (_CMD.DO_SET_STANDARD_MODE,)
-#: What must not be 0 for a payload to be there.
-_SWITCHES: dict[int, str] = {
+#: Unsupported, because ArduPilot has no standard modes.
+_UNSUPPORTED = (_CMD.DO_SET_STANDARD_MODE,)
+#: Parameter that enables a payload.
+_ENABLE_PARAMETERS: dict[int, str] = {
     _CMD.DO_GRIPPER: "GRIP_ENABLE",
     _CMD.DO_SPRAYER: "SPRAY_ENABLE",
     _CMD.DO_WINCH: "WINCH_TYPE",
@@ -64,22 +64,22 @@ _SWITCHES: dict[int, str] = {
 
 
 class ArdupilotArming(ArmingCommands):
-    """Arming: FAILED with the reasons; disarming in the air FAILED without a word."""
+    """Arming answers FAILED with the problems; disarming in the air answers FAILED without a text."""
 
     def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
-        """COMPONENT_ARM_DISARM."""
+        """Answer COMPONENT_ARM_DISARM."""
         if request.command.param1 == 1 and request.command.param2 == _FORCE_ARMING:
             return self.arm(force=True)
         return super().arm_or_disarm(request)
 
     def disarm(self, *, force: bool) -> common.MavResult:
-        """Only a copter or a plane in the air refuses."""
-        if self.autopilot.armed and not force and self.may_not_disarm():
+        """Disarm; only a copter or plane in the air refuses."""
+        if self.autopilot.armed and not force and self.disarm_refusal():
             return _RESULT.FAILED
         return super().disarm(force=True)
 
     def run_checks(self, request: CommandRequest) -> common.MavResult:
-        """RUN_PREARM_CHECKS."""
+        """Answer RUN_PREARM_CHECKS."""
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED
         for problem in prearm_problems(self.autopilot):
@@ -88,17 +88,17 @@ class ArdupilotArming(ArmingCommands):
 
 
 class ArdupilotHome(HomeCommands):
-    """Home, and the origin of the filter beside it."""
+    """Home, and the origin of the filter."""
 
     def handlers(self) -> Handlers:
         handlers = dict(super().handlers())
-        if self.vehicle.type.on_surface:
+        if self.vehicle.vehicle_type.on_surface:
             for command in (_CMD.DO_SET_ROI, _CMD.DO_SET_ROI_LOCATION, _CMD.DO_SET_ROI_NONE):
                 del handlers[command]
         return handlers
 
     def set_home(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_HOME: zeros mean here as well; a frame that is none is DENIED."""
+        """Answer DO_SET_HOME: zeros mean here as well; an unknown frame is DENIED."""
         command, autopilot = request.command, self.autopilot
         if command.param1 == 1 or not has_place(command):
             if not autopilot.has_position:
@@ -112,40 +112,40 @@ class ArdupilotHome(HomeCommands):
         autopilot.home_locked = True
         return _RESULT.ACCEPTED
 
-    def tell_home(self, request: CommandRequest) -> common.MavResult:
-        """GET_HOME_POSITION gives the origin, too."""
-        result = super().tell_home(request)
+    def send_home(self, request: CommandRequest) -> common.MavResult:
+        """Answer GET_HOME_POSITION with home and origin."""
+        result = super().send_home(request)
         if result == _RESULT.ACCEPTED:
             self.vehicle.services.send(origin_of(self.vehicle), request.source)
         return result
 
 
 class ArdupilotMission(MissionCommands):
-    """Missions: all of them or none; a copter can wait in them."""
+    """Mission commands; a copter can pause."""
 
     def handlers(self) -> Handlers:
         handlers: dict[int, Handler] = {
             _CMD.MISSION_START: self.start,
             _CMD.DO_JUMP_TAG: self.jump_to_tag,
         }
-        if self.vehicle.type.flies:
+        if self.vehicle.vehicle_type.flies:
             handlers[_CMD.DO_LAND_START] = self.start_landing
-        if self.vehicle.type is VehicleType.COPTER:
+        if self.vehicle.vehicle_type is VehicleType.COPTER:
             handlers[_CMD.DO_PAUSE_CONTINUE] = self.pause_or_continue
         return handlers
 
     def start(self, request: CommandRequest) -> common.MavResult:
-        """MISSION_START: params 1 and 2 must be 0; a mission that is flown goes on."""
+        """Answer MISSION_START: param1 and param2 must be 0; a running mission continues."""
         if request.command.param1 != 0 or request.command.param2 != 0:
             return _RESULT.DENIED
-        if self.vehicle.type is VehicleType.SUB and not self.autopilot.armed:
+        if self.vehicle.vehicle_type is VehicleType.SUB and not self.autopilot.armed:
             return _RESULT.FAILED
         if self.autopilot.mission.flying:
             return _RESULT.ACCEPTED
         return self.enter(self.autopilot.profile.mission)
 
     def jump_to_tag(self, request: CommandRequest) -> common.MavResult:
-        """DO_JUMP_TAG: on with the mission at the item that bears a tag."""
+        """Answer DO_JUMP_TAG: continue the mission at the item with a tag."""
         mission = self.autopilot.mission
         for seq, item in enumerate(mission.items):
             if item.command == _CMD.JUMP_TAG and item.param1 == request.command.param1:
@@ -153,13 +153,13 @@ class ArdupilotMission(MissionCommands):
         return _RESULT.FAILED
 
     def start_landing(self, request: CommandRequest) -> common.MavResult:
-        """DO_LAND_START: fly the landing sequence of the mission."""
+        """Answer DO_LAND_START: fly the mission's landing sequence."""
         if not land_by_mission(self.autopilot, "commanded"):
             raise CommandRefusedError(_RESULT.FAILED, "Unable to start landing sequence")
         return _RESULT.ACCEPTED
 
     def pause(self) -> common.MavResult:
-        """Wait in AUTO or GUIDED."""
+        """Pause in AUTO or GUIDED."""
         autopilot = self.autopilot
         if autopilot.mission.flying and autopilot.mission.pause():
             return _RESULT.ACCEPTED
@@ -169,8 +169,8 @@ class ArdupilotMission(MissionCommands):
         self.vehicle.send_statustext("Failed to pause", _INFO)
         return _RESULT.FAILED
 
-    def go_on(self) -> common.MavResult:
-        """Go on in AUTO."""
+    def resume(self) -> common.MavResult:
+        """Resume in AUTO."""
         if self.autopilot.mission.flying and self.autopilot.mission.resume():
             return _RESULT.ACCEPTED
         self.vehicle.send_statustext("Failed to resume", _INFO)
@@ -178,41 +178,44 @@ class ArdupilotMission(MissionCommands):
 
 
 class ArdupilotEquipment(CommandGroup):
-    """Payload that is there only if its parameter says so; what is not there FAILED."""
+    """Payloads that a parameter enables; commands for a disabled one answer FAILED."""
 
     def handlers(self) -> Handlers:
         outputs = dict(EquipmentCommands(self.vehicle).handlers())
-        kind = self.vehicle.type
-        if kind is not VehicleType.COPTER:
+        vehicle_type = self.vehicle.vehicle_type
+        if vehicle_type is not VehicleType.COPTER:
             del outputs[_CMD.DO_WINCH]
-        if kind not in (VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL):
+        if vehicle_type not in (VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL):
             del outputs[_CMD.DO_PARACHUTE]
-        if kind not in (VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT):
+        if vehicle_type not in (VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT):
             del outputs[_CMD.DO_SPRAYER]
-        guarded = {command: self._fitted(command, handler) for command, handler in outputs.items()}
-        images = CameraCommands(self.vehicle).handlers()
-        looks = GimbalCommands(self.vehicle).handlers()
+        guarded = {command: self._guarded(command, handler) for command, handler in outputs.items()}
+        cameras = CameraCommands(self.vehicle).handlers()
+        gimbals = GimbalCommands(self.vehicle).handlers()
         return {
             **guarded,
-            **{command: self._if_set("CAM1_TYPE", handler) for command, handler in images.items()},
-            **{command: self._if_set("MNT1_TYPE", handler) for command, handler in looks.items()},
+            **{command: self._if_enabled("CAM1_TYPE", handler) for command, handler in cameras.items()},
+            **{command: self._if_enabled("MNT1_TYPE", handler) for command, handler in gimbals.items()},
         }
 
-    def _fitted(self, command: int, handler: Handler) -> Handler:
-        name = _SWITCHES.get(command)
-        return handler if name is None else self._if_set(name, handler)
+    def _guarded(self, command: int, handler: Handler) -> Handler:
+        """Return the handler, checked for its enabling parameter."""
+        name = _ENABLE_PARAMETERS.get(command)
+        return handler if name is None else self._if_enabled(name, handler)
 
-    def _if_set(self, name: str, handler: Handler) -> Handler:
-        def carry_out(request: CommandRequest) -> Outcome:
+    def _if_enabled(self, name: str, handler: Handler) -> Handler:
+        """Return a handler that fails while a parameter is 0."""
+
+        def execute(request: CommandRequest) -> Outcome:
             if not self.vehicle.parameters.get(name, 0):
                 return _RESULT.FAILED
             return handler(request)
 
-        return carry_out
+        return execute
 
 
 class ArdupilotSystem(CommandGroup):
-    """The fence's switch, the filter's sources, the battery, switches, and the banner."""
+    """Fence, EKF sources, battery, auxiliary functions, banner."""
 
     def handlers(self) -> Handlers:
         return {
@@ -220,11 +223,11 @@ class ArdupilotSystem(CommandGroup):
             _CMD.DO_AUX_FUNCTION: self.use_switch,
             _CMD.DO_SEND_BANNER: self.send_banner,
             _CMD.BATTERY_RESET: self.reset_battery,
-            _CMD.SET_EKF_SOURCE_SET: self.choose_sources,
+            _CMD.SET_EKF_SOURCE_SET: self.select_sources,
         }
 
     def enable_fence(self, request: CommandRequest) -> common.MavResult:
-        """DO_FENCE_ENABLE: 0 off, 1 on, 2 the floor alone off."""
+        """Answer DO_FENCE_ENABLE: 0 off, 1 on, 2 disables the floor only."""
         wanted, parameters = whole(request.command.param1), self.vehicle.parameters
         if wanted not in (0, 1, 2):
             return _RESULT.FAILED
@@ -235,37 +238,37 @@ class ArdupilotSystem(CommandGroup):
         return _RESULT.ACCEPTED
 
     def use_switch(self, request: CommandRequest) -> common.MavResult:
-        """DO_AUX_FUNCTION: as if the pilot had turned a switch with that function."""
+        """Answer DO_AUX_FUNCTION: like a switch of the transmitter with that function."""
         function, position = whole(request.command.param1), whole(request.command.param2)
         if function is None or position not in (0, 1, 2):
             return _RESULT.DENIED
         return accept(use_auxiliary_function(self.autopilot, function, position))
 
     def send_banner(self, request: CommandRequest) -> common.MavResult:
-        """DO_SEND_BANNER."""
+        """Answer DO_SEND_BANNER."""
         for line in banner_of(self.vehicle):
             self.vehicle.send_statustext(line, _INFO)
         return _RESULT.ACCEPTED
 
     def reset_battery(self, request: CommandRequest) -> common.MavResult:
-        """BATTERY_RESET: battery 1 counts from param 2 percent on."""
+        """Answer BATTERY_RESET: set battery 1 to param2 percent."""
         batteries, percent = whole(request.command.param1), request.command.param2
         if batteries is None or not batteries & 1 or not 0.0 <= percent <= 100.0:
             raise CommandRefusedError(_RESULT.FAILED)
         self.autopilot.body.recharge(remaining=percent / 100.0)
         return _RESULT.ACCEPTED
 
-    def choose_sources(self, request: CommandRequest) -> common.MavResult:
-        """SET_EKF_SOURCE_SET: 1 to 3."""
+    def select_sources(self, request: CommandRequest) -> common.MavResult:
+        """Answer SET_EKF_SOURCE_SET: 1 to 3."""
         wanted = whole(request.command.param1)
-        if wanted is None or not 1 <= wanted <= _MOST_SOURCES:
+        if wanted is None or not 1 <= wanted <= _MAX_SOURCES:
             return _RESULT.DENIED
         self.vehicle.send_statustext(f"Using EKF Source Set {wanted}", _INFO)
         return _RESULT.ACCEPTED
 
 
 def origin_of(vehicle: Vehicle) -> common.GpsGlobalOrigin:
-    """GPS_GLOBAL_ORIGIN: where the local frame begins."""
+    """Return GPS_GLOBAL_ORIGIN: the origin of the local frame."""
     latitude, longitude, altitude = vehicle.body.frame.to_global(0.0, 0.0, 0.0)
     return common.GpsGlobalOrigin(
         latitude=round(latitude * 1e7),
@@ -285,20 +288,20 @@ _MOVEMENTS: dict[VehicleType, type[ArdupilotMovement]] = {
 }
 
 
-def groups_of(vehicle: Vehicle) -> Iterator[CommandGroup]:
-    """All groups of commands of a vehicle's firmware."""
+def command_groups(vehicle: Vehicle) -> Iterator[CommandGroup]:
+    """Yield all command groups of a vehicle's firmware."""
     yield ArdupilotArming(vehicle)
     yield ArdupilotHome(vehicle)
     yield ArdupilotMission(vehicle)
     yield ArdupilotEquipment(vehicle)
     yield ArdupilotMaintenance(vehicle)
     yield ArdupilotSystem(vehicle)
-    yield _MOVEMENTS[vehicle.type](vehicle)
+    yield _MOVEMENTS[vehicle.vehicle_type](vehicle)
 
 
 def register_commands(vehicle: Vehicle) -> None:
-    """Take the commands of a vehicle's firmware, and no others that the services would take."""
-    for command in _NOT_HERE:
+    """Register the commands of a vehicle's firmware."""
+    for command in _UNSUPPORTED:
         vehicle.commands.support(command, lambda _: _RESULT.UNSUPPORTED)
-    for group in groups_of(vehicle):
-        take(vehicle, group.handlers())
+    for group in command_groups(vehicle):
+        register_handlers(vehicle, group.handlers())

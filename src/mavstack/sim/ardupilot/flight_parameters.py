@@ -1,6 +1,6 @@
-"""ArduPilot's flight parameters: each from the parameters that its firmware for the type of vehicle has.
+"""ArduPilot's flight parameters by vehicle type, each from the parameters of its firmware.
 
-Copter and Sub count in centimetres, Plane and Rover in metres.
+Copter and Sub use centimetres, Plane and Rover metres.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, ClassVar
 from mavstack.sim.ardupilot.base_flight_parameters import (
     CENTIDEGREE,
     CM,
-    SLOWEST,
-    SMALLEST_RADIUS,
+    MIN_RADIUS,
+    MIN_SPEED,
     ArdupilotFlightParameters,
     Limits,
 )
-from mavstack.sim.ardupilot.wing_flight_parameters import PlaneFlightParameters, QuadplaneFlightParameters
+from mavstack.sim.ardupilot.plane_flight_parameters import PlaneFlightParameters, QuadplaneFlightParameters
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -45,23 +45,23 @@ class CopterFlightParameters(ArdupilotFlightParameters):
 
     @property
     def cruise_speed(self) -> float:
-        return self.number("WPNAV_SPEED", CM, least=SLOWEST)
+        return self.number("WPNAV_SPEED", CM, minimum=MIN_SPEED)
 
     @property
     def climb_speed(self) -> float:
-        return self.number("WPNAV_SPEED_UP", CM, least=SLOWEST)
+        return self.number("WPNAV_SPEED_UP", CM, minimum=MIN_SPEED)
 
     @property
     def sink_speed(self) -> float:
-        return self.number("WPNAV_SPEED_DN", CM, least=SLOWEST)
+        return self.number("WPNAV_SPEED_DN", CM, minimum=MIN_SPEED)
 
     @property
     def land_speed(self) -> float:
-        return self.number("LAND_SPEED", CM, least=SLOWEST)
+        return self.number("LAND_SPEED", CM, minimum=MIN_SPEED)
 
     @property
     def acceptance_radius(self) -> float:
-        return self.number("WPNAV_RADIUS", CM, least=SMALLEST_RADIUS)
+        return self.number("WPNAV_RADIUS", CM, minimum=MIN_RADIUS)
 
     @property
     def loiter_radius(self) -> float:
@@ -69,18 +69,18 @@ class CopterFlightParameters(ArdupilotFlightParameters):
 
     @property
     def return_altitude(self) -> float:
-        return self.number("RTL_ALT", CM, least=0.0)
+        return self.number("RTL_ALT", CM, minimum=0.0)
 
     @property
     def return_loiter_time(self) -> float:
-        """Over home; with a final altitude the copter stays there instead of landing."""
+        """Seconds over home; infinite with a final altitude, at which the copter stays."""
         if self.number("RTL_ALT_FINAL", CM) > 0:
             return inf
-        return self.number("RTL_LOIT_TIME", _MILLISECOND, least=0.0)
+        return self.number("RTL_LOIT_TIME", _MILLISECOND, minimum=0.0)
 
     @property
     def setpoint_timeout(self) -> float:
-        return self.number("GUID_TIMEOUT", least=0.1, default=3.0)
+        return self.number("GUID_TIMEOUT", minimum=0.1, default=3.0)
 
     @property
     def disarm_delay(self) -> float:
@@ -88,12 +88,12 @@ class CopterFlightParameters(ArdupilotFlightParameters):
 
     @property
     def land_disarm_delay(self) -> float:
-        """Copters that landed by themselves disarm at once."""
+        """Seconds; copters disarm right after an automatic landing."""
         return 1.0
 
     @property
     def land_slow_altitude(self) -> float:
-        return self.number("LAND_ALT_LOW", CM, least=1.0, default=10.0)
+        return self.number("LAND_ALT_LOW", CM, minimum=1.0, default=10.0)
 
     @property
     def return_descend_altitude(self) -> float:
@@ -101,16 +101,16 @@ class CopterFlightParameters(ArdupilotFlightParameters):
 
     @property
     def return_cone_slope(self) -> float:
-        return self.number("RTL_CONE_SLOPE", least=0.0, default=3.0)
+        return self.number("RTL_CONE_SLOPE", minimum=0.0, default=3.0)
 
     @property
     def thrust_is_climb(self) -> bool:
-        """Unless GUID_OPTIONS says that it is thrust."""
+        """True unless GUID_OPTIONS selects thrust."""
         return not int(self.number("GUID_OPTIONS")) & _THRUST_AS_THRUST
 
 
 class RoverFlightParameters(ArdupilotFlightParameters):
-    """Rover on wheels or afloat."""
+    """Rovers and boats."""
 
     limits: ClassVar[Limits] = MappingProxyType(
         {"WP_SPEED": ("speed", 1.0), "ATC_ACCEL_MAX": ("acceleration", 1.0)}
@@ -138,11 +138,11 @@ class RoverFlightParameters(ArdupilotFlightParameters):
 
     @property
     def cruise_speed(self) -> float:
-        return self.number("WP_SPEED") or self.number("CRUISE_SPEED", least=SLOWEST)
+        return self.number("WP_SPEED") or self.number("CRUISE_SPEED", minimum=MIN_SPEED)
 
     @property
     def acceptance_radius(self) -> float:
-        return self.number("WP_RADIUS", least=SMALLEST_RADIUS)
+        return self.number("WP_RADIUS", minimum=MIN_RADIUS)
 
     @property
     def loiter_radius(self) -> float:
@@ -159,11 +159,11 @@ class RoverFlightParameters(ArdupilotFlightParameters):
 
     @property
     def pilot_yaw_rate(self) -> float:
-        return self.number("ACRO_TURN_RATE", radians(1.0), least=0.1, default=radians(180.0))
+        return self.number("ACRO_TURN_RATE", radians(1.0), minimum=0.1, default=radians(180.0))
 
 
 class SubFlightParameters(ArdupilotFlightParameters):
-    """ArduSub: depths are altitudes below 0."""
+    """ArduSub: depths are negative altitudes."""
 
     limits: ClassVar[Limits] = MappingProxyType(
         {"WPNAV_ACCEL": ("acceleration", CM), "LOIT_SPEED": ("speed", CM)}
@@ -175,19 +175,19 @@ class SubFlightParameters(ArdupilotFlightParameters):
 
     @property
     def cruise_speed(self) -> float:
-        return self.number("WPNAV_SPEED", CM, least=SLOWEST)
+        return self.number("WPNAV_SPEED", CM, minimum=MIN_SPEED)
 
     @property
     def climb_speed(self) -> float:
-        return self.number("WPNAV_SPEED_UP", CM, least=SLOWEST)
+        return self.number("WPNAV_SPEED_UP", CM, minimum=MIN_SPEED)
 
     @property
     def sink_speed(self) -> float:
-        return self.number("WPNAV_SPEED_DN", CM, least=SLOWEST)
+        return self.number("WPNAV_SPEED_DN", CM, minimum=MIN_SPEED)
 
     @property
     def acceptance_radius(self) -> float:
-        return self.number("WPNAV_RADIUS", CM, least=SMALLEST_RADIUS)
+        return self.number("WPNAV_RADIUS", CM, minimum=MIN_RADIUS)
 
     @property
     def loiter_radius(self) -> float:
@@ -195,14 +195,14 @@ class SubFlightParameters(ArdupilotFlightParameters):
 
     @property
     def return_altitude(self) -> float:
-        """It comes back at the surface depth."""
+        """Surface depth as a negative altitude in metres."""
         return min(self.number("SURFACE_DEPTH", CM, default=-0.1), 0.0)
 
 
 def flight_parameters_of(vehicle: Vehicle) -> ArdupilotFlightParameters:
-    """The flight parameters of a vehicle."""
+    """Return the flight parameters of a vehicle."""
     parameters = vehicle.parameters
-    match vehicle.type:
+    match vehicle.vehicle_type:
         case VehicleType.COPTER:
             return CopterFlightParameters(parameters)
         case VehicleType.PLANE:

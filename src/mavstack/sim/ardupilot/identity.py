@@ -1,4 +1,4 @@
-"""What an ArduPilot says that it is: versions, capabilities, and the banner."""
+"""ArduPilot's identity: versions, capabilities, banner."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Vehicle
 
 VERSION: Final = FirmwareVersion(4, 6, 3)
-#: The letters of the commit, as the firmware tells them; nobody's, since this is no build of theirs.
+#: An invented commit hash, because this is not a build of ArduPilot.
 GIT_HASH: Final = "51a17d00"
 _OPERATING_SYSTEM_HASH: Final = "51a17c05"
-#: Board numbers of simulated hardware.
+#: Board type of simulated hardware.
 _BOARD: Final = 3
-#: The first of the bytes that identify a board; the system id follows.
+#: First bytes of the board's unique id; the system id follows.
 _SERIAL: Final = bytes.fromhex("4d61767374636b")
 
 _CAN = common.MavProtocolCapability
@@ -60,12 +60,12 @@ _FRAMES: Final[Mapping[VehicleType, str]] = MappingProxyType(
 
 
 def firmware_name(type: VehicleType) -> str:  # noqa: A002 (HEARTBEAT's name for it)
-    """The firmware for a type of vehicle."""
+    """Return the firmware of a vehicle type."""
     return _FIRMWARES[type]
 
 
 def version_of(vehicle: Vehicle) -> AutopilotVersion:
-    """What AUTOPILOT_VERSION says."""
+    """Return the content of AUTOPILOT_VERSION."""
     serial = _SERIAL + bytes([vehicle.address.system])
     return AutopilotVersion(
         capabilities=int(_CAPABILITIES),
@@ -79,10 +79,10 @@ def version_of(vehicle: Vehicle) -> AutopilotVersion:
 
 
 def banner_of(vehicle: Vehicle) -> Iterator[str]:
-    """What the firmware says after it started, or when it is asked for it."""
-    yield f"{firmware_name(vehicle.type)} V{VERSION} ({GIT_HASH})"
+    """Yield the lines that the firmware sends after start-up and on request."""
+    yield f"{firmware_name(vehicle.vehicle_type)} V{VERSION} ({GIT_HASH})"
     yield f"Mavstack simulation, board {vehicle.address.system:03d}"
     yield "RCOut: PWM:1-16"
-    frame = _FRAMES.get(vehicle.type)
+    frame = _FRAMES.get(vehicle.vehicle_type)
     if frame is not None:
         yield frame

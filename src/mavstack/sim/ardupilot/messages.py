@@ -1,4 +1,4 @@
-"""Messages besides commands that ArduPilot acts on: when the banner is due, older ways of home and goto."""
+"""Messages that ArduPilot handles besides commands: banner requests, SET_HOME_POSITION, guided items."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 _RESULT = common.MavMissionResult
-#: Who asks for all parameters hears the banner, but not more often than this, in seconds.
-_BANNER_PAUSE = 10.0
-_LATITUDE, _LONGITUDE = 900_000_000, 1_800_000_000
+#: Minimum seconds between banners, which are sent to a client that requests all parameters.
+_BANNER_INTERVAL = 10.0
+_MAX_LATITUDE, _MAX_LONGITUDE = 900_000_000, 1_800_000_000
 
 
 class ArdupilotMessages(Service):
-    """Listens; what it does is the vehicle's to say."""
+    """Service that handles these messages for the vehicle."""
 
     handles = message_ids(common.ParamRequestList, common.SetHomePosition, common.CommandAck)
 
@@ -38,18 +38,18 @@ class ArdupilotMessages(Service):
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
-            case common.ParamRequestList() if now - self._banner_at >= _BANNER_PAUSE:
+            case common.ParamRequestList() if now - self._banner_at >= _BANNER_INTERVAL:
                 self._banner_at = now
                 for line in banner_of(self._vehicle):
                     self._vehicle.send_statustext(line, common.MavSeverity.INFO)
             case common.SetHomePosition(target_system=self.local.system) as message:
                 self._set_home(message)
-
             case common.CommandAck():
-                calibrations_of(self._vehicle.autopilot).placed()
+                calibrations_of(self._vehicle.autopilot).confirm_position()
 
     def _set_home(self, message: common.SetHomePosition) -> None:
-        if abs(message.latitude) > _LATITUDE or abs(message.longitude) > _LONGITUDE:
+        """Handle SET_HOME_POSITION."""
+        if abs(message.latitude) > _MAX_LATITUDE or abs(message.longitude) > _MAX_LONGITUDE:
             return
         autopilot = self._vehicle.autopilot
         if message.latitude == 0 and message.longitude == 0:
@@ -62,7 +62,7 @@ class ArdupilotMessages(Service):
 
 
 def guided_item(vehicle: Vehicle, item: MissionItem, *, altitude_only: bool) -> int:
-    """Go where a mission item says, in GUIDED: MAV_MISSION_RESULT."""
+    """Fly to a mission item in GUIDED; return a MAV_MISSION_RESULT."""
     autopilot = vehicle.autopilot
     if autopilot.mode.number != autopilot.profile.guided or not isfinite(item.param7):
         return _RESULT.ERROR
@@ -79,7 +79,7 @@ def guided_item(vehicle: Vehicle, item: MissionItem, *, altitude_only: bool) -> 
         return _RESULT.ERROR
     if altitude_only:
         north, east, _ = autopilot.target or autopilot.maneuvers.place
-    if vehicle.type is VehicleType.SUB:
+    if vehicle.vehicle_type is VehicleType.SUB:
         down = max(down, 0.0)
-    guide_to(autopilot, (north, east, 0.0 if vehicle.type.on_surface else down))
+    guide_to(autopilot, (north, east, 0.0 if vehicle.vehicle_type.on_surface else down))
     return _RESULT.ACCEPTED

@@ -1,7 +1,7 @@
-"""ArduPilot's modes: their numbers and names by firmware, and which behaviour each is.
+"""ArduPilot's modes: numbers and names by firmware, and their behaviours.
 
-All of them are told as not standard, as the firmware does. Modes that need something no simulated vehicle has
-(a beacon, optical flow, somebody to follow) are left out.
+All modes are reported as non-standard, as the firmware does. Modes that need equipment which no simulated
+vehicle has (a beacon, optical flow, a target to follow) are left out.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from mavstack.services.modes import AvailableMode
 from mavstack.sim.ardupilot.behaviours import (
     LandingSequence,
     PlaneReturn,
+    PlaneTakeoff,
     QuadplaneReturn,
     SmartReturn,
-    WingTakeoff,
 )
 from mavstack.sim.autopilot.behaviours import (
     Acro,
@@ -46,17 +46,17 @@ if TYPE_CHECKING:
 _COPTER, _PLANE = ardupilotmega.CopterMode, ardupilotmega.PlaneMode
 _ROVER, _SUB = ardupilotmega.RoverMode, ardupilotmega.SubMode
 _FLAGS = common.MavModeFlag
-Maker: TypeAlias = "Callable[[Autopilot], Behaviour]"
+BehaviourFactory: TypeAlias = "Callable[[Autopilot], Behaviour]"
 
 _MANUAL: Final = int(_FLAGS.MANUAL_INPUT_ENABLED)
 _STABILIZED: Final = int(_FLAGS.STABILIZE_ENABLED) | _MANUAL
 _GUIDED: Final = int(_FLAGS.GUIDED_ENABLED) | _STABILIZED
-_DRIVEN: Final = int(_FLAGS.GUIDED_ENABLED)
+_AUTOMATIC_DRIVING: Final = int(_FLAGS.GUIDED_ENABLED)
 
 
-@dataclass(frozen=True, slots=True)
-class Roles:
-    """The modes of a firmware by what they are for."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeRoles:
+    """The modes of a firmware by purpose."""
 
     initial: int
     hold: int
@@ -70,85 +70,95 @@ class Roles:
 def _mode(
     number: int,
     name: str,
-    behaviour: Maker,
+    behaviour: BehaviourFactory,
     flags: int,
     *,
-    position: bool = False,
-    hand: bool = False,
-    arm: bool = True,
+    needs_position: bool = False,
+    manual_control: bool = False,
+    may_arm: bool = True,
 ) -> Mode:
+    """Return a mode."""
     return Mode(
         AvailableMode(int(number), name),
         behaviour,
         flags=flags,
-        needs_position=position,
-        manual_control=hand,
-        may_arm=arm,
+        needs_position=needs_position,
+        manual_control=manual_control,
+        may_arm=may_arm,
     )
 
 
 _COPTER_MODES: Final = (
-    _mode(_COPTER.STABILIZE, "STABILIZE", Stabilize, _STABILIZED, hand=True),
-    _mode(_COPTER.ACRO, "ACRO", Acro, _STABILIZED, hand=True),
-    _mode(_COPTER.ALT_HOLD, "ALT_HOLD", AltitudeHold, _STABILIZED, hand=True),
-    _mode(_COPTER.AUTO, "AUTO", Mission, _GUIDED, position=True, arm=False),
-    _mode(_COPTER.GUIDED, "GUIDED", Guided, _GUIDED, position=True),
-    _mode(_COPTER.LOITER, "LOITER", PositionHold, _GUIDED, position=True, hand=True),
-    _mode(_COPTER.RTL, "RTL", ReturnToLaunch, _GUIDED, position=True, arm=False),
-    _mode(_COPTER.CIRCLE, "CIRCLE", Circle, _GUIDED, position=True, arm=False),
-    _mode(_COPTER.LAND, "LAND", Land, _STABILIZED, arm=False),
-    _mode(_COPTER.POSHOLD, "POSHOLD", PositionHold, _GUIDED, position=True, hand=True),
-    _mode(_COPTER.BRAKE, "BRAKE", Brake, _GUIDED, position=True, arm=False),
+    _mode(_COPTER.STABILIZE, "STABILIZE", Stabilize, _STABILIZED, manual_control=True),
+    _mode(_COPTER.ACRO, "ACRO", Acro, _STABILIZED, manual_control=True),
+    _mode(_COPTER.ALT_HOLD, "ALT_HOLD", AltitudeHold, _STABILIZED, manual_control=True),
+    _mode(_COPTER.AUTO, "AUTO", Mission, _GUIDED, needs_position=True, may_arm=False),
+    _mode(_COPTER.GUIDED, "GUIDED", Guided, _GUIDED, needs_position=True),
+    _mode(_COPTER.LOITER, "LOITER", PositionHold, _GUIDED, needs_position=True, manual_control=True),
+    _mode(_COPTER.RTL, "RTL", ReturnToLaunch, _GUIDED, needs_position=True, may_arm=False),
+    _mode(_COPTER.CIRCLE, "CIRCLE", Circle, _GUIDED, needs_position=True, may_arm=False),
+    _mode(_COPTER.LAND, "LAND", Land, _STABILIZED, may_arm=False),
+    _mode(_COPTER.POSHOLD, "POSHOLD", PositionHold, _GUIDED, needs_position=True, manual_control=True),
+    _mode(_COPTER.BRAKE, "BRAKE", Brake, _GUIDED, needs_position=True, may_arm=False),
     _mode(_COPTER.GUIDED_NOGPS, "GUIDED_NOGPS", Guided, _STABILIZED),
-    _mode(_COPTER.SMART_RTL, "SMART_RTL", SmartReturn, _GUIDED, position=True, arm=False),
-    _mode(_COPTER.AUTO_RTL, "AUTO_RTL", LandingSequence, _GUIDED, position=True, arm=False),
+    _mode(_COPTER.SMART_RTL, "SMART_RTL", SmartReturn, _GUIDED, needs_position=True, may_arm=False),
+    _mode(_COPTER.AUTO_RTL, "AUTO_RTL", LandingSequence, _GUIDED, needs_position=True, may_arm=False),
 )
 _PLANE_MODES: Final = (
-    _mode(_PLANE.MANUAL, "MANUAL", Manual, _STABILIZED, hand=True),
+    _mode(_PLANE.MANUAL, "MANUAL", Manual, _STABILIZED, manual_control=True),
     _mode(_PLANE.CIRCLE, "CIRCLE", partial(Brake, forward=True), _GUIDED),
-    _mode(_PLANE.STABILIZE, "STABILIZE", partial(Stabilize, forward=True), _STABILIZED, hand=True),
-    _mode(_PLANE.TRAINING, "TRAINING", partial(Stabilize, forward=True), _MANUAL, hand=True),
-    _mode(_PLANE.ACRO, "ACRO", partial(Acro, forward=True), _MANUAL, hand=True),
-    _mode(_PLANE.FLY_BY_WIRE_A, "FBWA", partial(Stabilize, forward=True), _STABILIZED, hand=True),
-    _mode(_PLANE.FLY_BY_WIRE_B, "FBWB", partial(AltitudeHold, forward=True), _STABILIZED, hand=True),
-    _mode(_PLANE.CRUISE, "CRUISE", partial(AltitudeHold, forward=True), _STABILIZED, hand=True),
+    _mode(_PLANE.STABILIZE, "STABILIZE", partial(Stabilize, forward=True), _STABILIZED, manual_control=True),
+    _mode(_PLANE.TRAINING, "TRAINING", partial(Stabilize, forward=True), _MANUAL, manual_control=True),
+    _mode(_PLANE.ACRO, "ACRO", partial(Acro, forward=True), _MANUAL, manual_control=True),
+    _mode(_PLANE.FLY_BY_WIRE_A, "FBWA", partial(Stabilize, forward=True), _STABILIZED, manual_control=True),
+    _mode(
+        _PLANE.FLY_BY_WIRE_B, "FBWB", partial(AltitudeHold, forward=True), _STABILIZED, manual_control=True
+    ),
+    _mode(_PLANE.CRUISE, "CRUISE", partial(AltitudeHold, forward=True), _STABILIZED, manual_control=True),
     _mode(_PLANE.AUTO, "AUTO", Mission, _GUIDED),
     _mode(_PLANE.RTL, "RTL", PlaneReturn, _GUIDED),
     _mode(_PLANE.LOITER, "LOITER", partial(Brake, forward=True), _GUIDED),
-    _mode(_PLANE.TAKEOFF, "TAKEOFF", WingTakeoff, _GUIDED),
+    _mode(_PLANE.TAKEOFF, "TAKEOFF", PlaneTakeoff, _GUIDED),
     _mode(_PLANE.GUIDED, "GUIDED", Guided, _GUIDED),
 )
 _HOVERING_MODES: Final = (
-    _mode(_PLANE.QSTABILIZE, "QSTABILIZE", partial(Stabilize, forward=False), _STABILIZED, hand=True),
-    _mode(_PLANE.QHOVER, "QHOVER", partial(AltitudeHold, forward=False), _STABILIZED, hand=True),
     _mode(
-        _PLANE.QLOITER, "QLOITER", partial(PositionHold, forward=False), _STABILIZED, position=True, hand=True
+        _PLANE.QSTABILIZE, "QSTABILIZE", partial(Stabilize, forward=False), _STABILIZED, manual_control=True
     ),
-    _mode(_PLANE.QLAND, "QLAND", Land, _STABILIZED, arm=False),
-    _mode(_PLANE.QRTL, "QRTL", QuadplaneReturn, _GUIDED, position=True, arm=False),
+    _mode(_PLANE.QHOVER, "QHOVER", partial(AltitudeHold, forward=False), _STABILIZED, manual_control=True),
+    _mode(
+        _PLANE.QLOITER,
+        "QLOITER",
+        partial(PositionHold, forward=False),
+        _STABILIZED,
+        needs_position=True,
+        manual_control=True,
+    ),
+    _mode(_PLANE.QLAND, "QLAND", Land, _STABILIZED, may_arm=False),
+    _mode(_PLANE.QRTL, "QRTL", QuadplaneReturn, _GUIDED, needs_position=True, may_arm=False),
 )
 _ROVER_MODES: Final = (
-    _mode(_ROVER.MANUAL, "MANUAL", Manual, _MANUAL, hand=True),
-    _mode(_ROVER.ACRO, "ACRO", Acro, _MANUAL, hand=True),
-    _mode(_ROVER.STEERING, "STEERING", AltitudeHold, _MANUAL, hand=True),
+    _mode(_ROVER.MANUAL, "MANUAL", Manual, _MANUAL, manual_control=True),
+    _mode(_ROVER.ACRO, "ACRO", Acro, _MANUAL, manual_control=True),
+    _mode(_ROVER.STEERING, "STEERING", AltitudeHold, _MANUAL, manual_control=True),
     _mode(_ROVER.HOLD, "HOLD", Stop, 0),
-    _mode(_ROVER.LOITER, "LOITER", Brake, _DRIVEN, position=True),
-    _mode(_ROVER.CIRCLE, "CIRCLE", Circle, _DRIVEN, position=True),
-    _mode(_ROVER.AUTO, "AUTO", Mission, _DRIVEN, position=True),
-    _mode(_ROVER.RTL, "RTL", ReturnToLaunch, _DRIVEN, position=True, arm=False),
-    _mode(_ROVER.SMART_RTL, "SMART_RTL", SmartReturn, _DRIVEN, position=True, arm=False),
-    _mode(_ROVER.GUIDED, "GUIDED", Guided, _DRIVEN, position=True),
+    _mode(_ROVER.LOITER, "LOITER", Brake, _AUTOMATIC_DRIVING, needs_position=True),
+    _mode(_ROVER.CIRCLE, "CIRCLE", Circle, _AUTOMATIC_DRIVING, needs_position=True),
+    _mode(_ROVER.AUTO, "AUTO", Mission, _AUTOMATIC_DRIVING, needs_position=True),
+    _mode(_ROVER.RTL, "RTL", ReturnToLaunch, _AUTOMATIC_DRIVING, needs_position=True, may_arm=False),
+    _mode(_ROVER.SMART_RTL, "SMART_RTL", SmartReturn, _AUTOMATIC_DRIVING, needs_position=True, may_arm=False),
+    _mode(_ROVER.GUIDED, "GUIDED", Guided, _AUTOMATIC_DRIVING, needs_position=True),
 )
 _SUB_MODES: Final = (
-    _mode(_SUB.STABILIZE, "STABILIZE", Stabilize, _STABILIZED, hand=True),
-    _mode(_SUB.ACRO, "ACRO", Acro, _STABILIZED, hand=True),
-    _mode(_SUB.ALT_HOLD, "ALT_HOLD", AltitudeHold, _STABILIZED, hand=True),
-    _mode(_SUB.AUTO, "AUTO", Mission, _GUIDED, position=True),
-    _mode(_SUB.GUIDED, "GUIDED", Guided, _GUIDED, position=True),
-    _mode(_SUB.CIRCLE, "CIRCLE", Circle, _GUIDED, position=True),
+    _mode(_SUB.STABILIZE, "STABILIZE", Stabilize, _STABILIZED, manual_control=True),
+    _mode(_SUB.ACRO, "ACRO", Acro, _STABILIZED, manual_control=True),
+    _mode(_SUB.ALT_HOLD, "ALT_HOLD", AltitudeHold, _STABILIZED, manual_control=True),
+    _mode(_SUB.AUTO, "AUTO", Mission, _GUIDED, needs_position=True),
+    _mode(_SUB.GUIDED, "GUIDED", Guided, _GUIDED, needs_position=True),
+    _mode(_SUB.CIRCLE, "CIRCLE", Circle, _GUIDED, needs_position=True),
     _mode(_SUB.SURFACE, "SURFACE", Land, _STABILIZED),
-    _mode(_SUB.POSHOLD, "POSHOLD", PositionHold, _GUIDED, position=True, hand=True),
-    _mode(_SUB.MANUAL, "MANUAL", Manual, _STABILIZED, hand=True),
+    _mode(_SUB.POSHOLD, "POSHOLD", PositionHold, _GUIDED, needs_position=True, manual_control=True),
+    _mode(_SUB.MANUAL, "MANUAL", Manual, _STABILIZED, manual_control=True),
 )
 
 MODES: Final[Mapping[VehicleType, tuple[Mode, ...]]] = MappingProxyType(
@@ -163,44 +173,58 @@ MODES: Final[Mapping[VehicleType, tuple[Mode, ...]]] = MappingProxyType(
 )
 
 
-def _roles(*modes: int) -> Roles:
-    return Roles(*(int(mode) for mode in modes))
-
-
-_ROVER_ROLES: Final = _roles(
-    _ROVER.MANUAL, _ROVER.HOLD, _ROVER.GUIDED, _ROVER.AUTO, _ROVER.RTL, _ROVER.HOLD, _ROVER.GUIDED
+_ROVER_ROLES: Final = ModeRoles(
+    initial=_ROVER.MANUAL,
+    hold=_ROVER.HOLD,
+    guided=_ROVER.GUIDED,
+    mission=_ROVER.AUTO,
+    return_to_launch=_ROVER.RTL,
+    land=_ROVER.HOLD,
+    take_off=_ROVER.GUIDED,
 )
-ROLES: Final[Mapping[VehicleType, Roles]] = MappingProxyType(
+MODE_ROLES: Final[Mapping[VehicleType, ModeRoles]] = MappingProxyType(
     {
-        VehicleType.COPTER: _roles(
-            _COPTER.STABILIZE,
-            _COPTER.LOITER,
-            _COPTER.GUIDED,
-            _COPTER.AUTO,
-            _COPTER.RTL,
-            _COPTER.LAND,
-            _COPTER.GUIDED,
+        VehicleType.COPTER: ModeRoles(
+            initial=_COPTER.STABILIZE,
+            hold=_COPTER.LOITER,
+            guided=_COPTER.GUIDED,
+            mission=_COPTER.AUTO,
+            return_to_launch=_COPTER.RTL,
+            land=_COPTER.LAND,
+            take_off=_COPTER.GUIDED,
         ),
-        VehicleType.PLANE: _roles(
-            _PLANE.MANUAL, _PLANE.LOITER, _PLANE.GUIDED, _PLANE.AUTO, _PLANE.RTL, _PLANE.RTL, _PLANE.TAKEOFF
+        VehicleType.PLANE: ModeRoles(
+            initial=_PLANE.MANUAL,
+            hold=_PLANE.LOITER,
+            guided=_PLANE.GUIDED,
+            mission=_PLANE.AUTO,
+            return_to_launch=_PLANE.RTL,
+            land=_PLANE.RTL,
+            take_off=_PLANE.TAKEOFF,
         ),
-        VehicleType.VTOL: _roles(
-            _PLANE.FLY_BY_WIRE_A,
-            _PLANE.LOITER,
-            _PLANE.GUIDED,
-            _PLANE.AUTO,
-            _PLANE.RTL,
-            _PLANE.QLAND,
-            _PLANE.GUIDED,
+        VehicleType.VTOL: ModeRoles(
+            initial=_PLANE.FLY_BY_WIRE_A,
+            hold=_PLANE.LOITER,
+            guided=_PLANE.GUIDED,
+            mission=_PLANE.AUTO,
+            return_to_launch=_PLANE.RTL,
+            land=_PLANE.QLAND,
+            take_off=_PLANE.GUIDED,
         ),
         VehicleType.ROVER: _ROVER_ROLES,
         VehicleType.BOAT: _ROVER_ROLES,
-        VehicleType.SUB: _roles(
-            _SUB.MANUAL, _SUB.POSHOLD, _SUB.GUIDED, _SUB.AUTO, _SUB.SURFACE, _SUB.SURFACE, _SUB.GUIDED
+        VehicleType.SUB: ModeRoles(
+            initial=_SUB.MANUAL,
+            hold=_SUB.POSHOLD,
+            guided=_SUB.GUIDED,
+            mission=_SUB.AUTO,
+            return_to_launch=_SUB.SURFACE,
+            land=_SUB.SURFACE,
+            take_off=_SUB.GUIDED,
         ),
     }
 )
-#: The bits of FLTMODE_GCSBLOCK, in order: modes that ground stations may be kept from.
+#: Modes by bit of FLTMODE_GCSBLOCK, which blocks mode changes by ground stations.
 BLOCKABLE: Final[Mapping[VehicleType, tuple[int, ...]]] = MappingProxyType(
     {
         VehicleType.COPTER: (0, 1, 2, 3, 4, 5, 7, 11, *range(13, 29)),

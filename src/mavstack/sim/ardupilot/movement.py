@@ -1,8 +1,8 @@
-"""Where ArduPilot's vehicles go when they are told to, and what each firmware refuses.
+"""ArduPilot's flight commands, and what each firmware refuses.
 
-A frame that means nothing is DENIED, and so is DO_REPOSITION outside GUIDED without its flag; as COMMAND_LONG
-it is UNSUPPORTED, since no frame can be told. Copter takes off in GUIDED, armed and landed; Plane only on its
-lifting motors; Rover has no altitude to leave.
+An unknown frame is DENIED, and so is DO_REPOSITION outside GUIDED without its flag; as COMMAND_LONG, which
+has no frame, it is UNSUPPORTED. Copter takes off in GUIDED, armed and landed; Plane only on its lifting
+motors; Rover has no altitude.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.sim.autopilot.commands import CommandRefusedError, Handlers, MovementCommands, accept, whole
-from mavstack.sim.autopilot.commands.guiding import fly_as_chosen, guide_to
+from mavstack.sim.autopilot.commands.guiding import apply_choices, guide_to
 from mavstack.sim.autopilot.commands.places import ABOVE_HOME, GLOBAL, down_of, place_of
 
 if TYPE_CHECKING:
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _VTOL = common.MavVtolState
-_HIGHEST: Final = 83_000.0
-_AHEAD: Final = 100_000.0
+_MAX_ALTITUDE: Final = 83_000.0
+_FAR_AHEAD: Final = 100_000.0
 #: HEADING_TYPE_DEFAULT.
-_AS_IT_FLIES: Final = 2
+_HEADING_DEFAULT: Final = 2
 
 
 class ArdupilotMovement(MovementCommands):
-    """What all of ArduPilot's vehicles have in common."""
+    """Flight commands of all types."""
 
     bad_frame = _RESULT.DENIED
 
@@ -41,16 +41,16 @@ class ArdupilotMovement(MovementCommands):
 
     @property
     def in_guided(self) -> bool:
-        """Whether it flies to what it is told."""
+        """True in GUIDED mode."""
         return self.autopilot.mode.number == self.autopilot.profile.guided
 
     def reposition(self, request: CommandRequest) -> common.MavResult:
-        """DO_REPOSITION, which must come as COMMAND_INT."""
+        """Answer DO_REPOSITION, which must be a COMMAND_INT."""
         return _RESULT.UNSUPPORTED if request.command.frame is None else super().reposition(request)
 
-    def wanted_place(self, command: Command) -> Point:
-        """The place in a command; an altitude must be there."""
-        if not isfinite(command.param7) or abs(command.param7) > _HIGHEST:
+    def target_place(self, command: Command) -> Point:
+        """Return the local point of a command; an altitude is required."""
+        if not isfinite(command.param7) or abs(command.param7) > _MAX_ALTITUDE:
             raise CommandRefusedError(_RESULT.DENIED)
         return place_of(self.autopilot, command, frames=GLOBAL, bad_frame=self.bad_frame)
 
@@ -70,7 +70,7 @@ class CopterMovement(ArdupilotMovement):
         }
 
     def take_off(self, request: CommandRequest) -> common.MavResult:
-        """NAV_TAKEOFF: in GUIDED, armed, on the ground, upwards; anything else FAILED."""
+        """Answer NAV_TAKEOFF: in GUIDED, armed, landed and upwards; otherwise FAILED."""
         command, autopilot = request.command, self.autopilot
         if command.frame is not None and command.frame not in ABOVE_HOME:
             return _RESULT.DENIED
@@ -82,17 +82,17 @@ class CopterMovement(ArdupilotMovement):
         return _RESULT.ACCEPTED
 
     def turn(self, request: CommandRequest) -> common.MavResult:
-        """CONDITION_YAW; what it cannot mean FAILED."""
+        """Answer CONDITION_YAW; invalid values answer FAILED."""
         result = super().turn(request)
         return _RESULT.FAILED if result == _RESULT.DENIED else result
 
     def go_to(self, point: Point, command: Command) -> None:
-        """Only the place counts."""
+        """Fly to a point; other fields are ignored."""
         guide_to(self.autopilot, point)
 
 
 class PlaneMovement(ArdupilotMovement):
-    """ArduPlane: param 3 of DO_REPOSITION is the radius, the sign of param 4 the direction."""
+    """ArduPlane: param3 of DO_REPOSITION is the radius, the sign of param4 the direction."""
 
     def handlers(self) -> Handlers:
         return {
@@ -105,18 +105,18 @@ class PlaneMovement(ArdupilotMovement):
         }
 
     def go_to(self, point: Point, command: Command) -> None:
-        """Circle it."""
+        """Circle a point."""
         radius = command.param3 if isfinite(command.param3) and command.param3 > 0 else None
         if radius is not None and isfinite(command.param4) and command.param4 != 0:
             radius = -radius
         guide_to(self.autopilot, point, radius=radius)
 
     def take_off(self, request: CommandRequest) -> common.MavResult:
-        """NAV_TAKEOFF: a plane takes off in TAKEOFF or AUTO, not by command."""
+        """Answer NAV_TAKEOFF with FAILED: a plane takes off in TAKEOFF or AUTO only."""
         return _RESULT.FAILED
 
     def change_speed(self, request: CommandRequest) -> common.MavResult:
-        """DO_CHANGE_SPEED: only while the autopilot flies; the airspeed must be one that can be flown."""
+        """Answer DO_CHANGE_SPEED: in GUIDED and AUTO, within the airspeed limits."""
         profile, number = self.autopilot.profile, self.autopilot.mode.number
         if number not in (profile.guided, profile.mission):
             return _RESULT.FAILED
@@ -128,18 +128,18 @@ class PlaneMovement(ArdupilotMovement):
         return accept(result == _RESULT.ACCEPTED)
 
     def change_guided_speed(self, request: CommandRequest) -> common.MavResult:
-        """GUIDED_CHANGE_SPEED: airspeed only."""
+        """Answer GUIDED_CHANGE_SPEED: airspeed only."""
         command = self._guided(request)
         if whole(command.param1) != common.SpeedType.AIRSPEED:
             return _RESULT.DENIED
         if not self._can_fly(command.param2):
             return _RESULT.FAILED
         self.autopilot.maneuvers.speed = command.param2
-        fly_as_chosen(self.autopilot)
+        apply_choices(self.autopilot)
         return _RESULT.ACCEPTED
 
     def change_guided_altitude(self, request: CommandRequest) -> common.MavResult:
-        """GUIDED_CHANGE_ALTITUDE: param 7 in its frame, at a rate of param 3 metres a second."""
+        """Answer GUIDED_CHANGE_ALTITUDE: param7 in its frame, at param3 m/s."""
         command = self._guided(request)
         if command.param7 in (-1.0, 0.0) or not isfinite(command.param7):
             return _RESULT.DENIED
@@ -152,28 +152,28 @@ class PlaneMovement(ArdupilotMovement):
         return _RESULT.ACCEPTED
 
     def change_guided_heading(self, request: CommandRequest) -> common.MavResult:
-        """GUIDED_CHANGE_HEADING: fly on at param 2 degrees."""
+        """Answer GUIDED_CHANGE_HEADING: fly on at param2 degrees."""
         command = self._guided(request)
         if not 0.0 <= command.param2 < 360.0:
             return _RESULT.DENIED
-        kind = whole(command.param1)
-        if kind not in (0, 1, _AS_IT_FLIES):
+        heading_type = whole(command.param1)
+        if heading_type not in (0, 1, _HEADING_DEFAULT):
             return _RESULT.DENIED
-        if kind != _AS_IT_FLIES:
+        if heading_type != _HEADING_DEFAULT:
             course = radians(command.param2)
-            guide_to(self.autopilot, self.autopilot.maneuvers.ahead(_AHEAD, course))
+            guide_to(self.autopilot, self.autopilot.maneuvers.ahead(_FAR_AHEAD, course))
         return _RESULT.ACCEPTED
 
     def _guided(self, request: CommandRequest) -> Command:
+        """Return the command; refuse it outside GUIDED."""
         if not self.in_guided:
             raise CommandRefusedError(_RESULT.FAILED)
         return request.command
 
     def _can_fly(self, airspeed: float) -> bool:
-        flight_parameters = self.vehicle.parameters
-        return (
-            float(flight_parameters["AIRSPEED_MIN"]) <= airspeed <= float(flight_parameters["AIRSPEED_MAX"])
-        )
+        """Return whether an airspeed is within the limits."""
+        parameters = self.vehicle.parameters
+        return float(parameters["AIRSPEED_MIN"]) <= airspeed <= float(parameters["AIRSPEED_MAX"])
 
 
 class QuadplaneMovement(PlaneMovement):
@@ -183,7 +183,7 @@ class QuadplaneMovement(PlaneMovement):
         return {**super().handlers(), _CMD.DO_VTOL_TRANSITION: self.transition}
 
     def take_off(self, request: CommandRequest) -> common.MavResult:
-        """NAV_TAKEOFF: straight up in GUIDED; as COMMAND_INT only in the frame LOCAL_OFFSET_NED."""
+        """Answer NAV_TAKEOFF: straight up in GUIDED; a COMMAND_INT must be LOCAL_OFFSET_NED."""
         command, autopilot = request.command, self.autopilot
         climb = command.param7
         if command.frame is not None:
@@ -202,22 +202,23 @@ class QuadplaneMovement(PlaneMovement):
         return _RESULT.ACCEPTED
 
     def transition(self, request: CommandRequest) -> common.MavResult:
-        """DO_VTOL_TRANSITION: to hover, or to forward flight, while it is in the air."""
+        """Answer DO_VTOL_TRANSITION: to hover or forward flight, in the air."""
         wanted = whole(request.command.param1)
         profile = self.autopilot.profile
-        automatic = self.autopilot.mode.number in (profile.guided, profile.mission)
-        if wanted not in (_VTOL.MC, _VTOL.FW) or not automatic or self.autopilot.landed:
+        controlled = self.autopilot.mode.number in (profile.guided, profile.mission)
+        if wanted not in (_VTOL.MC, _VTOL.FW) or not controlled or self.autopilot.landed:
             return _RESULT.FAILED
-        self._become(forward=wanted == _VTOL.FW)
+        self._start_transition(forward=wanted == _VTOL.FW)
         return _RESULT.ACCEPTED
 
     def go_to(self, point: Point, command: Command) -> None:
-        """On the wing, unless Q_GUIDED_MODE says to hover there."""
+        """Fly to a point on the wing, unless Q_GUIDED_MODE selects hover."""
         if not int(self.vehicle.parameters["Q_GUIDED_MODE"]) and not self.autopilot.landed:
             self.autopilot.body.transition_to(True)
         super().go_to(point, command)
 
-    def _become(self, *, forward: bool) -> None:
+    def _start_transition(self, *, forward: bool) -> None:
+        """Start a transition and continue the flight."""
         autopilot = self.autopilot
         autopilot.body.transition_to(forward)
         if autopilot.mission.flying:
@@ -229,13 +230,13 @@ class QuadplaneMovement(PlaneMovement):
 
 
 class RoverMovement(ArdupilotMovement):
-    """Rover on wheels and afloat."""
+    """Rovers and boats."""
 
     def handlers(self) -> Handlers:
         return {**super().handlers(), _CMD.NAV_SET_YAW_SPEED: self.steer}
 
     def change_speed(self, request: CommandRequest) -> common.MavResult:
-        """DO_CHANGE_SPEED: over ground, while the autopilot drives."""
+        """Answer DO_CHANGE_SPEED: ground speed, in automatic modes."""
         if whole(request.command.param1) not in (common.SpeedType.AIRSPEED, common.SpeedType.GROUNDSPEED):
             return _RESULT.DENIED
         if self.autopilot.mode.manual_control or not request.command.param2 > 0:
@@ -243,12 +244,12 @@ class RoverMovement(ArdupilotMovement):
         return super().change_speed(request)
 
     def go_to(self, point: Point, command: Command) -> None:
-        """There, on the ground, at the speed of param 1."""
+        """Drive to a point at the speed of param1."""
         speed = command.param1 if isfinite(command.param1) and command.param1 > 0 else None
         guide_to(self.autopilot, (point[0], point[1], 0.0), speed=speed)
 
     def steer(self, request: CommandRequest) -> common.MavResult:
-        """NAV_SET_YAW_SPEED: a heading in degrees, absolute or relative, and a speed."""
+        """Answer NAV_SET_YAW_SPEED: a heading in degrees, absolute or relative, and a speed."""
         command = request.command
         if not self.in_guided:
             return _RESULT.FAILED
@@ -263,7 +264,7 @@ class RoverMovement(ArdupilotMovement):
 
 
 class SubMovement(ArdupilotMovement):
-    """ArduSub: landing is surfacing, and there is no way home."""
+    """ArduSub: landing is surfacing, and there is no return."""
 
     def handlers(self) -> Handlers:
         return {
@@ -275,11 +276,11 @@ class SubMovement(ArdupilotMovement):
         }
 
     def change_speed(self, request: CommandRequest) -> common.MavResult:
-        """DO_CHANGE_SPEED: through the water."""
+        """Answer DO_CHANGE_SPEED: speed through the water."""
         if whole(request.command.param1) not in (common.SpeedType.AIRSPEED, common.SpeedType.GROUNDSPEED):
             return _RESULT.DENIED
         return super().change_speed(request)
 
     def go_to(self, point: Point, command: Command) -> None:
-        """There, and not above the water."""
+        """Go to a point below the surface."""
         guide_to(self.autopilot, (point[0], point[1], max(point[2], 0.0)))

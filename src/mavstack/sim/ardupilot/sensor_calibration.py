@@ -1,9 +1,9 @@
-"""The calibrations that need the pilot's hands: accelerometers in six positions, compasses by turning.
+"""Calibrations that need the pilot's hands: accelerometers in six positions, compasses by rotation.
 
-The accelerometers want the vehicle laid down in six ways; which comes next is said as a text and, once a
-second, as COMMAND_LONG with MAV_CMD_ACCELCAL_VEHICLE_POS, and the ground station answers with the same
-command, or with any COMMAND_ACK, when it lies so. A compass is turned until enough was seen: that takes a
-while, told by MAG_CAL_PROGRESS and at the end by MAG_CAL_REPORT; then it is accepted, or was at once.
+The accelerometer calibration requests six positions, as a status text and every second as COMMAND_LONG with
+MAV_CMD_ACCELCAL_VEHICLE_POS; the ground station answers with the same command, or any COMMAND_ACK, when the
+vehicle is in position. A compass is rotated for some time, reported by MAG_CAL_PROGRESS and finally
+MAG_CAL_REPORT; then the result is accepted, or was accepted automatically.
 """
 
 from __future__ import annotations
@@ -25,88 +25,91 @@ _POSITIONS: Final = (
 )
 _SUCCESS: Final = int(ardupilotmega.AccelcalVehiclePos.SUCCESS)
 _STATUS = ardupilotmega.MagCalStatus
-_SAID_AGAIN = 1.0
-_TURNING_TIME = 10.0
+_REQUEST_INTERVAL = 1.0
+_COMPASS_TIME = 10.0
 _PROGRESS_INTERVAL = 0.5
 _FITNESS, _SCALE = 5.0, 1.0
 _COMPASSES = 0b1
 
 
 class Calibrations:
-    """What is calibrated now; one of the autopilot's watches."""
+    """Running calibrations; one of the autopilot's periodic checks."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
-        #: Position of the accelerometers that is waited for, 1 to 6; 0: none.
+        #: Requested accelerometer position, 1 to 6; 0 for none.
         self.position = 0
-        #: When the compass began to be turned; None: it is not.
-        self.turned_since: float | None = None
-        #: Whether a compass calibration waits to be accepted.
-        self.compass_done = False
-        self._accepts_by_itself = False
+        #: Start of the compass calibration; None if not running.
+        self.compass_started: float | None = None
+        #: True if a compass calibration waits for acceptance.
+        self.compass_ready = False
+        self._auto_accept = False
         self._due = 0.0
 
     # Accelerometers
 
     def begin_accelerometers(self) -> None:
-        """Ask for the first position."""
+        """Request the first position."""
         self.position = 1
-        self._ask()
+        self._request_position()
 
-    def placed(self, position: int | None = None) -> bool:
-        """The vehicle lies as it was asked; False if nothing was, or something else."""
+    def confirm_position(self, position: int | None = None) -> bool:
+        """Continue with the next position; return False if this one was not requested."""
         if not self.position or position not in (None, self.position):
             return False
         if self.position < len(_POSITIONS):
             self.position += 1
-            self._ask()
+            self._request_position()
         else:
             self.position = 0
             self._send_position(_SUCCESS)
             self._autopilot.vehicle.send_statustext("Calibration successful", common.MavSeverity.CRITICAL)
         return True
 
-    def _ask(self) -> None:
+    def _request_position(self) -> None:
+        """Send the request for a position."""
         text = f"Place vehicle {_POSITIONS[self.position - 1]} and press any key."
         self._autopilot.vehicle.send_statustext(text, common.MavSeverity.CRITICAL)
         self._due = self._autopilot.now
 
     def _send_position(self, position: int) -> None:
+        """Send ACCELCAL_VEHICLE_POS."""
         command = ardupilotmega.MavCmd.ACCELCAL_VEHICLE_POS
         self._autopilot.vehicle.services.send(common.CommandLong(command=command, param1=float(position)))
 
     # Compasses
 
     def begin_compass(self, *, accept: bool) -> None:
-        """Turn it."""
-        self.turned_since, self.compass_done, self._accepts_by_itself = self._autopilot.now, False, accept
+        """Start the compass calibration."""
+        self.compass_started, self.compass_ready, self._auto_accept = self._autopilot.now, False, accept
         self._due = self._autopilot.now
 
     def accept_compass(self) -> bool:
-        """Take what was found; False if nothing was."""
-        done, self.compass_done = self.compass_done, False
+        """Apply the result; return False if there is none."""
+        done, self.compass_ready = self.compass_ready, False
         if done:
             self._autopilot.body.offset_compass(0.0)
         return done
 
     def cancel_compass(self) -> None:
-        """Leave everything as it was."""
-        self.turned_since, self.compass_done = None, False
+        """Discard the calibration."""
+        self.compass_started, self.compass_ready = None, False
 
     # Time
 
     def tick(self, now: float) -> None:
-        """Say again what is waited for, and how far it is."""
+        """Repeat the request, and report progress."""
         if self._autopilot.armed or now < self._due:
             return
         if self.position:
-            self._due = now + _SAID_AGAIN
+            self._due = now + _REQUEST_INTERVAL
             self._send_position(self.position)
-        elif self.turned_since is not None:
+        elif self.compass_started is not None:
             self._due = now + _PROGRESS_INTERVAL
-            self._turn(min((now - self.turned_since) / _TURNING_TIME, 1.0))
+            self._update_compass(min((now - self.compass_started) / _COMPASS_TIME, 1.0))
 
-    def _turn(self, share: float) -> None:
+    def _update_compass(self, share: float) -> None:
+        """Report the progress (0 to 1), and finish at 1."""
         services = self._autopilot.vehicle.services
         services.send(
             ardupilotmega.MagCalProgress(
@@ -118,18 +121,19 @@ class Calibrations:
         )
         if share < 1.0:
             return
-        self.turned_since, self.compass_done = None, True
-        if self._accepts_by_itself:
+        self.compass_started, self.compass_ready = None, True
+        if self._auto_accept:
             self.accept_compass()
         services.send(self._report())
 
     def _report(self) -> common.MagCalReport:
+        """Return MAG_CAL_REPORT."""
         parameters = self._autopilot.vehicle.parameters
         offsets = [float(parameters.get(f"COMPASS_OFS_{axis}", 0.0)) for axis in "XYZ"]
         return common.MagCalReport(
             cal_mask=_COMPASSES,
             cal_status=_STATUS.SUCCESS,
-            autosaved=int(self._accepts_by_itself),
+            autosaved=int(self._auto_accept),
             fitness=_FITNESS,
             ofs_x=offsets[0],
             ofs_y=offsets[1],
@@ -141,7 +145,7 @@ class Calibrations:
 
 
 def calibrations_of(autopilot: Autopilot) -> Calibrations:
-    """The calibrations of a vehicle, begun with the first one."""
+    """Return the calibrations of a vehicle, created on first use."""
     found = next((watch for watch in autopilot.watches if isinstance(watch, Calibrations)), None)
     if found is None:
         found = Calibrations(autopilot)

@@ -1,4 +1,4 @@
-"""Auxiliary functions: what switches of the pilot's transmitter do, and DO_AUX_FUNCTION in their place."""
+"""Auxiliary functions of transmitter switches and DO_AUX_FUNCTION."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot
 
 LOW, MIDDLE, HIGH = range(3)
-#: Functions that are modes: switched high they are entered.
+#: Functions that enter a mode at the high position.
 _MODES: Final[Mapping[int, tuple[str, ...]]] = MappingProxyType(
     {
         4: ("RTL",),
@@ -38,7 +38,7 @@ _RELAYS: Final[Mapping[int, int]] = MappingProxyType({28: 0, 34: 1, 35: 2, 36: 3
 
 
 def use_auxiliary_function(autopilot: Autopilot, function: int, position: int) -> bool:
-    """Turn a switch with a function to a position; False if there is no such function."""
+    """Set the switch of a function to a position; return False if the function is unknown."""
     if function in _MODES:
         return position != HIGH or _enter(autopilot, _MODES[function])
     if function in _RELAYS:
@@ -47,6 +47,7 @@ def use_auxiliary_function(autopilot: Autopilot, function: int, position: int) -
 
 
 def _use(autopilot: Autopilot, function: int, position: int) -> bool:
+    """Execute a function that is no mode and no relay."""
     payload, on = autopilot.payload, position == HIGH
     match function:
         case 9:
@@ -69,6 +70,7 @@ def _use(autopilot: Autopilot, function: int, position: int) -> bool:
 
 
 def _arm(autopilot: Autopilot, *, on: bool) -> bool:
+    """Arm or disarm."""
     if not on:
         autopilot.disarm("switch")
         return True
@@ -79,6 +81,7 @@ def _arm(autopilot: Autopilot, *, on: bool) -> bool:
 
 
 def _enter(autopilot: Autopilot, names: tuple[str, ...]) -> bool:
+    """Enter the first mode with one of the names."""
     for mode in autopilot.profile.modes:
         if mode.name in names:
             return autopilot.profile.mode_refusal(autopilot, mode) is None and autopilot.enter(

@@ -1,4 +1,4 @@
-"""What ArduPilot says by itself: while it starts, as its filter settles, and when the motors are armed."""
+"""Status texts of ArduPilot: during boot, as the filter converges, and on arming."""
 
 from __future__ import annotations
 
@@ -14,46 +14,47 @@ if TYPE_CHECKING:
 
 _INFO = common.MavSeverity.INFO
 _IMUS = 2
-_MOTORS: Final = frozenset({VehicleType.COPTER, VehicleType.SUB})
+_MOTOR_TYPES: Final = frozenset({VehicleType.COPTER, VehicleType.SUB})
 
 
 def armed_text(type: VehicleType) -> str:  # noqa: A002 (HEARTBEAT's name for it)
-    """When the motors were armed."""
-    return "Arming motors" if type in _MOTORS else "Throttle armed"
+    """Return the text of arming."""
+    return "Arming motors" if type in _MOTOR_TYPES else "Throttle armed"
 
 
 def disarmed_text(type: VehicleType) -> str:  # noqa: A002 (as above)
-    """When the motors were disarmed."""
-    return "Disarming motors" if type in _MOTORS else "Throttle disarmed"
+    """Return the text of disarming."""
+    return "Disarming motors" if type in _MOTOR_TYPES else "Throttle disarmed"
 
 
 class BootTexts:
-    """Says what becomes of the sensors after the start; one of the autopilot's watches."""
+    """Reports the sensors after boot; one of the autopilot's periodic checks."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
-        self._script = self._settle()
+        self._script = self._boot_script()
 
     def tick(self, now: float) -> None:
-        """A step further."""
+        """Run the next step of the script."""
         next(self._script, None)
 
-    def _settle(self) -> Iterator[None]:
+    def _boot_script(self) -> Iterator[None]:
+        """Send the texts of the boot sequence."""
         autopilot = self._autopilot
         self._send_statustext("Calibrating barometer")
         self._send_statustext("Barometer 1 calibration complete")
-        if autopilot.vehicle.type in (VehicleType.PLANE, VehicleType.VTOL):
+        if autopilot.vehicle.vehicle_type in (VehicleType.PLANE, VehicleType.VTOL):
             self._send_statustext("Airspeed 1 calibrated")
         self._send_statustext("ArduPilot Ready")
         while not autopilot.booted:
             yield
-        for words in ("initialised", "tilt alignment complete", "MAG0 initial yaw alignment complete"):
-            self._of_each(words)
+        for text in ("initialised", "tilt alignment complete", "MAG0 initial yaw alignment complete"):
+            self._send_for_each_imu(text)
         yield
         while not autopilot.has_position:
             yield
         self._send_statustext("GPS 1: detected u-blox")
-        self._of_each("origin set")
+        self._send_for_each_imu("origin set")
         while autopilot.home is None:
             yield
         self._send_statustext(f"Field Elevation Set: {autopilot.home.altitude:.0f}m")
@@ -61,15 +62,17 @@ class BootTexts:
         while True:
             if autopilot.has_position and not uses_gps:
                 uses_gps = True
-                self._of_each("is using GPS")
+                self._send_for_each_imu("is using GPS")
             elif uses_gps and not autopilot.has_position:
                 uses_gps = False
-                self._of_each("stopped aiding")
+                self._send_for_each_imu("stopped aiding")
             yield
 
-    def _of_each(self, words: str) -> None:
+    def _send_for_each_imu(self, text: str) -> None:
+        """Send a text for each IMU."""
         for number in range(_IMUS):
-            self._send_statustext(f"EKF3 IMU{number} {words}")
+            self._send_statustext(f"EKF3 IMU{number} {text}")
 
     def _send_statustext(self, text: str) -> None:
+        """Send a status text."""
         self._autopilot.vehicle.send_statustext(text, _INFO)

@@ -1,4 +1,4 @@
-"""PX4's profile: multicopter, fixed wing, standard VTOL, rover, boat, submarine."""
+"""PX4's firmware profile: multicopter, fixed wing, standard VTOL, rover, boat, submarine."""
 
 from mavstack.sim.px4.profile import Px4Profile
 

@@ -1,11 +1,12 @@
 """Arming of PX4: preflight checks and their texts, arming and disarming, and the land detector.
 
-PX4 reports most problems twice: as events, and as STATUSTEXT that starts with "Preflight Fail:". Here all are
-status texts. They are sent when they arise while the vehicle is disarmed, on RUN_PREARM_CHECKS, and when arming
-is refused.
+PX4 reports most problems twice: as events, and as STATUSTEXT that starts with "Preflight Fail:". Here all of
+them are status texts. They are sent when they arise while the vehicle is disarmed, on RUN_PREARM_CHECKS, and
+when arming is denied.
 
-After a flight the motors stop COM_DISARM_LAND seconds after landing, in any mode; a vehicle that was armed and
-does not take off is disarmed after COM_DISARM_PRFLT seconds, plus the time that its motors take to spin up.
+After a flight the motors stop COM_DISARM_LAND seconds after landing, in any mode; a vehicle that was armed
+and does not take off is disarmed after COM_DISARM_PRFLT seconds, plus the time that its motors take to spin
+up.
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ if TYPE_CHECKING:
 
 Check: TypeAlias = "Callable[[Autopilot], Iterator[str]]"
 
-NOT_LANDED: Final = "Disarming denied: not landed"
+DISARMING_DENIED: Final = "Disarming denied: not landed"
 _CRITICAL = common.MavSeverity.CRITICAL
-REFUSED: Final = "Arming denied: Resolve system health failures first"
+ARMING_DENIED: Final = "Arming denied: Resolve system health failures first"
 _FIX_3D: Final = 3  # GPS_FIX_TYPE_3D_FIX
 _GATE: Final = 1.0
 _IN_AIRPLANE_MODE: Final = 0.5
@@ -35,8 +36,8 @@ _IN_AIRPLANE_MODE: Final = 0.5
 _DENY = 0
 
 
-def problems_of(autopilot: Autopilot) -> Iterator[str]:
-    """Everything that keeps a vehicle from being armed in the mode that it is in."""
+def preflight_problems(autopilot: Autopilot) -> Iterator[str]:
+    """Yield all problems that prevent arming in the present mode."""
     if not autopilot.booted:
         yield "Preflight Fail: ekf2 missing data"
         return
@@ -45,10 +46,13 @@ def problems_of(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _system(autopilot: Autopilot) -> Iterator[str]:
+    """Check termination, VTOL state and configuration."""
     if autopilot.terminated:
         yield "Preflight Fail: Flight termination active"
     parameters = autopilot.vehicle.parameters
-    on_wing = autopilot.vehicle.type is VehicleType.VTOL and autopilot.body.transition > _IN_AIRPLANE_MODE
+    on_wing = (
+        autopilot.vehicle.vehicle_type is VehicleType.VTOL and autopilot.body.transition > _IN_AIRPLANE_MODE
+    )
     if on_wing and not int(parameters["CBRK_VTOLARMING"]):
         yield "Preflight Fail: Vehicle is not in multicopter mode"
     if not int(parameters["COM_ARMABLE"]):
@@ -56,6 +60,7 @@ def _system(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _estimate(autopilot: Autopilot) -> Iterator[str]:
+    """Check the health of the estimate."""
     health = autopilot.body.health
     if not health.attitude:
         yield "Preflight Fail: ekf2 missing data"
@@ -70,12 +75,13 @@ def _estimate(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _compass(autopilot: Autopilot) -> Iterator[str]:
+    """Check the compass."""
     if int(autopilot.vehicle.parameters["SYS_HAS_MAG"]) and autopilot.body.health.compass_variance > _GATE:
         yield "Preflight Fail: Compass 0 fault"
 
 
 def _gps(autopilot: Autopilot) -> Iterator[str]:
-    """Satellites, if COM_ARM_WO_GPS says that it does not go without them."""
+    """Check GPS and home, if COM_ARM_WO_GPS requires them."""
     parameters = autopilot.vehicle.parameters
     if int(parameters["SYS_HAS_GPS"]) and int(parameters["COM_ARM_WO_GPS"]) == _DENY:
         if autopilot.body.sensors.gps_fix < _FIX_3D:
@@ -87,6 +93,7 @@ def _gps(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _battery(autopilot: Autopilot) -> Iterator[str]:
+    """Check the remaining charge."""
     left, parameters = autopilot.body.battery.remaining, autopilot.vehicle.parameters
     if left <= float(parameters["BAT_EMERGEN_THR"]):
         yield "Emergency battery level"
@@ -97,7 +104,7 @@ def _battery(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _mode(autopilot: Autopilot) -> Iterator[str]:
-    """What the mode needs."""
+    """Check the requirements of the mode."""
     mode = autopilot.mode
     if not mode.may_arm:
         yield "Preflight Fail: Mode not suitable for arming"
@@ -114,20 +121,23 @@ def _mode(autopilot: Autopilot) -> Iterator[str]:
 
 
 def _has_mission(autopilot: Autopilot) -> bool:
+    """Return whether there is a valid mission."""
     return autopilot.mission.valid()
 
 
 def _mission(autopilot: Autopilot) -> Iterator[str]:
+    """Check the mission, if COM_ARM_MIS_REQ requires one."""
     if int(autopilot.vehicle.parameters["COM_ARM_MIS_REQ"]) and not _has_mission(autopilot):
         yield "Preflight Fail: No valid mission available"
 
 
 def _fence(autopilot: Autopilot) -> Iterator[str]:
+    """Check the geofence."""
     yield from autopilot.fence.problems()
 
 
-def _ground(autopilot: Autopilot) -> Iterator[str]:
-    """NAV_DLL_ACT needs somebody whose silence would count."""
+def _ground_station(autopilot: Autopilot) -> Iterator[str]:
+    """Check the ground station link, if NAV_DLL_ACT is set."""
     if int(autopilot.vehicle.parameters["NAV_DLL_ACT"]) > 0:
         stations = autopilot.vehicle.services.discovery.components.values()
         if not any(station.type == common.MavType.GCS for station in stations):
@@ -143,32 +153,34 @@ _CHECKS: Final[tuple[Check, ...]] = (
     _mode,
     _mission,
     _fence,
-    _ground,
+    _ground_station,
 )
 
 
-class PreflightWatch:
-    """Says what keeps a disarmed vehicle from being armed, when it arises."""
+class PreflightReporter:
+    """Reports problems that prevent arming, when they arise while disarmed."""
 
     def __init__(self, autopilot: Autopilot, state: Px4State) -> None:
         self._autopilot, self._state = autopilot, state
-        self._said: frozenset[str] = frozenset()
+        self._reported: frozenset[str] = frozenset()
         self._due = autopilot.booted_at
 
     def tick(self, now: float) -> None:
-        """Look once a second, and say."""
+        """Check once per second, and report new problems."""
         if now < self._due or self._autopilot.armed or not self._autopilot.booted:
             return
         self._due = now + 1.0
-        found = frozenset(problem for problem in problems_of(self._autopilot) if problem not in _OF_MODES)
-        for problem in sorted(found - self._said):
+        found = frozenset(
+            problem for problem in preflight_problems(self._autopilot) if problem not in _MODE_PROBLEMS
+        )
+        for problem in sorted(found - self._reported):
             self._autopilot.vehicle.send_statustext(problem, common.MavSeverity.CRITICAL)
-        self._said = found
+        self._reported = found
         self._state.healthy = not found
 
 
-#: What is only said to somebody who tries.
-_OF_MODES: Final = frozenset(
+#: Problems of the mode, reported only when arming is denied.
+_MODE_PROBLEMS: Final = frozenset(
     {
         "Preflight Fail: Mode not suitable for arming",
         "Preflight Fail: No manual control input",
@@ -181,7 +193,7 @@ _OF_MODES: Final = frozenset(
 
 
 def arm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
-    """Arm, or say why not; whether it is armed."""
+    """Arm, or report why not; return whether the vehicle is armed."""
     if state.calibrating:
         vehicle.send_statustext("Arming denied: calibrating", _CRITICAL)
         return False
@@ -190,15 +202,15 @@ def arm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) 
     for problem in problems:
         vehicle.send_statustext(problem, _CRITICAL)
     if problems:
-        vehicle.send_statustext(REFUSED, _CRITICAL)
+        vehicle.send_statustext(ARMING_DENIED, _CRITICAL)
     return not problems
 
 
 def disarm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = False) -> bool:
-    """Disarm, in the air only if it is forced, or say why not; whether it is disarmed."""
+    """Disarm, in the air only if forced, or report why not; return whether the vehicle is disarmed."""
     autopilot = vehicle.autopilot
-    if autopilot.armed and not force and vehicle.type.flies and not autopilot.landed:
-        vehicle.send_statustext(NOT_LANDED, _CRITICAL)
+    if autopilot.armed and not force and vehicle.vehicle_type.flies and not autopilot.landed:
+        vehicle.send_statustext(DISARMING_DENIED, _CRITICAL)
         return False
     state.disarming_reason = reason
     autopilot.disarm("commanded")
@@ -206,8 +218,8 @@ def disarm(vehicle: Vehicle, state: Px4State, reason: str, *, force: bool = Fals
     return True
 
 
-class LandingWatch:
-    """The land detector's news of a vehicle that flies."""
+class LandDetector:
+    """Detects take-off and landing of an aircraft, reports them, and disarms after landing."""
 
     def __init__(self, autopilot: Autopilot, state: Px4State) -> None:
         self._autopilot, self._state = autopilot, state
@@ -216,7 +228,7 @@ class LandingWatch:
         self._landed_at = autopilot.now
 
     def tick(self, now: float) -> None:
-        """Look, say, and disarm."""
+        """Detect a change, and disarm when the delay has passed."""
         autopilot = self._autopilot
         if not autopilot.armed:
             self._was_landed, self._state.has_flown = autopilot.landed, False
@@ -229,6 +241,7 @@ class LandingWatch:
             self._disarm_if_due(now)
 
     def _changed(self) -> None:
+        """Report a take-off or landing."""
         autopilot = self._autopilot
         if autopilot.landed:
             autopilot.vehicle.send_statustext("Landing detected")
@@ -239,6 +252,7 @@ class LandingWatch:
             autopilot.set_home_here()
 
     def _disarm_if_due(self, now: float) -> None:
+        """Disarm after the delay of landing or inactivity."""
         delay = self._number("COM_DISARM_LAND")
         if self._state.has_flown:
             if 0 < delay <= now - self._landed_at:
@@ -249,8 +263,10 @@ class LandingWatch:
             self._disarm(BY_INACTION)
 
     def _disarm(self, reason: str) -> None:
+        """Disarm for a reason."""
         self._state.disarming_reason = reason
         self._autopilot.disarm(reason)
 
     def _number(self, name: str) -> float:
+        """Return a parameter as a number."""
         return float(self._parameters[name])

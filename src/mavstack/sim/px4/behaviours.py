@@ -20,21 +20,21 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.px4.state import OrbitRequest, Px4State
 
-#: A wing glides in a gentle bank, so that it stays in the neighbourhood.
+#: Attitude of a gliding wing in radians: a gentle bank keeps it in place.
 _BANK, _NOSE_DOWN = 0.26, -0.05
 
 
 class Descend(Behaviour):
-    """Level, down at landing speed, until it is on the ground."""
+    """Descend level at landing speed, without a position."""
 
     landing = True
 
     def fly(self) -> Iterator[None]:
-        """Until it is down."""
+        """Descend until the vehicle is on the ground."""
         autopilot = self.autopilot
-        if not autopilot.vehicle.type.flies:
+        if not autopilot.vehicle.vehicle_type.flies:
             yield from self._drift()
-        if autopilot.maneuvers.circles and autopilot.vehicle.type.flies:
+        if autopilot.maneuvers.circles and autopilot.vehicle.vehicle_type.flies:
             yield from self._glide()
         climb = ClimbControl(autopilot)
         while not autopilot.landed:
@@ -46,13 +46,13 @@ class Descend(Behaviour):
             yield
 
     def _drift(self) -> Iterator[None]:
-        """What need not come down only stops its motors."""
+        """Stop the motors of a vehicle that does not fly."""
         self.autopilot.body.idle()
         while True:
             yield
 
     def _glide(self) -> Iterator[None]:
-        """What has no motors to hover on comes down gliding; a VTOL hovers first."""
+        """Glide down on the wing; a VTOL changes to hover first."""
         yield from transition(self.autopilot, forward=False)
         while self.autopilot.maneuvers.circles and not self.autopilot.landed:
             self.autopilot.body.hold_attitude(_BANK, _NOSE_DOWN, None, 0.0, yaw_rate=0.0)
@@ -60,32 +60,32 @@ class Descend(Behaviour):
 
 
 class Terminated(Behaviour):
-    """Motors off: the flight was terminated."""
+    """Motors off after flight termination."""
 
     def fly(self) -> Iterator[None]:
-        """For ever."""
+        """Keep the motors stopped."""
         self.autopilot.body.stop()
         while True:
             yield
 
 
 class Px4Takeoff(Takeoff):
-    """Straight up, or as a wing does; never down. `forward`: a VTOL flies on with its wing."""
+    """Climb straight up, or like a wing; `forward` continues a VTOL's flight on its wing."""
 
     def __init__(self, autopilot: Autopilot, state: Px4State, *, forward: bool = False) -> None:
         super().__init__(autopilot, forward=forward)
         self._state = state
 
     def fly(self) -> Iterator[None]:
-        """Until it is up; first the motors spin up."""
-        self._down = self._chosen()
+        """Wait for the motors to spin up, then climb."""
+        self._down = self._target_down()
         if self.autopilot.landed:
             self.autopilot.body.idle()
             yield from wait(self.autopilot, float(self.autopilot.vehicle.parameters["COM_SPOOLUP_TIME"]))
         yield from super().fly()
 
-    def _chosen(self) -> float:
-        """As high as it was told, in local metres."""
+    def _target_down(self) -> float:
+        """Return the target in local metres: the command's altitude or MIS_TAKEOFF_ALT; never below here."""
         autopilot, send_statustext = self.autopilot, self.autopilot.vehicle.send_statustext
         here = autopilot.maneuvers.place[2]
         altitude, self._state.takeoff_altitude = self._state.takeoff_altitude, None
@@ -100,7 +100,7 @@ class Px4Takeoff(Takeoff):
 
 
 class Px4Return(ReturnToLaunch):
-    """Says how high it comes back, and when it lands."""
+    """Return with PX4's status texts."""
 
     def _fly_back(self, home: Point) -> Iterator[None]:
         altitude = self.autopilot.body.frame.altitude
@@ -120,10 +120,10 @@ class Px4Return(ReturnToLaunch):
         self.autopilot.vehicle.send_statustext(text)
 
 
-def orbit_behaviour(autopilot: Autopilot, wanted: OrbitRequest | None) -> Behaviour:
-    """The mode's behaviour; without a command it circles a point ahead."""
-    if wanted is None:
+def orbit_behaviour(autopilot: Autopilot, request: OrbitRequest | None) -> Behaviour:
+    """Return the behaviour of Orbit; without a request, a circle around a point ahead."""
+    if request is None:
         return Circle(autopilot)
     return Orbit(
-        autopilot, wanted.centre, wanted.radius, speed=wanted.speed, yaw_behaviour=wanted.yaw_behaviour
+        autopilot, request.centre, request.radius, speed=request.speed, yaw_behaviour=request.yaw_behaviour
     )

@@ -1,8 +1,8 @@
-"""The commands that PX4 takes, as it answers them: arming, modes, home, missions.
+"""PX4's commands and their answers: arming, modes, home, missions.
 
-Flying is in `movement.py`, what is done on the ground in `maintenance.py`, failures in `failures.py`. Everything
-that is not registered is answered UNSUPPORTED by the server. PX4 refuses most of what it cannot do now with
-TEMPORARILY_REJECTED, and tells why to ground stations that have the component id of mission planners.
+Flight commands are in `movement.py`, ground commands in `maintenance.py`, failures in `failures.py`. The
+server answers unregistered commands with UNSUPPORTED. PX4 refuses most commands that are impossible now with
+TEMPORARILY_REJECTED, and explains it to ground stations with the component id of mission planners.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from mavstack.sim.autopilot.commands import (
     register_handlers,
     whole,
 )
-from mavstack.sim.px4.arming import arm, disarm, problems_of
+from mavstack.sim.px4.arming import arm, disarm, preflight_problems
 from mavstack.sim.px4.failures import FailureCommands
 from mavstack.sim.px4.maintenance import Px4MaintenanceCommands
-from mavstack.sim.px4.mode_selection import AUTO, choose_mode, custom_mode_of, mode_of_flags, unavailable
-from mavstack.sim.px4.modes import BY_THEMSELVES, MISSION, STANDARD_MODES, STANDARD_MODES_OF_WINGS
+from mavstack.sim.px4.mode_selection import AUTO, choose_mode, custom_mode_of, mode_of_flags, unavailable_text
+from mavstack.sim.px4.modes import MISSION, NOT_SELECTABLE, STANDARD_MODES, STANDARD_MODES_OF_WINGS
 from mavstack.sim.px4.movement import Px4Movement
 from mavstack.sim.px4.state import BY_COMMAND, BY_MISSION
 
@@ -40,12 +40,12 @@ _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
 _FLAGS: Final = common.MavModeFlag
 _FORCE: Final = 21196
-#: To whom a refused mode is explained.
+#: Component id that receives the reason of a refused mode.
 _PLANNER: Final = common.MavComponent.MISSIONPLANNER
 
 
 class Px4Arming(ArmingCommands):
-    """Arming and disarming, with PX4's words."""
+    """Arming and disarming, with PX4's status texts."""
 
     refusal = _RESULT.TEMPORARILY_REJECTED
 
@@ -54,7 +54,7 @@ class Px4Arming(ArmingCommands):
         self._state = state
 
     def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
-        """COMPONENT_ARM_DISARM."""
+        """Answer COMPONENT_ARM_DISARM."""
         wanted, force = request.command.param1, number(request.command.param2)
         if not isfinite(wanted) or round(wanted) not in (0, 1):
             self.vehicle.send_statustext(f"Unsupported ARM_DISARM param: {wanted:.3f}", _CRITICAL)
@@ -63,23 +63,23 @@ class Px4Arming(ArmingCommands):
         return self.arm(force=False) if round(wanted) else self.disarm(force=forced)
 
     def arm(self, *, force: bool) -> common.MavResult:
-        """Arm; a command from outside cannot skip the checks."""
+        """Arm; external commands cannot skip the checks."""
         armed = arm(self.vehicle, self._state, BY_COMMAND)
         return _RESULT.ACCEPTED if armed else self.refusal
 
     def disarm(self, *, force: bool) -> common.MavResult:
-        """Disarm; in the air only if it is forced."""
+        """Disarm; in the air only if forced."""
         disarmed = disarm(self.vehicle, self._state, BY_COMMAND, force=force)
         return _RESULT.ACCEPTED if disarmed else self.refusal
 
     def run_checks(self, request: CommandRequest) -> common.MavResult:
-        """RUN_PREARM_CHECKS."""
-        for problem in () if self.autopilot.armed else problems_of(self.autopilot):
+        """Answer RUN_PREARM_CHECKS."""
+        for problem in () if self.autopilot.armed else preflight_problems(self.autopilot):
             self.vehicle.send_statustext(problem, _CRITICAL)
         return _RESULT.ACCEPTED
 
     def terminate(self, request: CommandRequest) -> common.MavResult:
-        """DO_FLIGHTTERMINATION: only of what is armed."""
+        """Answer DO_FLIGHTTERMINATION, accepted only while armed."""
         if not (request.command.param1 > 0.5 and self.autopilot.armed):
             return _RESULT.DENIED
         self.autopilot.terminate()
@@ -87,13 +87,13 @@ class Px4Arming(ArmingCommands):
 
 
 class ModeCommands(CommandGroup):
-    """DO_SET_MODE and DO_SET_STANDARD_MODE; disarmed, any mode may be chosen."""
+    """DO_SET_MODE and DO_SET_STANDARD_MODE; any mode may be selected while disarmed."""
 
     def handlers(self) -> Handlers:
         return {_CMD.DO_SET_MODE: self.set_mode, _CMD.DO_SET_STANDARD_MODE: self.set_standard_mode}
 
     def set_mode(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_MODE: by PX4's numbers, or by flags alone."""
+        """Answer DO_SET_MODE: by PX4's numbers, or by flags alone."""
         command = request.command
         flags, main, sub = (
             whole(number(value)) or 0 for value in (command.param1, command.param2, command.param3)
@@ -102,12 +102,12 @@ class ModeCommands(CommandGroup):
             wanted = mode_of_flags(flags)
             return self._unsupported("base") if wanted is None else self._choose(wanted, request)
         mode = self.autopilot.find_mode(custom_mode_of(main, sub))
-        if mode is None or mode.number in BY_THEMSELVES:
+        if mode is None or mode.number in NOT_SELECTABLE:
             return self._unsupported("auto" if main == AUTO else "main")
         return self._choose(mode.number, request)
 
     def set_standard_mode(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_STANDARD_MODE."""
+        """Answer DO_SET_STANDARD_MODE."""
         names = STANDARD_MODES_OF_WINGS if self.autopilot.maneuvers.circles else STANDARD_MODES
         wanted = names.get(whole(request.command.param1) or 0)
         if wanted is None or self.autopilot.find_mode(wanted) is None:
@@ -115,7 +115,7 @@ class ModeCommands(CommandGroup):
         return self._choose(wanted, request)
 
     def _choose(self, wanted: int, request: CommandRequest) -> common.MavResult:
-        """Enter a mode; why it cannot be is told to ground stations alone."""
+        """Enter a mode; explain a refusal to mission planners only."""
         refused = choose_mode(self.vehicle, wanted)
         if refused is None:
             return _RESULT.ACCEPTED
@@ -124,12 +124,13 @@ class ModeCommands(CommandGroup):
         return _RESULT.TEMPORARILY_REJECTED
 
     def _unsupported(self, kind: str) -> common.MavResult:
+        """Refuse an unsupported mode."""
         self.vehicle.send_statustext(f"Unsupported {kind} mode", _CRITICAL)
         return _RESULT.TEMPORARILY_REJECTED
 
 
 class Px4Home(HomeCommands):
-    """Home, and what is looked at."""
+    """Home and region of interest."""
 
     def handlers(self) -> Handlers:
         handlers = dict(super().handlers())
@@ -137,7 +138,10 @@ class Px4Home(HomeCommands):
         return handlers | {_CMD.NAV_ROI: self.set_region}
 
     def set_home(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_HOME: here, or at a place above the sea, whatever the frame; not with COM_HOME_EN = 0."""
+        """Answer DO_SET_HOME: here, or at a position above mean sea level in any frame.
+
+        COM_HOME_EN = 0 denies it.
+        """
         command, autopilot = request.command, self.autopilot
         if not int(self.vehicle.parameters["COM_HOME_EN"]):
             return _RESULT.DENIED
@@ -165,7 +169,7 @@ class Px4Mission(MissionCommands):
         return {_CMD.MISSION_START: self.start, _CMD.DO_LAND_START: self.start_landing}
 
     def start(self, request: CommandRequest) -> common.MavResult:
-        """MISSION_START: from item param 1, or where it was."""
+        """Answer MISSION_START: from item param1, or from the current one."""
         mission = self.autopilot.mission
         if not mission.valid():
             self.vehicle.send_statustext("Mission start denied! No valid mission", _CRITICAL)
@@ -178,7 +182,7 @@ class Px4Mission(MissionCommands):
         return self._fly()
 
     def start_landing(self, request: CommandRequest) -> common.MavResult:
-        """DO_LAND_START: on with the mission where its landing begins."""
+        """Answer DO_LAND_START: continue the mission at its landing."""
         mission = self.autopilot.mission
         start = mission.landing_start()
         if start is None:
@@ -187,15 +191,16 @@ class Px4Mission(MissionCommands):
         return self._fly()
 
     def _fly(self) -> common.MavResult:
+        """Enter Mission and arm."""
         refused = choose_mode(self.vehicle, MISSION)
         if refused is not None or not arm(self.vehicle, self._state, BY_MISSION):
-            self.vehicle.send_statustext(refused or unavailable("Mission"), _CRITICAL)
+            self.vehicle.send_statustext(refused or unavailable_text("Mission"), _CRITICAL)
             return _RESULT.TEMPORARILY_REJECTED
         return _RESULT.ACCEPTED
 
 
-def groups_of(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
-    """All groups of commands of a vehicle."""
+def command_groups(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
+    """Yield all command groups of a vehicle."""
     yield Px4Arming(vehicle, state)
     yield ModeCommands(vehicle)
     yield Px4Home(vehicle)
@@ -206,6 +211,6 @@ def groups_of(vehicle: Vehicle, state: Px4State) -> Iterator[CommandGroup]:
 
 
 def register_commands(vehicle: Vehicle, state: Px4State) -> None:
-    """Take all commands of a vehicle."""
-    for group in groups_of(vehicle, state):
+    """Register all commands of a vehicle."""
+    for group in command_groups(vehicle, state):
         register_handlers(vehicle, group.handlers())

@@ -1,7 +1,7 @@
-"""What PX4's failsafes do, as its parameters choose it, and how urgent each action is.
+"""Actions of PX4's failsafes, as selected by parameters, in order of urgency.
 
-Of all actions that are wanted at a time the most urgent one is done. An action ends with what it was for, or
-stays until somebody chooses another mode, or for ever.
+Of all requested actions the most urgent one is executed. A request ends when its condition clears, when the
+mode changes, or never.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
-class Act(IntEnum):
-    """Actions, each more urgent than those before."""
+class Action(IntEnum):
+    """Actions in ascending urgency."""
 
     NONE = 0
     WARN = 1
@@ -33,43 +33,43 @@ class Act(IntEnum):
     TERMINATE = 10
 
 
-class Until(Enum):
-    """How long an action lasts."""
+class ActionEnd(Enum):
+    """When a request ends."""
 
     CONDITION_CLEARS = "condition clears"
     MODE_CHANGES = "mode changes"
-    FOR_EVER = "for ever"
+    NEVER = "never"
 
 
 @dataclass(slots=True)
-class Wanted:
-    """An action that one of the checks wants; `delayed` if a pilot has time to take over before."""
+class ActionRequest:
+    """An action that a check requests; `delayed` if a pilot has time to take over first."""
 
-    act: Act
+    action: Action
     cause: str = ""
-    until: Until = Until.CONDITION_CLEARS
+    end: ActionEnd = ActionEnd.CONDITION_CLEARS
     delayed: bool = True
-    #: Whether a pilot may choose another mode meanwhile.
+    #: True if a pilot may take over by a mode change.
     takeover: bool = True
-    #: Whether what it is for is still so.
+    #: True while the condition fails.
     failing: bool = True
 
 
-#: As PX4's events call the actions.
-WORDS: Final[Mapping[Act, str]] = MappingProxyType(
+#: Names of the actions in PX4's events.
+ACTION_NAMES: Final[Mapping[Action, str]] = MappingProxyType(
     {
-        Act.POSITION: "Position mode",
-        Act.ALTITUDE: "Altitude mode",
-        Act.STABILIZED: "Stabilized mode",
-        Act.HOLD: "Hold",
-        Act.RETURN: "RTL",
-        Act.LAND: "Land",
-        Act.DESCEND: "Descend",
-        Act.DISARM: "disarm",
-        Act.TERMINATE: "terminate",
+        Action.POSITION: "Position mode",
+        Action.ALTITUDE: "Altitude mode",
+        Action.STABILIZED: "Stabilized mode",
+        Action.HOLD: "Hold",
+        Action.RETURN: "RTL",
+        Action.LAND: "Land",
+        Action.DESCEND: "Descend",
+        Action.DISARM: "disarm",
+        Action.TERMINATE: "terminate",
     }
 )
-#: What is said when no more is done about it.
+#: Status texts of a warning without an action.
 WARNINGS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "Low battery level": "Low battery level, return advised",
@@ -77,52 +77,58 @@ WARNINGS: Final[Mapping[str, str]] = MappingProxyType(
         "Emergency battery level": "Emergency battery level, land immediately",
     }
 )
-#: The modes that a pilot's sticks take over, most wanted first, and those that need nobody.
-BY_HAND: Final = (Act.POSITION, Act.ALTITUDE, Act.STABILIZED)
-BY_ITSELF: Final = (Act.HOLD, Act.RETURN, Act.LAND, Act.DESCEND)
-MODES: Final[Mapping[Act, int]] = MappingProxyType(
+#: Actions that need a pilot, in order of preference, and automatic ones.
+MANUAL_ACTIONS: Final = (Action.POSITION, Action.ALTITUDE, Action.STABILIZED)
+AUTOMATIC_ACTIONS: Final = (Action.HOLD, Action.RETURN, Action.LAND, Action.DESCEND)
+MODES: Final[Mapping[Action, int]] = MappingProxyType(
     {
-        Act.POSITION: modes.POSITION,
-        Act.ALTITUDE: modes.ALTITUDE,
-        Act.STABILIZED: modes.STABILIZED,
-        Act.HOLD: modes.HOLD,
-        Act.RETURN: modes.RETURN,
-        Act.LAND: modes.LAND,
-        Act.DESCEND: modes.DESCEND,
+        Action.POSITION: modes.POSITION,
+        Action.ALTITUDE: modes.ALTITUDE,
+        Action.STABILIZED: modes.STABILIZED,
+        Action.HOLD: modes.HOLD,
+        Action.RETURN: modes.RETURN,
+        Action.LAND: modes.LAND,
+        Action.DESCEND: modes.DESCEND,
     }
 )
 
-_OF_LINKS: Final = MappingProxyType(
-    {1: Act.HOLD, 2: Act.RETURN, 3: Act.LAND, 5: Act.TERMINATE, 6: Act.DISARM}
+_LINK_ACTIONS: Final = MappingProxyType(
+    {1: Action.HOLD, 2: Action.RETURN, 3: Action.LAND, 5: Action.TERMINATE, 6: Action.DISARM}
 )
-_OF_MOTORS: Final = MappingProxyType({1: Act.HOLD, 2: Act.LAND, 3: Act.RETURN, 4: Act.TERMINATE})
-#: COM_LOW_BAT_ACT, for critical and for emergency.
-_OF_BATTERIES: Final = (
-    MappingProxyType({1: Act.RETURN, 2: Act.LAND, 3: Act.RETURN, 4: Act.RETURN}),
-    MappingProxyType({1: Act.RETURN, 2: Act.LAND, 3: Act.LAND, 4: Act.TERMINATE}),
+_MOTOR_ACTIONS: Final = MappingProxyType(
+    {1: Action.HOLD, 2: Action.LAND, 3: Action.RETURN, 4: Action.TERMINATE}
 )
-CAUSES_OF_BATTERIES: Final = ("", *WARNINGS)
+#: COM_LOW_BAT_ACT at critical and at emergency level.
+_BATTERY_ACTIONS: Final = (
+    MappingProxyType({1: Action.RETURN, 2: Action.LAND, 3: Action.RETURN, 4: Action.RETURN}),
+    MappingProxyType({1: Action.RETURN, 2: Action.LAND, 3: Action.LAND, 4: Action.TERMINATE}),
+)
+BATTERY_CAUSES: Final = ("", *WARNINGS)
 LOW, CRITICAL, EMERGENCY = 1, 2, 3
 
 
-def link_loss(value: int, cause: str) -> Wanted:
-    """NAV_RCL_ACT, NAV_DLL_ACT."""
-    act = _OF_LINKS.get(value, Act.NONE)
-    if act is Act.TERMINATE:
-        return Wanted(act, cause, Until.FOR_EVER, takeover=False)
-    if act is Act.DISARM:
-        return Wanted(act, cause, takeover=False)
-    return Wanted(act, cause, Until.MODE_CHANGES)
+def link_loss(value: int, cause: str) -> ActionRequest:
+    """Return the request of NAV_RCL_ACT or NAV_DLL_ACT."""
+    action = _LINK_ACTIONS.get(value, Action.NONE)
+    if action is Action.TERMINATE:
+        return ActionRequest(action, cause, ActionEnd.NEVER, takeover=False)
+    if action is Action.DISARM:
+        return ActionRequest(action, cause, takeover=False)
+    return ActionRequest(action, cause, ActionEnd.MODE_CHANGES)
 
 
-def battery(value: int, warning: int) -> Wanted:
-    """COM_LOW_BAT_ACT, by how low it is."""
-    act = Act.WARN if warning == LOW else _OF_BATTERIES[warning - CRITICAL].get(value, Act.WARN)
-    return Wanted(act, CAUSES_OF_BATTERIES[warning])
+def battery(value: int, warning: int) -> ActionRequest:
+    """Return the request of COM_LOW_BAT_ACT for a warning level."""
+    action = Action.WARN if warning == LOW else _BATTERY_ACTIONS[warning - CRITICAL].get(value, Action.WARN)
+    return ActionRequest(action, BATTERY_CAUSES[warning])
 
 
-def motor_failure(value: int) -> Wanted:
-    """COM_ACT_FAIL_ACT."""
-    act = _OF_MOTORS.get(value, Act.WARN)
-    lasting = {Act.LAND: Until.MODE_CHANGES, Act.RETURN: Until.MODE_CHANGES, Act.TERMINATE: Until.FOR_EVER}
-    return Wanted(act, until=lasting.get(act, Until.CONDITION_CLEARS))
+def motor_failure(value: int) -> ActionRequest:
+    """Return the request of COM_ACT_FAIL_ACT."""
+    action = _MOTOR_ACTIONS.get(value, Action.WARN)
+    ends = {
+        Action.LAND: ActionEnd.MODE_CHANGES,
+        Action.RETURN: ActionEnd.MODE_CHANGES,
+        Action.TERMINATE: ActionEnd.NEVER,
+    }
+    return ActionRequest(action, end=ends.get(action, ActionEnd.CONDITION_CLEARS))

@@ -1,9 +1,12 @@
-"""PX4's failsafes: of all that is wrong, the most urgent action is done; then the chosen mode goes on.
+"""PX4's failsafes: of all requested actions the most urgent one is executed; then the chosen mode continues.
 
-Somebody chose a mode; a failsafe flies another one in its place. Before most actions the vehicle holds for
-COM_FAIL_ACT_T seconds, so that a pilot may take over: choosing a mode meanwhile, or later, leaves it at a
-warning until something else goes wrong. When what was wrong is right again, the chosen mode is flown on, but
-for lost links, whose action lasts until a mode is chosen.
+The user chose a mode; a failsafe flies another mode instead. Before most actions the vehicle holds for
+COM_FAIL_ACT_T seconds, so that a pilot can take over: a mode change during the delay or later reduces the
+action to a warning until another condition fails. When a condition clears, the chosen mode is resumed, except
+after a link loss, whose action lasts until a mode is chosen.
+
+When the setpoints of Offboard stop, COM_OBL_RC_ACT selects the mode. The pilot's modes need a pilot; without
+one, Return, Land and Descend are tried in turn.
 """
 
 from __future__ import annotations
@@ -13,22 +16,29 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.sim.px4 import modes
-from mavstack.sim.px4.failsafe_actions import BY_ITSELF, WARNINGS, WORDS, Act, Until, Wanted
-from mavstack.sim.px4.failsafe_checks import Px4Checks
+from mavstack.sim.px4.failsafe_actions import (
+    ACTION_NAMES,
+    AUTOMATIC_ACTIONS,
+    WARNINGS,
+    Action,
+    ActionEnd,
+    ActionRequest,
+)
+from mavstack.sim.px4.failsafe_checks import FailsafeChecks
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot
 
 _CRITICAL, _WARNING = common.MavSeverity.CRITICAL, common.MavSeverity.WARNING
 _EMERGENCY: Final = common.MavSeverity.EMERGENCY
-#: These are done at once.
-_NEVER_DELAYED: Final = frozenset({Act.NONE, Act.WARN, Act.HOLD, Act.DISARM, Act.TERMINATE})
-#: Not more than this, and there is no time to take over.
+#: Actions without a delay.
+_NEVER_DELAYED: Final = frozenset({Action.NONE, Action.WARN, Action.HOLD, Action.DISARM, Action.TERMINATE})
+#: Seconds up to which COM_FAIL_ACT_T means no delay.
 _NO_DELAY: Final = 0.1
-_DISENGAGED: Final = frozenset({Act.DESCEND, Act.ALTITUDE, Act.STABILIZED})
+_DISENGAGED: Final = frozenset({Action.DESCEND, Action.ALTITUDE, Action.STABILIZED})
 _SEVERITIES: Final = {"Low battery level": _WARNING, "Emergency battery level": _EMERGENCY}
 
-#: Why such a mode was entered.
+#: Reason of the mode change when setpoints are lost.
 SETPOINTS_LOST: Final = "offboard failsafe"
 _OFFBOARD_TERMINATE, _OFFBOARD_DISARM = 6, 7
 _OFFBOARD_ACTIONS: Final = MappingProxyType(
@@ -38,142 +48,156 @@ _OFFBOARD_FALLBACKS: Final = (modes.RETURN, modes.LAND, modes.DESCEND, modes.HOL
 
 
 class Px4Failsafes:
-    """The failsafes of one vehicle; one of its autopilot's watches."""
+    """The failsafes of one vehicle; one of the autopilot's periodic checks."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
-        self._checks = Px4Checks(autopilot)
-        #: What is wanted, by what it is for.
-        self._wanted: dict[str, Wanted] = {}
-        #: The mode that somebody chose, and the one that is flown.
-        self._intended = self._flown = autopilot.mode.number
-        self._act = Act.NONE
+        self._checks = FailsafeChecks(autopilot)
+        #: Requested actions by condition.
+        self._requests: dict[str, ActionRequest] = {}
+        #: The mode that the user chose, and the mode that is flown.
+        self._intended = self._actual = autopilot.mode.number
+        self._action = Action.NONE
         self._taken_over = self._was_armed = False
         self._hold_until = autopilot.now
-        #: The cause of what was newly wanted at this look; None if there is nothing new.
+        #: Cause of the newest request of this update; None if there is none.
         self._new_cause: str | None = None
         autopilot.watches.append(self)
 
     def tick(self, now: float) -> None:
-        """Look, and act."""
+        """Check all conditions and act."""
         autopilot = self._autopilot
-        chosen = autopilot.mode.number != self._flown
+        chosen = autopilot.mode.number != self._actual
         if chosen:
-            self._intended = self._flown = autopilot.mode.number
+            self._intended = self._actual = autopilot.mode.number
             if autopilot.mode_reason != SETPOINTS_LOST:
                 autopilot.failsafes.discard("offboard")
-        self._checks.look(now)
+        self._checks.update(now)
         if autopilot.armed != self._was_armed or chosen or self._taken_over:
-            self._drop_what_lasts(until_mode_changes=True)
+            self._drop_ended(mode_changed=True)
         if autopilot.armed != self._was_armed:
             self._was_armed, self._taken_over = autopilot.armed, False
         self._collect(now)
         if not autopilot.armed or autopilot.terminated:
-            self._settle(Act.TERMINATE if autopilot.terminated else Act.NONE)
+            self._update_state(Action.TERMINATE if autopilot.terminated else Action.NONE)
             return
-        self._look_after_delay()
-        act, later, cause = self._select(now, chosen=chosen)
-        self._notify(now, act, later, cause)
-        self._do(act)
+        self._end_delay()
+        action, later, cause = self._select(now, chosen=chosen)
+        self._notify(now, action, later, cause)
+        self._perform(action)
 
-    # What is wanted
+    # Requests
 
-    def _drop_what_lasts(self, *, until_mode_changes: bool) -> None:
-        self._wanted = {
-            name: wanted
-            for name, wanted in self._wanted.items()
-            if wanted.failing or not (until_mode_changes and wanted.until is Until.MODE_CHANGES)
+    def _drop_ended(self, *, mode_changed: bool) -> None:
+        """Remove requests that ended with the mode change."""
+        self._requests = {
+            name: request
+            for name, request in self._requests.items()
+            if request.failing or not (mode_changed and request.end is ActionEnd.MODE_CHANGES)
         }
 
     def _collect(self, now: float) -> None:
-        """Ask the checks; what is not wanted any more goes, or stays until its end."""
+        """Update the requests; a cleared condition ends its request, or keeps it until its end."""
         self._new_cause = None
-        found = dict(self._checks.wanted(self._intended))
-        for name, wanted in found.items():
-            before = self._wanted.get(name)
+        found = dict(self._checks.requests(self._intended))
+        for name, request in found.items():
+            before = self._requests.get(name)
             if before is not None:
-                before.act, before.failing = wanted.act, True
+                before.action, before.failing = request.action, True
                 continue
-            self._wanted[name] = wanted
-            self._begin(wanted, now)
-        for name in [name for name in self._wanted if name not in found]:
-            if self._wanted[name].until is Until.CONDITION_CLEARS:
-                del self._wanted[name]
+            self._requests[name] = request
+            self._begin(request, now)
+        for name in [name for name in self._requests if name not in found]:
+            if self._requests[name].end is ActionEnd.CONDITION_CLEARS:
+                del self._requests[name]
             else:
-                self._wanted[name].failing = False
+                self._requests[name].failing = False
 
-    def _begin(self, wanted: Wanted, now: float) -> None:
-        patience = float(self._autopilot.vehicle.parameters["COM_FAIL_ACT_T"])
-        delayed = wanted.delayed and wanted.takeover and patience > _NO_DELAY
-        if delayed and wanted.act > Act.WARN and now >= self._hold_until:
-            self._hold_until = now + patience
-        if wanted.act is not Act.NONE:
-            self._new_cause = wanted.cause
-        if wanted.act >= Act.HOLD:
+    def _begin(self, request: ActionRequest, now: float) -> None:
+        """Start the delay of a new request."""
+        delay = float(self._autopilot.vehicle.parameters["COM_FAIL_ACT_T"])
+        delayed = request.delayed and request.takeover and delay > _NO_DELAY
+        if delayed and request.action > Action.WARN and now >= self._hold_until:
+            self._hold_until = now + delay
+        if request.action is not Action.NONE:
+            self._new_cause = request.cause
+        if request.action >= Action.HOLD:
             self._taken_over = False
 
-    def _look_after_delay(self) -> None:
-        if self._act > Act.HOLD or self._taken_over or not self._checks.can_run(modes.HOLD):
+    def _end_delay(self) -> None:
+        """End the delay if it can no longer be used."""
+        if self._action > Action.HOLD or self._taken_over or not self._checks.can_run(modes.HOLD):
             self._hold_until = self._autopilot.now
 
-    # Which of it is done
+    # Selection
 
-    def _select(self, now: float, *, chosen: bool) -> tuple[Act, Act, str]:
-        """What is done, what will be done after holding, and why."""
-        urgent = max(self._wanted.values(), key=lambda wanted: wanted.act, default=Wanted(Act.NONE))
-        act, later, cause = urgent.act, Act.NONE, urgent.cause
-        may_take_over = all(wanted.takeover for wanted in self._wanted.values() if wanted.act)
-        if now < self._hold_until and not self._taken_over and may_take_over and act not in _NEVER_DELAYED:
-            act, later = Act.HOLD, act
+    def _select(self, now: float, *, chosen: bool) -> tuple[Action, Action, str]:
+        """Return the action now, the action after the delay, and the cause."""
+        urgent = max(
+            self._requests.values(), key=lambda request: request.action, default=ActionRequest(Action.NONE)
+        )
+        action, later, cause = urgent.action, Action.NONE, urgent.cause
+        may_take_over = all(request.takeover for request in self._requests.values() if request.action)
+        if now < self._hold_until and not self._taken_over and may_take_over and action not in _NEVER_DELAYED:
+            action, later = Action.HOLD, action
         self._taken_over = (
-            may_take_over and act in BY_ITSELF and (self._taken_over or (chosen and self._act > Act.WARN))
+            may_take_over
+            and action in AUTOMATIC_ACTIONS
+            and (self._taken_over or (chosen and self._action > Action.WARN))
         )
         if self._taken_over:
-            act, later = max(Act.WARN, self._checks.fallback_of(self._intended)), Act.NONE
-        done = self._checks.possible(act)
-        if Act.RETURN in (done, later) and self._comes_down_anyway():
-            return Act.WARN, Act.NONE, cause
-        return done, later, cause if done is act else ""
+            action, later = max(Action.WARN, self._checks.fallback_of(self._intended)), Action.NONE
+        done = self._checks.available_action(action)
+        if Action.RETURN in (done, later) and self._already_returns():
+            return Action.WARN, Action.NONE, cause
+        return done, later, cause if done is action else ""
 
-    def _comes_down_anyway(self) -> bool:
+    def _already_returns(self) -> bool:
+        """Return whether the chosen mode brings the vehicle down anyway."""
         on_its_way = self._intended in (modes.LAND, modes.RETURN)
         return on_its_way and self._checks.can_run(self._intended)
 
-    # Doing it
+    # Execution
 
-    def _do(self, act: Act) -> None:
+    def _perform(self, action: Action) -> None:
+        """Execute an action."""
         autopilot = self._autopilot
-        self._settle(act)
-        if act is Act.TERMINATE:
+        self._update_state(action)
+        if action is Action.TERMINATE:
             autopilot.terminate()
-        elif act is Act.DISARM:
+        elif action is Action.DISARM:
             autopilot.disarm("failsafe")
         else:
-            wanted = self._intended if act in (Act.NONE, Act.WARN) else self._checks.mode_of(act)
-            if autopilot.mode.number != wanted:
-                autopilot.enter(wanted, "failsafe" if act > Act.WARN else "failsafe ended")
-        self._flown = autopilot.mode.number
+            mode = self._intended if action in (Action.NONE, Action.WARN) else self._checks.mode_of(action)
+            if autopilot.mode.number != mode:
+                autopilot.enter(mode, "failsafe" if action > Action.WARN else "failsafe ended")
+        self._actual = autopilot.mode.number
 
-    def _settle(self, act: Act) -> None:
-        """The state of the vehicle is critical while more is done than warning."""
-        self._act = act
-        failsafes, acting = self._autopilot.failsafes, {name for name, it in self._wanted.items() if it.act}
-        failsafes -= {name for name in _NAMES if name not in acting or act <= Act.WARN}
-        if act > Act.WARN:
+    def _update_state(self, action: Action) -> None:
+        """Set the autopilot's active failsafes: those whose action is more than a warning."""
+        self._action = action
+        failsafes, acting = (
+            self._autopilot.failsafes,
+            {name for name, request in self._requests.items() if request.action},
+        )
+        failsafes -= {name for name in _CONDITIONS if name not in acting or action <= Action.WARN}
+        if action > Action.WARN:
             failsafes |= acting
         if not self._autopilot.armed or self._autopilot.guided.stream_alive:
             failsafes.discard("offboard")
 
-    # Saying it
+    # Status texts
 
-    def _notify(self, now: float, act: Act, later: Act, cause: str) -> None:
-        if act > self._act:
-            self._tell(act, later, cause, max(self._hold_until - now, 0.0))
+    def _notify(self, now: float, action: Action, later: Action, cause: str) -> None:
+        """Report a new action or request."""
+        if action > self._action:
+            self._report(action, later, cause, max(self._hold_until - now, 0.0))
         elif self._new_cause is not None:
-            self._tell(Act.WARN, Act.NONE, self._new_cause, 0.0)
+            self._report(Action.WARN, Action.NONE, self._new_cause, 0.0)
 
-    def _tell(self, act: Act, later: Act, cause: str, delay: float) -> None:
-        if act is Act.WARN:
+    def _report(self, action: Action, later: Action, cause: str, delay: float) -> None:
+        """Send the status texts of an action."""
+        if action is Action.WARN:
             if cause:
                 text = WARNINGS.get(cause, f"Failsafe warning: {cause}")
                 self._send_statustext(
@@ -181,30 +205,31 @@ class Px4Failsafes:
                 )
             return
         before = cause or "Failsafe activated"
-        if act is Act.HOLD and later is not Act.NONE:
-            self._send_statustext(f"{before}: switching to {WORDS[later]} in {delay:.0f} seconds")
+        if action is Action.HOLD and later is not Action.NONE:
+            self._send_statustext(f"{before}: switching to {ACTION_NAMES[later]} in {delay:.0f} seconds")
             self._send_statustext(f"Failsafe activated: entering Hold for {delay:.0f} seconds")
             return
-        if not cause and act in _DISENGAGED:
-            before += ": Autopilot disengaged, switching to " + WORDS[act]
+        if not cause and action in _DISENGAGED:
+            before += ": Autopilot disengaged, switching to " + ACTION_NAMES[action]
         else:
-            before += ": switching to " + WORDS[act]
+            before += ": switching to " + ACTION_NAMES[action]
         self._send_statustext(before)
-        if act is not Act.TERMINATE:  # which the profile tells, whoever terminates
+        if action is not Action.TERMINATE:  # the profile reports every termination
             self._send_statustext("Failsafe activated")
 
     def _send_statustext(self, text: str, severity: int = _CRITICAL) -> None:
+        """Send a status text."""
         self._autopilot.vehicle.send_statustext(text, severity)
 
 
-#: What the checks call it.
-_NAMES: Final = frozenset(
+#: Names of the conditions.
+_CONDITIONS: Final = frozenset(
     {"manual control", "ground station", "battery 1", "battery 2", "battery 3", "motor", "mode"}
 )
 
 
 def setpoints_lost(autopilot: Autopilot) -> None:
-    """Do it, and say so."""
+    """Execute COM_OBL_RC_ACT after the setpoints of Offboard stopped."""
     autopilot.vehicle.send_statustext("Failsafe activated", _CRITICAL)
     autopilot.failsafes.add("offboard")
     action = int(autopilot.vehicle.parameters["COM_OBL_RC_ACT"])
@@ -217,6 +242,7 @@ def setpoints_lost(autopilot: Autopilot) -> None:
 
 
 def _enter_first(autopilot: Autopilot, wanted: int) -> None:
+    """Enter the first mode that is possible."""
     for number in (wanted, *_OFFBOARD_FALLBACKS):
         mode = autopilot.find_mode(number)
         if mode is None or (mode.manual_control and not autopilot.radio.present):

@@ -1,12 +1,12 @@
 """INJECT_FAILURE: PX4's failures as faults of the simulated vehicle.
 
-GPS             off, stuck: no satellites            wrong: somewhere else
-compass         off, stuck, wrong: it points wrong
-barometer       off, stuck, wrong: it is metres off
+GPS             off, stuck: no fix                  wrong: wrong position
+compass         off, stuck, wrong: wrong heading
+barometer       off, stuck, wrong: offset of some metres
 battery         off: nearly empty
-motor, ESC      off: it stands still
+motor, ESC      off: stopped
 RC signal       off: the transmitter is silent, if there is one
-MAVLink signal  off: nothing arrives any more, not even the command that would end it
+MAVLink signal  off: nothing is received any more, not even the command that would end it
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ UNITS: Final[Mapping[str, int]] = MappingProxyType(
 TYPES: Final[Mapping[str, int]] = MappingProxyType(
     {"ok": _TYPE.OK, "off": _TYPE.OFF, "stuck": _TYPE.STUCK, "wrong": _TYPE.WRONG}
 )
-_FAULTS: Final[Mapping[tuple[int, int], tuple[str, ...]]] = MappingProxyType(
+_FAULT_COMMANDS: Final[Mapping[tuple[int, int], tuple[str, ...]]] = MappingProxyType(
     {
         (_UNIT.SENSOR_GPS, _TYPE.OK): ("gps on", "gps spoof 0 0"),
         (_UNIT.SENSOR_GPS, _TYPE.OFF): ("gps off",),
@@ -63,9 +63,9 @@ _FAULTS: Final[Mapping[tuple[int, int], tuple[str, ...]]] = MappingProxyType(
         (_UNIT.SYSTEM_MAVLINK_SIGNAL, _TYPE.OFF): ("link off",),
     }
 )
-_TRANSMITTER: Final = MappingProxyType({_TYPE.OK: "radio on", _TYPE.OFF: "radio off"})
-_MOTORS: Final = MappingProxyType({_TYPE.OK: "on", _TYPE.OFF: "off"})
-_TURNING: Final = frozenset({_UNIT.SYSTEM_MOTOR, _UNIT.SYSTEM_ESC})
+_RADIO_FAULTS: Final = MappingProxyType({_TYPE.OK: "radio on", _TYPE.OFF: "radio off"})
+_MOTOR_STATES: Final = MappingProxyType({_TYPE.OK: "on", _TYPE.OFF: "off"})
+_MOTOR_UNITS: Final = frozenset({_UNIT.SYSTEM_MOTOR, _UNIT.SYSTEM_ESC})
 
 
 class FailureCommands(CommandGroup):
@@ -75,7 +75,7 @@ class FailureCommands(CommandGroup):
         return {_CMD.INJECT_FAILURE: self.inject}
 
     def inject(self, request: CommandRequest) -> common.MavResult:
-        """A unit, a type, and which of several units, 0 being all."""
+        """Answer INJECT_FAILURE: unit, type, and instance (0 is all)."""
         command = request.command
         unit, kind = whole(command.param1), whole(command.param2)
         instance = whole(number(command.param3))
@@ -83,31 +83,31 @@ class FailureCommands(CommandGroup):
             return _RESULT.DENIED
         if unit is None or kind is None:
             return _RESULT.DENIED
-        if not faults_of(self.vehicle, unit, kind, instance):
+        if not faults_for(self.vehicle, unit, kind, instance):
             return _RESULT.UNSUPPORTED
         inject(self.vehicle, unit, kind, instance)
         return _RESULT.ACCEPTED
 
 
-def faults_of(vehicle: Vehicle, unit: int, kind: int, instance: int) -> tuple[str, ...]:
-    """The faults that a failure means; none if it is not supported."""
-    if unit in _TURNING and kind in _MOTORS:
-        motors = AIRFRAMES[vehicle.type].motors
+def faults_for(vehicle: Vehicle, unit: int, kind: int, instance: int) -> tuple[str, ...]:
+    """Return the faults that simulate a failure; empty if unsupported."""
+    if unit in _MOTOR_UNITS and kind in _MOTOR_STATES:
+        motors = AIRFRAMES[vehicle.vehicle_type].motors
         numbers = range(1, motors + 1) if instance == 0 else range(instance, min(instance, motors) + 1)
-        return tuple(f"motor {motor} {_MOTORS[common.FailureType(kind)]}" for motor in numbers)
-    if unit == _UNIT.SYSTEM_RC_SIGNAL and kind in _TRANSMITTER and vehicle.autopilot.radio.has_transmitter:
-        return (_TRANSMITTER[common.FailureType(kind)],)
-    return _FAULTS.get((unit, kind), ())
+        return tuple(f"motor {motor} {_MOTOR_STATES[common.FailureType(kind)]}" for motor in numbers)
+    if unit == _UNIT.SYSTEM_RC_SIGNAL and kind in _RADIO_FAULTS and vehicle.autopilot.radio.has_transmitter:
+        return (_RADIO_FAULTS[common.FailureType(kind)],)
+    return _FAULT_COMMANDS.get((unit, kind), ())
 
 
 def inject(vehicle: Vehicle, unit: int, kind: int, instance: int) -> None:
-    """Let it happen, and say so; a link is cut when that has been said."""
+    """Inject a failure and report it; a link is cut only after the report was sent."""
     name = next(name for name, number in UNITS.items() if number == unit)
     word = next(word for word, number in TYPES.items() if number == kind)
     which = f"instance {instance}" if instance else "all instances"
     text = f"Cleared: {name}, {which}" if kind == _TYPE.OK else f"Injected: {name} {word}, {which}"
     vehicle.send_statustext(text, common.MavSeverity.WARNING)
-    faults = faults_of(vehicle, unit, kind, instance)
+    faults = faults_for(vehicle, unit, kind, instance)
     if unit == _UNIT.SYSTEM_MAVLINK_SIGNAL:
         vehicle.autopilot.tasks.on_next_tick(lambda: _inject_all(vehicle, faults))
     else:
@@ -115,5 +115,6 @@ def inject(vehicle: Vehicle, unit: int, kind: int, instance: int) -> None:
 
 
 def _inject_all(vehicle: Vehicle, faults: tuple[str, ...]) -> None:
+    """Inject faults."""
     for fault in faults:
         vehicle.faults.inject(fault)

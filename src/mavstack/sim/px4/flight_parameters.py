@@ -1,7 +1,7 @@
 """PX4's flight parameters: metres, seconds and degrees in the parameters, radians here.
 
-What a parameter cannot mean (nothing, or no number) is replaced by the least that can be flown. The limits of
-the body follow the parameters: `follow` sets them at boot and whenever one of them changes.
+An invalid value (zero or NaN) is replaced by the minimum that can be flown. `apply_limits` sets the limits of
+the body at boot and whenever one of their parameters changes.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 
 _F = common.MavFrame
 _DEGREE: Final = radians(1.0)
-_SLOWEST, _SMALLEST_RADIUS = 0.1, 0.3
-_FLAT, _STEEP = 0.5, 89.5
-_SHORTEST_PATIENCE = 0.1
+_MIN_SPEED, _MIN_RADIUS = 0.1, 0.3
+_MIN_CONE_ANGLE, _MAX_CONE_ANGLE = 0.5, 89.5
+_MIN_TIMEOUT = 0.1
 
-#: Which limits of the body a parameter sets, and in which unit the parameter is.
+#: Limit of the body that a parameter sets, and the parameter's unit.
 Limits: TypeAlias = Mapping[str, tuple[str, float]]
 
 
 class Px4FlightParameters(FlightParameters):
-    """What all types have in common."""
+    """Flight parameters of all types."""
 
-    #: Parameter to limit of the body.
+    #: Limits of the body by parameter.
     limits: Limits = MappingProxyType({})
-    #: Disarming is the business of `landing.py`, which knows whether there was a flight.
+    #: The land detector disarms, because it knows whether there was a flight.
     disarm_delay = land_disarm_delay = inf
     setpoint_frames = frozenset({_F.LOCAL_NED, _F.BODY_NED})
     thrust_is_climb = False
@@ -50,22 +50,22 @@ class Px4FlightParameters(FlightParameters):
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
 
-    def number(self, name: str, unit: float = 1.0, *, least: float = -inf, default: float = 0.0) -> float:
-        """A parameter in metres, seconds or radians."""
+    def number(self, name: str, unit: float = 1.0, *, minimum: float = -inf, default: float = 0.0) -> float:
+        """Return a parameter in metres, seconds or radians."""
         value = float(self._parameters.get(name, default / unit)) * unit
-        return max(value, least) if isfinite(value) else max(default, least)
+        return max(value, minimum) if isfinite(value) else max(default, minimum)
 
-    def follow(self, body: Body) -> None:
+    def apply_limits(self, body: Body) -> None:
         """Set the limits of the body, and again whenever their parameters change."""
         for name, (limit, unit) in self.limits.items():
             if name in self._parameters:
-                push = _pusher(self, body, name, limit, unit)
-                push(None)
-                self._parameters.on_change(name, push)
+                set_limit = _limit_setter(self, body, name, limit, unit)
+                set_limit(None)
+                self._parameters.on_change(name, set_limit)
 
     @property
     def acceptance_radius(self) -> float:
-        return self.number("NAV_ACC_RAD", least=_SMALLEST_RADIUS)
+        return self.number("NAV_ACC_RAD", minimum=_MIN_RADIUS)
 
     @property
     def loiter_radius(self) -> float:
@@ -73,7 +73,7 @@ class Px4FlightParameters(FlightParameters):
 
     @property
     def setpoint_timeout(self) -> float:
-        return self.number("COM_OF_LOSS_T", least=_SHORTEST_PATIENCE, default=1.0)
+        return self.number("COM_OF_LOSS_T", minimum=_MIN_TIMEOUT, default=1.0)
 
     @property
     def land_speed(self) -> float:
@@ -96,20 +96,20 @@ class Px4FlightParameters(FlightParameters):
         return radians(60.0)
 
 
-class _ReturningFlightParameters(Px4FlightParameters):
-    """What all flying types have in common: taking off, and coming home."""
+class _AircraftFlightParameters(Px4FlightParameters):
+    """Take-off and return of all flying types."""
 
     @property
     def takeoff_altitude(self) -> float:  # type: ignore[override]
-        return self.number("MIS_TAKEOFF_ALT", least=0.5)
+        return self.number("MIS_TAKEOFF_ALT", minimum=0.5)
 
     @property
     def return_altitude(self) -> float:  # type: ignore[override]
-        return self.number("RTL_RETURN_ALT", least=0.0)
+        return self.number("RTL_RETURN_ALT", minimum=0.0)
 
     @property
     def return_descend_altitude(self) -> float:  # type: ignore[override]
-        return self.number("RTL_DESCEND_ALT", least=0.0)
+        return self.number("RTL_DESCEND_ALT", minimum=0.0)
 
     @property
     def return_loiter_time(self) -> float:  # type: ignore[override]
@@ -118,13 +118,13 @@ class _ReturningFlightParameters(Px4FlightParameters):
 
     @property
     def return_cone_slope(self) -> float:  # type: ignore[override]
-        """From the half angle of a cone that stands on home; without one it always climbs."""
+        """Slope of the cone above home with half angle RTL_CONE_ANG; 0 always climbs."""
         angle = self.number("RTL_CONE_ANG")
-        return 1 / tan(radians(min(max(angle, _FLAT), _STEEP))) if angle > 0 else 0.0
+        return 1 / tan(radians(min(max(angle, _MIN_CONE_ANGLE), _MAX_CONE_ANGLE))) if angle > 0 else 0.0
 
 
-class MulticopterFlightParameters(_ReturningFlightParameters):
-    """A multicopter, and a VTOL that hovers."""
+class MulticopterFlightParameters(_AircraftFlightParameters):
+    """A multicopter, and a VTOL in hover."""
 
     limits: Limits = MappingProxyType(
         {
@@ -136,39 +136,39 @@ class MulticopterFlightParameters(_ReturningFlightParameters):
 
     @property
     def cruise_speed(self) -> float:
-        return self.number("MPC_XY_CRUISE", least=_SLOWEST)
+        return self.number("MPC_XY_CRUISE", minimum=_MIN_SPEED)
 
     @property
     def climb_speed(self) -> float:  # type: ignore[override]
-        return self.number("MPC_Z_V_AUTO_UP", least=_SLOWEST)
+        return self.number("MPC_Z_V_AUTO_UP", minimum=_MIN_SPEED)
 
     @property
     def sink_speed(self) -> float:  # type: ignore[override]
-        return self.number("MPC_Z_V_AUTO_DN", least=_SLOWEST)
+        return self.number("MPC_Z_V_AUTO_DN", minimum=_MIN_SPEED)
 
     @property
     def land_speed(self) -> float:
-        return self.number("MPC_LAND_SPEED", least=_SLOWEST)
+        return self.number("MPC_LAND_SPEED", minimum=_MIN_SPEED)
 
     @property
     def land_slow_altitude(self) -> float:  # type: ignore[override]
-        return self.number("MPC_LAND_ALT2", least=0.0)
+        return self.number("MPC_LAND_ALT2", minimum=0.0)
 
     @property
     def lean_angle(self) -> float:  # type: ignore[override]
-        return self.number("MPC_MAN_TILT_MAX", _DEGREE, least=0.05)
+        return self.number("MPC_MAN_TILT_MAX", _DEGREE, minimum=0.05)
 
     @property
     def pilot_climb_speed(self) -> float:  # type: ignore[override]
-        return self.number("MPC_Z_VEL_MAX_UP", least=_SLOWEST)
+        return self.number("MPC_Z_VEL_MAX_UP", minimum=_MIN_SPEED)
 
     @property
     def pilot_yaw_rate(self) -> float:
-        return self.number("MPC_MAN_Y_MAX", _DEGREE, least=0.05)
+        return self.number("MPC_MAN_Y_MAX", _DEGREE, minimum=0.05)
 
     @property
     def acro_rate(self) -> float:  # type: ignore[override]
-        return self.number("MC_ACRO_R_MAX", _DEGREE, least=0.05)
+        return self.number("MC_ACRO_R_MAX", _DEGREE, minimum=0.05)
 
     @property
     def circle_radius(self) -> float:
@@ -179,8 +179,8 @@ class MulticopterFlightParameters(_ReturningFlightParameters):
         return min(self.cruise_speed, 3.0)
 
 
-class FixedWingFlightParameters(_ReturningFlightParameters):
-    """A fixed wing, and a VTOL that flies on its wing."""
+class FixedWingFlightParameters(_AircraftFlightParameters):
+    """A fixed wing, and a VTOL in forward flight."""
 
     limits: Limits = MappingProxyType(
         {
@@ -196,35 +196,35 @@ class FixedWingFlightParameters(_ReturningFlightParameters):
 
     @property
     def cruise_speed(self) -> float:
-        return self.number("FW_AIRSPD_TRIM", least=5.0)
+        return self.number("FW_AIRSPD_TRIM", minimum=5.0)
 
     @property
     def climb_speed(self) -> float:  # type: ignore[override]
-        return self.number("FW_T_CLMB_R_SP", least=_SLOWEST)
+        return self.number("FW_T_CLMB_R_SP", minimum=_MIN_SPEED)
 
     @property
     def sink_speed(self) -> float:  # type: ignore[override]
-        return self.number("FW_T_SINK_R_SP", least=_SLOWEST)
+        return self.number("FW_T_SINK_R_SP", minimum=_MIN_SPEED)
 
     @property
     def glide_slope(self) -> float:  # type: ignore[override]
-        return tan(self.number("FW_LND_ANG", _DEGREE, least=0.02))
+        return tan(self.number("FW_LND_ANG", _DEGREE, minimum=0.02))
 
     @property
     def flare_altitude(self) -> float:  # type: ignore[override]
-        """As high as it sinks in the time of the flare, and not lower than its parameter."""
-        sink = self.cruise_speed * self.glide_slope * self.number("FW_LND_FL_TIME", least=0.0)
-        return max(self.number("FW_LND_FLALT", least=0.5), sink)
+        """The sink during FW_LND_FL_TIME in metres, at least FW_LND_FLALT."""
+        sink = self.cruise_speed * self.glide_slope * self.number("FW_LND_FL_TIME", minimum=0.0)
+        return max(self.number("FW_LND_FLALT", minimum=0.5), sink)
 
     @property
     def acceptance_radius(self) -> float:
-        """At least as far as the guidance needs to turn onto the next line."""
+        """At least the distance that the guidance needs to turn onto the next line, in metres."""
         seconds = self.number("NPFG_PERIOD") * self.number("NPFG_DAMPING") * self.number("NPFG_SW_DST_MLT")
         return max(super().acceptance_radius, self.cruise_speed * seconds)
 
     @property
     def lean_angle(self) -> float:  # type: ignore[override]
-        return self.number("FW_MAN_R_MAX", _DEGREE, least=0.05)
+        return self.number("FW_MAN_R_MAX", _DEGREE, minimum=0.05)
 
     @property
     def pilot_climb_speed(self) -> float:  # type: ignore[override]
@@ -232,15 +232,15 @@ class FixedWingFlightParameters(_ReturningFlightParameters):
 
     @property
     def pilot_yaw_rate(self) -> float:
-        return self.number("FW_MAN_YR_MAX", _DEGREE, least=0.05)
+        return self.number("FW_MAN_YR_MAX", _DEGREE, minimum=0.05)
 
     @property
     def acro_rate(self) -> float:  # type: ignore[override]
-        return self.number("FW_ACRO_X_MAX", _DEGREE, least=0.05)
+        return self.number("FW_ACRO_X_MAX", _DEGREE, minimum=0.05)
 
 
 class VtolFlightParameters(MulticopterFlightParameters):
-    """A multicopter that is a wing from its transition on."""
+    """A multicopter in hover, a fixed wing after the transition."""
 
     limits: Limits = MappingProxyType(
         {name: limit for name, limit in FixedWingFlightParameters.limits.items() if name != "FW_R_LIM"}
@@ -250,58 +250,58 @@ class VtolFlightParameters(MulticopterFlightParameters):
     def __init__(self, parameters: Parameters, body: Body) -> None:
         super().__init__(parameters)
         self._body = body
-        self._hovering, self._winged = (
+        self._hover, self._wing = (
             MulticopterFlightParameters(parameters),
             FixedWingFlightParameters(parameters),
         )
 
     @property
-    def _now(self) -> MulticopterFlightParameters | FixedWingFlightParameters:
-        return self._winged if self._body.flies_forward else self._hovering
+    def _active(self) -> MulticopterFlightParameters | FixedWingFlightParameters:
+        return self._wing if self._body.flies_forward else self._hover
 
     @property
     def cruise_speed(self) -> float:
-        return self._now.cruise_speed
+        return self._active.cruise_speed
 
     @property
     def climb_speed(self) -> float:  # type: ignore[override]
-        return self._now.climb_speed
+        return self._active.climb_speed
 
     @property
     def sink_speed(self) -> float:  # type: ignore[override]
-        return self._now.sink_speed
+        return self._active.sink_speed
 
     @property
     def acceptance_radius(self) -> float:
-        return self._now.acceptance_radius
+        return self._active.acceptance_radius
 
     @property
     def glide_slope(self) -> float:  # type: ignore[override]
-        return self._winged.glide_slope
+        return self._wing.glide_slope
 
     @property
     def flare_altitude(self) -> float:  # type: ignore[override]
-        return self._winged.flare_altitude
+        return self._wing.flare_altitude
 
     @property
     def lean_angle(self) -> float:  # type: ignore[override]
-        return self._now.lean_angle
+        return self._active.lean_angle
 
     @property
     def pilot_climb_speed(self) -> float:  # type: ignore[override]
-        return self._now.pilot_climb_speed
+        return self._active.pilot_climb_speed
 
     @property
     def circle_radius(self) -> float:
-        return self._now.circle_radius
+        return self._active.circle_radius
 
     @property
     def circle_speed(self) -> float:
-        return self._now.circle_speed
+        return self._active.circle_speed
 
 
 class RoverFlightParameters(Px4FlightParameters):
-    """What drives or floats."""
+    """Rovers and boats."""
 
     limits: Limits = MappingProxyType(
         {
@@ -314,12 +314,12 @@ class RoverFlightParameters(Px4FlightParameters):
 
     @property
     def cruise_speed(self) -> float:
-        """RO_SPEED_LIM, unless it is switched off by a number below 0."""
+        """RO_SPEED_LIM in m/s; RO_MAX_THR_SPEED if it is negative (disabled)."""
         return max(self.number("RO_SPEED_LIM"), 0.0) or self.number("RO_MAX_THR_SPEED", default=2.0)
 
     @property
     def pilot_yaw_rate(self) -> float:
-        return self.number("RO_YAW_RATE_LIM", _DEGREE, least=0.05)
+        return self.number("RO_YAW_RATE_LIM", _DEGREE, minimum=0.05)
 
     @property
     def acro_rate(self) -> float:  # type: ignore[override]
@@ -327,25 +327,25 @@ class RoverFlightParameters(Px4FlightParameters):
 
 
 class SubmarineFlightParameters(Px4FlightParameters):
-    """A submarine: depths are altitudes below 0."""
+    """A submarine: depths are negative altitudes."""
 
     limits: Limits = MappingProxyType({"UUV_PGM_VEL": ("speed", 2.0)})
     circle_radius = 5.0
 
     @property
     def cruise_speed(self) -> float:
-        return self.number("UUV_PGM_VEL", least=_SLOWEST, default=0.5)
+        return self.number("UUV_PGM_VEL", minimum=_MIN_SPEED, default=0.5)
 
     @property
     def acceptance_radius(self) -> float:
-        """A submarine's is a tenth of what is usual in the air."""
-        return max(super().acceptance_radius / 10, _SMALLEST_RADIUS)
+        """A tenth of the radius in the air, in metres."""
+        return max(super().acceptance_radius / 10, _MIN_RADIUS)
 
 
 def flight_parameters_of(vehicle: Vehicle) -> Px4FlightParameters:
-    """The flight parameters of a vehicle."""
+    """Return the flight parameters of a vehicle."""
     parameters = vehicle.parameters
-    match vehicle.type:
+    match vehicle.vehicle_type:
         case VehicleType.COPTER:
             return MulticopterFlightParameters(parameters)
         case VehicleType.PLANE:
@@ -357,12 +357,14 @@ def flight_parameters_of(vehicle: Vehicle) -> Px4FlightParameters:
     return RoverFlightParameters(parameters)
 
 
-def _pusher(
+def _limit_setter(
     flight_parameters: Px4FlightParameters, body: Body, name: str, limit: str, unit: float
 ) -> Callable[[object], None]:
-    def push(value: object) -> None:
+    """Return the callback that sets a limit from a parameter."""
+
+    def set_limit(value: object) -> None:
         number = flight_parameters.number(name, unit)
         if number > 0:
             body.set_limit(limit, number)
 
-    return push
+    return set_limit

@@ -1,4 +1,4 @@
-"""What a PX4 says that it is: versions, capabilities, and where it runs."""
+"""PX4's identity: versions, capabilities, board."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 VERSION: Final = FirmwareVersion(1, 16, 0)
 OPERATING_SYSTEM: Final = FirmwareVersion(6, 6, 0)
-#: The commit, which is nobody's, since this is no build of theirs.
+#: An invented commit, because this is not a build of PX4.
 GIT_HASH: Final = "4d61767374616b00"
 HARDWARE: Final = "MAVSTACK_SIM"
 _BOARD: Final = 1
-#: The first of the bytes that identify a board; the system id follows.
+#: First bytes of the board's unique id; the system id follows.
 _SERIAL: Final = bytes.fromhex("4d61767374636b")
 
 _CAN = common.MavProtocolCapability
@@ -37,7 +37,7 @@ CAPABILITIES: Final = int(
 
 
 def version_of(vehicle: Vehicle) -> AutopilotVersion:
-    """What AUTOPILOT_VERSION says."""
+    """Return the content of AUTOPILOT_VERSION."""
     serial = _SERIAL + bytes([vehicle.address.system])
     commit = bytes.fromhex(GIT_HASH)[::-1]
     return AutopilotVersion(

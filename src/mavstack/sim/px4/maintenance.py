@@ -1,6 +1,6 @@
-"""PX4 on the ground: calibration, reboot, storage, actuators, gripper.
+"""PX4's ground commands: calibration, reboot, storage, actuators, gripper.
 
-A calibration is ACCEPTED when it begins; how far it is comes as texts that ground stations read.
+A calibration is ACCEPTED when it starts; its progress is reported in status texts that ground stations parse.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ _CMD, _RESULT = common.MavCmd, common.MavResult
 _FUNCTION = common.ActuatorOutputFunction
 _GRAB, _RELEASE = common.GripperActions.GRAB, common.GripperActions.RELEASE
 _LOAD, _SAVE, _RESET_CONFIGURATION, _RESET_SENSORS, _RESET_ALL = range(5)
-_MOST_MOTORS, _MOST_SERVOS = 12, 8
-_LONGEST_TEST: Final = 3.0
-#: Servos that DO_SET_ACTUATOR moves, its first being this one.
+_MAX_MOTORS, _MAX_SERVOS = 12, 8
+_MAX_TEST_TIME: Final = 3.0
+#: First servo of DO_SET_ACTUATOR, and number of servos.
 _FIRST_ACTUATOR, _ACTUATORS = 9, 6
-_MIDDLE, _HALF = 1500, 500
+_CENTRE_PULSE, _PULSE_RANGE = 1500, 500
 _GRIPPER_TIME: Final = 1.0
-#: Seconds for each tenth of a calibration.
-_STEP = 0.2
+#: Seconds per 10 % of a calibration.
+_CALIBRATION_STEP = 0.2
 
 
 class Px4MaintenanceCommands(MaintenanceCommands):
-    """With PX4's answers and words."""
+    """Ground commands with PX4's answers and status texts."""
 
     def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
         super().__init__(vehicle)
@@ -49,14 +49,14 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         }
 
     def reboot(self, request: CommandRequest) -> common.MavResult:
-        """PREFLIGHT_REBOOT_SHUTDOWN: only disarmed; shutting down is not for this hardware."""
+        """Answer PREFLIGHT_REBOOT_SHUTDOWN: only while disarmed; shutdown is not supported."""
         if self.autopilot.armed or whole(request.command.param1) not in self.reboots:
             return _RESULT.DENIED
         self.autopilot.tasks.on_next_tick(self.vehicle.reboot)
         return _RESULT.ACCEPTED
 
     def store(self, request: CommandRequest) -> common.MavResult:
-        """PREFLIGHT_STORAGE: parameters are saved as they are set; they can be made the defaults again."""
+        """Answer PREFLIGHT_STORAGE: parameters are always saved; they can be reset."""
         wanted = whole(request.command.param1)
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED
@@ -68,7 +68,7 @@ class Px4MaintenanceCommands(MaintenanceCommands):
     # Calibration
 
     def calibrate(self, request: CommandRequest) -> Outcome:
-        """PREFLIGHT_CALIBRATION: one sensor at a time."""
+        """Answer PREFLIGHT_CALIBRATION: one sensor at a time."""
         if self.autopilot.armed or self._state.calibrating:
             return _RESULT.TEMPORARILY_REJECTED
         wanted = self.requested_calibrations(request)
@@ -79,7 +79,7 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         return _RESULT.ACCEPTED
 
     def requested_calibrations(self, request: CommandRequest) -> list[str]:
-        """The first that the command names; what needs the vehicle turned by hand fails in the end."""
+        """Return the first calibration that the command requests."""
         command = request.command
         first = {
             "gyro": command.param1 == 1,
@@ -92,20 +92,20 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         return [name for name, wanted in first.items() if wanted][:1]
 
     def calibrating(self, wanted: list[str]) -> Script:
-        """Calibrate, and say how far it is; a barometer's has no progress."""
+        """Calibrate and report progress; a barometer has none."""
         for name in wanted:
             self.vehicle.send_statustext(f"[cal] calibration started: 2 {name}")
             for percent in range(0, 101, 10):
                 if name != "baro":
                     self.vehicle.send_statustext(f"[cal] progress <{percent}>")
-                yield from waiting(self.vehicle, _STEP)
-            self._heal(name)
+                yield from waiting(self.vehicle, _CALIBRATION_STEP)
+            self._clear_fault(name)
             self.vehicle.send_statustext(f"[cal] calibration done: {name}")
         self._state.calibrating = ""
         return _RESULT.ACCEPTED
 
-    def _heal(self, name: str) -> None:
-        """What was wrong with a sensor is calibrated away."""
+    def _clear_fault(self, name: str) -> None:
+        """Clear the fault of a calibrated sensor."""
         if name == "mag":
             self.vehicle.faults.inject("compass 0")
         elif name == "baro":
@@ -114,23 +114,23 @@ class Px4MaintenanceCommands(MaintenanceCommands):
     # Actuators
 
     def test_actuator(self, request: CommandRequest) -> common.MavResult:
-        """ACTUATOR_TEST: one motor or servo for a few seconds; no time ends the test."""
+        """Answer ACTUATOR_TEST: one motor or servo for some seconds; zero seconds end the test."""
         command = request.command
         function, value = whole(number(command.param5)), number(command.param1)
         if self.autopilot.armed or function is None:
             return _RESULT.DENIED
-        seconds = min(max(number(command.param2), 0.0), _LONGEST_TEST)
-        if _FUNCTION.MOTOR1 <= function < _FUNCTION.MOTOR1 + _MOST_MOTORS:
+        seconds = min(max(number(command.param2), 0.0), _MAX_TEST_TIME)
+        if _FUNCTION.MOTOR1 <= function < _FUNCTION.MOTOR1 + _MAX_MOTORS:
             motor = function - _FUNCTION.MOTOR1 + 1
             self.autopilot.payload.test_motor(motor, min(max(value, 0.0), 1.0) * 100, seconds)
             return _RESULT.ACCEPTED
-        if _FUNCTION.SERVO1 <= function < _FUNCTION.SERVO1 + _MOST_SERVOS:
+        if _FUNCTION.SERVO1 <= function < _FUNCTION.SERVO1 + _MAX_SERVOS:
             self.autopilot.payload.set_servo(function - _FUNCTION.SERVO1 + 1, _pulse(value))
             return _RESULT.ACCEPTED
         return _RESULT.UNSUPPORTED
 
     def set_actuators(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_ACTUATOR: the first set of six, each -1 to 1, NaN leaving one as it is."""
+        """Answer DO_SET_ACTUATOR: the first set of six, each -1 to 1; NaN changes nothing."""
         command = request.command
         values = (
             command.param1, command.param2, command.param3, command.param4, command.param5, command.param6,
@@ -143,18 +143,20 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         return _RESULT.ACCEPTED
 
     def grip(self, request: CommandRequest) -> Outcome:
-        """DO_GRIPPER: it takes its time."""
+        """Answer DO_GRIPPER, which takes some time."""
         action = whole(request.command.param2)
         if action not in (_GRAB, _RELEASE):
             return _RESULT.FAILED
-        self.autopilot.tasks.begin(request, self._gripping(closed=action == _GRAB))
+        self.autopilot.tasks.begin(request, self._run_gripper(closed=action == _GRAB))
         return None
 
-    def _gripping(self, *, closed: bool) -> Script:
+    def _run_gripper(self, *, closed: bool) -> Script:
+        """Move the gripper."""
         yield from waiting(self.vehicle, _GRIPPER_TIME)
         self.autopilot.payload.grip(closed=closed)
         return _RESULT.ACCEPTED
 
 
 def _pulse(value: float) -> int:
-    return round(_MIDDLE + _HALF * min(max(value, -1.0), 1.0))
+    """Return the pulse of a value of -1 to 1."""
+    return round(_CENTRE_PULSE + _PULSE_RANGE * min(max(value, -1.0), 1.0))

@@ -1,7 +1,7 @@
-"""Choosing PX4's modes: which numbers mean which, whether one may be entered now, and what is said if not.
+"""Selection of PX4's modes: mode numbers, whether a mode may be entered now, and the texts of a refusal.
 
-Disarmed, every mode may be chosen; armed, only what can be flown. Land is never refused: without a position
-it becomes Descend.
+While disarmed every mode may be selected; while armed only modes whose requirements hold. Land is never
+refused: without a position it becomes Descend.
 """
 
 from __future__ import annotations
@@ -26,45 +26,45 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
 
 _FLAGS = common.MavModeFlag
-#: Main modes that have sub modes.
+#: Main modes with sub modes.
 AUTO: Final = 4
 _POSCTL: Final = 3
 _SLOW: Final = 2
 
 
-def unavailable(name: str) -> str:
-    """What is said when a mode cannot be entered."""
+def unavailable_text(name: str) -> str:
+    """Return the text of a refused mode."""
     return f"Switching to {name} is currently not available"
 
 
-def refusal_of(autopilot: Autopilot, mode: Mode) -> str | None:
-    """Why a mode may not be entered now; None if it may be."""
-    return None if _may_enter(autopilot, mode) else unavailable(mode.name)
+def mode_refusal_of(autopilot: Autopilot, mode: Mode) -> str | None:
+    """Return why a mode may not be entered now; None if it may."""
+    return None if _may_enter(autopilot, mode) else unavailable_text(mode.name)
 
 
-def choose_mode(vehicle: Vehicle, wanted: int) -> str | None:
-    """Enter a mode as somebody wants it; gives what is said if it cannot be."""
+def choose_mode(vehicle: Vehicle, number: int) -> str | None:
+    """Enter a mode on request; return the text of a refusal, or None."""
     autopilot = vehicle.autopilot
-    if wanted == LAND and autopilot.armed and not autopilot.has_position:
-        wanted = DESCEND
-    mode = autopilot.find_mode(wanted)
+    if number == LAND and autopilot.armed and not autopilot.has_position:
+        number = DESCEND
+    mode = autopilot.find_mode(number)
     if mode is None:
-        return unavailable("that mode")
-    refused = refusal_of(autopilot, mode)
-    if refused is None and not autopilot.enter(wanted, "commanded", commanded=True):
-        refused = unavailable(mode.name)
-    return refused
+        return unavailable_text("that mode")
+    reason = mode_refusal_of(autopilot, mode)
+    if reason is None and not autopilot.enter(number, "commanded", commanded=True):
+        reason = unavailable_text(mode.name)
+    return reason
 
 
 def custom_mode_of(main: int, sub: int) -> int:
-    """The `custom_mode` that the two numbers of DO_SET_MODE mean; Orbit is never entered by it."""
+    """Return the `custom_mode` of DO_SET_MODE's two numbers; Orbit cannot be entered this way."""
     if main == AUTO:
         return MISSION if sub == 0 else px4_custom_mode(main, sub)
     return px4_custom_mode(main, _SLOW if main == _POSCTL and sub == _SLOW else 0)
 
 
 def mode_of_flags(flags: int) -> int | None:
-    """The mode that DO_SET_MODE means by flags alone."""
+    """Return the mode that DO_SET_MODE selects by flags alone."""
     if flags & _FLAGS.AUTO_ENABLED:
         return MISSION
     if not flags & _FLAGS.MANUAL_INPUT_ENABLED:
@@ -75,6 +75,7 @@ def mode_of_flags(flags: int) -> int | None:
 
 
 def _may_enter(autopilot: Autopilot, mode: Mode) -> bool:
+    """Return whether a mode may be entered now."""
     if autopilot.terminated or autopilot.mode.number == TERMINATION:
         return mode.number == TERMINATION
     if not autopilot.armed:

@@ -1,8 +1,8 @@
-"""PX4's modes: one table for all types, of which each type has what it can fly.
+"""PX4's modes: one table for all types; each type has the modes that it can fly.
 
-PX4 tells the names only of modes that are no standard modes. Its HEARTBEAT flags follow from what its
-controllers do in a mode: the navigator's modes are automatic, guided and stabilised; the pilot's modes have
-manual input, and those that hold an attitude are stabilised.
+PX4 reports names only of modes that are not standard modes. The HEARTBEAT flags follow from the active
+controllers: the navigator's modes are automatic, guided and stabilised; the pilot's modes have manual input,
+and those that hold an attitude are stabilised.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.px4.state import Px4State
 
-Make: TypeAlias = "Callable[[Autopilot], Behaviour]"
+BehaviourFactory: TypeAlias = "Callable[[Autopilot], Behaviour]"
 
 _STANDARD, _PROPERTY, _FLAGS = common.MavStandardMode, common.MavModeProperty, common.MavModeFlag
 _T = VehicleType
 
-#: `custom_mode` of each.
+#: `custom_mode` values.
 MANUAL: Final = px4_custom_mode(1)
 ALTITUDE: Final = px4_custom_mode(2)
 POSITION: Final = px4_custom_mode(3)
@@ -58,10 +58,10 @@ OFFBOARD: Final = px4_custom_mode(6)
 STABILIZED: Final = px4_custom_mode(7)
 TERMINATION: Final = px4_custom_mode(10)
 
-#: What DO_SET_MODE does not enter: for these there are commands of their own, or failsafes.
-BY_THEMSELVES: Final = frozenset({ORBIT, VTOL_TAKEOFF, DESCEND, TERMINATION})
+#: Modes that DO_SET_MODE does not enter: own commands or failsafes enter them.
+NOT_SELECTABLE: Final = frozenset({ORBIT, VTOL_TAKEOFF, DESCEND, TERMINATION})
 
-#: What DO_SET_STANDARD_MODE enters; a wing orbits in Hold.
+#: Modes that DO_SET_STANDARD_MODE enters; a wing orbits in Hold.
 STANDARD_MODES: Final[Mapping[int, int]] = MappingProxyType(
     {
         _STANDARD.SAFE_RECOVERY: RETURN,
@@ -81,25 +81,25 @@ STANDARD_MODES_OF_WINGS: Final[Mapping[int, int]] = MappingProxyType(
     }
 )
 
-#: What controllers do, as flags.
+#: MAV_MODE_FLAG bits by active controllers.
 _AUTOMATIC: Final = _FLAGS.AUTO_ENABLED | _FLAGS.GUIDED_ENABLED | _FLAGS.STABILIZE_ENABLED
-_BY_STICKS: Final = _FLAGS.MANUAL_INPUT_ENABLED | _FLAGS.STABILIZE_ENABLED
-_RAW: Final = _FLAGS.MANUAL_INPUT_ENABLED
-_STABLE: Final = _FLAGS.STABILIZE_ENABLED
+_MANUAL_STABILIZED: Final = _FLAGS.MANUAL_INPUT_ENABLED | _FLAGS.STABILIZE_ENABLED
+_MANUAL_RAW: Final = _FLAGS.MANUAL_INPUT_ENABLED
+_STABILIZED_ONLY: Final = _FLAGS.STABILIZE_ENABLED
 
 _FLYING: Final = frozenset({_T.COPTER, _T.PLANE, _T.VTOL})
 _HOVERING: Final = frozenset({_T.COPTER, _T.VTOL})
-_FLOATING: Final = _FLYING | {_T.SUB}
+_FLYING_AND_SUB: Final = _FLYING | {_T.SUB}
 _ALL: Final = frozenset(VehicleType)
 
 
 @dataclass(frozen=True, slots=True)
 class _Row:
-    """One mode for every type that has it; `standard` on flying types only."""
+    """One mode for every type that has it; `standard` applies to flying types only."""
 
     number: int
     name: str
-    behaviour: Make
+    behaviour: BehaviourFactory
     flags: int
     standard: int = _STANDARD.NON_STANDARD
     types: frozenset[VehicleType] = _ALL
@@ -110,18 +110,18 @@ class _Row:
     then: int | None = None
 
 
-#: In the order of the firmware's own numbers, which is that of its list.
+#: In the order of the firmware's own numbers, as in its list.
 _TABLE: Final = (
-    _Row(MANUAL, "Manual", Manual, _RAW, manual_control=True, needs_position=False),
+    _Row(MANUAL, "Manual", Manual, _MANUAL_RAW, manual_control=True, needs_position=False),
     _Row(
-        ALTITUDE, "Altitude", AltitudeHold, _BY_STICKS, _STANDARD.ALTITUDE_HOLD, _FLOATING,
+        ALTITUDE, "Altitude", AltitudeHold, _MANUAL_STABILIZED, _STANDARD.ALTITUDE_HOLD, _FLYING_AND_SUB,
         manual_control=True, needs_position=False,
     ),
-    _Row(POSITION, "Position", PositionHold, _BY_STICKS, manual_control=True),
+    _Row(POSITION, "Position", PositionHold, _MANUAL_STABILIZED, manual_control=True),
     _Row(MISSION, "Mission", Mission, _AUTOMATIC, _STANDARD.MISSION),
     _Row(HOLD, "Hold", Hold, _AUTOMATIC),
     _Row(RETURN, "Return", Px4Return, _AUTOMATIC, _STANDARD.SAFE_RECOVERY, may_arm=False),
-    _Row(ACRO, "Acro", Acro, _RAW, manual_control=True, needs_position=False),
+    _Row(ACRO, "Acro", Acro, _MANUAL_RAW, manual_control=True, needs_position=False),
     _Row(
         DESCEND, "Descend", Descend, _AUTOMATIC,
         needs_position=False, may_arm=False, selectable=False,
@@ -129,13 +129,13 @@ _TABLE: Final = (
     _Row(
         TERMINATION, "Termination", Terminated, 0, needs_position=False, may_arm=False, selectable=False,
     ),
-    _Row(OFFBOARD, "Offboard", Offboard, _STABLE, needs_position=False),
-    _Row(STABILIZED, "Stabilized", Stabilize, _BY_STICKS, manual_control=True, needs_position=False),
+    _Row(OFFBOARD, "Offboard", Offboard, _STABILIZED_ONLY, needs_position=False),
+    _Row(STABILIZED, "Stabilized", Stabilize, _MANUAL_STABILIZED, manual_control=True, needs_position=False),
     _Row(TAKEOFF, "Takeoff", Terminated, _AUTOMATIC, _STANDARD.TAKEOFF, _FLYING, then=HOLD),
     _Row(
         LAND, "Land", Land, _AUTOMATIC, _STANDARD.LAND, _FLYING, needs_position=False, may_arm=False,
     ),
-    _Row(ORBIT, "Orbit", Terminated, _STABLE, _STANDARD.ORBIT, _FLYING, may_arm=False),
+    _Row(ORBIT, "Orbit", Terminated, _STABILIZED_ONLY, _STANDARD.ORBIT, _FLYING, may_arm=False),
     _Row(
         VTOL_TAKEOFF, "VTOL Takeoff", Terminated, _AUTOMATIC, types=frozenset({_T.VTOL}),
         then=HOLD,
@@ -144,23 +144,24 @@ _TABLE: Final = (
 
 
 def modes_of(type: VehicleType, state: Px4State) -> tuple[Mode, ...]:  # noqa: A002 (HEARTBEAT's name for it)
-    """The modes of a type, in the order of AVAILABLE_MODES; take-offs and orbits go by the state."""
-    chosen: dict[int, Make] = {
+    """Return the modes of a type, in the order of AVAILABLE_MODES."""
+    factories: dict[int, BehaviourFactory] = {
         TAKEOFF: lambda autopilot: Px4Takeoff(autopilot, state),
         ORBIT: lambda autopilot: orbit_behaviour(autopilot, state.orbit),
         VTOL_TAKEOFF: lambda autopilot: Px4Takeoff(autopilot, state, forward=True),
     }
     rows = (row for row in _TABLE if type in row.types)
-    return tuple(_mode(row, type, chosen.get(row.number, row.behaviour)) for row in rows)
+    return tuple(_mode(row, type, factories.get(row.number, row.behaviour)) for row in rows)
 
 
-def _mode(row: _Row, kind: VehicleType, behaviour: Make) -> Mode:
-    standard = _standard_mode(row, kind)
+def _mode(row: _Row, vehicle_type: VehicleType, behaviour: BehaviourFactory) -> Mode:
+    """Return the mode of a row."""
+    standard = _standard_mode(row, vehicle_type)
     named = standard == _STANDARD.NON_STANDARD
     return Mode(
         AvailableMode(row.number, row.name if named else "", standard, _properties(row)),
         behaviour,
-        flags=_flags(row, kind),
+        flags=_flags(row, vehicle_type),
         needs_position=row.needs_position,
         manual_control=row.manual_control,
         may_arm=row.may_arm,
@@ -169,23 +170,25 @@ def _mode(row: _Row, kind: VehicleType, behaviour: Make) -> Mode:
     )
 
 
-def _standard_mode(row: _Row, kind: VehicleType) -> int:
+def _standard_mode(row: _Row, vehicle_type: VehicleType) -> int:
+    """Return the MAV_STANDARD_MODE of a row."""
     if row.number == POSITION:
         return {_T.COPTER: _STANDARD.POSITION_HOLD, _T.PLANE: _STANDARD.CRUISE}.get(
-            kind, _STANDARD.NON_STANDARD
+            vehicle_type, _STANDARD.NON_STANDARD
         )
-    if row.number in (ALTITUDE, ORBIT) and kind not in _FLYING:
+    if row.number in (ALTITUDE, ORBIT) and vehicle_type not in _FLYING:
         return _STANDARD.NON_STANDARD
     return row.standard
 
 
 def _properties(row: _Row) -> int:
+    """Return the MAV_MODE_PROPERTY flags of a row."""
     properties = 0 if row.number in (ALTITUDE, POSITION) else int(_PROPERTY.ADVANCED)
     return properties if row.selectable else properties | int(_PROPERTY.NOT_USER_SELECTABLE)
 
 
-def _flags(row: _Row, kind: VehicleType) -> int:
-    """What hovers is stabilised in Manual, too."""
-    if row.number == MANUAL and kind in _HOVERING:
-        return int(_BY_STICKS)
+def _flags(row: _Row, vehicle_type: VehicleType) -> int:
+    """Return the MAV_MODE_FLAG bits of a row; hovering types are stabilised in Manual, too."""
+    if row.number == MANUAL and vehicle_type in _HOVERING:
+        return int(_MANUAL_STABILIZED)
     return int(row.flags)

@@ -1,6 +1,6 @@
-"""PX4's commands that fly: take-off, landing, return, going somewhere, orbits, speed, transitions.
+"""PX4's flight commands: take-off, landing, return, reposition, orbits, speed, transitions.
 
-Altitudes are above mean sea level, in whatever frame a command comes: PX4 does not look at it.
+Altitudes are above mean sea level in every frame, because PX4 ignores the frame.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ _CMD, _RESULT = common.MavCmd, common.MavResult
 _CRITICAL = common.MavSeverity.CRITICAL
 _STATE = common.MavVtolState
 _CHANGE_MODE: Final = int(common.MavDoRepositionFlags.CHANGE_MODE)
-_HIGHEST: Final = 1.0e5
-_FASTEST: Final = 1000.0
+_MAX_ALTITUDE: Final = 1.0e5
+_MAX_SPEED: Final = 1000.0
 
 #: Modes in which a VTOL refuses the transition to forward flight.
 _HOVERING_MODES: Final = frozenset({TAKEOFF, LAND, RETURN, ORBIT})
 
 
 class Px4Movement(MovementCommands):
-    """With PX4's answers and words."""
+    """Flight commands with PX4's answers and status texts."""
 
     def __init__(self, vehicle: Vehicle, state: Px4State) -> None:
         super().__init__(vehicle)
@@ -59,7 +59,7 @@ class Px4Movement(MovementCommands):
             _CMD.DO_REPOSITION: self.reposition,
             _CMD.DO_CHANGE_SPEED: self.change_speed,
         }
-        if self.vehicle.type.flies:
+        if self.vehicle.vehicle_type.flies:
             handlers |= {
                 _CMD.NAV_TAKEOFF: self.take_off,
                 _CMD.NAV_LAND: self.land,
@@ -67,17 +67,17 @@ class Px4Movement(MovementCommands):
                 _CMD.DO_CHANGE_ALTITUDE: self.change_altitude,
                 _CMD.DO_GO_AROUND: self.go_around,
             }
-        if self.vehicle.type is VehicleType.VTOL:
+        if self.vehicle.vehicle_type is VehicleType.VTOL:
             handlers |= {
                 _CMD.NAV_VTOL_TAKEOFF: self.take_off_forward,
-                _CMD.DO_VTOL_TRANSITION: self.change_over,
+                _CMD.DO_VTOL_TRANSITION: self.start_transition,
             }
         return handlers
 
     # Modes
 
     def enter(self, mode: int) -> common.MavResult:
-        """Enter a mode, or say why not."""
+        """Enter a mode, or report why not."""
         refused = choose_mode(self.vehicle, mode)
         if refused is not None:
             self.vehicle.send_statustext(refused, _CRITICAL)
@@ -85,36 +85,37 @@ class Px4Movement(MovementCommands):
         return _RESULT.ACCEPTED
 
     def return_to_launch(self, request: CommandRequest) -> common.MavResult:
-        """NAV_RETURN_TO_LAUNCH."""
+        """Answer NAV_RETURN_TO_LAUNCH."""
         result = self.enter(RETURN)
         if result == _RESULT.ACCEPTED:
             self.vehicle.send_statustext("Returning to launch")
         return result
 
     def land(self, request: CommandRequest) -> common.MavResult:
-        """NAV_LAND: here, whatever place the command names."""
+        """Answer NAV_LAND: land here, whatever position the command has."""
         result = self.enter(LAND)
         if result == _RESULT.ACCEPTED:
             self.vehicle.send_statustext("Landing at current position")
         return result
 
     def take_off(self, request: CommandRequest) -> common.MavResult:
-        """NAV_TAKEOFF: to param 7 above the sea, or by MIS_TAKEOFF_ALT; it may come before arming."""
+        """Answer NAV_TAKEOFF: to param7 above mean sea level, or by MIS_TAKEOFF_ALT."""
         return self._take_off(TAKEOFF, request.command.param7)
 
     def take_off_forward(self, request: CommandRequest) -> common.MavResult:
-        """NAV_VTOL_TAKEOFF: the transition is at param 7 above the sea."""
+        """Answer NAV_VTOL_TAKEOFF: the transition is at param7 above mean sea level."""
         return self._take_off(VTOL_TAKEOFF, request.command.param7)
 
     def _take_off(self, mode: int, altitude: float) -> common.MavResult:
+        """Enter a take-off mode with an altitude."""
         before, self._state.takeoff_altitude = self._state.takeoff_altitude, altitude
-        if abs(number(altitude)) > _HIGHEST:
+        if abs(number(altitude)) > _MAX_ALTITUDE:
             self._state.takeoff_altitude = before
             return _RESULT.DENIED
         return self.enter(mode)
 
     def go_around(self, request: CommandRequest) -> common.MavResult:
-        """DO_GO_AROUND: a landing is given up; there must be one."""
+        """Answer DO_GO_AROUND: abort a landing."""
         behaviour = self.autopilot.behaviour
         if behaviour is None or not behaviour.landing or self.autopilot.landed:
             return _RESULT.TEMPORARILY_REJECTED
@@ -126,10 +127,10 @@ class Px4Movement(MovementCommands):
             self.autopilot.guided.go_to((here[0], here[1], up))
         return result
 
-    # Going somewhere
+    # Positions
 
     def reposition(self, request: CommandRequest) -> common.MavResult:
-        """DO_REPOSITION: go there in Hold; what is left out stays as it is."""
+        """Answer DO_REPOSITION: fly to a point in Hold; fields left out keep their values."""
         command = request.command
         point = self.target_place(command)
         if self.autopilot.mode.number != HOLD:
@@ -142,11 +143,11 @@ class Px4Movement(MovementCommands):
         return _RESULT.ACCEPTED
 
     def target_place(self, command: Command) -> Point:
-        """The place that a command wants to be gone to."""
-        usual = replace(command, frame=common.MavFrame.GLOBAL)
+        """Return the local point that a command names."""
+        in_global_frame = replace(command, frame=common.MavFrame.GLOBAL)
         if command.frame is not None and command.frame not in GLOBAL:
             raise CommandRefusedError(_RESULT.COMMAND_UNSUPPORTED_MAV_FRAME)
-        point = place_of(self.autopilot, usual)
+        point = place_of(self.autopilot, in_global_frame)
         if has_place(command):
             return point
         autopilot = self.autopilot
@@ -155,18 +156,18 @@ class Px4Movement(MovementCommands):
         return north, east, point[2] if isfinite(command.param7) else down
 
     def change_altitude(self, request: CommandRequest) -> common.MavResult:
-        """DO_CHANGE_ALTITUDE: to param 1 above the sea, while it holds."""
+        """Answer DO_CHANGE_ALTITUDE: to param1 above mean sea level, in Hold only."""
         autopilot, altitude = self.autopilot, request.command.param1
         if autopilot.mode.number != HOLD:
             return _RESULT.TEMPORARILY_REJECTED
-        if not abs(altitude) <= _HIGHEST:
+        if not abs(altitude) <= _MAX_ALTITUDE:
             return _RESULT.DENIED
         north, east, _ = autopilot.target or autopilot.maneuvers.stopping_point
         autopilot.guided.go_to((north, east, autopilot.body.frame.altitude - altitude))
         return _RESULT.ACCEPTED
 
     def orbit(self, request: CommandRequest) -> common.MavResult:
-        """DO_ORBIT: a wing circles in Hold, what hovers in a mode of its own."""
+        """Answer DO_ORBIT: a wing circles in Hold, other types in Orbit."""
         command, autopilot = request.command, self.autopilot
         wanted = OrbitRequest.read(autopilot, command, self.target_place(command))
         if autopilot.maneuvers.circles:
@@ -174,24 +175,25 @@ class Px4Movement(MovementCommands):
                 return self._refuse_orbit()
             autopilot.guided.orbit(wanted.centre, wanted.radius)
             return _RESULT.ACCEPTED
-        most = float(self.vehicle.parameters["MC_ORBIT_RAD_MAX"])
-        if abs(wanted.radius) > most:
+        max_radius = float(self.vehicle.parameters["MC_ORBIT_RAD_MAX"])
+        if abs(wanted.radius) > max_radius:
             self.vehicle.send_statustext("Orbit radius limit exceeded", _CRITICAL)
-            wanted = replace(wanted, radius=copysign(most, wanted.radius))
+            wanted = replace(wanted, radius=copysign(max_radius, wanted.radius))
         self._state.orbit = wanted
         return self._refuse_orbit() if choose_mode(self.vehicle, ORBIT) is not None else _RESULT.ACCEPTED
 
     def _refuse_orbit(self) -> common.MavResult:
+        """Reject an orbit."""
         self.vehicle.send_statustext("Orbit command rejected", _CRITICAL)
         return _RESULT.TEMPORARILY_REJECTED
 
-    # How
+    # Speed and transitions
 
     def change_speed(self, request: CommandRequest) -> common.MavResult:
-        """DO_CHANGE_SPEED: forward, up or down; without a speed the usual ones count again."""
+        """Answer DO_CHANGE_SPEED: forward, up or down; no speed restores the defaults."""
         kind, speed = whole(number(request.command.param1)), number(request.command.param2)
         if speed > 0:
-            return super().change_speed(request) if speed <= _FASTEST else _RESULT.DENIED
+            return super().change_speed(request) if speed <= _MAX_SPEED else _RESULT.DENIED
         maneuvers = self.autopilot.maneuvers
         if kind in (common.SpeedType.CLIMB_SPEED, common.SpeedType.DESCENT_SPEED):
             maneuvers.climb = maneuvers.sink = None
@@ -200,20 +202,20 @@ class Px4Movement(MovementCommands):
         apply_choices(self.autopilot)
         return _RESULT.ACCEPTED
 
-    def change_over(self, request: CommandRequest) -> common.MavResult:
-        """DO_VTOL_TRANSITION: between hovering and flying on the wing."""
+    def start_transition(self, request: CommandRequest) -> common.MavResult:
+        """Answer DO_VTOL_TRANSITION: between hover and forward flight."""
         wanted, autopilot = whole(number(request.command.param1)), self.autopilot
         if wanted not in (_STATE.MC, _STATE.FW):
             return _RESULT.DENIED
-        changed = change_over(autopilot.vehicle, wanted == _STATE.FW)
+        changed = start_transition(autopilot.vehicle, wanted == _STATE.FW)
         return _RESULT.ACCEPTED if changed else _RESULT.TEMPORARILY_REJECTED
 
 
-def change_over(vehicle: Vehicle, forward: bool) -> bool:
-    """Have a VTOL fly on its wing or hover, in the air; whether it may now."""
+def start_transition(vehicle: Vehicle, forward: bool) -> bool:
+    """Start a VTOL's transition in the air; return whether it is allowed."""
     autopilot = vehicle.autopilot
     denied = forward and autopilot.mode.number in _HOVERING_MODES
-    if vehicle.type is not VehicleType.VTOL or denied or not autopilot.armed or autopilot.landed:
+    if vehicle.vehicle_type is not VehicleType.VTOL or denied or not autopilot.armed or autopilot.landed:
         return False
     autopilot.body.transition_to(forward)
     if autopilot.mission.flying:

@@ -1,4 +1,4 @@
-"""PX4's profile, gathered: its modes, flight parameters, checks, commands, shell, texts."""
+"""PX4's firmware profile: modes, flight parameters, checks, commands, shell, status texts."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from mavstack.services.modes import ModeChanged
 from mavstack.services.version import provide_versions
 from mavstack.sim.autopilot.interfaces import FirmwareProfile
 from mavstack.sim.px4 import modes
-from mavstack.sim.px4.arming import LandingWatch, PreflightWatch, problems_of
+from mavstack.sim.px4.arming import LandDetector, PreflightReporter, preflight_problems
 from mavstack.sim.px4.commands import register_commands
 from mavstack.sim.px4.failsafes import Px4Failsafes, setpoints_lost
 from mavstack.sim.px4.flight_parameters import Px4FlightParameters, flight_parameters_of
 from mavstack.sim.px4.identity import version_of
-from mavstack.sim.px4.mode_selection import refusal_of
-from mavstack.sim.px4.shell import Console, Journal
+from mavstack.sim.px4.mode_selection import mode_refusal_of
+from mavstack.sim.px4.shell import Console, MessageLog
 from mavstack.sim.px4.state import BY_COMMAND, BY_FAILSAFE, BY_LANDING, Px4State
 from mavstack.sim.telemetry import publish_px4
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot, Mode, Vehicle
     from mavstack.sim.vehicle_types import VehicleType
 
-#: How PX4 calls the reasons for disarming that rooms shared by both firmwares give.
+#: PX4's names of the shared autopilot's reasons of disarming.
 _REASONS = {"commanded": BY_COMMAND, "landed": BY_LANDING, "mission end": BY_LANDING}
 
 
@@ -35,7 +35,7 @@ class Px4Profile(FirmwareProfile):
     initial = hold = guided = modes.HOLD
     mission = modes.MISSION
     return_to_launch = modes.RETURN
-    #: Its simulations have none, and it flies without.
+    #: PX4's simulations have no transmitter and fly without.
     transmitter = False
     refusal = ""
 
@@ -43,57 +43,57 @@ class Px4Profile(FirmwareProfile):
         self.type = type
         self.state = Px4State()
         self.modes = modes.modes_of(type, self.state)
-        self.journal = Journal()
+        self.message_log = MessageLog()
         self.land = modes.LAND if type.flies else modes.HOLD
 
     def flight_parameters(self, vehicle: Vehicle) -> Px4FlightParameters:
-        """From the parameters; the limits of the body follow them until the next boot."""
+        """Return the flight parameters; the limits of the body follow them until the next boot."""
         flight_parameters = flight_parameters_of(vehicle)
-        flight_parameters.follow(vehicle.body)
+        flight_parameters.apply_limits(vehicle.body)
         return flight_parameters
 
     def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
-        """With "Preflight Fail:", as PX4 says them."""
-        return problems_of(autopilot)
+        """Yield problems that prevent arming, as PX4 reports them."""
+        return preflight_problems(autopilot)
 
     def mode_refusal(self, autopilot: Autopilot, mode: Mode) -> str | None:
-        """Why a mode may not be entered now."""
-        return refusal_of(autopilot, mode)
+        """Return why a mode may not be entered now; None if it may."""
+        return mode_refusal_of(autopilot, mode)
 
     def resting_state(self, autopilot: Autopilot) -> int:
-        """STANDBY only while nothing keeps it from being armed."""
+        """Return the MAV_STATE while disarmed: STANDBY only if nothing prevents arming."""
         if self.state.calibrating:
             return common.MavState.CALIBRATING
         return common.MavState.STANDBY if self.state.healthy else common.MavState.UNINIT
 
     def register(self, vehicle: Vehicle) -> None:
-        """Commands and watches of a new boot."""
-        self.state.forget(self.hold)
+        """Register commands and periodic checks of a new boot."""
+        self.state.reset(self.hold)
         autopilot = vehicle.autopilot
         register_commands(vehicle, self.state)
         vehicle.on_event(ModeChanged, lambda event: self._mode_changed(vehicle, event))
-        autopilot.watches.append(PreflightWatch(autopilot, self.state))
+        autopilot.watches.append(PreflightReporter(autopilot, self.state))
         if self.type.flies:
-            autopilot.watches.append(LandingWatch(autopilot, self.state))
+            autopilot.watches.append(LandDetector(autopilot, self.state))
         Px4Failsafes(autopilot)
-        self.journal.begin(vehicle)
-        Console(vehicle, self.state, self.journal)
+        self.message_log.start(vehicle)
+        Console(vehicle, self.state, self.message_log)
 
     def provide(self, vehicle: Vehicle) -> None:
-        """Streams at PX4's rates, and the versions."""
+        """Publish PX4's streams and the versions."""
         publish_px4(vehicle)
         provide_versions(vehicle.messages, version_of(vehicle))
 
-    # What it says
+    # Status texts
 
     def armed(self, autopilot: Autopilot) -> None:
-        """By whom."""
+        """Report by whom the vehicle was armed."""
         autopilot.vehicle.send_statustext(f"Armed by {self.state.arming_reason}")
-        self.state.has_flown = False  # it may be armed again before anybody looked at it disarmed
+        self.state.has_flown = False  # it may be armed again before the next periodic check
         self.state.arming_reason = BY_COMMAND
 
     def disarmed(self, autopilot: Autopilot) -> None:
-        """By whom; and the mode is again the one that the take-off began in."""
+        """Report by whom the vehicle was disarmed, and restore the mode from before take-off."""
         reason = self.state.disarming_reason or _REASONS.get(autopilot.disarm_reason, BY_FAILSAFE)
         self.state.disarming_reason = None
         autopilot.failsafes.discard("offboard")
@@ -106,11 +106,11 @@ class Px4Profile(FirmwareProfile):
             autopilot.enter(self.state.mode_after_disarming, "disarmed")
 
     def setpoints_lost(self, autopilot: Autopilot) -> None:
-        """By COM_OBL_RC_ACT."""
+        """Execute COM_OBL_RC_ACT."""
         setpoints_lost(autopilot)
 
     def take_off(self, autopilot: Autopilot, height: float) -> None:
-        """Take off to a height above the ground, armed or not."""
+        """Take off to a height above the ground in metres, armed or not."""
         if self.type.flies:
             self.state.takeoff_altitude = (
                 autopilot.body.frame.altitude - autopilot.maneuvers.place[2] + height
@@ -119,10 +119,10 @@ class Px4Profile(FirmwareProfile):
         autopilot.arm()
 
     def _mode_changed(self, vehicle: Vehicle, event: ModeChanged) -> None:
-        """Remember where to be after disarming: where one may arm, and does not take off."""
+        """Store the mode to restore after disarming: one that allows arming and is no take-off."""
         number = event.mode.custom_mode
         if number == vehicle.modes.intended.custom_mode:
-            vehicle.autopilot.failsafes.discard("offboard")  # somebody took over
+            vehicle.autopilot.failsafes.discard("offboard")  # the user took over
         mode = vehicle.autopilot.find_mode(number)
         takes_off = number in (modes.TAKEOFF, modes.VTOL_TAKEOFF)
         if mode is not None and mode.may_arm and not takes_off:

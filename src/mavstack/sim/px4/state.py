@@ -1,4 +1,4 @@
-"""What one PX4 remembers from one command to the next; forgotten when it boots."""
+"""State that one PX4 keeps between commands; reset at boot."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _YAW = common.OrbitYawBehaviour
 _MIN_RADIUS: Final = 1.0
 _MAX_SPEED: Final = 10.0
-#: Why the motors were armed or disarmed, as STATUSTEXT says it.
+#: Reasons of arming and disarming in status texts.
 BY_COMMAND: Final = "external command"
 BY_SHELL: Final = "internal command"
 BY_MISSION: Final = "mission start"
@@ -29,7 +29,7 @@ BY_STICKS: Final = "stick gesture"
 
 @dataclass(frozen=True, slots=True)
 class OrbitRequest:
-    """A circle: radius > 0 is clockwise."""
+    """A circle; a positive radius (m) is clockwise."""
 
     centre: Point
     radius: float
@@ -38,7 +38,7 @@ class OrbitRequest:
 
     @classmethod
     def read(cls, autopilot: Autopilot, command: Command, centre: Point) -> OrbitRequest:
-        """What DO_ORBIT asks for; what is left out is as usual."""
+        """Read DO_ORBIT; defaults replace what the command leaves out."""
         radius, speed = command.param1, abs(number(command.param2))
         if not isfinite(radius) or abs(radius) < _MIN_RADIUS:
             radius = autopilot.flight_parameters.circle_radius
@@ -50,25 +50,25 @@ class OrbitRequest:
 
 @dataclass(slots=True)
 class Px4State:
-    """Shared by the commands, the modes and the watches of one vehicle."""
+    """State shared by the commands, modes and periodic checks of one vehicle."""
 
-    #: Where the next take-off goes, in metres above mean sea level; None or NaN: by MIS_TAKEOFF_ALT.
+    #: Altitude of the next take-off in metres above mean sea level; None or NaN uses MIS_TAKEOFF_ALT.
     takeoff_altitude: float | None = None
     #: The circle of the last DO_ORBIT.
     orbit: OrbitRequest | None = None
-    #: Whether it left the ground since it was armed.
+    #: True if the vehicle left the ground since arming.
     has_flown: bool = False
-    #: The mode to be in when the motors are disarmed.
+    #: The mode to enter after disarming.
     mode_after_disarming: int = 0
     arming_reason: str = BY_COMMAND
     disarming_reason: str | None = None
-    #: Whether it could be armed in some mode.
+    #: True if no problem prevents arming.
     healthy: bool = False
-    #: A calibration that is under way, "" if none is.
+    #: Name of the running calibration; "" if none.
     calibrating: str = ""
 
-    def forget(self, mode: int) -> None:
-        """Begin anew, in a mode."""
+    def reset(self, mode: int) -> None:
+        """Reset at boot, in a mode."""
         self.takeoff_altitude = self.orbit = None
         self.has_flown = False
         self.mode_after_disarming = mode

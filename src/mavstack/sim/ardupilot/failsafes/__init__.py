@@ -1,4 +1,4 @@
-"""ArduPilot's failsafes: of the radio, the ground station, the battery, the estimate, and what crashes."""
+"""ArduPilot's failsafes: radio, ground station, battery, estimator, crash."""
 
 from mavstack.sim.ardupilot.failsafes.factory import ArdupilotFailsafes
 

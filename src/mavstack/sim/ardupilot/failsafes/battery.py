@@ -1,7 +1,7 @@
-"""The battery of an armed vehicle, low or critical by its voltage or by what is left of BATT_CAPACITY.
+"""Battery failsafes: low and critical, by voltage or by the rest of BATT_CAPACITY.
 
-It must be so for BATT_LOW_TIMER seconds, and stays so until the motors are disarmed: the voltage rises when
-they rest. An action that is less urgent than the one that was taken is not taken any more.
+The condition must hold for BATT_LOW_TIMER seconds, and lasts until disarming, because the voltage recovers
+when the motors stop. An action that is less urgent than the one already taken is skipped.
 """
 
 from __future__ import annotations
@@ -17,30 +17,32 @@ _LEVELS: Final = (("CRT", "critical"), ("LOW", "low"))
 
 
 class BatteryFailsafes:
-    """Low and critical; what is done is the firmware's."""
+    """Low and critical battery; the firmware executes the actions."""
 
     def __init__(self, firmware: FirmwareFailsafes) -> None:
         self._firmware = firmware
         self._autopilot = firmware.autopilot
-        self._urgency = self._least = len(firmware.battery_priorities)
-        for level, word in _LEVELS:
-            self._autopilot.watches.append(self._failsafe(level, word))
+        self._urgency = self._lowest_urgency = len(firmware.battery_priorities)
+        for level, name in _LEVELS:
+            self._autopilot.watches.append(self._failsafe(level, name))
 
-    def _failsafe(self, level: str, word: str) -> Failsafe:
+    def _failsafe(self, level: str, name: str) -> Failsafe:
+        """Return the failsafe of a level."""
         return Failsafe(
             self._autopilot,
-            f"battery {word}",
-            lambda: self._is_below(level, word),
+            f"battery {name}",
+            lambda: self._is_below(level, name),
             lambda: self._firmware.number("BATT_LOW_TIMER"),
-            lambda: self._act(level, word),
-            self._over,
+            lambda: self._act(level, name),
+            self._on_cleared,
         )
 
-    def _is_below(self, level: str, word: str) -> bool:
+    def _is_below(self, level: str, name: str) -> bool:
+        """Return whether the battery is below a level."""
         autopilot, number = self._autopilot, self._firmware.number
         if not autopilot.armed or not number("BATT_MONITOR"):
             return False
-        if f"battery {word}" in autopilot.failsafes:
+        if f"battery {name}" in autopilot.failsafes:
             return True
         if level == "LOW" and "battery critical" in autopilot.failsafes:
             return False
@@ -48,18 +50,20 @@ class BatteryFailsafes:
         left = number("BATT_CAPACITY") - battery.consumed
         return battery.voltage < number(f"BATT_{level}_VOLT") or left < number(f"BATT_{level}_MAH")
 
-    def _act(self, level: str, word: str) -> None:
+    def _act(self, level: str, name: str) -> None:
+        """Report and execute the action of a level."""
         battery, firmware = self._autopilot.body.battery, self._firmware
         firmware.send_statustext(
-            f"Battery 1 is {word} {battery.voltage:.2f}V used {battery.consumed:.0f} mAh"
+            f"Battery 1 is {name} {battery.voltage:.2f}V used {battery.consumed:.0f} mAh"
         )
         action = int(firmware.number(f"BATT_FS_{level}_ACT"))
         order = firmware.battery_priorities
-        urgency = order.index(action) if action in order else self._least
+        urgency = order.index(action) if action in order else self._lowest_urgency
         if urgency <= self._urgency:
             self._urgency = urgency
-            firmware.battery_failsafe(word, action)
+            firmware.battery_failsafe(name, action)
 
-    def _over(self) -> None:
+    def _on_cleared(self) -> None:
+        """Reset the urgency after disarming."""
         if not self._autopilot.armed:
-            self._urgency = self._least
+            self._urgency = self._lowest_urgency

@@ -1,4 +1,4 @@
-"""The failsafes of one vehicle, as its type's firmware has them."""
+"""Creation of a vehicle's failsafes, by vehicle type."""
 
 from __future__ import annotations
 
@@ -23,19 +23,20 @@ _ESTIMATE_CHECKED: Final = frozenset(
 
 
 class ArdupilotFailsafes:
-    """Puts the watches onto an autopilot; `mode_failure` says why a mode cannot be entered."""
+    """Registers the failsafes of an autopilot; `mode_failure` returns why a mode cannot be entered."""
 
     def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
-        kind = autopilot.vehicle.type
-        self.firmware = _firmware_of(kind)(autopilot, mode_failure)
+        vehicle_type = autopilot.vehicle.vehicle_type
+        self.firmware = _firmware_of(vehicle_type)(autopilot, mode_failure)
         self.battery = BatteryFailsafes(self.firmware)
-        self.estimator = EstimatorCheck(self.firmware) if kind in _ESTIMATE_CHECKED else None
-        self.crash = CrashCheck(self.firmware) if kind is VehicleType.COPTER else None
+        self.estimator = EstimatorCheck(self.firmware) if vehicle_type in _ESTIMATE_CHECKED else None
+        self.crash = CrashCheck(self.firmware) if vehicle_type is VehicleType.COPTER else None
 
 
-def _firmware_of(kind: VehicleType) -> type[FirmwareFailsafes]:
-    if kind is VehicleType.COPTER:
+def _firmware_of(vehicle_type: VehicleType) -> type[FirmwareFailsafes]:
+    """Return the failsafes class of a vehicle type."""
+    if vehicle_type is VehicleType.COPTER:
         return CopterFailsafes
-    if kind in (VehicleType.PLANE, VehicleType.VTOL):
+    if vehicle_type in (VehicleType.PLANE, VehicleType.VTOL):
         return PlaneFailsafes
-    return SubFailsafes if kind is VehicleType.SUB else RoverFailsafes
+    return SubFailsafes if vehicle_type is VehicleType.SUB else RoverFailsafes

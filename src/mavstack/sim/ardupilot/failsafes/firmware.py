@@ -1,4 +1,4 @@
-"""What the failsafes of Copter, Plane, Rover and Sub have in common: watching, saying, entering modes."""
+"""Base class of the failsafes of Copter, Plane, Rover and Sub."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ if TYPE_CHECKING:
 
     from mavstack.sim.autopilot.interfaces import Autopilot, Mode
 
-#: Why a mode cannot be entered, as the firmware says it; None if it can be.
+#: Returns the firmware's text why a mode cannot be entered; None if it can.
 ModeFailure: TypeAlias = "Callable[[Autopilot, Mode], str | None]"
 WARNING: Final = common.MavSeverity.WARNING
 CRITICAL: Final = common.MavSeverity.CRITICAL
 
 
 class FirmwareFailsafes:
-    """The base of each firmware's."""
+    """Conditions and actions that all firmwares share."""
 
-    #: A battery's actions that go before others, the most urgent first; what is not here comes last.
+    #: Battery actions in descending urgency; actions not listed are least urgent.
     battery_priorities: tuple[int, ...] = ()
 
     def __init__(self, autopilot: Autopilot, mode_failure: ModeFailure) -> None:
@@ -29,37 +29,45 @@ class FirmwareFailsafes:
         self._mode_failure = mode_failure
         self.parameters = autopilot.vehicle.parameters
 
-    def battery_failsafe(self, word: str, action: int) -> None:
-        """Do what BATT_FS_LOW_ACT or BATT_FS_CRT_ACT says."""
+    def battery_failsafe(self, level: str, action: int) -> None:
+        """Execute BATT_FS_LOW_ACT or BATT_FS_CRT_ACT."""
 
-    # What is wrong
+    # Conditions
 
     def radio_lost(self, enabled: str) -> bool:
-        """Whether the radio is lost, if anybody is to mind."""
+        """Return whether the radio is lost while its failsafe is enabled."""
         return self.number(enabled) > 0 and radio_lost(self.autopilot)
 
     def ground_lost(self, enabled: str, timeout: str) -> bool:
-        """Whether the ground station that was there has been silent for too long."""
+        """Return whether a ground station that was connected has been silent for too long."""
         if self.number(enabled) <= 0:
             return False
         silence = ground_silence(self.autopilot)
         return silence is not None and silence > self.number(timeout)
 
-    # What is done
+    # Actions
 
-    def watch(
+    def add(
         self,
         name: str,
-        is_wrong: Callable[[], bool],
-        patience: Callable[[], float],
-        begin: Callable[[], None],
-        end: Callable[[], None] = nothing,
+        condition: Callable[[], bool],
+        delay: Callable[[], float],
+        on_begin: Callable[[], None],
+        on_end: Callable[[], None] = nothing,
     ) -> None:
-        """Look at it on every tick."""
-        self.autopilot.watches.append(Failsafe(self.autopilot, name, is_wrong, patience, begin, end))
+        """Register a failsafe that is checked on every tick.
+
+        Args:
+            name: Name among the autopilot's active failsafes.
+            condition: Returns whether the condition holds.
+            delay: Returns the seconds for which it must hold.
+            on_begin: Called when the failsafe triggers.
+            on_end: Called when it clears.
+        """
+        self.autopilot.watches.append(Failsafe(self.autopilot, name, condition, delay, on_begin, on_end))
 
     def enter(self, number: int, cause: str) -> bool:
-        """Enter a mode, or say why it cannot be; to stay in it counts."""
+        """Enter a mode, or report why not; return whether the vehicle is in it."""
         autopilot = self.autopilot
         mode = autopilot.find_mode(number)
         if mode is None:
@@ -73,21 +81,21 @@ class FirmwareFailsafes:
         return autopilot.enter(number, f"{cause} failsafe")
 
     def disarm(self, cause: str) -> None:
-        """Motors off, wherever it is."""
+        """Stop the motors, in the air too."""
         self.autopilot.disarm(f"{cause} failsafe")
 
-    def let_go(self) -> None:
-        """Forget channels that are overridden over the link: the radio control has them again."""
+    def clear_overrides(self) -> None:
+        """Clear overrides of RC channels by the link."""
         self.autopilot.radio.clear_overrides()
 
     def send_statustext(self, text: str, severity: int = WARNING) -> None:
-        """By STATUSTEXT."""
+        """Send a status text."""
         self.autopilot.vehicle.send_statustext(text, severity)
 
     def number(self, parameter: str) -> float:
-        """The value of a parameter; 0 if this firmware does not have it."""
+        """Return the value of a parameter; 0 if the firmware does not have it."""
         return float(self.parameters.get(parameter, 0.0))
 
     def option(self, parameter: str, bit: int) -> bool:
-        """Whether a bit of a parameter is set."""
+        """Return whether a bit of a parameter is set."""
         return bool(int(self.number(parameter)) >> bit & 1)

@@ -1,7 +1,7 @@
-"""Rover's failsafes: radio and ground station have one action, FS_ACTION, and one recovery.
+"""Rover's failsafes: radio and ground station share one action, FS_ACTION, and one recovery.
 
-It acts FS_TIMEOUT seconds after the first of them was lost, once, and neither in RTL nor in Hold; armed or
-not. All is well again when all of them are.
+The action is executed once, FS_TIMEOUT seconds after the first loss, armed or not, but not in RTL or Hold.
+The failsafe clears when both are back.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ _ACTIONS: Final[Mapping[int, tuple[int, ...]]] = MappingProxyType(
         6: (_MODE.LOITER, _MODE.HOLD),
     }
 )
-#: FS_THR_ENABLE and FS_GCS_ENABLE: a mission is flown on.
-_GOES_ON: Final = 2
+#: FS_THR_ENABLE and FS_GCS_ENABLE: continue a mission.
+_CONTINUE_MISSION: Final = 2
 _ENABLED: Final[Mapping[str, str]] = MappingProxyType({"Radio": "FS_THR_ENABLE", "GCS": "FS_GCS_ENABLE"})
-#: A bit of FS_OPTIONS.
+#: Bit of FS_OPTIONS.
 _ACTIVE_IN_HOLD: Final = 0
 
 
 class RoverFailsafes(FirmwareFailsafes):
-    """As Rover has them; one of its autopilot's watches."""
+    """The failsafes of Rover; one of the autopilot's periodic checks."""
 
     battery_priorities = (_TERMINATE, 2, 1, 4, 3, 0)
 
@@ -49,11 +49,12 @@ class RoverFailsafes(FirmwareFailsafes):
         autopilot.watches.append(self)
 
     def tick(self, now: float) -> None:
-        """Look at the radio, then at the ground station."""
-        self._look("Radio", lost=self.radio_lost("FS_THR_ENABLE"))
-        self._look("GCS", lost=self.ground_lost("FS_GCS_ENABLE", "FS_GCS_TIMEOUT"))
+        """Check the radio, then the ground station."""
+        self._update("Radio", lost=self.radio_lost("FS_THR_ENABLE"))
+        self._update("GCS", lost=self.ground_lost("FS_GCS_ENABLE", "FS_GCS_TIMEOUT"))
 
-    def _look(self, cause: str, *, lost: bool) -> None:
+    def _update(self, cause: str, *, lost: bool) -> None:
+        """Update one cause, and act when due."""
         failsafes = self.autopilot.failsafes
         if lost and cause not in self._lost:
             if not self._lost:
@@ -71,22 +72,25 @@ class RoverFailsafes(FirmwareFailsafes):
             self._act(self._lost[0])
 
     def _may_act(self) -> bool:
+        """Return whether the mode allows an action."""
         mode = self.autopilot.mode.number
         return mode != _MODE.RTL and (mode != _MODE.HOLD or self.option("FS_OPTIONS", _ACTIVE_IN_HOLD))
 
     def _act(self, cause: str) -> None:
+        """Report and execute FS_ACTION."""
         self.send_statustext(f"{cause} Failsafe")
-        self.let_go()
-        if self.autopilot.mode.number == _MODE.AUTO and self.number(_ENABLED[cause]) == _GOES_ON:
+        self.clear_overrides()
+        if self.autopilot.mode.number == _MODE.AUTO and self.number(_ENABLED[cause]) == _CONTINUE_MISSION:
             self.send_statustext("Failsafe - Continuing Auto Mode")
         else:
-            self._do(int(self.number("FS_ACTION")), cause)
+            self._perform(int(self.number("FS_ACTION")), cause)
 
-    def battery_failsafe(self, word: str, action: int) -> None:
-        """BATT_FS_LOW_ACT, BATT_FS_CRT_ACT."""
-        self._do(action, "Battery")
+    def battery_failsafe(self, level: str, action: int) -> None:
+        """Execute BATT_FS_LOW_ACT or BATT_FS_CRT_ACT."""
+        self._perform(action, "Battery")
 
-    def _do(self, action: int, cause: str) -> None:
+    def _perform(self, action: int, cause: str) -> None:
+        """Execute an action."""
         if action == _TERMINATE:
             self.disarm(cause)
             return

@@ -1,6 +1,6 @@
 """PX4's shell over SERIAL_CONTROL."""
 
 from mavstack.sim.px4.shell.console import Console
-from mavstack.sim.px4.shell.journal import Journal
+from mavstack.sim.px4.shell.message_log import MessageLog
 
-__all__ = ["Console", "Journal"]
+__all__ = ["Console", "MessageLog"]

@@ -6,15 +6,15 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.sim.px4 import modes
-from mavstack.sim.px4.arming import arm, disarm, problems_of
+from mavstack.sim.px4.arming import arm, disarm, preflight_problems
 from mavstack.sim.px4.mode_selection import choose_mode
-from mavstack.sim.px4.movement import change_over
+from mavstack.sim.px4.movement import start_transition
 from mavstack.sim.px4.state import BY_SHELL
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from mavstack.sim.px4.shell.machine import Machine
+    from mavstack.sim.px4.shell.context import ShellContext
 
 _MODES: Final = MappingProxyType(
     {
@@ -37,81 +37,90 @@ _USAGE: Final = (
 )
 
 
-def commander(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """What is done is in the first word."""
+def commander(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Run the subcommand in the first word."""
     match list(words):
         case ["status"]:
-            yield from _status(machine)
+            yield from _status(context)
         case ["check"]:
-            yield from _check(machine)
+            yield from _check(context)
         case ["mode", name] if name in _MODES:
-            yield from _enter(machine, _MODES[name])
+            yield from _enter(context, _MODES[name])
         case ["mode", name]:
             yield f"ERROR [commander] argument {name} unsupported."
-        case [order, *options] if order in _ORDERS:
-            yield from _ORDERS[order](machine, options)
+        case [command, *options] if command in _COMMANDS:
+            yield from _COMMANDS[command](context, options)
         case _:
             yield from _USAGE
 
 
-def _check(machine: Machine) -> Iterator[str]:
-    problems = list(problems_of(machine.vehicle.autopilot))
+def _check(context: ShellContext) -> Iterator[str]:
+    """Run the preflight checks."""
+    problems = list(preflight_problems(context.vehicle.autopilot))
     yield from (f"WARN  [health_and_arming_checks] {problem}" for problem in problems)
     yield f"INFO  [commander] Preflight check: {'FAILED' if problems else 'OK'}"
 
 
-def _arm(machine: Machine, options: Sequence[str]) -> Iterator[str]:
-    arm(machine.vehicle, machine.state, BY_SHELL, force="-f" in options)
+def _arm(context: ShellContext, options: Sequence[str]) -> Iterator[str]:
+    """Arm the vehicle."""
+    arm(context.vehicle, context.state, BY_SHELL, force="-f" in options)
     return iter(())
 
 
-def _disarm(machine: Machine, options: Sequence[str]) -> Iterator[str]:
-    disarm(machine.vehicle, machine.state, BY_SHELL, force="-f" in options)
+def _disarm(context: ShellContext, options: Sequence[str]) -> Iterator[str]:
+    """Disarm the vehicle."""
+    disarm(context.vehicle, context.state, BY_SHELL, force="-f" in options)
     return iter(())
 
 
-def _take_off(machine: Machine, options: Sequence[str]) -> Iterator[str]:
-    yield from _enter(machine, modes.TAKEOFF)
-    arm(machine.vehicle, machine.state, BY_SHELL)
+def _take_off(context: ShellContext, options: Sequence[str]) -> Iterator[str]:
+    """Take off."""
+    yield from _enter(context, modes.TAKEOFF)
+    arm(context.vehicle, context.state, BY_SHELL)
 
 
-def _land(machine: Machine, options: Sequence[str]) -> Iterator[str]:
-    return _enter(machine, modes.LAND)
+def _land(context: ShellContext, options: Sequence[str]) -> Iterator[str]:
+    """Land."""
+    return _enter(context, modes.LAND)
 
 
-def _change_over(machine: Machine, options: Sequence[str]) -> Iterator[str]:
-    vehicle = machine.vehicle
-    if not change_over(vehicle, not vehicle.body.flies_forward):
+def _transition(context: ShellContext, options: Sequence[str]) -> Iterator[str]:
+    """Start a transition."""
+    vehicle = context.vehicle
+    if not start_transition(vehicle, not vehicle.body.flies_forward):
         yield "WARN  [commander] transition is not possible now"
 
 
-def _terminate(machine: Machine, options: Sequence[str]) -> Iterator[str]:
+def _terminate(context: ShellContext, options: Sequence[str]) -> Iterator[str]:
+    """Terminate the flight."""
     if list(options) == ["on"]:
-        machine.vehicle.autopilot.terminate()
+        context.vehicle.autopilot.terminate()
     else:
         yield "usage: commander termination on"
 
 
-_ORDERS: Final[Mapping[str, Callable[[Machine, Sequence[str]], Iterator[str]]]] = MappingProxyType(
+_COMMANDS: Final[Mapping[str, Callable[[ShellContext, Sequence[str]], Iterator[str]]]] = MappingProxyType(
     {
         "arm": _arm,
         "disarm": _disarm,
         "takeoff": _take_off,
         "land": _land,
-        "transition": _change_over,
+        "transition": _transition,
         "termination": _terminate,
     }
 )
 
 
-def _enter(machine: Machine, mode: int) -> Iterator[str]:
-    refused = choose_mode(machine.vehicle, mode)
+def _enter(context: ShellContext, mode: int) -> Iterator[str]:
+    """Enter a mode."""
+    refused = choose_mode(context.vehicle, mode)
     if refused is not None:
         yield f"WARN  [commander] {refused}"
 
 
-def _status(machine: Machine) -> Iterator[str]:
-    vehicle, autopilot = machine.vehicle, machine.vehicle.autopilot
+def _status(context: ShellContext) -> Iterator[str]:
+    """Print arming state and modes."""
+    vehicle, autopilot = context.vehicle, context.vehicle.autopilot
     intended = autopilot.find_mode(vehicle.modes.intended.custom_mode) or autopilot.mode
     yield f"INFO  [commander] {'Armed' if autopilot.armed else 'Disarmed'}"
     yield f"INFO  [commander] navigation mode: {autopilot.mode.name}"

@@ -1,7 +1,7 @@
-"""The line that is typed: echo, backspace, Ctrl-C, and the prompt after what a program printed.
+"""Line editor of the shell: echo, backspace, Ctrl-C, and the prompt after a program's output.
 
-Bytes come as they like, several lines in one message or half of one. A line that is too long is cut, and what
-is no character is left out.
+Input arrives in arbitrary pieces, several lines in one message or half a line. A line that is too long is
+cut, and bytes that are not printable characters are dropped.
 """
 
 from __future__ import annotations
@@ -10,48 +10,52 @@ import shlex
 from typing import TYPE_CHECKING, Final
 
 from mavstack.services.serial_control import ShellInput, ShellOpened
-from mavstack.sim.px4.shell.programs import PROGRAMS, Machine
+from mavstack.sim.px4.shell.programs import PROGRAMS, ShellContext
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Vehicle
-    from mavstack.sim.px4.shell.journal import Journal
+    from mavstack.sim.px4.shell.message_log import MessageLog
     from mavstack.sim.px4.state import Px4State
 
 PROMPT: Final = "nsh> "
-_LONGEST: Final = 256
+_MAX_LINE: Final = 256
 _ENTER, _BACKSPACES, _INTERRUPT, _ESCAPE = "\r\n", "\b\x7f", "\x03", "\x1b"
-#: In an escape sequence the letter that ends it.
-_FINAL: Final = range(0x40, 0x7F)
+#: Final bytes of an escape sequence.
+_SEQUENCE_END: Final = range(0x40, 0x7F)
 
 
 class Console:
     """The shell of one vehicle."""
 
-    def __init__(self, vehicle: Vehicle, state: Px4State, journal: Journal) -> None:
+    def __init__(self, vehicle: Vehicle, state: Px4State, message_log: MessageLog) -> None:
         self._vehicle = vehicle
-        self._machine = Machine(vehicle, state, journal)
+        self._machine = ShellContext(vehicle, state, message_log)
         self._line = ""
         self._escaping = False
         self._last = ""
-        vehicle.on_event(ShellOpened, lambda _: self._forget())
-        vehicle.on_event(ShellInput, self._typed)
+        vehicle.on_event(ShellOpened, lambda _: self._reset())
+        vehicle.on_event(ShellInput, self._on_input)
 
-    def _forget(self) -> None:
+    def _reset(self) -> None:
+        """Discard the line when a client opens the shell."""
         self._line, self._last, self._escaping = "", "", False
 
-    def _typed(self, event: ShellInput) -> None:
+    def _on_input(self, event: ShellInput) -> None:
+        """Handle input, and send the output."""
         if event.late:
-            return  # what follows it was carried out already
-        printed = "".join(self._take(character) for character in event.data.decode("ascii", errors="ignore"))
+            return  # later input was executed already
+        printed = "".join(
+            self._handle(character) for character in event.data.decode("ascii", errors="ignore")
+        )
         if printed:
             self._vehicle.services.shell.feed(printed.encode("utf-8"))
             self._vehicle.touch(self._vehicle.services.shell)
 
-    def _take(self, character: str) -> str:
-        """Take one character; gives what is printed."""
+    def _handle(self, character: str) -> str:
+        """Handle one character; return the output."""
         before, self._last = self._last, character
         if self._escaping and character != _INTERRUPT:
-            self._escaping = character == "[" or ord(character) not in _FINAL
+            self._escaping = character == "[" or ord(character) not in _SEQUENCE_END
             return ""
         if character == "\n" and before == "\r":
             return ""
@@ -66,12 +70,13 @@ class Console:
         elif character in _BACKSPACES:
             shown, self._line = ("\b \b" if self._line else ""), self._line[:-1]
             return shown
-        elif character.isprintable() and len(self._line) < _LONGEST:
+        elif character.isprintable() and len(self._line) < _MAX_LINE:
             self._line += character
             return character
         return ""
 
     def _run(self, line: str) -> str:
+        """Run a line; return its output."""
         try:
             name, *words = shlex.split(line) or [""]
         except ValueError:

@@ -11,25 +11,26 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from mavstack.sim.autopilot.interfaces import Vehicle
-    from mavstack.sim.px4.shell.machine import Machine
+    from mavstack.sim.px4.shell.context import ShellContext
 
 Fields: TypeAlias = "Mapping[str, object]"
 _ARMED, _DISARMED = 2, 1
 
 
-def listener(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """A topic's fields, one a line."""
+def listener(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Print a topic's fields, one per line."""
     name = words[0] if words else ""
     topic = _TOPICS.get(name)
     if topic is None:
         yield f"Topic {name} did not match any known topics" if name else f"topics: {', '.join(_TOPICS)}"
         return
     yield f"TOPIC: {name}"
-    yield f"    timestamp: {int(machine.vehicle.uptime * 1e6)}"
-    yield from (f"    {field}: {_text(value)}" for field, value in topic(machine.vehicle).items())
+    yield f"    timestamp: {int(context.vehicle.uptime * 1e6)}"
+    yield from (f"    {field}: {_text(value)}" for field, value in topic(context.vehicle).items())
 
 
 def _text(value: object) -> str:
+    """Format a value."""
     if isinstance(value, float):
         return f"{value:.5f}"
     if isinstance(value, tuple):
@@ -43,8 +44,8 @@ def _vehicle_status(vehicle: Vehicle) -> Fields:
         "arming_state": _ARMED if autopilot.armed else _DISARMED,
         "nav_state": autopilot.mode.name,
         "failsafe": bool(autopilot.failsafes),
-        "is_vtol": vehicle.type == "vtol",
-        "system_type": int(vehicle.type.mav_type),
+        "is_vtol": vehicle.vehicle_type == "vtol",
+        "system_type": int(vehicle.vehicle_type.mav_type),
         "system_id": vehicle.address.system,
         "component_id": vehicle.address.component,
     }

@@ -1,4 +1,4 @@
-"""`param`: showing, comparing, setting and resetting parameters."""
+"""`param`: show, compare, set and reset parameters."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from mavstack.services.parameters import ParameterDefinition, Value
     from mavstack.sim.parameters import Parameters
-    from mavstack.sim.px4.shell.machine import Machine
+    from mavstack.sim.px4.shell.context import ShellContext
 
 _REAL = common.MavParamType.REAL32
 _USAGE = (
@@ -24,14 +24,14 @@ _USAGE = (
 )
 
 
-def param(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """What is done is in the first word."""
-    parameters = machine.vehicle.parameters
+def param(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Run the subcommand in the first word."""
+    parameters = context.vehicle.parameters
     match list(words):
         case ["show", "-c", *pattern]:
-            yield from _set_state(parameters, "".join(pattern) or "*", changed=True)
+            yield from _show(parameters, "".join(pattern) or "*", changed=True)
         case ["show", *pattern]:
-            yield from _set_state(parameters, "".join(pattern) or "*", changed=False)
+            yield from _show(parameters, "".join(pattern) or "*", changed=False)
         case ["set", name, value]:
             yield from _set(parameters, name, value)
         case ["compare", name, value]:
@@ -47,7 +47,8 @@ def param(machine: Machine, words: Sequence[str]) -> Iterator[str]:
             yield _USAGE
 
 
-def _set_state(parameters: Parameters, pattern: str, *, changed: bool) -> Iterator[str]:
+def _show(parameters: Parameters, pattern: str, *, changed: bool) -> Iterator[str]:
+    """List parameters that match a pattern."""
     yield "Symbols: x = used, + = saved"
     shown = 0
     for index, definition in enumerate(parameters.table):
@@ -60,6 +61,7 @@ def _set_state(parameters: Parameters, pattern: str, *, changed: bool) -> Iterat
 
 
 def _set(parameters: Parameters, name: str, value: str) -> Iterator[str]:
+    """Set a parameter."""
     number = _number(value)
     if name not in parameters:
         yield f"ERROR [param] Parameter {name} not found."
@@ -76,6 +78,7 @@ def _set(parameters: Parameters, name: str, value: str) -> Iterator[str]:
 
 
 def _reset(parameters: Parameters, names: Sequence[str]) -> Iterator[str]:
+    """Reset parameters."""
     for name in names:
         if name not in parameters:
             yield f"ERROR [param] Parameter {name} not found."
@@ -86,13 +89,14 @@ def _reset(parameters: Parameters, names: Sequence[str]) -> Iterator[str]:
 
 
 def _is_default(definition: ParameterDefinition) -> bool:
-    """Whether it holds its default, as its type holds that."""
+    """Return whether a parameter has its default value."""
     if definition.default is None:
         return True
     return same(as_type(definition.name, definition.default, definition.kind), definition.value)
 
 
 def _number(text: str) -> float | None:
+    """Parse a finite number; None if it is none."""
     try:
         number = float(text)
     except ValueError:
@@ -101,4 +105,5 @@ def _number(text: str) -> float | None:
 
 
 def _text(value: Value) -> str:
+    """Format a value."""
     return f"{value:.4f}" if isinstance(value, float) else str(value)

@@ -1,24 +1,24 @@
-"""The programs of the shell: each takes its words and yields the lines that it prints."""
+"""Programs of the shell: each gets its arguments and yields lines of output."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from mavstack.sim.px4.failures import TYPES, UNITS, faults_of, inject
+from mavstack.sim.px4.failures import TYPES, UNITS, faults_for, inject
 from mavstack.sim.px4.identity import GIT_HASH, HARDWARE, OPERATING_SYSTEM, VERSION
 from mavstack.sim.px4.shell.commander import commander
+from mavstack.sim.px4.shell.context import ShellContext
 from mavstack.sim.px4.shell.listener import listener
-from mavstack.sim.px4.shell.machine import Machine
 from mavstack.sim.px4.shell.parameters import param
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-__all__ = ["PROGRAMS", "Machine"]
+__all__ = ["PROGRAMS", "ShellContext"]
 
-Program: TypeAlias = "Callable[[Machine, Sequence[str]], Iterator[str]]"
+Program: TypeAlias = "Callable[[ShellContext, Sequence[str]], Iterator[str]]"
 
-#: A task: name, priority, stack in use, stack, share of the processor.
+#: Tasks: name, priority, used stack, stack size, processor load in percent.
 _TASKS: Final = (
     ("Idle Task", 0, 268, 512, 61.2),
     ("hpwork", 249, 364, 1264, 0.0),
@@ -36,21 +36,21 @@ _TASKS: Final = (
 _MEMORY: Final = 262_144
 
 
-def show_help(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """Which programs there are."""
+def show_help(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """List the programs."""
     yield "Programs of this shell:"
     yield from (f"  {name}" for name in sorted(PROGRAMS))
 
 
-def ver(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """What this is."""
-    serial = f"{machine.vehicle.address.system:032x}"
+def ver(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Print versions."""
+    serial = f"{context.vehicle.address.system:032x}"
     lines = {
         "hw": f"HW arch: {HARDWARE}",
         "git": f"PX4 git-hash: {GIT_HASH}",
         "px4": f"PX4 version: Release {VERSION} ({VERSION.pack()})",
         "os": f"OS version: Release {OPERATING_SYSTEM} ({OPERATING_SYSTEM.pack()})",
-        "type": f"Vehicle: {machine.vehicle.type}",
+        "type": f"Vehicle: {context.vehicle.vehicle_type}",
         "px4guid": f"PX4GUID: {serial}",
     }
     wanted = words[0] if words else ""
@@ -59,43 +59,43 @@ def ver(machine: Machine, words: Sequence[str]) -> Iterator[str]:
     yield from (line for name, line in lines.items() if wanted in (name, "all"))
 
 
-def uptime(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """How long ago it booted."""
-    minutes, seconds = divmod(int(machine.vehicle.uptime), 60)
-    yield f"up {minutes // 60}:{minutes % 60:02d}:{seconds:02d}, boot {machine.vehicle.boots}"
+def uptime(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Print the time since boot."""
+    minutes, seconds = divmod(int(context.vehicle.uptime), 60)
+    yield f"up {minutes // 60}:{minutes % 60:02d}:{seconds:02d}, boot {context.vehicle.boots}"
 
 
-def dmesg(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """What it said since then."""
-    yield from machine.journal.lines
+def dmesg(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Print the status texts since boot."""
+    yield from context.message_log.lines
 
 
-def top(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """Tasks; a simulated vehicle has none, so that the figures are made up."""
+def top(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Print invented tasks: a simulated vehicle has none."""
     yield " PID COMMAND                   CPU(%)    USED/STACK PRIO"
     for number, (name, priority, used, stack, share) in enumerate(_TASKS):
         yield f"{number:4d} {name:<25}{share:7.1f} {used:7d}/{stack:5d} {priority:4d}"
-    yield f"Uptime: {machine.vehicle.uptime:.3f}s total"
+    yield f"Uptime: {context.vehicle.uptime:.3f}s total"
 
 
-def free(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """Memory, as made up."""
+def free(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Print invented memory use."""
     used = sum(stack for _, _, _, stack, _ in _TASKS) + 96_000
     yield "       total     used     free"
     yield f"{_MEMORY:12d} {used:8d} {_MEMORY - used:8d}"
 
 
-def logger(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """Whether a log is written."""
+def logger(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Print whether a log is open."""
     if list(words) != ["status"]:
         yield "usage: logger status"
         return
-    yield f"INFO  [logger] {'Logging' if machine.vehicle.autopilot.armed else 'Not logging'}"
+    yield f"INFO  [logger] {'Logging' if context.vehicle.autopilot.armed else 'Not logging'}"
 
 
-def failure(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """Let something fail: `failure gps off [-i NUMBER]`."""
-    if not int(machine.vehicle.parameters["SYS_FAILURE_EN"]):
+def failure(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Inject a failure: `failure gps off [-i NUMBER]`."""
+    if not int(context.vehicle.parameters["SYS_FAILURE_EN"]):
         yield "ERROR [failure] Failure injection disabled by SYS_FAILURE_EN param."
         return
     unit, kind = (*words, "", "")[:2]
@@ -104,15 +104,15 @@ def failure(machine: Machine, words: Sequence[str]) -> Iterator[str]:
         yield f"ERROR [failure] Component '{unit}' not found"
     elif kind not in TYPES:
         yield f"ERROR [failure] Failure type '{kind}' not found"
-    elif not faults_of(machine.vehicle, UNITS[unit], TYPES[kind], instance):
+    elif not faults_for(context.vehicle, UNITS[unit], TYPES[kind], instance):
         yield "ERROR [failure] Result: 3"
     else:
-        inject(machine.vehicle, UNITS[unit], TYPES[kind], instance)
+        inject(context.vehicle, UNITS[unit], TYPES[kind], instance)
 
 
-def reboot(machine: Machine, words: Sequence[str]) -> Iterator[str]:
-    """Restart, when what was typed has been answered."""
-    machine.vehicle.autopilot.tasks.on_next_tick(machine.vehicle.reboot)
+def reboot(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
+    """Reboot after the answer was sent."""
+    context.vehicle.autopilot.tasks.on_next_tick(context.vehicle.reboot)
     yield "rebooting"
 
 

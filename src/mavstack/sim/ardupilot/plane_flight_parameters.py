@@ -1,4 +1,4 @@
-"""ArduPlane's flight parameters, and a quadplane's, which are a copter's while its lifting motors carry it."""
+"""Flight parameters of ArduPlane; those of a quadplane are a copter's while its lifting motors carry it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, ClassVar
 from mavstack.sim.ardupilot.base_flight_parameters import (
     CENTIDEGREE,
     CM,
-    SLOWEST,
-    SMALLEST_RADIUS,
+    MIN_RADIUS,
+    MIN_SPEED,
     ArdupilotFlightParameters,
     Limits,
 )
@@ -36,27 +36,27 @@ class PlaneFlightParameters(ArdupilotFlightParameters):
 
     @property
     def takeoff_altitude(self) -> float:
-        return self.number("TKOFF_ALT", least=5.0)
+        return self.number("TKOFF_ALT", minimum=5.0)
 
     @property
     def cruise_speed(self) -> float:
-        return self.number("AIRSPEED_CRUISE", least=5.0)
+        return self.number("AIRSPEED_CRUISE", minimum=5.0)
 
     @property
     def climb_speed(self) -> float:
-        return self.number("TECS_CLMB_MAX", least=SLOWEST)
+        return self.number("TECS_CLMB_MAX", minimum=MIN_SPEED)
 
     @property
     def sink_speed(self) -> float:
-        return self.number("TECS_SINK_MAX", least=SLOWEST)
+        return self.number("TECS_SINK_MAX", minimum=MIN_SPEED)
 
     @property
     def land_speed(self) -> float:
-        return self.number("TECS_LAND_SINK", least=SLOWEST)
+        return self.number("TECS_LAND_SINK", minimum=MIN_SPEED)
 
     @property
     def acceptance_radius(self) -> float:
-        return self.number("WP_RADIUS", least=1.0)
+        return self.number("WP_RADIUS", minimum=1.0)
 
     @property
     def loiter_radius(self) -> float:
@@ -64,7 +64,7 @@ class PlaneFlightParameters(ArdupilotFlightParameters):
 
     @property
     def return_altitude(self) -> float:
-        """Negative means as high as it is; that is what infinity below says."""
+        """Metres above home; -inf to keep the present altitude."""
         altitude = self.number("RTL_ALTITUDE")
         return altitude if altitude >= 0 else -inf
 
@@ -74,15 +74,15 @@ class PlaneFlightParameters(ArdupilotFlightParameters):
 
     @property
     def lean_angle(self) -> float:
-        return self.number("ROLL_LIMIT_DEG", radians(1.0), least=0.1, default=radians(45.0))
+        return self.number("ROLL_LIMIT_DEG", radians(1.0), minimum=0.1, default=radians(45.0))
 
     @property
     def pilot_climb_speed(self) -> float:
-        return self.number("FBWB_CLIMB_RATE", least=SLOWEST, default=2.0)
+        return self.number("FBWB_CLIMB_RATE", minimum=MIN_SPEED, default=2.0)
 
     @property
     def acro_rate(self) -> float:
-        return self.number("ACRO_ROLL_RATE", radians(1.0), least=0.1, default=radians(180.0))
+        return self.number("ACRO_ROLL_RATE", radians(1.0), minimum=0.1, default=radians(180.0))
 
     @property
     def circle_radius(self) -> float:
@@ -94,7 +94,7 @@ class PlaneFlightParameters(ArdupilotFlightParameters):
 
     @property
     def flare_altitude(self) -> float:
-        return self.number("LAND_FLARE_ALT", least=0.5, default=3.0)
+        return self.number("LAND_FLARE_ALT", minimum=0.5, default=3.0)
 
     @property
     def thrust_is_climb(self) -> bool:
@@ -102,7 +102,7 @@ class PlaneFlightParameters(ArdupilotFlightParameters):
 
 
 class QuadplaneFlightParameters(PlaneFlightParameters):
-    """A quadplane: as a plane, but as a copter while its lifting motors carry it."""
+    """A quadplane: like a plane on its wing, like a copter in hover."""
 
     limits: ClassVar[Limits] = PlaneFlightParameters.limits
 
@@ -115,16 +115,16 @@ class QuadplaneFlightParameters(PlaneFlightParameters):
         return not self._vehicle.body.flies_forward
 
     @property
-    def _comes_home_hovering(self) -> bool:
+    def _returns_in_hover(self) -> bool:
         return self._vehicle.autopilot.mode.name == "QRTL"
 
     @property
     def return_altitude(self) -> float:
-        return self.number("Q_RTL_ALT", least=5.0) if self._comes_home_hovering else super().return_altitude
+        return self.number("Q_RTL_ALT", minimum=5.0) if self._returns_in_hover else super().return_altitude
 
     @property
     def return_loiter_time(self) -> float:
-        return 0.0 if self._comes_home_hovering else inf
+        return 0.0 if self._returns_in_hover else inf
 
     @property
     def land_disarm_delay(self) -> float:
@@ -132,44 +132,44 @@ class QuadplaneFlightParameters(PlaneFlightParameters):
 
     @property
     def land_slow_altitude(self) -> float:
-        return self.number("Q_LAND_FINAL_ALT", least=1.0, default=6.0)
+        return self.number("Q_LAND_FINAL_ALT", minimum=1.0, default=6.0)
 
     @property
     def lean_angle(self) -> float:
-        return self.number("Q_ANGLE_MAX", CENTIDEGREE, least=0.1) if self._hovers else super().lean_angle
+        return self.number("Q_ANGLE_MAX", CENTIDEGREE, minimum=0.1) if self._hovers else super().lean_angle
 
     @property
     def pilot_climb_speed(self) -> float:
         if self._hovers:
-            return self.number("Q_PILOT_SPD_UP", least=SLOWEST, default=2.5)
+            return self.number("Q_PILOT_SPD_UP", minimum=MIN_SPEED, default=2.5)
         return super().pilot_climb_speed
 
     @property
     def pilot_yaw_rate(self) -> float:
-        return self.number("Q_PLT_Y_RATE", radians(1.0), least=0.1, default=radians(100.0))
+        return self.number("Q_PLT_Y_RATE", radians(1.0), minimum=0.1, default=radians(100.0))
 
     @property
     def takeoff_altitude(self) -> float:
-        return self.number("Q_RTL_ALT", least=5.0)
+        return self.number("Q_RTL_ALT", minimum=5.0)
 
     @property
     def cruise_speed(self) -> float:
-        return self.number("Q_WP_SPEED", CM, least=SLOWEST) if self._hovers else super().cruise_speed
+        return self.number("Q_WP_SPEED", CM, minimum=MIN_SPEED) if self._hovers else super().cruise_speed
 
     @property
     def climb_speed(self) -> float:
-        return self.number("Q_WP_SPEED_UP", CM, least=SLOWEST) if self._hovers else super().climb_speed
+        return self.number("Q_WP_SPEED_UP", CM, minimum=MIN_SPEED) if self._hovers else super().climb_speed
 
     @property
     def sink_speed(self) -> float:
-        return self.number("Q_WP_SPEED_DN", CM, least=SLOWEST) if self._hovers else super().sink_speed
+        return self.number("Q_WP_SPEED_DN", CM, minimum=MIN_SPEED) if self._hovers else super().sink_speed
 
     @property
     def land_speed(self) -> float:
-        return self.number("Q_LAND_FINAL_SPD", least=SLOWEST)
+        return self.number("Q_LAND_FINAL_SPD", minimum=MIN_SPEED)
 
     @property
     def acceptance_radius(self) -> float:
         if self._hovers:
-            return self.number("Q_WP_RADIUS", CM, least=SMALLEST_RADIUS)
+            return self.number("Q_WP_RADIUS", CM, minimum=MIN_RADIUS)
         return super().acceptance_radius

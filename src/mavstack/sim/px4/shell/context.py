@@ -1,4 +1,4 @@
-"""What a program of the shell works on."""
+"""The objects that programs of the shell use."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Vehicle
-    from mavstack.sim.px4.shell.journal import Journal
+    from mavstack.sim.px4.shell.message_log import MessageLog
     from mavstack.sim.px4.state import Px4State
 
 
 @dataclass(frozen=True, slots=True)
-class Machine:
-    """One vehicle, as its shell reaches it."""
+class ShellContext:
+    """One vehicle as seen by its shell."""
 
     vehicle: Vehicle
     state: Px4State
-    journal: Journal
+    message_log: MessageLog
