@@ -19,7 +19,7 @@ from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
@@ -44,7 +44,7 @@ class CliHarness:
         """Make a vehicle of each kind (one ArduPilot copter by default), if wanted already able to arm."""
         self.simulation = Simulation(seed=5)
         for vehicle_type, firmware in kinds or [COPTER]:
-            whisper(self.simulation.add(vehicle_type, firmware))
+            reduce_telemetry(self.simulation.add(vehicle_type, firmware))
         if ready:
             self._boot()
         #: What another ground station does while a command runs.

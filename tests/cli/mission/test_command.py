@@ -20,7 +20,7 @@ from mavstack.sim.simulation import Simulation
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
 from tests.files.plans.plans import FENCE, FLIGHT, RALLY, WAYPOINTS
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -50,7 +50,7 @@ class Field:
     def __init__(self, firmware: str) -> None:
         self.simulation = Simulation(seed=3)
         self.vehicle = self.simulation.add("copter", firmware)
-        whisper(self.vehicle)
+        reduce_telemetry(self.vehicle)
         run_until(self.simulation, lambda: self.vehicle.autopilot.booted)
         self.simulation.advance(self.simulation.now + 20.0)
         self.vehicle.data_to_send()

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.completion import complete
 from mavstack.cli.shell.runner import run_line
-from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell
+from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell
 
 
 def completed(text):
@@ -120,14 +120,14 @@ def test_a_silent_vehicle_does_not_hold_completion_up():
             await asyncio.sleep(1000)
 
         session.vehicle.ftp.list = silence
-        began = session.node.now()
+        began = session.connection.now()
         assert (await complete(session, "ftp get /"))[0] == []
-        assert session.node.now() - began <= completion.PATIENCE + 0.1
+        assert session.connection.now() - began <= completion.PATIENCE + 0.1
 
     in_shell(COPTER, scenario)
 
 
-@given(st.text(st.one_of(st.sampled_from("\"'; \\/"), st.characters(exclude_categories=["Cs"])), max_size=25))
+@given(st.text(st.choice(st.sampled_from("\"'; \\/"), st.characters(exclude_categories=["Cs"])), max_size=25))
 def test_anything_can_be_completed(text):
     words, length = completed(text)
     assert 0 <= length <= len(text)

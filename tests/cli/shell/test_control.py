@@ -13,7 +13,7 @@ from mavstack.cli.shell.runner import run_line
 from mavstack.dialects import common
 from mavstack.errors import LinkError, MavstackError
 from mavstack.links import BytesReceived
-from tests.cli.shell.shelled import COPTER, alone, in_shell
+from tests.cli.shell.shell_session import COPTER, alone, in_shell
 
 UNIQUE = list(dict.fromkeys(COMMANDS.values()))
 
@@ -122,7 +122,7 @@ def test_scripts_that_cannot_be_read(tmp_path):
 def test_exit_ends_the_line():
     async def scenario(session):
         await run_line(session, "exit; set limit 5")
-        assert session.leaving
+        assert session.exiting
         assert session.settings.limit == 0
 
     alone(scenario)

@@ -7,7 +7,7 @@ import pytest
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.runner import run_line
 from mavstack.errors import HealthTimeout, MavstackError
-from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell, type_lines
+from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, type_lines
 from tests.vehicle.world import named
 
 
@@ -71,7 +71,7 @@ def test_waiting_for_health_ends():
 
 def test_vehicles_are_listed_and_chosen(capsys):
     async def scenario(session, world):
-        await world.wait_until(lambda: len(session.node.vehicles) == 2)
+        await world.wait_until(lambda: len(session.connection.vehicles) == 2)
         await run_line(session, "vehicle; vehicle 2; vehicle; disarm")
         assert session.vehicle.system == 2
         with pytest.raises(MavstackError, match="no vehicle has the system id 9; those heard: 1, 2"):

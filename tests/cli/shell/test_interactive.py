@@ -6,10 +6,10 @@ import asyncio
 import signal
 from contextlib import nullcontext
 
-from mavstack.cli.shell.interactive import interact, line_for
-from mavstack.cli.shell.plain_input import PlainLine
+from mavstack.cli.shell.interactive import run_interactive, line_reader
+from mavstack.cli.shell.plain_input import PlainReader
 from mavstack.cli.shell.state import history_file, state_directory
-from tests.cli.shell.shelled import COPTER, alone, in_shell
+from tests.cli.shell.shell_session import COPTER, alone, in_shell
 from tests.waiting import wait_until
 
 
@@ -36,7 +36,7 @@ class Typist:
 
 def test_what_fails_is_told_and_the_shell_goes_on(capsys):
     async def scenario(session):
-        await interact(session, Typist("bad", KeyboardInterrupt, "", "'", "set limit 4", "set limit"))
+        await run_interactive(session, Typist("bad", KeyboardInterrupt, "", "'", "set limit 4", "set limit"))
 
     alone(scenario)
     captured = capsys.readouterr()
@@ -47,14 +47,14 @@ def test_what_fails_is_told_and_the_shell_goes_on(capsys):
 
 def test_exit_leaves(capsys):
     typist = Typist("exit", "set limit")
-    alone(lambda session: interact(session, typist))
+    alone(lambda session: run_interactive(session, typist))
     assert typist.lines == ["set limit"]
 
 
 def test_a_defect_of_a_command_is_told_and_the_shell_goes_on(capsys):
     async def scenario(session):
         session.forwarding = None
-        await interact(session, Typist("output list", "set limit"))
+        await run_interactive(session, Typist("output list", "set limit"))
 
     alone(scenario)
     captured = capsys.readouterr()
@@ -67,9 +67,9 @@ def test_ctrl_c_cancels_the_command_and_not_the_shell(capsys):
         loop = asyncio.get_running_loop()
         loop.call_later(5.0, signal.raise_signal, signal.SIGINT)
         before = signal.getsignal(signal.SIGINT)
-        began = session.node.now()
-        await interact(session, Typist("mode guided; arm; takeoff 80", "set limit"))
-        assert session.node.now() < began + 7
+        began = session.connection.now()
+        await run_interactive(session, Typist("mode guided; arm; takeoff 80", "set limit"))
+        assert session.connection.now() < began + 7
         assert signal.getsignal(signal.SIGINT) == before
 
     in_shell(COPTER, scenario)
@@ -82,7 +82,7 @@ def test_a_question_without_answer_is_no(capsys):
     async def scenario(session, world):
         typist = Typist("log erase", "set limit")
         session.ask = typist.ask
-        await interact(session, typist)
+        await run_interactive(session, typist)
 
     in_shell(COPTER, scenario)
     assert "no answer" in capsys.readouterr().err
@@ -114,7 +114,7 @@ def test_the_prompt_completes_and_remembers(tmp_path, monkeypatch):
 
     async def scenario(session):
         with create_pipe_input() as keys, create_app_session(input=keys, output=DummyOutput()):
-            line = line_for(session)
+            line = line_reader(session)
             reading = asyncio.create_task(line.read())
             keys.send_text("arm thr\t")
             await wait_until(lambda: line._prompt.default_buffer.text == "arm throttle")
@@ -163,9 +163,9 @@ def test_without_the_library_lines_are_plain(monkeypatch, capsys):
         from mavstack.vehicle import connect
 
         async with connect(MemoryNetwork().link()) as node, Session(node, COMMANDS) as session:
-            line = line_for(session)
-            assert isinstance(line, PlainLine)
-            await interact(session, line)
+            line = line_reader(session)
+            assert isinstance(line, PlainReader)
+            await run_interactive(session, line)
 
     asyncio.run(whole())
     captured = capsys.readouterr()

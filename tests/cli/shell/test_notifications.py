@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from mavstack.cli.shell.notifications import News, announce
+from mavstack.cli.shell.notifications import Notifications, print_notification
 from mavstack.cli.shell.prompt_parts import prompt_parts
 from mavstack.cli.shell.runner import run_line
 from mavstack.dialects import common
@@ -14,12 +14,12 @@ from mavstack.errors import CommandDenied
 from mavstack.links import LinkDown
 from mavstack.services import Address
 from mavstack.services.statustext import StatusText
-from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell
+from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell
 
 
 def test_texts_and_vehicles_are_told_on_stderr(capsys):
     async def scenario(session, world):
-        async with News(session):
+        async with Notifications(session):
             with pytest.raises(CommandDenied):
                 await run_line(session, "mode auto; arm")
             await asyncio.sleep(1)
@@ -32,7 +32,7 @@ def test_texts_and_vehicles_are_told_on_stderr(capsys):
 
 def test_a_vehicle_that_is_lost_and_returns_is_told(capsys):
     async def scenario(session, world):
-        async with News(session):
+        async with Notifications(session):
             world.simulated.autopilot  # noqa: B018
             links = list(world.node.links[0].channels)
             for channel in links:
@@ -46,14 +46,14 @@ def test_a_vehicle_that_is_lost_and_returns_is_told(capsys):
 
 def test_which_texts_are_shown():
     async def scenario(session):
-        news = News(session)
+        news = Notifications(session)
         text = StatusText(Address(1, 1), int(common.MavSeverity.INFO), "hello\x1b[2J", True)
         assert news.line(text) == ("hello\N{REPLACEMENT CHARACTER}[2J", "")
         await run_line(session, "set severity warning")
         assert news.line(text) is None
         alarm = StatusText(Address(1, 1), int(common.MavSeverity.CRITICAL), "Crash", True)
         assert news.line(alarm) == ("Crash", "alarm")
-        own = StatusText(session.node.address, 0, "mine", True)
+        own = StatusText(session.connection.address, 0, "mine", True)
         assert news.line(own) is None
         assert news.line(StatusText(Address(1, 1), 0, "odd", True))[1] == "alarm"
 
@@ -62,8 +62,8 @@ def test_which_texts_are_shown():
 
 def test_of_several_vehicles_it_is_said_which():
     async def scenario(session, world):
-        await world.wait_until(lambda: len(session.node.vehicles) == 2)
-        line = News(session).line(StatusText(Address(2, 1), 4, "low battery", True))
+        await world.wait_until(lambda: len(session.connection.vehicles) == 2)
+        line = Notifications(session).line(StatusText(Address(2, 1), 4, "low battery", True))
         assert line == ("2: low battery", "yellow")
 
     in_shell([COPTER, PX4_COPTER], scenario)
@@ -71,7 +71,7 @@ def test_of_several_vehicles_it_is_said_which():
 
 def test_a_link_that_is_down():
     async def scenario(session):
-        news = News(session)
+        news = Notifications(session)
         assert news.line(LinkDown("refused", 2.0)) == ("link down: refused; tries again in 2 s", "red")
         assert news.line(LinkDown("gone", float("inf"))) == ("link down: gone", "red")
 
@@ -96,5 +96,5 @@ def test_the_prompt(capsys):
 
 
 def test_no_escape_sequences_in_a_pipe(capsys):
-    announce("hello", "red")
+    print_notification("hello", "red")
     assert capsys.readouterr().err == "hello\n"

@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.shell.parsing import Unfinished, commands_of, unfinished_of
+from mavstack.cli.shell.parsing import UnfinishedLine, split_commands, split_unfinished
 
 #: What gives a parser trouble, more often than chance does.
 LINES = st.text(
-    st.one_of(st.sampled_from("\"'\\;# \t-ab"), st.characters(exclude_categories=["Cs"])), max_size=40
+    st.choice(st.sampled_from("\"'\\;# \t-ab"), st.characters(exclude_categories=["Cs"])), max_size=40
 )
 
 
@@ -34,13 +34,13 @@ LINES = st.text(
     ],
 )
 def test_lines(line, commands):
-    assert commands_of(line) == commands
+    assert split_commands(line) == commands
 
 
 @pytest.mark.parametrize("line", ["say 'a", 'say "a; b', "a; say 'b", "end\\"])
 def test_a_quotation_without_end_is_told(line):
     with pytest.raises(UsageError, match="has no"):
-        commands_of(line)
+        split_commands(line)
 
 
 @pytest.mark.parametrize(
@@ -57,13 +57,13 @@ def test_a_quotation_without_end_is_told(line):
     ],
 )
 def test_what_stands_before_the_cursor(text, unfinished):
-    assert unfinished_of(text) == Unfinished(*unfinished)
+    assert split_unfinished(text) == UnfinishedLine(*unfinished)
 
 
 @given(LINES)
 def test_any_line_is_commands_or_a_told_error(line):
     try:
-        commands = commands_of(line)
+        commands = split_commands(line)
     except UsageError:
         return
     assert all(commands)
@@ -71,7 +71,7 @@ def test_any_line_is_commands_or_a_told_error(line):
 
 @given(LINES)
 def test_any_text_can_be_completed(text):
-    words, word = unfinished_of(text)
+    words, word = split_unfinished(text)
     assert isinstance(word, str)
     assert all(isinstance(each, str) for each in words)
 
@@ -80,4 +80,4 @@ def test_any_text_can_be_completed(text):
 def test_quoted_words_come_back(words):
     import shlex
 
-    assert commands_of(shlex.join(words)) == [words]
+    assert split_commands(shlex.join(words)) == [words]

@@ -9,7 +9,7 @@ from mavstack.cli.shell import raw
 from mavstack.cli.shell.runner import run_line
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import CommandDenied, InvalidArgumentError, MavstackError
-from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell, type_lines
+from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, type_lines
 
 
 @pytest.mark.parametrize("name", ["COMPONENT_ARM_DISARM", "mav_cmd_component_arm_disarm", "400"])
@@ -39,7 +39,7 @@ def test_a_command_with_a_place(place):
 
 def test_channels_are_overridden_and_given_back(capsys):
     async def scenario(session, world):
-        async with session.node.packets() as _:
+        async with session.connection.packets() as _:
             await run_line(session, "rc 3 1500; rc 5 1200; rc; sleep 1")
             assert session.overrides.of(session.vehicle) == {3: 1500, 5: 1200}
             rc = session.vehicle.latest(common.RcChannels) or await session.vehicle.wait_for_message(
@@ -101,4 +101,4 @@ def test_wrong_channels_are_told(line):
 
 def test_every_command_of_the_dialect_has_a_name_that_is_understood():
     for entry in ardupilotmega.MavCmd:
-        assert raw.entry_of(ardupilotmega.MavCmd, "MAV_CMD_", f"MAV_CMD_{entry.name}", 0xFFFF) == entry
+        assert raw.enum_value(ardupilotmega.MavCmd, "MAV_CMD_", f"MAV_CMD_{entry.name}", 0xFFFF) == entry

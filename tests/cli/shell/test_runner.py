@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.registry import COMMANDS
-from mavstack.cli.shell.runner import run_line, run_lines, tell_failure
+from mavstack.cli.shell.runner import run_line, run_lines, report_failure
 from mavstack.errors import MavstackError
-from tests.cli.shell.shelled import COPTER, alone, in_shell
+from tests.cli.shell.shell_session import COPTER, alone, in_shell
 
 #: What reads files and opens links as it is told is left out: its errors are those of the machine.
 SAFE = sorted(set(COMMANDS) - {"output", "sleep", "delay"})
@@ -31,7 +31,7 @@ VERBS = [
     "download",
     "erase",
 ]
-WORDS = st.one_of(
+WORDS = st.choice(
     st.sampled_from(
         [*VERBS, "1", "-1", "0", "1e9", "nan", "inf", "HEARTBEAT", "*", "--help", "--json", "force"]
     ),
@@ -48,7 +48,7 @@ async def each(*lines):
 
 
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
-@given(lines=st.lists(st.one_of(LINES, st.text(max_size=30)), max_size=3))
+@given(lines=st.lists(st.choice(LINES, st.text(max_size=30)), max_size=3))
 def test_any_line_runs_or_is_told(lines, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
@@ -70,7 +70,7 @@ def test_any_line_runs_on_a_vehicle_or_is_told(lines, tmp_path, monkeypatch):
         for line in lines:
             with suppress(MavstackError, OSError):
                 await run_line(session, line)
-            session.leaving = False
+            session.exiting = False
 
     in_shell(COPTER, scenario)
 
@@ -117,6 +117,6 @@ def test_exit_ends_a_script_well():
 
 
 def test_a_failure_is_one_line(capsys):
-    tell_failure(MavstackError("two\nlines"), "here: ")
-    tell_failure(OSError(2, "No such file", "way.txt"))
+    report_failure(MavstackError("two\nlines"), "here: ")
+    report_failure(OSError(2, "No such file", "way.txt"))
     assert capsys.readouterr().err == "here: two lines\nway.txt: No such file\n"

@@ -8,7 +8,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.runner import run_line
 from mavstack.errors import MavstackError
-from tests.cli.shell.shelled import COPTER, PX4_COPTER, alone, in_shell, type_lines
+from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, type_lines
 from tests.vehicle.world import named
 
 BOTH = [COPTER, PX4_COPTER]

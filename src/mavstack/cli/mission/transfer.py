@@ -126,10 +126,9 @@ async def _require_mission(vehicle: Vehicle) -> None:
 async def download_plans(vehicle: Vehicle, plan_types: Sequence[PlanType], *, strict: bool) -> PlanFile:
     """Download plans; unless `strict`, a plan type that the vehicle does not support is empty."""
     plans = [await _download(vehicle, plan_type, strict=strict) for plan_type in plan_types]
-    client = vehicle.component.mission_client
     info = vehicle.component.info
     settings = Settings() if info is None else Settings(int(info.autopilot), int(info.type))
-    plan = PlanFile.of_vehicle(plans, home_first=client.home_first, settings=settings)
+    plan = PlanFile.of_vehicle(plans, home_first=vehicle.component.mission.home_first, settings=settings)
     if plan.home is not None or PlanType.MISSION not in plan_types:
         return plan
     return PlanFile(plan.mission, plan.fence, plan.rally, await _home(vehicle), plan.settings)
@@ -157,7 +156,7 @@ async def _clear(vehicle: Vehicle, plan_type: PlanType) -> None:
 
 
 async def _upload(vehicle: Vehicle, plan: PlanFile, plan_type: PlanType, *, verify: bool) -> None:
-    wanted = plan.for_vehicle(plan_type, home_first=vehicle.component.mission_client.home_first)
+    wanted = plan.for_vehicle(plan_type, home_first=vehicle.component.mission.home_first)
     with TransferProgress(f"uploading the {KINDS[plan_type]}", in_bytes=False) as progress:
         await _plans(vehicle, plan_type).upload(wanted, progress=progress)
     outcome = f"{KINDS[plan_type]}: {_count(plan, plan_type)} uploaded"
@@ -208,7 +207,7 @@ def _plan_types_of_format(name: str | None) -> tuple[PlanType, ...]:
 
 def _compare(vehicle: Vehicle, plan_type: PlanType, uploaded: Plan, stored: Plan) -> None:
     """Raise if the stored plan differs from the uploaded one; the home of the vehicle is not compared."""
-    skip = 1 if plan_type == PlanType.MISSION and vehicle.component.mission_client.home_first else 0
+    skip = 1 if plan_type == PlanType.MISSION and vehicle.component.mission.home_first else 0
     operation = f"verifying the {KINDS[plan_type]} of"
     if len(uploaded) != len(stored):
         answer = f"it has {len(stored)} items, {len(uploaded)} were uploaded"

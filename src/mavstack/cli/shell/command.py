@@ -10,10 +10,10 @@ from mavstack.cli.common.connection import DEFAULT_URL, add_heartbeat_timeout, c
 from mavstack.cli.common.options import system_id
 from mavstack.cli.common.stdin_lines import stdin_lines
 from mavstack.cli.shell.control import script_lines
-from mavstack.cli.shell.interactive import interact, line_for
-from mavstack.cli.shell.notifications import News
+from mavstack.cli.shell.interactive import line_reader, run_interactive
+from mavstack.cli.shell.notifications import Notifications
 from mavstack.cli.shell.registry import COMMANDS
-from mavstack.cli.shell.runner import run_lines, tell_failure
+from mavstack.cli.shell.runner import report_failure, run_lines
 from mavstack.cli.shell.session import Session
 from mavstack.errors import RemoteTimeout
 from mavstack.vehicle import connect
@@ -26,54 +26,59 @@ if TYPE_CHECKING:
 
 EXAMPLES: Final = """\
 examples:
-  mav shell                                                 hears vehicles on UDP port 14550
-  mav shell udpin://0.0.0.0:14550 --out udpout://127.0.0.1:14551      with a ground station behind it
+  mav shell                                       # vehicles on UDP port 14550
+  mav shell udpin://0.0.0.0:14550 --out udpout://127.0.0.1:14551   # and a ground station
   mav shell /dev/ttyACM0,57600
   mav shell --command "mode guided; arm throttle; takeoff 10"
   mav shell --script flight.txt
   echo "param show RTL*" | mav shell
 
-In the shell, `help` lists the commands, `help takeoff` tells more about one; Tab completes. What users of
-MAVProxy type works: arm throttle, mode guided, takeoff 20, wp load, param set, fence list, rc 3 1500.
+In the shell, `help` lists the commands and `help takeoff` shows the help of one; Tab completes. The commands
+of MAVProxy work: arm throttle, mode guided, takeoff 20, wp load, param set, fence list, rc 3 1500.
 
-Scripts have a command a line, or several with `;` between; # begins a comment. The first that fails ends it.
+A script has one command per line, or several separated by `;`; # begins a comment. A failure ends the script.
 """
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
     add = parser.add_argument
-    add("url", nargs="*", metavar="URL", help=f"where vehicles are (default: $MAVSTACK_URL or {DEFAULT_URL})")
-    add("--system", type=system_id, metavar="ID", help="the vehicle that is meant (default: the first heard)")
-    add("--out", action="append", default=[], metavar="URL", help="forward all that is heard there, and back")
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument("--script", metavar="FILE", help="run the lines of a file, and leave")
-    what.add_argument("--command", metavar="LINE", help="run a line, and leave")
-    add("--keep-going", action="store_true", help="do not end a script at the first command that fails")
+    add(
+        "url",
+        nargs="*",
+        metavar="URL",
+        help=f"link to the vehicles; may be repeated (default: $MAVSTACK_URL or {DEFAULT_URL})",
+    )
+    add("--system", type=system_id, metavar="ID", help="vehicle to select (default: the first vehicle heard)")
+    add("--out", action="append", default=[], metavar="URL", help="forward all packets to this link and back")
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--script", metavar="FILE", help="run the lines of a file, and exit")
+    group.add_argument("--command", metavar="LINE", help="run a line, and exit")
+    add("--keep-going", action="store_true", help="go on with a script after a failure")
     add_heartbeat_timeout(parser)
 
 
 def run(arguments: Namespace) -> int:
     """Run the shell."""
-    return asyncio.run(_connected(arguments))
+    return asyncio.run(_connect_and_run(arguments))
 
 
-async def _connected(arguments: Namespace) -> int:
-    async with connect(*connection_urls(arguments)) as node:
-        return await run_shell(node, arguments)
+async def _connect_and_run(arguments: Namespace) -> int:
+    async with connect(*connection_urls(arguments)) as connection:
+        return await run_shell(connection, arguments)
 
 
-async def run_shell(node: Connection, arguments: Namespace) -> int:
-    """Run the shell, a script or a line on an open connection; the exit code."""
+async def run_shell(connection: Connection, arguments: Namespace) -> int:
+    """Run the shell, a script or a line on an open connection; return the exit code."""
     lines = _lines(arguments)
-    async with Session(node, COMMANDS) as session, News(session):
+    async with Session(connection, COMMANDS) as session, Notifications(session):
         for url in arguments.out:
             await session.forwarding.add(url)
         if lines is None:
-            line = line_for(session)
-            session.ask = line.ask
-            await _wait_for_vehicle(session, arguments, quietly=True)
-            await interact(session, line)
+            reader = line_reader(session)
+            session.ask = reader.ask
+            await _wait_for_vehicle(session, arguments, required=False)
+            await run_interactive(session, reader)
             return 0
         await _wait_for_vehicle(session, arguments)
         name = arguments.script or ""
@@ -81,7 +86,7 @@ async def run_shell(node: Connection, arguments: Namespace) -> int:
 
 
 def _lines(arguments: Namespace) -> AsyncIterator[str] | None:
-    """The lines of a script, whatever it is; None if somebody types."""
+    """Return the lines of a script; None if the shell is interactive."""
     if arguments.script is not None:
         return script_lines(arguments.script)
     if arguments.command is not None:
@@ -93,14 +98,14 @@ async def _one_line(line: str) -> AsyncIterator[str]:
     yield line
 
 
-async def _wait_for_vehicle(session: Session, arguments: Namespace, *, quietly: bool = False) -> None:
-    """Wait for the vehicle; somebody who types may go on without it."""
+async def _wait_for_vehicle(session: Session, arguments: Namespace, *, required: bool = True) -> None:
+    """Wait for the vehicle; an interactive shell goes on without it."""
     try:
-        vehicle = await session.node.wait_for_vehicle(arguments.system, timeout=arguments.timeout)
+        vehicle = await session.connection.wait_for_vehicle(arguments.system, timeout=arguments.timeout)
     except RemoteTimeout as error:
-        if not quietly:
+        if required:
             raise
-        tell_failure(error)
+        report_failure(error)
         return
     if arguments.system is not None:
-        session.choose(vehicle.system)
+        session.select(vehicle.system)

@@ -1,10 +1,11 @@
-"""What a word that is being typed may become: commands, parameters, modes, messages, files here and there.
+"""Completion of words: commands, parameters, modes, messages, local files and files on the vehicle.
 
-A completer is given the words before the one at the cursor; completers are put together from smaller ones:
+A completer gets the words before the word at the cursor. Completers are combined from smaller ones:
 
-    subcommands({"set": in_turn(parameters), "load": in_turn(local_files)})
+    subcommands({"set": by_position(parameters), "load": by_position(local_files)})
 
-What lies on the vehicle is asked for, remembered for a while, and left out if there is no answer soon.
+Directories on the vehicle are listed when they are needed, kept in a cache for some seconds, and left out if
+the vehicle does not answer in time.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.shell.parsing import unfinished_of
-from mavstack.cli.shell.runner import modes_known
+from mavstack.cli.shell.parsing import split_unfinished
+from mavstack.cli.shell.runner import known_modes
 from mavstack.cli.shell.settings import Settings
 from mavstack.dialects import Dialect, ardupilotmega, common
 from mavstack.errors import MavstackError
@@ -26,33 +27,32 @@ if TYPE_CHECKING:
     from mavstack.cli.shell.console_command import Completer
     from mavstack.cli.shell.session import Session
 
-#: How long to wait for the vehicle to list a directory, and how long to remember it, in seconds.
-PATIENCE: Final = 2.0
-MEMORY: Final = 15.0
-#: Fields of messages cannot be completed, and so many names are offered at most.
-MOST: Final = 500
+#: Seconds to wait for a directory listing of the vehicle, and seconds to keep it.
+LISTING_TIMEOUT: Final = 2.0
+CACHE_DURATION: Final = 15.0
+MAX_CANDIDATES: Final = 500
 
 
 async def complete(session: Session, text: str) -> tuple[list[str], int]:
-    """What the word at the end of a text may become, and how many letters of it that replaces."""
-    words, word = unfinished_of(text)
+    """Return the candidates for the last word of a text, and the number of letters that they replace."""
+    words, word = split_unfinished(text)
     if not words:
-        found: Iterable[str] = {*session.commands, *session.aliases, *modes_known(session)}
+        found: Iterable[str] = {*session.commands, *session.aliases, *known_modes(session)}
     else:
-        meant = session.aliases.get(words[0], words[0]).split()
-        command = session.commands.get(meant[0].lower()) if meant else None
+        expanded = session.aliases.get(words[0], words[0]).split()
+        command = session.commands.get(expanded[0].lower()) if expanded else None
         if command is None or command.complete is None:
             return [], 0
         found = await command.complete(session, words[1:], word)
-    fitting = {each for each in found if each.lower().startswith(word.lower())}
-    return sorted(fitting)[:MOST], len(word)
+    matching = {each for each in found if each.lower().startswith(word.lower())}
+    return sorted(matching)[:MAX_CANDIDATES], len(word)
 
 
-# How completers are put together
+# Combinations of completers
 
 
-def one_of(*choices: str) -> Completer:
-    """One of some words."""
+def choice(*choices: str) -> Completer:
+    """Complete one of the given words."""
 
     async def completer(_: Session, __: Sequence[str], ___: str) -> Iterable[str]:
         return choices
@@ -60,89 +60,89 @@ def one_of(*choices: str) -> Completer:
     return completer
 
 
-def in_turn(*completers: Completer | None, rest: Completer | None = None) -> Completer:
-    """The first word by the first of them, and so on; all words behind by `rest`."""
+def by_position(*completers: Completer | None, rest: Completer | None = None) -> Completer:
+    """Complete the first word with the first completer, and so on; further words with `rest`."""
 
     async def completer(session: Session, before: Sequence[str], word: str) -> Iterable[str]:
-        place = len(before)
-        mine = completers[place] if place < len(completers) else rest
-        return [] if mine is None else await mine(session, before, word)
+        position = len(before)
+        chosen = completers[position] if position < len(completers) else rest
+        return [] if chosen is None else await chosen(session, before, word)
 
     return completer
 
 
 def subcommands(known: Mapping[str, Completer | None]) -> Completer:
-    """A word that says what is meant, and what follows it."""
+    """Complete a subcommand, and the words after it with the completer of the subcommand."""
 
     async def completer(session: Session, before: Sequence[str], word: str) -> Iterable[str]:
         if not before:
             return known
-        mine = known.get(before[0].lower())
-        return [] if mine is None else await mine(session, before[1:], word)
+        chosen = known.get(before[0].lower())
+        return [] if chosen is None else await chosen(session, before[1:], word)
 
     return completer
 
 
-# What words may be
+# Completers of single words
 
 
 async def parameters(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
-    """Parameters that were heard of."""
-    vehicle = session.chosen
+    """Complete the names of known parameters."""
+    vehicle = session.selected
     return () if vehicle is None else tuple(vehicle.params.cached)
 
 
 async def modes(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
-    """Flight modes."""
-    return modes_known(session)
+    """Complete flight modes."""
+    return known_modes(session)
 
 
 async def commands(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
-    """Commands of the shell."""
+    """Complete commands of the shell."""
     return (*session.commands, *session.aliases)
 
 
 async def aliases(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
-    """Aliases of the user."""
+    """Complete aliases of the user."""
     return tuple(session.aliases)
 
 
 async def settings(_: Session, __: Sequence[str], ___: str) -> Iterable[str]:
-    """Settings."""
+    """Complete settings of the shell."""
     return Settings.names()
 
 
 async def systems(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
-    """Vehicles, by system id."""
-    return tuple(map(str, session.node.vehicles))
+    """Complete system ids of vehicles."""
+    return tuple(map(str, session.connection.vehicles))
 
 
 async def outputs(session: Session, _: Sequence[str], __: str) -> Iterable[str]:
-    """What is forwarded to."""
+    """Complete URLs of outputs."""
     return tuple(output.url for output in session.forwarding.outputs)
 
 
 async def mav_commands(_: Session, __: Sequence[str], ___: str) -> Iterable[str]:
-    """MAV_CMD, without what all begin with."""
+    """Complete entries of MAV_CMD, without the prefix."""
     return tuple(ardupilotmega.MavCmd.__members__)
 
 
 async def frames(_: Session, __: Sequence[str], ___: str) -> Iterable[str]:
-    """MAV_FRAME, without what all begin with."""
+    """Complete entries of MAV_FRAME, without the prefix."""
     return tuple(common.MavFrame.__members__)
 
 
 async def messages(_: Session, __: Sequence[str], ___: str) -> Iterable[str]:
-    """Messages."""
+    """Complete names of messages."""
     return _message_names()
 
 
 async def local_files(_: Session, __: Sequence[str], word: str) -> Iterable[str]:
-    """Files here."""
-    return _files_here(word)
+    """Complete paths of local files."""
+    return _local_paths(word)
 
 
-def _files_here(word: str) -> list[str]:
+def _local_paths(word: str) -> list[str]:
     path = Path(word).expanduser()
     directory = path if word.endswith(("/", "\\")) or not word else path.parent
     hidden = path.name.startswith(".")
@@ -155,21 +155,21 @@ def _files_here(word: str) -> list[str]:
 
 
 async def remote_files(session: Session, _: Sequence[str], word: str) -> Iterable[str]:
-    """Files on the vehicle."""
-    vehicle = session.chosen
+    """Complete paths of files on the vehicle."""
+    vehicle = session.selected
     if vehicle is None:
         return ()
     directory = word[: word.rfind("/") + 1]
-    key, now = (vehicle.system, directory), session.node.now()
-    known = session.remembered.get(key)
-    if known is None or now > known[0] + MEMORY:
+    key, now = (vehicle.system, directory), session.connection.now()
+    known = session.completion_cache.get(key)
+    if known is None or now > known[0] + CACHE_DURATION:
         try:
-            async with asyncio.timeout(PATIENCE):
+            async with asyncio.timeout(LISTING_TIMEOUT):
                 entries = await vehicle.ftp.list(directory or "/")
         except (MavstackError, TimeoutError):
             return ()
         names = tuple(f"{directory}{each.name}{'/' if each.is_directory else ''}" for each in entries)
-        session.remembered[key] = known = now, names
+        session.completion_cache[key] = known = now, names
     return known[1]
 
 

@@ -1,4 +1,4 @@
-"""A command of the shell: its names, its help, how its words are completed, and the function that runs it."""
+"""A command of the shell: its names, its help, the completion of its words, and the function that runs it."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
     from mavstack.cli.shell.session import Session
 
     Run: TypeAlias = Callable[[Session, list[str]], Awaitable[None]]
-    #: Of the session, the words of the command before, and the word that is typed: what it may become.
+    #: Returns the candidates for a word, from the session, the words before it and its typed beginning.
     Completer: TypeAlias = Callable[[Session, Sequence[str], str], Awaitable[Iterable[str]]]
 
 
-class AlreadyReported(MavstackError):  # noqa: N818 (it says what happened)
-    """A command failed and has said so itself."""
+class AlreadyReported(MavstackError):  # noqa: N818 (the name says what happened)
+    """A command failed and has printed the reason itself."""
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command; `usage` is what follows its name, `run` raises a `MavstackError` if it fails."""
+    """One command; `usage` follows its name in help texts, `run` raises a `MavstackError` if it fails."""
 
     name: str
     usage: str
@@ -37,38 +37,34 @@ class Command:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All that it is called."""
+        """The name and the aliases."""
         return (self.name, *self.aliases)
 
     @property
     def synopsis(self) -> str:
-        """Its name and what follows it."""
+        """The name with the usage."""
         return f"{self.name} {self.usage}".rstrip()
 
-    def misused(self, problem: str = "") -> UsageError:
-        """What to raise for words that make no sense."""
-        return UsageError(f"{problem + '; ' if problem else ''}usage: {self.synopsis}")
 
-
-def expect(words: Sequence[str], fewest: int, most: int | None, usage: str) -> None:
-    """Raise `UsageError` unless there are so many words."""
-    if len(words) < fewest or (most is not None and len(words) > most):
+def expect_words(words: Sequence[str], minimum: int, maximum: int | None, usage: str) -> None:
+    """Raise `UsageError` unless the number of words is in the range; a maximum of None is no limit."""
+    if len(words) < minimum or (maximum is not None and len(words) > maximum):
         raise UsageError(f"usage: {usage}")
 
 
-def number_of(text: str, what: str) -> float:
-    """A word as a finite number."""
+def parse_number(text: str, name: str) -> float:
+    """Parse a finite number; the error names the argument."""
     try:
         value = float(text)
     except ValueError:
         value = float("nan")
     if not abs(value) < float("inf"):
-        raise UsageError(f"{text!r} is no number for {what}")
+        raise UsageError(f"{text!r} is not a number for {name}")
     return value
 
 
-def whole_number_of(text: str, what: str, most: int) -> int:
-    """A word as a whole number from 0 to `most`."""
-    if not (text.isascii() and text.isdecimal() and len(text) <= 12 and int(text) <= most):
-        raise UsageError(f"{text!r} is no number from 0 to {most} for {what}")
+def parse_integer(text: str, name: str, maximum: int) -> int:
+    """Parse an integer from 0 to `maximum`; the error names the argument."""
+    if not (text.isascii() and text.isdecimal() and len(text) <= 12 and int(text) <= maximum):
+        raise UsageError(f"{text!r} is not a number from 0 to {maximum} for {name}")
     return int(text)

@@ -1,4 +1,4 @@
-"""Commands for the shell itself: help, set, alias, script, output, sleep, exit."""
+"""Commands that control the shell: help, set, alias, script, output, sleep, exit."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ import asyncio
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.errors import CommandError
-from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import align_columns
 from mavstack.cli.shell import completion
-from mavstack.cli.shell.console_command import AlreadyReported, Command, expect, number_of
-from mavstack.cli.shell.parsing import commands_of
-from mavstack.cli.shell.runner import DEEPEST, run_lines
-from mavstack.errors import MavstackError
+from mavstack.cli.shell.console_command import AlreadyReported, Command, expect_words, parse_number
+from mavstack.cli.shell.parsing import split_commands
+from mavstack.cli.shell.runner import MAX_DEPTH, run_lines
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Sequence
@@ -21,38 +19,40 @@ if TYPE_CHECKING:
     from mavstack.cli.shell.session import Session
 
 
-async def help_me(session: Session, words: list[str]) -> None:
-    """`help`, `help takeoff`."""
-    expect(words, 0, 1, "help [COMMAND]")
+async def show_help(session: Session, words: list[str]) -> None:
+    """Run `help` or `help takeoff`."""
+    expect_words(words, 0, 1, "help [COMMAND]")
     if words:
-        session.say(*_help_of(session, words[0]))
+        session.print(*_help_of(session, words[0]))
         return
     unique = dict.fromkeys(session.commands.values())
     rows = [(f"  {each.name}", each.summary) for each in unique]
-    session.say(
-        *align_columns(rows), "", "help COMMAND tells more; Tab completes; Ctrl-C ends a command, Ctrl-D all."
+    session.print(
+        *align_columns(rows),
+        "",
+        "help COMMAND shows details; Tab completes; Ctrl-C cancels a command, Ctrl-D leaves the shell.",
     )
 
 
 async def settings(session: Session, words: list[str]) -> None:
-    """`set`, `set wait`, `set wait off`."""
-    expect(words, 0, 2, "set [NAME [VALUE]]")
+    """Run `set`, `set wait` or `set wait off`."""
+    expect_words(words, 0, 2, "set [NAME [VALUE]]")
     if len(words) == 2:
         session.settings.change(words[0].lower(), words[1])
         return
     names = (words[0].lower(),) if words else session.settings.names()
-    session.say(*align_columns([(name, session.settings.text(name)) for name in names]))
+    session.print(*align_columns([(name, session.settings.text(name)) for name in names]))
 
 
 async def alias(session: Session, words: list[str]) -> None:
-    """`alias`, `alias add up "takeoff 10"`, `alias remove up`."""
+    """Run `alias`, `alias add up "takeoff 10"` or `alias remove up`."""
     match [words[0].lower() if words else "list", *words[1:]]:
         case ["list"]:
             rows = sorted(session.aliases.items())
-            session.say(*(align_columns(rows) if rows else ["there are no aliases"]))
+            session.print(*(align_columns(rows) if rows else ["there are no aliases"]))
         case ["add", name, *meaning] if meaning:
             text = " ".join(meaning)
-            commands_of(text)  # raises if it cannot be a line
+            split_commands(text)  # raises if it is not a valid line
             if not name.isidentifier() or name.lower() == "alias":
                 raise UsageError(f"{name!r} cannot be an alias")
             session.aliases[name] = text
@@ -64,10 +64,10 @@ async def alias(session: Session, words: list[str]) -> None:
 
 
 async def script(session: Session, words: list[str]) -> None:
-    """`script FILE`."""
-    expect(words, 1, 1, "script FILE")
-    if session.depth >= DEEPEST:
-        raise UsageError(f"{words[0]} runs itself again and again")
+    """Run `script FILE`."""
+    expect_words(words, 1, 1, "script FILE")
+    if session.depth >= MAX_DEPTH:
+        raise UsageError(f"{words[0]} runs itself without end")
     session.depth += 1
     try:
         if not await run_lines(session, script_lines(words[0]), words[0]):
@@ -77,15 +77,15 @@ async def script(session: Session, words: list[str]) -> None:
 
 
 async def output(session: Session, words: list[str]) -> None:
-    """`output add URL`, `output list`, `output remove URL`."""
+    """Run `output add URL`, `output list` or `output remove URL`."""
     forwarding = session.forwarding
     match [words[0].lower() if words else "list", *words[1:]]:
         case ["list"]:
             rows = [
-                (str(place), each.url, f"{each.peers} there", f"{each.sent} out, {each.received} in")
-                for place, each in enumerate(forwarding.outputs)
+                (str(index), each.url, f"{each.peers} peers", f"{each.sent} out, {each.received} in")
+                for index, each in enumerate(forwarding.outputs)
             ]
-            session.say(*(align_columns(rows) if rows else ["nothing is forwarded"]))
+            session.print(*(align_columns(rows) if rows else ["there are no outputs"]))
         case ["add", url]:
             await forwarding.add(url)
         case ["remove", which]:
@@ -96,22 +96,22 @@ async def output(session: Session, words: list[str]) -> None:
 
 
 async def sleep(session: Session, words: list[str]) -> None:
-    """`sleep 2.5`."""
-    expect(words, 1, 1, "sleep SECONDS")
-    seconds = number_of(words[0], "the time")
+    """Run `sleep 2.5`."""
+    expect_words(words, 1, 1, "sleep SECONDS")
+    seconds = parse_number(words[0], "the time")
     if seconds < 0:
-        raise UsageError("nothing sleeps for less than no time")
+        raise UsageError(f"the time must not be negative, got {seconds:g} s")
     await asyncio.sleep(seconds)
 
 
-async def leave(session: Session, words: list[str]) -> None:
-    """`exit`."""
-    expect(words, 0, 0, "exit")
-    session.leaving = True
+async def exit_shell(session: Session, words: list[str]) -> None:
+    """Run `exit`."""
+    expect_words(words, 0, 0, "exit")
+    session.exiting = True
 
 
 async def script_lines(path: str) -> AsyncIterator[str]:
-    """The lines of a script file."""
+    """Yield the lines of a script file."""
     for line in _read(path).splitlines():
         yield line
 
@@ -132,42 +132,44 @@ def _help_of(session: Session, name: str) -> Sequence[str]:
     summary = command.summary[0].upper() + command.summary[1:]
     lines = [command.synopsis, "", f"  {summary}."]
     lines += [f"  {command.details}"] if command.details else []
-    lines += [f"  Also called {', '.join(command.aliases)}."] if command.aliases else []
+    lines += [f"  Other names: {', '.join(command.aliases)}."] if command.aliases else []
     lines += ["", "examples:", *(f"  {example}" for example in command.examples)] if command.examples else []
     return lines
 
 
 COMMANDS: Final = (
     Command(
-        "help", "[COMMAND]", "list the commands, or tell more about one", help_me, aliases=("?",),
-        examples=("help", "help takeoff"), complete=completion.in_turn(completion.commands),
+        "help", "[COMMAND]", "list the commands, or show the help of one", show_help, aliases=("?",),
+        examples=("help", "help takeoff"), complete=completion.by_position(completion.commands),
     ),
     Command(
-        "set", "[NAME [VALUE]]", "settings of the shell", settings, examples=("set", "set wait off"),
-        details="wait: commands that fly wait until it is done. limit: for so many seconds at most. "
-        "severity: the least important texts that are shown. rate: what `watch` asks for.",
-        complete=completion.in_turn(completion.settings, completion.one_of("on", "off")),
+        "set", "[NAME [VALUE]]", "show or change the settings of the shell", settings,
+        examples=("set", "set wait off"),
+        details="wait: commands that fly wait until the vehicle has finished. timeout: of commands that fly, "
+        "in seconds, 0 for none. severity: status texts of lower severity are hidden. rate: of messages that "
+        "`watch` requests, in hertz, 0 for the rate of the vehicle.",
+        complete=completion.by_position(completion.settings, completion.choice("on", "off")),
     ),
     Command(
-        "alias", "[list | add NAME LINE | remove NAME]", "lines under a name of your own", alias,
+        "alias", "[list | add NAME LINE | remove NAME]", "give a name to a line of commands", alias,
         examples=('alias add up "mode guided; arm throttle; takeoff 10"', "alias list", "alias remove up"),
         complete=completion.subcommands(
-            {"list": None, "add": None, "remove": completion.in_turn(completion.aliases)}
+            {"list": None, "add": None, "remove": completion.by_position(completion.aliases)}
         ),
     ),
     Command(
-        "script", "FILE", "run the lines of a file; the first that fails ends it", script, aliases=("run",),
-        complete=completion.in_turn(completion.local_files),
+        "script", "FILE", "run the lines of a file until a command fails", script, aliases=("run",),
+        complete=completion.by_position(completion.local_files),
     ),
     Command(
-        "output", "[list | add URL | remove URL|NUMBER]", "forward everything to other programs and back",
+        "output", "[list | add URL | remove URL|NUMBER]", "forward all packets to other programs and back",
         output, examples=("output add udpout://127.0.0.1:14551", "output list", "output remove 0"),
-        details="A ground station can sit behind the shell: all that is heard goes there, and what comes "
-        "from there goes to the vehicle, byte for byte.",
+        details="A ground station can be connected through the shell: packets are forwarded unchanged in "
+        "both directions.",
         complete=completion.subcommands(
-            {"list": None, "add": None, "remove": completion.in_turn(completion.outputs)}
+            {"list": None, "add": None, "remove": completion.by_position(completion.outputs)}
         ),
     ),
-    Command("sleep", "SECONDS", "wait, in scripts", sleep, aliases=("delay",), examples=("sleep 2",)),
-    Command("exit", "", "leave the shell", leave, aliases=("quit", "bye"), examples=("exit",)),
+    Command("sleep", "SECONDS", "wait in a script", sleep, aliases=("delay",), examples=("sleep 2",)),
+    Command("exit", "", "leave the shell", exit_shell, aliases=("quit", "bye"), examples=("exit",)),
 )  # fmt: skip

@@ -1,109 +1,125 @@
-"""Commands that arm and fly: arm, mode, takeoff, guided, land, rtl …"""
+"""Commands that arm and fly: arm, mode, takeoff, guided, land, rtl and others."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from mavstack.cli.common.errors import CommandError
-from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.shell import completion
-from mavstack.cli.shell.console_command import Command, expect, number_of
-from mavstack.cli.vehicle.flight_progress import FlightProgress, height_of, to_altitude, to_home, to_place
+from mavstack.cli.shell.console_command import Command, expect_words, parse_number
+from mavstack.cli.vehicle.flight_progress import (
+    FlightProgress,
+    distance_to_altitude,
+    distance_to_home,
+    distance_to_place,
+    height_above_home,
+)
 from mavstack.dialects import common
-from mavstack.errors import MavstackError
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
 
     from mavstack.cli.shell.session import Session
-    from mavstack.cli.vehicle.flight_progress import Left
+    from mavstack.cli.vehicle.flight_progress import Remaining
 
 _TAKEOFF_ALTITUDE: Final = 10.0
 _REBOOT_TO_BOOTLOADER: Final = 3.0
 
 
-def _how(session: Session) -> dict[str, Any]:
-    """What the settings say about waiting."""
-    return {"wait": session.settings.wait, "timeout": session.settings.limit or None}
+def _wait_options(session: Session) -> dict[str, Any]:
+    """Return the arguments of an action that follow from the settings."""
+    return {"wait": session.settings.wait, "timeout": session.settings.timeout or None}
 
 
-async def _fly(session: Session, what: str, action: Awaitable[None], left: Left | None = None) -> None:
-    async with FlightProgress(session.vehicle, what, left):
+async def _fly(
+    session: Session, title: str, action: Awaitable[None], remaining: Remaining | None = None
+) -> None:
+    async with FlightProgress(session.vehicle, title, remaining):
         await action
 
 
 async def arm(session: Session, words: list[str]) -> None:
-    """`arm`, `arm throttle`, `arm throttle force`."""
+    """Run `arm`, `arm throttle` or `arm throttle force`."""
     options = [word.lower() for word in words]
     if options[:1] == ["throttle"]:
         del options[0]
     if options not in ([], ["force"]):
         raise UsageError("usage: arm [throttle] [force]")
     await session.vehicle.arm(force=bool(options))
-    session.say("armed")
+    session.print("armed")
 
 
 async def disarm(session: Session, words: list[str]) -> None:
-    """`disarm`, `disarm force`."""
+    """Run `disarm` or `disarm force`."""
     if [word.lower() for word in words] not in ([], ["force"]):
         raise UsageError("usage: disarm [force]")
     await session.vehicle.disarm(force=bool(words))
-    session.say("disarmed")
+    session.print("disarmed")
 
 
 async def takeoff(session: Session, words: list[str]) -> None:
-    """`takeoff 20`."""
-    expect(words, 0, 1, "takeoff [ALTITUDE]")
-    altitude = number_of(words[0], "the altitude") if words else _TAKEOFF_ALTITUDE
-    await _fly(session, "takeoff", session.vehicle.takeoff(altitude, **_how(session)), to_altitude(altitude))
+    """Run `takeoff 20`."""
+    expect_words(words, 0, 1, "takeoff [ALTITUDE]")
+    altitude = parse_number(words[0], "the altitude") if words else _TAKEOFF_ALTITUDE
+    await _fly(
+        session,
+        "takeoff",
+        session.vehicle.takeoff(altitude, **_wait_options(session)),
+        distance_to_altitude(altitude),
+    )
 
 
 async def land(session: Session, words: list[str]) -> None:
-    """`land`."""
-    expect(words, 0, 0, "land")
-    await _fly(session, "land", session.vehicle.land(**_how(session)), height_of)
+    """Run `land`."""
+    expect_words(words, 0, 0, "land")
+    await _fly(session, "land", session.vehicle.land(**_wait_options(session)), height_above_home)
 
 
 async def rtl(session: Session, words: list[str]) -> None:
-    """`rtl`."""
-    expect(words, 0, 0, "rtl")
-    await _fly(session, "rtl", session.vehicle.rtl(**_how(session)), to_home)
+    """Run `rtl`."""
+    expect_words(words, 0, 0, "rtl")
+    await _fly(session, "rtl", session.vehicle.rtl(**_wait_options(session)), distance_to_home)
 
 
 async def hold(session: Session, words: list[str]) -> None:
-    """`hold`."""
-    expect(words, 0, 0, "hold")
+    """Run `hold`."""
+    expect_words(words, 0, 0, "hold")
     await session.vehicle.hold()
 
 
 async def goto(session: Session, words: list[str]) -> None:
-    """`guided LAT LON ALT`; `guided` alone is the mode."""
+    """Run `guided LAT LON ALT`; `guided` alone sets the mode."""
     if not words:
         await mode(session, ["guided"])
         return
-    expect(words, 2, 3, "guided LAT LON [ALTITUDE]")
-    latitude, longitude = number_of(words[0], "the latitude"), number_of(words[1], "the longitude")
-    altitude = number_of(words[2], "the altitude") if len(words) == 3 else None
-    action = session.vehicle.goto(latitude, longitude, altitude, **_how(session))
-    await _fly(session, "going there", action, to_place(latitude, longitude))
+    expect_words(words, 2, 3, "guided LAT LON [ALTITUDE]")
+    latitude, longitude = parse_number(words[0], "the latitude"), parse_number(words[1], "the longitude")
+    altitude = parse_number(words[2], "the altitude") if len(words) == 3 else None
+    action = session.vehicle.goto(latitude, longitude, altitude, **_wait_options(session))
+    await _fly(session, "goto", action, distance_to_place(latitude, longitude))
 
 
 async def orbit(session: Session, words: list[str]) -> None:
-    """`orbit LAT LON ALT RADIUS SPEED`."""
-    expect(words, 2, 5, "orbit LAT LON [ALTITUDE [RADIUS [SPEED]]]")
+    """Run `orbit LAT LON ALT RADIUS SPEED`."""
+    expect_words(words, 2, 5, "orbit LAT LON [ALTITUDE [RADIUS [SPEED]]]")
     names = ("the latitude", "the longitude", "the altitude", "the radius", "the speed")
-    numbers = [number_of(word, name) for word, name in zip(words, names, strict=False)]
+    numbers = [parse_number(word, name) for word, name in zip(words, names, strict=False)]
     latitude, longitude, *more = numbers
     altitude, radius, speed, *_ = [*more, None, None, None][:3] if more else (None, None, None)
     action = session.vehicle.orbit(
-        latitude, longitude, altitude, radius=20.0 if radius is None else radius, speed=speed, **_how(session)
+        latitude,
+        longitude,
+        altitude,
+        radius=20.0 if radius is None else radius,
+        speed=speed,
+        **_wait_options(session),
     )
-    await _fly(session, "orbit", action, to_place(latitude, longitude))
+    await _fly(session, "orbit", action, distance_to_place(latitude, longitude))
 
 
 async def mode(session: Session, words: list[str]) -> None:
-    """`mode guided`; `mode` alone lists them."""
+    """Run `mode guided`; `mode` alone lists the modes."""
     if not words:
         await modes(session, [])
         return
@@ -112,28 +128,27 @@ async def mode(session: Session, words: list[str]) -> None:
 
 
 async def modes(session: Session, words: list[str]) -> None:
-    """`modes`."""
-    expect(words, 0, 0, "modes")
+    """Run `modes`."""
+    expect_words(words, 0, 0, "modes")
     vehicle = session.vehicle
     found = await vehicle.modes.list()
-    now = (vehicle.mode or "").lower()
-    session.say(*(f"{'*' if each.name.lower() == now else ' '} {each.name}" for each in found))
+    current = (vehicle.mode or "").lower()
+    session.print(*(f"{'*' if each.name.lower() == current else ' '} {each.name}" for each in found))
 
 
 async def speed(session: Session, words: list[str]) -> None:
-    """`setspeed 5`."""
-    expect(words, 1, 1, "setspeed METRES_PER_SECOND")
-    wanted = number_of(words[0], "the speed")
-    await session.vehicle.set_speed(wanted)
+    """Run `setspeed 5`."""
+    expect_words(words, 1, 1, "setspeed METRES_PER_SECOND")
+    await session.vehicle.set_speed(parse_number(words[0], "the speed"))
 
 
 async def yaw(session: Session, words: list[str]) -> None:
-    """`setyaw 90`, or with a rate and whether it is relative, as MAVProxy has it."""
-    expect(words, 1, 3, "setyaw DEGREES [DEGREES_PER_SECOND [0|1]]")
-    names = ("the heading", "the rate", "whether it is relative")
-    heading, *more = [number_of(word, name) for word, name in zip(words, names, strict=False)]
+    """Run `setyaw 90`, or `setyaw DEGREES RATE RELATIVE` as in MAVProxy."""
+    expect_words(words, 1, 3, "setyaw DEGREES [DEGREES_PER_SECOND [0|1]]")
+    names = ("the heading", "the rate", "relative (0 or 1)")
+    heading, *more = [parse_number(word, name) for word, name in zip(words, names, strict=False)]
     if not more:
-        await _fly(session, "turning", session.vehicle.set_yaw(heading, **_how(session)))
+        await _fly(session, "yaw", session.vehicle.set_yaw(heading, **_wait_options(session)))
         return
     relative = bool(more[1:] and more[1])
     direction = (1 if heading >= 0 else -1) if relative else 0
@@ -145,24 +160,26 @@ async def yaw(session: Session, words: list[str]) -> None:
 
 
 async def home(session: Session, words: list[str]) -> None:
-    """`home`, `home set`, `home LAT LON [ALT]`."""
+    """Run `home`, `home set` or `home LAT LON [ALT]`."""
     here = [word.lower() for word in words] in (["set"], ["here"])
     if words and not here:
-        expect(words, 2, 3, "home [set | LAT LON [ALTITUDE above sea]]")
-    place = [] if here else [number_of(word, "home") for word in words]
+        expect_words(words, 2, 3, "home [set | LAT LON [ALTITUDE above sea]]")
+    place = [] if here else [parse_number(word, "home") for word in words]
     vehicle = session.vehicle
     if words:
         await vehicle.set_home(*place)
     else:
         await vehicle.telemetry.ask_for_home()
-    where = vehicle.home
-    if where is None:
-        raise CommandError("the vehicle has no home yet")
-    session.say(f"home: {where.latitude:.7f} {where.longitude:.7f}, {where.altitude:.1f} m above sea")
+    position = vehicle.home
+    if position is None:
+        raise CommandError(f"vehicle {vehicle.system} has no home position yet")
+    session.print(
+        f"home: {position.latitude:.7f} {position.longitude:.7f}, {position.altitude:.1f} m above sea"
+    )
 
 
 async def reboot(session: Session, words: list[str]) -> None:
-    """`reboot`."""
+    """Run `reboot` or `reboot bootloader`."""
     options = [word.lower() for word in words]
     if options == ["bootloader"]:
         asked = session.vehicle.component.command(
@@ -170,60 +187,62 @@ async def reboot(session: Session, words: list[str]) -> None:
         )
         await with_status_texts(session.vehicle, asked)
         return
-    expect(words, 0, 0, "reboot [bootloader]")
-    session.remembered.clear()
+    expect_words(words, 0, 0, "reboot [bootloader]")
+    session.completion_cache.clear()
     await session.vehicle.reboot(wait=session.settings.wait)
 
 
 COMMANDS: Final = (
     Command(
-        "arm", "[throttle] [force]", "let the motors run", arm,
+        "arm", "[throttle] [force]", "arm the motors", arm,
         examples=("arm throttle", "arm throttle force"),
-        details="With force the vehicle skips its own checks as far as it lets itself be told.",
-        complete=completion.in_turn(completion.one_of("throttle", "force"), completion.one_of("force")),
+        details="`force` overrides the checks of the vehicle as far as its firmware allows.",
+        complete=completion.by_position(completion.choice("throttle", "force"), completion.choice("force")),
     ),
     Command(
-        "disarm", "[force]", "stop the motors", disarm, examples=("disarm", "disarm force"),
-        details="With force also in the air.", complete=completion.in_turn(completion.one_of("force")),
+        "disarm", "[force]", "disarm the motors", disarm, examples=("disarm", "disarm force"),
+        details="`force` disarms also in the air.", complete=completion.by_position(completion.choice("force")),
     ),
     Command(
-        "takeoff", "[ALTITUDE]", "take off to an altitude above home (10 m), and stay there", takeoff,
+        "takeoff", "[ALTITUDE]", "take off to an altitude, and hold there", takeoff,
         examples=("takeoff 20",),
+        details="The altitude is in metres above home; the default is 10.",
     ),
-    Command("land", "", "land where it is", land, examples=("land",)),
-    Command("rtl", "", "return home, and land there", rtl, examples=("rtl",)),
-    Command("hold", "", "stay where it is; a wing circles", hold, examples=("hold",)),
+    Command("land", "", "land at the current position", land, examples=("land",)),
+    Command("rtl", "", "return to home, and land there", rtl, examples=("rtl",)),
+    Command("hold", "", "hold the position; a fixed wing circles", hold, examples=("hold",)),
     Command(
-        "guided", "[LAT LON [ALTITUDE]]", "go to a place; alone: enter GUIDED", goto, aliases=("goto",),
-        examples=("guided 47.3985 8.5460 30",),
-        details="The altitude is in metres above home; without one it stays as high as it is.",
+        "guided", "[LAT LON [ALTITUDE]]", "fly to a place; without arguments set the mode GUIDED", goto,
+        aliases=("goto",), examples=("guided 47.3985 8.5460 30",),
+        details="The altitude is in metres above home; the default is the current altitude.",
     ),
     Command(
-        "orbit", "LAT LON [ALTITUDE [RADIUS [SPEED]]]", "circle a place", orbit,
+        "orbit", "LAT LON [ALTITUDE [RADIUS [SPEED]]]", "circle around a place", orbit,
         examples=("orbit 47.3985 8.5460 30 40",),
-        details="A negative radius is flown counter-clockwise.",
+        details="A negative radius is counter-clockwise.",
     ),
     Command(
-        "mode", "[NAME]", "enter a flight mode; alone: list them", mode, examples=("mode guided", "mode"),
-        details="The name of a mode alone does it too: loiter.",
-        complete=completion.in_turn(completion.modes),
+        "mode", "[NAME]", "set the flight mode; without arguments list the modes", mode,
+        examples=("mode guided", "mode"), details="The name of a mode is a command too: loiter.",
+        complete=completion.by_position(completion.modes),
     ),
     Command("modes", "", "list the flight modes", modes, examples=("modes",)),
     Command(
-        "setspeed", "METRES_PER_SECOND", "fly so fast over ground", speed, aliases=("speed",),
+        "setspeed", "METRES_PER_SECOND", "set the ground speed", speed, aliases=("speed",),
         examples=("setspeed 5",),
     ),
     Command(
         "setyaw", "DEGREES [DEGREES_PER_SECOND [0|1]]", "turn to a heading", yaw, aliases=("yaw",),
-        examples=("setyaw 90", "setyaw 30 20 1"), details="A 1 at the end: from where it points now.",
+        examples=("setyaw 90", "setyaw 30 20 1"),
+        details="With 1 at the end the angle is relative to the heading.",
     ),
     Command(
-        "home", "[set | LAT LON [ALTITUDE]]", "show where home is, or set it", home,
+        "home", "[set | LAT LON [ALTITUDE]]", "show or set the home position", home,
         examples=("home", "home set", "home 47.3978 8.5457 488"),
-        complete=completion.in_turn(completion.one_of("set")),
+        complete=completion.by_position(completion.choice("set")),
     ),
     Command(
         "reboot", "[bootloader]", "reboot the autopilot, and wait until it is back", reboot,
-        examples=("reboot",), complete=completion.in_turn(completion.one_of("bootloader")),
+        examples=("reboot",), complete=completion.by_position(completion.choice("bootloader")),
     ),
 )  # fmt: skip

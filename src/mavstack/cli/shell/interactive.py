@@ -1,15 +1,18 @@
-"""The loop of a shell that somebody types into: Ctrl-C ends a command, Ctrl-D the shell."""
+"""The loop of an interactive shell: Ctrl-C cancels a command, Ctrl-D ends the shell."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING, Protocol
 
-from mavstack.cli.shell.notifications import announce
-from mavstack.cli.shell.runner import run_line, tell_failure
+from mavstack.cli.shell.notifications import print_notification
+from mavstack.cli.shell.runner import report_failure, run_line
 from mavstack.errors import MavstackError
+
+_logger = logging.getLogger(__name__)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -19,60 +22,61 @@ if TYPE_CHECKING:
     from mavstack.cli.shell.session import Session
 
 
-class Line(Protocol):
-    """What reads lines."""
+class LineReader(Protocol):
+    """Reads lines from the user."""
 
     async def read(self) -> str:
-        """The next line; raises EOFError at the end, KeyboardInterrupt for Ctrl-C."""
+        """Read the next line; raise EOFError at the end, KeyboardInterrupt for Ctrl-C."""
 
     async def ask(self, question: str) -> str:
-        """The answer to a question."""
+        """Ask a question and return the answer."""
 
     def busy(self) -> AbstractContextManager[None]:
-        """What holds while a command runs."""
+        """Return a context manager for the time in which a command runs."""
 
 
-def line_for(session: Session) -> Line:
-    """The line with completion, or a plain one where that is not installed."""
+def line_reader(session: Session) -> LineReader:
+    """Return a reader with completion and history, or a plain one if prompt_toolkit is not installed."""
     try:
-        from mavstack.cli.shell.prompt_input import PromptLine
+        from mavstack.cli.shell.prompt_input import PromptReader
     except ImportError:
-        from mavstack.cli.shell.plain_input import PlainLine
+        from mavstack.cli.shell.plain_input import PlainReader
 
-        announce("without completion and history; with them: pip install 'mavstack[cli]'", "grey")
-        return PlainLine(session)
-    return PromptLine(session)
+        print_notification("for completion and history: pip install 'mavstack[cli]'", "grey")
+        return PlainReader(session)
+    return PromptReader(session)
 
 
-async def interact(session: Session, line: Line) -> None:
-    """Read and run lines until the user leaves."""
-    while not session.leaving:
+async def run_interactive(session: Session, reader: LineReader) -> None:
+    """Read and run lines until the user exits."""
+    while not session.exiting:
         try:
-            text = await line.read()
+            text = await reader.read()
         except KeyboardInterrupt:
             continue
         except EOFError:
             return
-        with line.busy():
-            done = await uninterrupted(run_one(session, text))
-        if not done:
-            announce("cancelled", "yellow")
+        with reader.busy():
+            completed = await run_cancellable(run_and_report(session, text))
+        if not completed:
+            print_notification("cancelled", "yellow")
 
 
-async def run_one(session: Session, text: str) -> None:
-    """Run a line, and tell what fails."""
+async def run_and_report(session: Session, text: str) -> None:
+    """Run a line and report a failure."""
     try:
         await run_line(session, text)
     except (MavstackError, OSError) as error:
-        tell_failure(error)
+        report_failure(error)
     except EOFError:
-        announce("no answer", "yellow")
-    except Exception as error:  # noqa: BLE001 (a defect of one command must not end the shell in flight)
-        announce(f"a defect of this command: {type(error).__name__}: {error}", "red")
+        print_notification("no answer", "yellow")
+    except Exception as error:
+        _logger.exception("a command of the shell failed unexpectedly")
+        print_notification(f"unexpected error: {type(error).__name__}: {error}", "red")
 
 
-async def uninterrupted(work: Coroutine[Any, Any, None]) -> bool:
-    """Do it, or cancel it at Ctrl-C; whether it was done."""
+async def run_cancellable(work: Coroutine[Any, Any, None]) -> bool:
+    """Run a coroutine and cancel it at Ctrl-C; return whether it completed."""
     task = asyncio.get_running_loop().create_task(work)
     release = _on_interrupt(task.cancel)
     try:
@@ -90,9 +94,9 @@ async def uninterrupted(work: Coroutine[Any, Any, None]) -> bool:
 
 
 def _on_interrupt(act: Callable[[], object]) -> Callable[[], None]:
-    """Have Ctrl-C do something else until the result is called."""
+    """Call `act` at Ctrl-C until the returned function is called."""
     loop = asyncio.get_running_loop()
-    before = signal.getsignal(signal.SIGINT)
+    previous = signal.getsignal(signal.SIGINT)
 
     def act_soon(*_: object) -> None:
         loop.call_soon_threadsafe(act)
@@ -102,12 +106,12 @@ def _on_interrupt(act: Callable[[], object]) -> Callable[[], None]:
     except (NotImplementedError, RuntimeError, ValueError):  # Windows
         try:
             signal.signal(signal.SIGINT, act_soon)
-        except ValueError:  # not in the main thread: nobody sends it a signal
+        except ValueError:  # only the main thread receives signals
             return lambda: None
 
     def release() -> None:
         with suppress(NotImplementedError):
             loop.remove_signal_handler(signal.SIGINT)
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, previous)
 
     return release

@@ -1,6 +1,6 @@
-"""What happens meanwhile, told as it comes: texts of vehicles, vehicles that come and go, links that break.
+"""Notifications while the shell runs: status texts, vehicles found and lost, links that go down.
 
-It goes to stderr, so that what a script asks for can be piped; above the prompt on a terminal.
+They are printed on stderr, so that the output of commands can be piped, and above the prompt on a terminal.
 """
 
 from __future__ import annotations
@@ -28,46 +28,48 @@ if TYPE_CHECKING:
 
     from mavstack.cli.shell.session import Session
 
-_BAD: Final = (VehicleLost, SystemIdConflict, OwnAddressConflict)
-_TOLD: Final = (VehicleEvent, GroundStationFound, GroundStationLost, OwnAddressConflict)
+_WARNINGS: Final = (VehicleLost, SystemIdConflict, OwnAddressConflict)
+_EVENTS: Final = (VehicleEvent, GroundStationFound, GroundStationLost, OwnAddressConflict)
 _ERASE: Final = "\r\x1b[K"
+#: Colours of status texts by severity.
 _COLOURS: Final = ("alarm", "alarm", "alarm", "red", "yellow", "cyan", "", "grey")
 
 
-class News:
-    """Tells what happens while a block lasts."""
+class Notifications:
+    """Prints notifications while a block runs."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._events = session.node.events(StatusText, LinkDown, *_TOLD)
+        self._events = session.connection.events(StatusText, LinkDown, *_EVENTS)
         self._task: asyncio.Task[None] | None = None
 
     def line(self, event: object) -> tuple[str, str] | None:
-        """What is told of an event, and in which colour; None if nothing is."""
+        """Return text and colour of a notification; None for an event that is not shown."""
         match event:
             case StatusText(source=source, severity=severity, text=text):
-                if severity > self._session.settings.severity or not self._is_ours(source.system):
+                if severity > self._session.settings.severity or source.system == self._own_system:
                     return None
-                several = len(self._session.node.vehicles) > 1
+                several = len(self._session.connection.vehicles) > 1
                 known = min(max(severity, 0), len(_COLOURS) - 1)
                 return f"{f'{source.system}: ' if several else ''}{printable(text)}", _COLOURS[known]
             case LinkDown(reason, retry_in):
-                again = "" if retry_in == float("inf") else f"; tries again in {retry_in:.0f} s"
-                return f"link down: {printable(reason)}{again}", "red"
+                retry = "" if retry_in == float("inf") else f"; next try in {retry_in:.0f} s"
+                return f"link down: {printable(reason)}{retry}", "red"
             case _:
-                return printable(str(event)), "red" if isinstance(event, _BAD) else "green"
+                return printable(str(event)), "red" if isinstance(event, _WARNINGS) else "green"
 
-    def _is_ours(self, system: int) -> bool:
-        return system != self._session.node.address.system
+    @property
+    def _own_system(self) -> int:
+        return self._session.connection.address.system
 
-    async def _tell(self) -> None:
+    async def _print_events(self) -> None:
         async for event in self._events:
-            told = self.line(event)
-            if told is not None:
-                announce(*told)
+            notification = self.line(event)
+            if notification is not None:
+                print_notification(*notification)
 
     async def __aenter__(self) -> Self:
-        self._task = asyncio.get_running_loop().create_task(self._tell())
+        self._task = asyncio.get_running_loop().create_task(self._print_events())
         return self
 
     async def __aexit__(
@@ -79,7 +81,7 @@ class News:
             await asyncio.gather(self._task, return_exceptions=True)
 
 
-def announce(text: str, colour: str = "") -> None:
-    """A line on stderr, in place of a progress line if there is one."""
+def print_notification(text: str, colour: str = "") -> None:
+    """Print a line on stderr, over a progress line if there is one."""
     erase = _ERASE if sys.stderr.isatty() else ""
     print(f"{erase}{coloured(text, colour, sys.stderr)}", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""Channels of the radio control that the user overrides, one stream a vehicle, until they are given back."""
+"""Overrides of RC channels: one stream per vehicle, until the channels are released."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from mavstack.node.control import ControlStream
     from mavstack.vehicle import Vehicle
 
-RATE: Final = 10.0
+#: Rate of RC_CHANNELS_OVERRIDE in hertz.
+OVERRIDE_RATE: Final = 10.0
 
 
 class Overrides:
@@ -23,12 +24,12 @@ class Overrides:
         self._streams: dict[int, ControlStream[ChannelOverride]] = {}
         self._channels: dict[int, dict[int, int]] = {}
 
-    def of(self, vehicle: Vehicle) -> Mapping[int, int]:
-        """The channels of a vehicle that are overridden now, in microseconds."""
+    def active(self, vehicle: Vehicle) -> Mapping[int, int]:
+        """Return the overridden channels of a vehicle, in microseconds."""
         return MappingProxyType(dict(sorted(self._channels.get(vehicle.system, {}).items())))
 
     async def set(self, vehicle: Vehicle, channels: Mapping[int, int]) -> None:
-        """Override these channels too; those set to RELEASE are given back."""
+        """Override channels in addition to those already overridden; RELEASE releases a channel."""
         system = vehicle.system
         wanted = {**self._channels.get(system, {}), **channels}
         ChannelOverride(wanted).check()
@@ -37,12 +38,12 @@ class Overrides:
             await self._end(system)
             return
         if system not in self._streams:
-            self._streams[system] = await vehicle.component.override_channels(RATE).__aenter__()
+            self._streams[system] = await vehicle.component.override_channels(OVERRIDE_RATE).__aenter__()
         self._channels[system] = held
         self._streams[system].set(ChannelOverride(held))
 
     async def close(self) -> None:
-        """Give everything back."""
+        """Release all channels."""
         for system in tuple(self._streams):
             await self._end(system)
 

@@ -1,7 +1,7 @@
-"""From a line to commands: `mode guided; takeoff 10  # up` is two, each a list of words.
+"""Splitting a line into commands: `mode guided; takeoff 10  # up` is two commands, each a list of words.
 
-Words are split as a POSIX shell does it (quotes, backslash); an unquoted `;` ends a command, and an unquoted
-`#` at the beginning of a word begins a comment.
+Words are split as in a POSIX shell (quotes, backslash). An unquoted `;` ends a command, and an unquoted `#`
+at the beginning of a word begins a comment.
 """
 
 from __future__ import annotations
@@ -17,20 +17,24 @@ if TYPE_CHECKING:
 _QUOTES = "'\""
 
 
-class Unfinished(NamedTuple):
-    """A line that is being typed: the words that are whole, and the one at the cursor as it was typed."""
+class UnfinishedLine(NamedTuple):
+    """A line that is being typed: the complete words, and the beginning of the word at the cursor."""
 
     words: list[str]
     word: str
 
 
-def commands_of(line: str) -> list[list[str]]:
-    """The commands of a line; raises `UsageError` if a quotation has no end."""
+def split_commands(line: str) -> list[list[str]]:
+    """Return the commands of a line.
+
+    Raises:
+        UsageError: A quotation has no end.
+    """
     return [words for segment in _segments(line) if (words := _words(segment))]
 
 
-def unfinished_of(text: str) -> Unfinished:
-    """What stands before the cursor, of the command that it is in."""
+def split_unfinished(text: str) -> UnfinishedLine:
+    """Return the words before the cursor of the command at the cursor."""
     *_, segment = ["", *_segments(text)]
     if text.rstrip().endswith(";"):
         segment = ""
@@ -39,8 +43,8 @@ def unfinished_of(text: str) -> Unfinished:
     except ValueError:
         words = segment.replace('"', "").replace("'", "").split()
     if not segment or segment[-1].isspace():
-        return Unfinished(words, "")
-    return Unfinished(words[:-1], words[-1] if words else "")
+        return UnfinishedLine(words, "")
+    return UnfinishedLine(words[:-1], words[-1] if words else "")
 
 
 def _words(segment: str) -> list[str]:
@@ -51,20 +55,20 @@ def _words(segment: str) -> list[str]:
 
 
 def _segments(line: str) -> Iterator[str]:
-    """The parts of a line between semicolons, up to a comment."""
-    quote, begun, place = "", 0, 0
-    while place < len(line):
-        letter = line[place]
+    """Yield the parts of a line between semicolons, up to a comment."""
+    quote, start, position = "", 0, 0
+    while position < len(line):
+        letter = line[position]
         if letter == "\\" and quote != "'":
-            place += 1
+            position += 1
         elif quote:
             quote = "" if letter == quote else quote
         elif letter in _QUOTES:
             quote = letter
         elif letter == ";":
-            yield line[begun:place]
-            begun = place + 1
-        elif letter == "#" and (place == 0 or line[place - 1].isspace() or line[place - 1] == ";"):
+            yield line[start:position]
+            start = position + 1
+        elif letter == "#" and (position == 0 or line[position - 1].isspace() or line[position - 1] == ";"):
             break
-        place += 1
-    yield line[begun:place]
+        position += 1
+    yield line[start:position]

@@ -1,4 +1,4 @@
-"""Lines without prompt_toolkit: by `input` on a terminal, which a thread waits for."""
+"""Line input without prompt_toolkit: a thread waits for `input` on the terminal."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ if TYPE_CHECKING:
     from mavstack.cli.shell.session import Session
 
 
-class PlainLine:
-    """Reads lines at a prompt that is as it was when it was printed."""
+class PlainReader:
+    """Reads lines at a prompt that does not change while it is shown."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
         with suppress(ImportError):
-            import readline  # noqa: F401 (it makes `input` remember lines and edit them)
+            import readline  # noqa: F401 (gives `input` a history and line editing)
 
     async def read(self) -> str:
-        """The next line; raises EOFError at the end of the input."""
+        """Read the next line; raise EOFError at the end of the input."""
         return await self.ask("".join(text for _, text in prompt_parts(self._session)))
 
     def busy(self) -> AbstractContextManager[None]:
-        """The terminal stays as it is."""
+        """Return a context manager that leaves the terminal as it is."""
         return nullcontext()
 
     async def ask(self, question: str) -> str:
-        """The answer to a question."""
+        """Ask a question and return the answer."""
         loop = asyncio.get_running_loop()
         answer: asyncio.Future[str] = loop.create_future()
 
@@ -49,7 +49,7 @@ class PlainLine:
                 text: str | None = input(question)
             except (EOFError, OSError, ValueError):
                 text = None
-            with suppress(RuntimeError):  # the loop has ended meanwhile
+            with suppress(RuntimeError):  # the loop is closed
                 loop.call_soon_threadsafe(settle, text)
 
         Thread(target=read, name="mavstack-line", daemon=True).start()

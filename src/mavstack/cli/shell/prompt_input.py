@@ -1,6 +1,6 @@
-"""The line that is typed, with prompt_toolkit: completion, history, and a prompt that follows the vehicle.
+"""Line input with prompt_toolkit: completion, history, and a prompt that shows the state of the vehicle.
 
-Nothing else knows prompt_toolkit; without it `plain` reads lines.
+This is the only module that uses prompt_toolkit; without it `plain_input` reads lines.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from prompt_toolkit.styles import Style
 from mavstack.cli.shell.completion import complete
 from mavstack.cli.shell.prompt_parts import prompt_parts
 from mavstack.cli.shell.state import history_file
-from mavstack.cli.shell.terminal import without_echo
+from mavstack.cli.shell.terminal import echo_disabled
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Iterable
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
     from mavstack.cli.shell.session import Session
 
-#: How often the prompt looks at the vehicle, in seconds.
-_REFRESH: Final = 0.5
+#: Seconds between updates of the prompt.
+_REFRESH_INTERVAL: Final = 0.5
 _STYLE: Final = Style.from_dict(
     {
         "system": "bold",
@@ -44,8 +44,8 @@ _STYLE: Final = Style.from_dict(
 )
 
 
-class PromptLine:
-    """Reads lines at a prompt."""
+class PromptReader:
+    """Reads lines at a prompt that is updated."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -57,42 +57,42 @@ class PromptLine:
             complete_while_typing=False,
             complete_style=CompleteStyle.MULTI_COLUMN,
             auto_suggest=AutoSuggestFromHistory(),
-            refresh_interval=_REFRESH,
+            refresh_interval=_REFRESH_INTERVAL,
             style=_STYLE,
         )
 
     async def read(self) -> str:
-        """The next line; raises EOFError for Ctrl-D and KeyboardInterrupt for Ctrl-C."""
+        """Read the next line; raise EOFError for Ctrl-D and KeyboardInterrupt for Ctrl-C."""
         with patch_stdout(raw=True):
             return await self._prompt.prompt_async(self._message)
 
     async def ask(self, question: str) -> str:
-        """The answer to a question; it is not remembered."""
-        asking: PromptSession[str] = PromptSession()
-        return await asking.prompt_async(question)
+        """Ask a question and return the answer, which does not go to the history."""
+        prompt: PromptSession[str] = PromptSession()
+        return await prompt.prompt_async(question)
 
     def busy(self) -> AbstractContextManager[None]:
-        """What is typed meanwhile is not shown in the midst of what the command tells."""
-        return without_echo()
+        """Return a context manager that keeps typed letters out of the output of a command."""
+        return echo_disabled()
 
     def _message(self) -> AnyFormattedText:
         return [(f"class:{name}", text) for name, text in prompt_parts(self._session)]
 
 
 class _Completer(Completer):
-    """Asks `completion`."""
+    """Completes words with `completion.complete`."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
 
     def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Completion]:
-        """Nothing: what completes may have to ask the vehicle."""
+        """Return nothing: only the asynchronous method can ask the vehicle."""
         return ()
 
     async def get_completions_async(
         self, document: Document, complete_event: CompleteEvent
     ) -> AsyncGenerator[Completion, None]:
-        """What the word at the cursor may become."""
+        """Yield the candidates for the word at the cursor."""
         found, length = await complete(self._session, document.text_before_cursor)
         for text in found:
             shown = text.rstrip("/").rpartition("/")[2] + ("/" if text.endswith("/") else "")

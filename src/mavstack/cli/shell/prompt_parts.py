@@ -1,4 +1,4 @@
-"""What the prompt tells: `1 GUIDED armed> `."""
+"""The parts of the prompt: `1 GUIDED armed> `."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ if TYPE_CHECKING:
 
 
 def prompt_parts(session: Session) -> list[tuple[str, str]]:
-    """The parts of the prompt, each with what it is."""
-    vehicle = session.chosen
+    """Return the parts of the prompt as pairs of style and text."""
+    vehicle = session.selected
     if vehicle is None:
         return [("silent", "no vehicle"), ("end", "> ")]
     parts = [("system", str(vehicle.system))]

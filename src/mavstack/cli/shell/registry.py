@@ -1,4 +1,4 @@
-"""Every command of the shell, by each of its names."""
+"""The commands of the shell by each of their names."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Runs lines: looks a command up, expands aliases, runs scripts; what fails is a `MavstackError`.
+"""The runner of lines: looks commands up, expands aliases, runs scripts; a failure is a `MavstackError`.
 
-The name of a flight mode is a command too, as users of MAVProxy are used to: `loiter` is `mode loiter`.
+The name of a flight mode is a command too, as in MAVProxy: `loiter` is `mode loiter`.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ import sys
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.output import coloured
 from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.output import coloured
 from mavstack.cli.shell.console_command import AlreadyReported
-from mavstack.cli.shell.parsing import commands_of
+from mavstack.cli.shell.parsing import split_commands
 from mavstack.errors import MavstackError
 from mavstack.services.modes import mode_names
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
     from mavstack.cli.shell.session import Session
 
-#: Aliases and scripts may call each other so deep.
-DEEPEST: Final = 20
+#: Nesting depth of aliases and scripts.
+MAX_DEPTH: Final = 20
 
 
 async def run_line(session: Session, line: str) -> None:
-    """Run the commands of a line, one after the other; the first that fails ends it."""
-    for words in commands_of(line):
-        if session.leaving:
+    """Run the commands of a line one after the other; the first failure is raised and ends the line."""
+    for words in split_commands(line):
+        if session.exiting:
             return
         await run_words(session, words)
 
@@ -39,12 +39,12 @@ async def run_words(session: Session, words: list[str]) -> None:
     name, *rest = words
     if name in session.aliases:
         text = " ".join([session.aliases[name], *map(shlex.quote, rest)])
-        await _deeper(session, name, text)
+        await _run_nested(session, name, text)
         return
     command = session.commands.get(name.lower())
     if command is not None:
         await command.run(session, rest)
-    elif name.lower() in modes_known(session) and not rest:
+    elif name.lower() in known_modes(session) and not rest:
         await session.commands["mode"].run(session, [name])
     else:
         raise UsageError(_unknown(session, name))
@@ -53,59 +53,68 @@ async def run_words(session: Session, words: list[str]) -> None:
 async def run_lines(
     session: Session, lines: AsyncIterable[str], name: str = "", *, keep_going: bool = False
 ) -> bool:
-    """Run the lines of a script, which what fails ends unless it is to keep going; whether all went well."""
-    went_well, number = True, 0
+    """Run the lines of a script and report failures; return whether all commands succeeded.
+
+    Args:
+        session: Session to run in.
+        lines: Lines of the script.
+        name: Name of the script for failures; empty if it has none.
+        keep_going: Go on after a failure instead of ending the script.
+    """
+    succeeded, number = True, 0
     async for line in lines:
         number += 1
-        where = f"{name}:{number}: " if name else ""
-        went_well = await _run_each(session, line, where, keep_going=keep_going) and went_well
-        if session.leaving or not (went_well or keep_going):
+        location = f"{name}:{number}: " if name else ""
+        succeeded = await _run_script_line(session, line, location, keep_going=keep_going) and succeeded
+        if session.exiting or not (succeeded or keep_going):
             break
-    return went_well
+    return succeeded
 
 
-async def _run_each(session: Session, line: str, where: str, *, keep_going: bool) -> bool:
-    """Run the commands of a line, telling what fails; whether all went well."""
+async def _run_script_line(session: Session, line: str, location: str, *, keep_going: bool) -> bool:
+    """Run the commands of a line and report failures; return whether all succeeded."""
     try:
-        commands = commands_of(line)
+        commands = split_commands(line)
     except UsageError as error:
-        tell_failure(error, where)
+        report_failure(error, location)
         return False
-    went_well = True
+    succeeded = True
     for words in commands:
-        if session.leaving or not (went_well or keep_going):
+        if session.exiting or not (succeeded or keep_going):
             break
         try:
             await run_words(session, words)
         except (MavstackError, OSError) as error:
-            went_well = False
-            tell_failure(error, where)
-    return went_well
+            succeeded = False
+            report_failure(error, location)
+    return succeeded
 
 
-def tell_failure(error: MavstackError | OSError, where: str = "") -> None:
-    """Say on stderr why a command failed, unless it has."""
+def report_failure(error: MavstackError | OSError, location: str = "") -> None:
+    """Print on stderr why a command failed, unless the command has printed it."""
     if not isinstance(error, AlreadyReported):
         text = (
             f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else error
         )
         print(
-            coloured(f"{where}{' '.join(str(text).split())}", "red", sys.stderr), file=sys.stderr, flush=True
+            coloured(f"{location}{' '.join(str(text).split())}", "red", sys.stderr),
+            file=sys.stderr,
+            flush=True,
         )
 
 
-def modes_known(session: Session) -> frozenset[str]:
-    """The names of the modes that the vehicle's firmware is known to have, in lower case."""
-    vehicle = session.chosen
+def known_modes(session: Session) -> frozenset[str]:
+    """Return the names of the flight modes of the vehicle's firmware, in lower case."""
+    vehicle = session.selected
     info = None if vehicle is None else vehicle.component.info
     if info is None:
         return frozenset()
     return frozenset(name.lower() for name in mode_names(info.autopilot, info.type).values())
 
 
-async def _deeper(session: Session, name: str, text: str) -> None:
-    if session.depth >= DEEPEST:
-        raise UsageError(f"{name} calls itself again and again")
+async def _run_nested(session: Session, name: str, text: str) -> None:
+    if session.depth >= MAX_DEPTH:
+        raise UsageError(f"{name} calls itself without end")
     session.depth += 1
     try:
         await run_line(session, text)

@@ -1,6 +1,6 @@
-"""What the commands of the shell work on: the connection, the vehicle that is meant, settings and aliases.
+"""The session of the shell: the connection, the selected vehicle, settings and aliases.
 
-A session knows nothing of a terminal. What a command tells it prints; what happens meanwhile is `news`.
+A session does not depend on a terminal. It prints the output of commands; `notifications` prints events.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.shell.overrides import Overrides
 from mavstack.cli.shell.settings import Settings
-from mavstack.errors import MavstackError
 from mavstack.node.forwarding import Forwarding
 
 if TYPE_CHECKING:
@@ -25,65 +24,69 @@ if TYPE_CHECKING:
 
 
 class Session:
-    """One user at one connection; enter it as long as it lasts."""
+    """One user of one connection; an asynchronous context manager."""
 
-    def __init__(self, node: Connection, commands: Mapping[str, Command]) -> None:
-        self.node = node
-        #: Asks the user a question; None if nobody is there.
+    def __init__(self, connection: Connection, commands: Mapping[str, Command]) -> None:
+        self.connection = connection
+        #: Asks the user a question; None if the shell is not interactive.
         self.ask: Callable[[str], Awaitable[str]] | None = None
-        #: Every command, by each of its names.
+        #: Commands by each of their names.
         self.commands = commands
         self.settings = Settings()
-        #: What the user calls lines of commands.
+        #: Lines of commands by the names that the user gave them.
         self.aliases: dict[str, str] = {}
-        #: Whether the user is done.
-        self.leaving = False
-        #: How deep scripts and aliases run in each other.
+        #: True after the command `exit`.
+        self.exiting = False
+        #: Nesting depth of scripts and aliases.
         self.depth = 0
-        self.forwarding = Forwarding(node)
+        self.forwarding = Forwarding(connection)
         self.overrides = Overrides()
-        #: What completion found on the vehicle, and when.
-        self.remembered: dict[tuple[int, str], tuple[float, tuple[str, ...]]] = {}
+        #: Directory listings for completion: time and names by system id and directory.
+        self.completion_cache: dict[tuple[int, str], tuple[float, tuple[str, ...]]] = {}
         self._system: int | None = None
         self._stack = AsyncExitStack()
 
     @property
     def interactive(self) -> bool:
-        """Whether somebody can be asked."""
+        """True if the user can be asked questions."""
         return self.ask is not None
 
     @property
-    def chosen(self) -> Vehicle | None:
-        """The vehicle that is meant, if there is one: the one that was chosen, else the first."""
+    def selected(self) -> Vehicle | None:
+        """The selected vehicle, by default the first; None if there is none."""
         if self._system is not None:
-            return self.node.vehicles.get(self._system)
-        return next(iter(self.node.vehicles.values()), None)
+            return self.connection.vehicles.get(self._system)
+        return next(iter(self.connection.vehicles.values()), None)
 
     @property
     def vehicle(self) -> Vehicle:
-        """The vehicle that is meant; raises `MavstackError` if there is none."""
-        vehicle = self.chosen
+        """The selected vehicle; raises `CommandError` if there is none."""
+        vehicle = self.selected
         if vehicle is None:
-            raise CommandError("no vehicle has been heard yet; `link` shows what comes in")
+            raise CommandError("no vehicle has been heard yet; `link` shows the traffic of each link")
         return vehicle
 
-    def choose(self, system: int) -> Vehicle:
-        """Mean another vehicle from now on."""
-        vehicle = self.node.vehicles.get(system)
+    def select(self, system: int) -> Vehicle:
+        """Select a vehicle by its system id.
+
+        Raises:
+            CommandError: No vehicle with this system id has been heard.
+        """
+        vehicle = self.connection.vehicles.get(system)
         if vehicle is None:
-            known = ", ".join(map(str, self.node.vehicles)) or "none"
-            raise CommandError(f"no vehicle has the system id {system}; those heard: {known}")
+            known = ", ".join(map(str, self.connection.vehicles)) or "none"
+            raise CommandError(f"no vehicle has the system id {system}; known: {known}")
         self._system = system
         return vehicle
 
     async def confirm(self, question: str) -> bool:
-        """Ask the user; nobody there means no."""
+        """Ask the user a yes-or-no question; a shell that is not interactive answers no."""
         if self.ask is None:
             return False
         return (await self.ask(f"{question} [y/N] ")).strip().lower() in ("y", "yes")
 
-    def say(self, *lines: str) -> None:
-        """Tell what was asked for."""
+    def print(self, *lines: str) -> None:
+        """Print the output of a command."""
         for line in lines:
             print(line)
         sys.stdout.flush()

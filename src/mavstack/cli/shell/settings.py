@@ -1,4 +1,4 @@
-"""What can be set in the shell: `set`, `set NAME`, `set NAME VALUE`."""
+"""The settings of the shell: `set`, `set NAME`, `set NAME VALUE`."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ _NO: Final = frozenset({"0", "off", "no", "false"})
 class Settings:
     """The settings of a session."""
 
-    #: Whether commands that fly wait until it is done.
+    #: True if commands that fly wait until the vehicle has finished.
     wait: bool = True
-    #: How long they wait at most, in seconds; 0 for as long as the vehicle gets on.
-    limit: float = 0.0
-    #: The least important texts of vehicles that are shown.
+    #: Timeout of commands that fly, in seconds; 0 sets none.
+    timeout: float = 0.0
+    #: Status texts of lower severity are not shown.
     severity: common.MavSeverity = common.MavSeverity.DEBUG
-    #: How often `watch` asks for a message, in hertz; 0 for as often as it comes by itself.
+    #: Rate that `watch` requests for messages, in hertz; 0 leaves the rate of the vehicle.
     rate: float = 0.0
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
-        """What can be set."""
+        """Return the names of the settings."""
         return tuple(field.name for field in fields(cls))
 
     def text(self, name: str) -> str:
-        """A setting as it is typed; raises `UsageError` if there is none."""
+        """Return the value of a setting as text; raise `UsageError` if there is no such setting."""
         if name not in self.names():
             raise UsageError(f"there is no setting {name!r}; settings: {', '.join(self.names())}")
         value = getattr(self, name)
@@ -40,18 +40,18 @@ class Settings:
         return value.name.lower() if isinstance(value, common.MavSeverity) else f"{value:g}"
 
     def change(self, name: str, text: str) -> None:
-        """Set it from what was typed; raises `UsageError`."""
+        """Change a setting; raise `UsageError` for an unknown name or a wrong value."""
         self.text(name)
-        now = getattr(self, name)
-        if isinstance(now, bool):
-            setattr(self, name, _switch(name, text))
-        elif isinstance(now, common.MavSeverity):
+        current = getattr(self, name)
+        if isinstance(current, bool):
+            setattr(self, name, _boolean(name, text))
+        elif isinstance(current, common.MavSeverity):
             setattr(self, name, _severity(text))
         else:
-            setattr(self, name, _amount(name, text))
+            setattr(self, name, _number(name, text))
 
 
-def _switch(name: str, text: str) -> bool:
+def _boolean(name: str, text: str) -> bool:
     if text.lower() not in _YES | _NO:
         raise UsageError(f"{name} is on or off, not {text!r}")
     return text.lower() in _YES
@@ -62,14 +62,14 @@ def _severity(text: str) -> common.MavSeverity:
         return common.MavSeverity[text.upper()]
     except KeyError:
         names = ", ".join(each.name.lower() for each in common.MavSeverity)
-        raise UsageError(f"{text!r} is no severity; there are {names}") from None
+        raise UsageError(f"{text!r} is not a severity; the severities are {names}") from None
 
 
-def _amount(name: str, text: str) -> float:
+def _number(name: str, text: str) -> float:
     try:
         value = float(text)
     except ValueError:
         value = -1.0
     if not 0 <= value < float("inf"):
-        raise UsageError(f"{name} is a number from 0 on, not {text!r}")
+        raise UsageError(f"{name} must be a number of 0 or more, not {text!r}")
     return value

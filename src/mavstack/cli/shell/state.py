@@ -1,4 +1,4 @@
-"""Where the shell keeps what lasts: the user's state directory, as each system has it."""
+"""Files that the shell keeps between sessions, in the user's state directory of each platform."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _HISTORY: Final = "shell_history"
 
 
 def state_directory() -> Path:
-    """The directory; it may not exist yet."""
+    """Return the directory; it may not exist yet."""
     if sys.platform == "win32":
         base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
         return Path(base) / "mavstack"
@@ -21,7 +21,7 @@ def state_directory() -> Path:
 
 
 def history_file() -> Path | None:
-    """The file of lines that were typed, readable for the user alone; None if there can be none."""
+    """Return the history file, readable only for the user; None if it cannot be made."""
     try:
         path = state_directory() / _HISTORY
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""The terminal while a command runs."""
+"""The state of the terminal while a command runs."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_LOCAL_FLAGS = 3  # their place in what tcgetattr gives
+_LOCAL_FLAGS = 3  # index in the result of tcgetattr
 
 
 @contextmanager
-def without_echo() -> Iterator[None]:
-    """Typed letters are kept for the next line and not shown; Ctrl-C works. It takes termios."""
+def echo_disabled() -> Iterator[None]:
+    """Do not echo typed letters, which are kept for the next line; Ctrl-C still works.
+
+    Without termios, or without a terminal, this does nothing.
+    """
     try:
         import termios
 

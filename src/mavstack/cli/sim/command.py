@@ -132,7 +132,7 @@ def _today() -> float:
 
 
 async def _connect(runner: Runner, vehicles: Sequence[SimulatedVehicle], arguments: Namespace) -> list[Link]:
-    from mavstack.sim.fleet import own_links
+    from mavstack.sim.fleet import link_per_vehicle
 
     urls = [_impaired(url, arguments) for url in arguments.out or DEFAULT_OUT]
     if not arguments.each:
@@ -140,7 +140,7 @@ async def _connect(runner: Runner, vehicles: Sequence[SimulatedVehicle], argumen
     return [
         await runner.connect(own, [vehicle])
         for url in urls
-        for own, vehicle in zip(own_links(url, len(vehicles)), vehicles, strict=True)
+        for own, vehicle in zip(link_per_vehicle(url, len(vehicles)), vehicles, strict=True)
     ]
 
 
@@ -187,14 +187,14 @@ class EventPrinter:
             self._print(
                 "ready",
                 vehicles=[
-                    {"system": each.address.system, "type": each.type, "firmware": each.firmware}
+                    {"system": each.address.system, "type": each.vehicle_type, "firmware": each.firmware}
                     for each in vehicles
                 ],
                 links=[str(link.url) for link in links],
             )
             return
         for vehicle in vehicles:
-            print(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.type}")
+            print(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}")
         shown = [str(link.url) for link in links]
         print("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
         print("type a fault (gps off, battery 15, link off, reboot …), or Ctrl-C to end", flush=True)

@@ -1,25 +1,26 @@
-"""`mav vehicle`: one thing asked of a vehicle, or of several; the exit code tells whether it was done."""
+"""`mav vehicle`: an action on one or several vehicles; the exit code tells whether it succeeded."""
 
 from __future__ import annotations
 
 import json
-from argparse import ArgumentTypeError
-from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_connection_options, run_on_connection
-from mavstack.cli.common.options import seconds
-from mavstack.cli.common.errors import UsageError
-from mavstack.cli.vehicle.flight_progress import height_of, to_altitude, to_home, to_place
+from mavstack.cli.common.connection import add_vehicle_action, run_on_connection
+from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.options import finite_number, seconds
+from mavstack.cli.vehicle.flight_progress import (
+    distance_to_altitude,
+    distance_to_home,
+    distance_to_place,
+    height_above_home,
+)
 from mavstack.cli.vehicle.info import gather_facts, health_facts, page
-from mavstack.cli.vehicle.selection import add_selection, carry_out, chosen, several
-from mavstack.errors import MavstackError
+from mavstack.cli.vehicle.selection import add_selection, run_on_vehicles, selected_vehicles, selects_several
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from mavstack.vehicle import Connection, Vehicle
 
@@ -39,11 +40,11 @@ examples:
   mav vehicle modes
   mav vehicle mode GUIDED
   mav vehicle rtl --no-wait
-  mav vehicle land --limit 120
+  mav vehicle land --action-timeout 120
   mav vehicle disarm --force
   mav vehicle home
   mav vehicle home here
-  mav vehicle say "survey begins"
+  mav vehicle statustext "survey begins"
   mav vehicle reboot --systems 1,3-5
 """
 
@@ -51,147 +52,171 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "vehicle", EXAMPLES)
-    _with_force(_action(actions, "arm", "let the motors run", arm))
-    _with_force(_action(actions, "disarm", "stop the motors", disarm))
-    taking = _flight(actions, "takeoff", "take off to an altitude, and stay there", takeoff)
-    taking.add_argument(
-        "altitude", nargs="?", type=_number, default=10.0, metavar="M", help="above home (default: 10)"
+    _add_force(_add_action(actions, "arm", "arm the motors", arm))
+    _add_force(_add_action(actions, "disarm", "disarm the motors", disarm))
+    _add_takeoff(actions)
+    _add_flight(actions, "land", "land at the current position", land)
+    _add_flight(actions, "rtl", "return to home, and land there", rtl)
+    _add_action(actions, "hold", "hold the position; a fixed wing circles", hold)
+    _add_goto(actions)
+    _add_orbit(actions)
+    action = _add_action(actions, "mode", "set the flight mode", mode)
+    action.add_argument("mode", metavar="NAME", help="name or number of the mode")
+    _add_action(actions, "modes", "list the flight modes", modes)
+    action = _add_action(actions, "speed", "set the ground speed", speed)
+    action.add_argument("speed", type=finite_number, metavar="M/S", help="metres per second")
+    action = _add_flight(actions, "yaw", "turn to a heading", yaw)
+    action.add_argument("heading", type=finite_number, metavar="DEGREES", help="clockwise from north")
+    action = _add_action(actions, "home", "show or set the home position", home)
+    action.add_argument(
+        "place", nargs="*", metavar="PLACE", help="here, or LAT LON [ALT] in degrees and metres above sea"
     )
-    _flight(actions, "land", "land where it is", land)
-    _flight(actions, "rtl", "return home, and land there", rtl)
-    _action(actions, "hold", "stay where it is; a wing circles", hold)
-    going = _with_place(_flight(actions, "goto", "go to a place", goto))
-    going.add_argument("--yaw", type=_number, metavar="DEGREES", help="the heading that it takes there")
-    going.add_argument("--radius", type=_number, metavar="M", help="of the circle that a wing flies there")
-    circling = _with_place(_flight(actions, "orbit", "circle a place", orbit))
-    circling.add_argument(
+    _add_flight(actions, "reboot", "reboot the autopilot, and wait until it is back", reboot)
+    _add_action(actions, "info", "show identity, state and health", info)
+    action = _add_action(actions, "health", "show whether the vehicle is ready to arm, and why not", health)
+    action.add_argument("--wait", type=seconds, metavar="SECONDS", help="wait this long until it is ready")
+    action = _add_action(actions, "statustext", "send a STATUSTEXT to all components on the link", statustext)
+    action.add_argument("text", metavar="TEXT", help="the text to send")
+
+
+def _add_takeoff(actions: Actions) -> None:
+    action = _add_flight(actions, "takeoff", "take off to an altitude, and hold there", takeoff)
+    action.add_argument(
+        "altitude",
+        nargs="?",
+        type=finite_number,
+        default=10.0,
+        metavar="M",
+        help="metres above home (default: 10)",
+    )
+
+
+def _add_goto(actions: Actions) -> None:
+    action = _add_flight(actions, "goto", "fly to a place", goto)
+    _add_place(action)
+    action.add_argument("--yaw", type=finite_number, metavar="DEGREES", help="heading to take there")
+    action.add_argument(
+        "--radius", type=finite_number, metavar="M", help="radius of the circle that a fixed wing flies there"
+    )
+
+
+def _add_orbit(actions: Actions) -> None:
+    action = _add_flight(actions, "orbit", "circle around a place", orbit)
+    _add_place(action)
+    action.add_argument(
         "--radius",
-        type=_number,
+        type=finite_number,
         default=20.0,
         metavar="M",
-        help="clockwise; negative: the other way",
+        help="radius in metres, negative for counter-clockwise (default: 20)",
     )
-    circling.add_argument("--speed", type=_number, metavar="M/S", help="along the circle")
-    _action(actions, "mode", "enter a flight mode", mode).add_argument("mode", metavar="NAME")
-    _asking(actions, "modes", "list its flight modes", modes)
-    _action(actions, "speed", "fly so fast over ground", speed).add_argument(
-        "speed", type=_number, metavar="M/S"
-    )
-    _flight(actions, "yaw", "turn to a heading", yaw).add_argument("heading", type=_number, metavar="DEGREES")
-    placing = _action(actions, "home", "show where home is, or set it", home)
-    placing.add_argument("place", nargs="*", metavar="PLACE", help="here, or LAT LON [ALT above sea]")
-    _flight(actions, "reboot", "reboot the autopilot, and wait until it is back", reboot, limited=False)
-    _asking(actions, "info", "show what it is and how it is", info)
-    looking = _asking(actions, "health", "tell whether it is ready to arm, and why not", health)
-    looking.add_argument("--wait", type=seconds, metavar="SECONDS", help="until it is ready, so long at most")
-    saying = _action(actions, "say", "tell all who are on the link a text (STATUSTEXT)", say)
-    saying.add_argument("text", metavar="TEXT")
+    action.add_argument("--speed", type=finite_number, metavar="M/S", help="speed on the circle")
 
 
 def run(arguments: Namespace) -> int:
-    """Carry out the action that was chosen."""
+    """Run the chosen action."""
     code: int = arguments.run_action(arguments)
     return code
 
 
 def arm(arguments: Namespace) -> int:
-    """`mav vehicle arm`."""
+    """Run `mav vehicle arm`."""
 
     async def work(vehicle: Vehicle) -> str:
         await vehicle.arm(force=arguments.force)
         return "armed"
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
 def disarm(arguments: Namespace) -> int:
-    """`mav vehicle disarm`."""
+    """Run `mav vehicle disarm`."""
 
     async def work(vehicle: Vehicle) -> str:
         await vehicle.disarm(force=arguments.force)
         return "disarmed"
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
 def takeoff(arguments: Namespace) -> int:
-    """`mav vehicle takeoff`."""
+    """Run `mav vehicle takeoff`."""
     altitude = arguments.altitude
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.takeoff(altitude, **_waiting(arguments))
-        return _done(arguments, f"is {altitude:g} m above home", f"takes off to {altitude:g} m")
+        await vehicle.takeoff(altitude, **_wait_options(arguments))
+        return _outcome(arguments, f"{altitude:g} m above home", f"taking off to {altitude:g} m")
 
-    return carry_out(arguments, work, to_altitude(altitude))
+    return run_on_vehicles(arguments, work, distance_to_altitude(altitude))
 
 
 def land(arguments: Namespace) -> int:
-    """`mav vehicle land`."""
+    """Run `mav vehicle land`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.land(**_waiting(arguments))
-        return _done(arguments, "has landed", "lands")
+        await vehicle.land(**_wait_options(arguments))
+        return _outcome(arguments, "landed", "landing")
 
-    return carry_out(arguments, work, height_of)
+    return run_on_vehicles(arguments, work, height_above_home)
 
 
 def rtl(arguments: Namespace) -> int:
-    """`mav vehicle rtl`."""
+    """Run `mav vehicle rtl`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.rtl(**_waiting(arguments))
-        return _done(arguments, "is home", "returns home")
+        await vehicle.rtl(**_wait_options(arguments))
+        return _outcome(arguments, "landed at home", "returning home")
 
-    return carry_out(arguments, work, to_home)
+    return run_on_vehicles(arguments, work, distance_to_home)
 
 
 def hold(arguments: Namespace) -> int:
-    """`mav vehicle hold`."""
+    """Run `mav vehicle hold`."""
 
     async def work(vehicle: Vehicle) -> str:
         await vehicle.hold()
-        return "holds"
+        return "holding"
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
 def goto(arguments: Namespace) -> int:
-    """`mav vehicle goto`."""
+    """Run `mav vehicle goto`."""
     latitude, longitude, altitude = arguments.latitude, arguments.longitude, arguments.altitude
 
     async def work(vehicle: Vehicle) -> str:
-        how = _waiting(arguments)
-        await vehicle.goto(latitude, longitude, altitude, yaw=arguments.yaw, radius=arguments.radius, **how)
-        return _done(arguments, "is there", "goes there")
+        options = {"yaw": arguments.yaw, "radius": arguments.radius, **_wait_options(arguments)}
+        await vehicle.goto(latitude, longitude, altitude, **options)
+        return _outcome(arguments, "at the target", "flying to the target")
 
-    return carry_out(arguments, work, to_place(latitude, longitude))
+    return run_on_vehicles(arguments, work, distance_to_place(latitude, longitude))
 
 
 def orbit(arguments: Namespace) -> int:
-    """`mav vehicle orbit`."""
+    """Run `mav vehicle orbit`."""
     place = arguments.latitude, arguments.longitude, arguments.altitude
 
     async def work(vehicle: Vehicle) -> str:
-        how = _waiting(arguments)
-        await vehicle.orbit(*place, radius=arguments.radius, speed=arguments.speed, **how)
-        return _done(arguments, "is on the circle", "goes to the circle")
+        options = {"radius": arguments.radius, "speed": arguments.speed, **_wait_options(arguments)}
+        await vehicle.orbit(*place, **options)
+        return _outcome(arguments, "on the circle", "flying to the circle")
 
-    return carry_out(arguments, work, to_place(*place[:2]))
+    return run_on_vehicles(arguments, work, distance_to_place(*place[:2]))
 
 
 def mode(arguments: Namespace) -> int:
-    """`mav vehicle mode`."""
+    """Run `mav vehicle mode`."""
 
     async def work(vehicle: Vehicle) -> str:
         name = arguments.mode
         await vehicle.set_mode(int(name) if name.isdecimal() else name)
-        return f"is in {vehicle.mode or name}"
+        return f"mode {vehicle.mode or name}"
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
 def modes(arguments: Namespace) -> int:
-    """`mav vehicle modes`."""
+    """Run `mav vehicle modes`."""
 
     async def show(vehicle: Vehicle) -> None:
         found = await vehicle.modes.list()
@@ -201,38 +226,39 @@ def modes(arguments: Namespace) -> int:
             listed = [dict(zip(keys, row, strict=True)) for row in rows]
             print(json.dumps({"system": vehicle.system, "mode": vehicle.mode, "modes": listed}))
             return
-        if several(arguments):
+        if selects_several(arguments):
             print(f"vehicle {vehicle.system}:")
         for name, number, selectable in rows:
-            here = "*" if name.lower() == (vehicle.mode or "").lower() else " "
-            print(f"{here} {name:{max(len(row[0]) for row in rows)}}  {number}{'' if selectable else '  -'}")
+            current = "*" if name.lower() == (vehicle.mode or "").lower() else " "
+            width = max(len(row[0]) for row in rows)
+            print(f"{current} {name:{width}}  {number}{'' if selectable else '  -'}")
 
-    return _each_in_turn(arguments, show)
+    return _show_each(arguments, show)
 
 
 def speed(arguments: Namespace) -> int:
-    """`mav vehicle speed`."""
+    """Run `mav vehicle speed`."""
 
     async def work(vehicle: Vehicle) -> str:
         await vehicle.set_speed(arguments.speed)
-        return f"flies {arguments.speed:g} m/s"
+        return f"speed set to {arguments.speed:g} m/s"
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
 def yaw(arguments: Namespace) -> int:
-    """`mav vehicle yaw`."""
+    """Run `mav vehicle yaw`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.set_yaw(arguments.heading, **_waiting(arguments))
+        await vehicle.set_yaw(arguments.heading, **_wait_options(arguments))
         heading = f"{arguments.heading % 360:g}°"
-        return _done(arguments, f"points to {heading}", f"turns to {heading}")
+        return _outcome(arguments, f"heading {heading}", f"turning to {heading}")
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
 def home(arguments: Namespace) -> int:
-    """`mav vehicle home`."""
+    """Run `mav vehicle home`."""
     place = _home_place(arguments.place)
 
     async def work(vehicle: Vehicle) -> str:
@@ -243,35 +269,35 @@ def home(arguments: Namespace) -> int:
         where = vehicle.home
         if where is None:
             if place is None:
-                raise CommandError(f"vehicle {vehicle.system} has no home yet")
+                raise CommandError(f"vehicle {vehicle.system} has no home position yet")
             return "home is set"
         return f"home is {where.latitude:.7f} {where.longitude:.7f}, {where.altitude:.1f} m above sea"
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
 def reboot(arguments: Namespace) -> int:
-    """`mav vehicle reboot`."""
+    """Run `mav vehicle reboot`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.reboot(wait=arguments.wait)
-        return _done(arguments, "is back after its reboot", "reboots")
+        await vehicle.reboot(**_wait_options(arguments))
+        return _outcome(arguments, "rebooted", "rebooting")
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
 def info(arguments: Namespace) -> int:
-    """`mav vehicle info`."""
+    """Run `mav vehicle info`."""
 
     async def show(vehicle: Vehicle) -> None:
         facts = await gather_facts(vehicle)
         print(*([json.dumps(facts, allow_nan=False)] if arguments.json else page(facts)), sep="\n")
 
-    return _each_in_turn(arguments, show)
+    return _show_each(arguments, show)
 
 
 def health(arguments: Namespace) -> int:
-    """`mav vehicle health`; the exit code tells whether it is ready."""
+    """Run `mav vehicle health`; the exit code is 0 only if all selected vehicles are ready to arm."""
     ready: list[bool] = []
 
     async def show(vehicle: Vehicle) -> None:
@@ -284,51 +310,53 @@ def health(arguments: Namespace) -> int:
         if arguments.json:
             print(json.dumps({"system": vehicle.system, **facts}))
             return
-        head = {True: "ready to arm", False: "not ready to arm", None: "does not say whether it is ready"}
+        head = {True: "ready to arm", False: "not ready to arm", None: "readiness to arm unknown"}
         print(f"vehicle {vehicle.system}: {head[facts['ready']]}")
         for problem in facts["problems"]:
             print(f"  {problem}")
 
-    return _each_in_turn(arguments, show) or (0 if all(ready) else 1)
+    return _show_each(arguments, show) or (0 if all(ready) else 1)
 
 
-def say(arguments: Namespace) -> int:
-    """`mav vehicle say`."""
+def statustext(arguments: Namespace) -> int:
+    """Run `mav vehicle statustext`."""
     if not arguments.text.strip():
-        raise UsageError("an empty text tells nothing")
+        raise UsageError("the text is empty")
 
     async def work(vehicle: Vehicle) -> str:
         vehicle.connection.send_statustext(arguments.text)
-        return "told"
+        return "sent"
 
-    return carry_out(arguments, work)
+    return run_on_vehicles(arguments, work)
 
 
-def _each_in_turn(arguments: Namespace, show: Callable[[Vehicle], Any]) -> int:
-    async def whole(node: Connection) -> int:
-        for vehicle in await chosen(node, arguments):
+def _show_each(arguments: Namespace, show: Callable[[Vehicle], Awaitable[None]]) -> int:
+    """Show the selected vehicles one after the other."""
+
+    async def work(connection: Connection) -> int:
+        for vehicle in await selected_vehicles(connection, arguments):
             await show(vehicle)
         return 0
 
-    return run_on_connection(arguments, whole)
+    return run_on_connection(arguments, work)
 
 
-def _waiting(arguments: Namespace) -> dict[str, Any]:
-    return {"wait": arguments.wait, "timeout": arguments.limit}
+def _wait_options(arguments: Namespace) -> dict[str, Any]:
+    return {"wait": arguments.wait, "timeout": arguments.action_timeout}
 
 
-def _done(arguments: Namespace, done: str, begun: str) -> str:
-    return done if arguments.wait else begun
+def _outcome(arguments: Namespace, completed: str, accepted: str) -> str:
+    return completed if arguments.wait else accepted
 
 
-def _home_place(given: list[str]) -> tuple[float | None, ...] | None:
-    """Where home is to be: None to show it, nothing in it for here."""
-    if not given:
+def _home_place(words: list[str]) -> tuple[float, ...] | None:
+    """Parse the home position: None shows it, an empty tuple is the current position."""
+    if not words:
         return None
-    if given == ["here"]:
+    if words == ["here"]:
         return ()
     try:
-        place = tuple(map(float, given))
+        place = tuple(map(float, words))
     except ValueError:
         place = ()
     if len(place) not in (2, 3):
@@ -336,53 +364,39 @@ def _home_place(given: list[str]) -> tuple[float | None, ...] | None:
     return place
 
 
-def _action(actions: Actions, name: str, summary: str, run_it: Callable[[Namespace], int]) -> ArgumentParser:
-    parser = actions.add(name, summary, run_it)
-    parser.add_argument("--json", action="store_true", help="for programs: an object for each vehicle")
-    add_selection(parser)
-    add_connection_options(parser)
-    return parser
-
-
-_asking = _action
-
-
-def _flight(
-    actions: Actions,
-    name: str,
-    summary: str,
-    run_it: Callable[[Namespace], int],
-    *,
-    limited: bool = True,
+def _add_action(
+    actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]
 ) -> ArgumentParser:
-    """An action that takes a while."""
-    parser = _action(actions, name, summary, run_it)
-    parser.add_argument(
-        "--no-wait", dest="wait", action="store_false", help="leave as soon as the vehicle has accepted it"
-    )
-    if limited:
-        parser.add_argument("--limit", type=seconds, metavar="SECONDS", help="wait no longer than this")
+    parser = add_vehicle_action(actions, name, summary, run_action)
+    add_selection(parser)
     return parser
 
 
-def _with_force(parser: ArgumentParser) -> None:
-    parser.add_argument("--force", action="store_true", help="whatever the vehicle's own checks say")
-
-
-def _with_place(parser: ArgumentParser) -> ArgumentParser:
-    parser.add_argument("latitude", type=_number, metavar="LAT", help="in degrees")
-    parser.add_argument("longitude", type=_number, metavar="LON", help="in degrees")
+def _add_flight(
+    actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]
+) -> ArgumentParser:
+    """Add an action that goes on after the vehicle has accepted it."""
+    parser = _add_action(actions, name, summary, run_action)
     parser.add_argument(
-        "altitude", nargs="?", type=_number, metavar="M", help="above home (default: as high as it is)"
+        "--no-wait", dest="wait", action="store_false", help="end when the vehicle has accepted the action"
+    )
+    parser.add_argument(
+        "--action-timeout", type=seconds, metavar="SECONDS", help="fail if the action takes longer"
     )
     return parser
 
 
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not isfinite(value):
-        raise ArgumentTypeError(f"{text!r} is not a number")
-    return value
+def _add_force(parser: ArgumentParser) -> None:
+    parser.add_argument("--force", action="store_true", help="override the checks of the vehicle")
+
+
+def _add_place(parser: ArgumentParser) -> None:
+    parser.add_argument("latitude", type=finite_number, metavar="LAT", help="degrees")
+    parser.add_argument("longitude", type=finite_number, metavar="LON", help="degrees")
+    parser.add_argument(
+        "altitude",
+        nargs="?",
+        type=finite_number,
+        metavar="M",
+        help="metres above home (default: the current altitude)",
+    )

@@ -1,4 +1,4 @@
-"""How an action gets on while a vehicle flies: one line on a terminal, nothing in a pipe."""
+"""Progress of an action in flight: one line on a terminal, nothing in a pipe."""
 
 from __future__ import annotations
 
@@ -15,81 +15,82 @@ if TYPE_CHECKING:
 
     from mavstack.vehicle import Vehicle
 
-    Left: TypeAlias = Callable[[Vehicle], float | None]
+    #: Returns the metres that remain; None if they are not known.
+    Remaining: TypeAlias = Callable[[Vehicle], float | None]
 
-#: What comes quicker than this leaves no trace, in seconds.
-PATIENCE = 0.5
-INTERVAL = 0.25
+#: Seconds before the first line; an action that ends earlier leaves no trace.
+SHOW_DELAY = 0.5
+SHOW_INTERVAL = 0.25
 _ERASE = "\r\x1b[K"
 
 
-def to_altitude(altitude: float) -> Left:
-    """Metres that are missing to an altitude above home."""
+def distance_to_altitude(altitude: float) -> Remaining:
+    """Return a function for the metres to an altitude above home."""
 
-    def left(vehicle: Vehicle) -> float | None:
-        height = height_of(vehicle)
+    def remaining(vehicle: Vehicle) -> float | None:
+        height = height_above_home(vehicle)
         return None if height is None else abs(altitude - height)
 
-    return left
+    return remaining
 
 
-def to_place(latitude: float, longitude: float) -> Left:
-    """Metres along the ground to a place."""
+def distance_to_place(latitude: float, longitude: float) -> Remaining:
+    """Return a function for the metres over ground to a place."""
 
-    def left(vehicle: Vehicle) -> float | None:
+    def remaining(vehicle: Vehicle) -> float | None:
         position = vehicle.position
         if position is None:
             return None
         return distance(position.latitude, position.longitude, latitude, longitude)
 
-    return left
+    return remaining
 
 
-def to_home(vehicle: Vehicle) -> float | None:
-    """Metres along the ground to its home."""
+def distance_to_home(vehicle: Vehicle) -> float | None:
+    """Return the metres over ground to the home of a vehicle."""
     home = vehicle.home
-    return None if home is None else to_place(home.latitude, home.longitude)(vehicle)
+    return None if home is None else distance_to_place(home.latitude, home.longitude)(vehicle)
 
 
-def height_of(vehicle: Vehicle) -> float | None:
-    """Metres above home."""
+def height_above_home(vehicle: Vehicle) -> float | None:
+    """Return the height of a vehicle in metres above home."""
     position = vehicle.position
     return None if position is None else position.relative_altitude
 
 
 class FlightProgress:
-    """Tells on stderr, while a block lasts, how high the vehicle is, how far it has to go, in which mode."""
+    """Shows height, remaining distance and mode on stderr while a block runs."""
 
-    def __init__(self, vehicle: Vehicle, what: str, left: Left | None = None) -> None:
+    def __init__(self, vehicle: Vehicle, title: str, remaining: Remaining | None = None) -> None:
         self._vehicle = vehicle
-        self._what = what
-        self._left = left
+        self._title = title
+        self._remaining = remaining
         self._shown = False
         self._task: asyncio.Task[None] | None = None
 
     def text(self) -> str:
-        """The line."""
+        """Return the progress line."""
         parts = []
-        height = height_of(self._vehicle)
+        height = height_above_home(self._vehicle)
         if height is not None:
             parts.append(f"{height:.1f} m high")
-        left = None if self._left is None else self._left(self._vehicle)
-        if left is not None:
-            parts.append(f"{left:.0f} m to go")
+        remaining = None if self._remaining is None else self._remaining(self._vehicle)
+        if remaining is not None:
+            parts.append(f"{remaining:.0f} m to go")
         if mode := self._vehicle.mode:
             parts.append(mode)
-        return f"{self._what}: {', '.join(parts) or 'nothing is heard of it'}"
+        return f"{self._title}: {', '.join(parts) or 'no telemetry'}"
 
-    async def _tell(self) -> None:
-        await asyncio.sleep(PATIENCE)
+    async def _show(self) -> None:
+        await asyncio.sleep(SHOW_DELAY)
         while True:
             self._shown = True
             print(f"{_ERASE}{self.text()}", end="", file=sys.stderr, flush=True)
-            await asyncio.sleep(INTERVAL)
+            await asyncio.sleep(SHOW_INTERVAL)
 
     async def __aenter__(self) -> Self:
         if sys.stderr.isatty():
-            self._task = asyncio.get_running_loop().create_task(self._tell())
+            self._task = asyncio.get_running_loop().create_task(self._show())
         return self
 
     async def __aexit__(

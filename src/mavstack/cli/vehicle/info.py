@@ -1,4 +1,4 @@
-"""What a vehicle is and how it is: gathered for a moment, then shown as a page or as one object."""
+"""The identity and state of a vehicle, gathered once, and shown as a page or as one JSON object."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from textwrap import wrap
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.cli.common.identity import entry_words
 from mavstack.cli.common.output import coloured
 from mavstack.cli.common.text import printable
-from mavstack.cli.common.identity import entry_words
-from mavstack.cli.vehicle.flight_progress import to_home
+from mavstack.cli.vehicle.flight_progress import distance_to_home
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from mavstack.services.version import AutopilotVersion
     from mavstack.vehicle import Vehicle
 
-#: How long to wait for what does not come, in seconds.
-PATIENCE: Final = 6.0
-#: How long the vehicle may take to say why it is not ready.
-REASONS: Final = 1.0
-#: What was heard so lately is not waited for, and so long is waited for the rest, in seconds.
-_RECENT: Final = 3.0
-_TOLD_BY: Final[tuple[type[Message], ...]] = (
+#: Seconds to wait for the version and for the start of the arming checks.
+REQUEST_TIMEOUT: Final = 6.0
+#: Seconds in which the vehicle sends the results of its arming checks.
+CHECK_DURATION: Final = 1.0
+#: Seconds; a message received this recently is not waited for, and any other for this long.
+_MAX_AGE: Final = 3.0
+_MESSAGES: Final[tuple[type[Message], ...]] = (
     common.SysStatus,
     common.GpsRawInt,
     common.GlobalPositionInt,
@@ -43,34 +43,34 @@ _FIRMWARES: Final[dict[int, str]] = {
 
 
 async def gather_facts(vehicle: Vehicle) -> dict[str, Any]:
-    """All that is told of a vehicle, as values that JSON has; what it does not tell is None."""
-    asked = (_heard(vehicle, kind) for kind in _TOLD_BY)
-    version, *_ = await asyncio.gather(_version(vehicle), vehicle.telemetry.ask_for_home(), *asked)
+    """Return identity and state of a vehicle as values for JSON; an unknown value is None."""
+    messages = (_recent(vehicle, message) for message in _MESSAGES)
+    version, *_ = await asyncio.gather(_version(vehicle), vehicle.telemetry.ask_for_home(), *messages)
     if vehicle.health.ready is False and not vehicle.armed:
         with suppress(MavstackError):
-            await vehicle.component.command(common.MavCmd.RUN_PREARM_CHECKS, timeout=PATIENCE)
-            await asyncio.sleep(REASONS)
-    return {**_what(vehicle), **_built(version), **_how(vehicle), **_around(vehicle)}
+            await vehicle.component.command(common.MavCmd.RUN_PREARM_CHECKS, timeout=REQUEST_TIMEOUT)
+            await asyncio.sleep(CHECK_DURATION)
+    return {**_identity(vehicle), **_build(version), **_state(vehicle), **_components(vehicle)}
 
 
 def health_facts(vehicle: Vehicle) -> dict[str, Any]:
-    """Whether it is ready, and what is wrong with it."""
+    """Return whether a vehicle is ready to arm, and its problems."""
     health = vehicle.health
     return {"ready": health.ready, "problems": [printable(str(problem)) for problem in health.problems]}
 
 
-def _what(vehicle: Vehicle) -> dict[str, Any]:
-    kind = vehicle.mav_type
+def _identity(vehicle: Vehicle) -> dict[str, Any]:
+    mav_type = vehicle.mav_type
     return {
         "system": vehicle.system,
         "component": vehicle.address.component,
-        "type": None if kind is None else entry_words(getattr(kind, "name", str(int(kind)))),
+        "type": None if mav_type is None else entry_words(_name(mav_type)),
         "class": str(vehicle.vehicle_type),
-        "firmware": _FIRMWARES.get(vehicle.autopilot, _named(vehicle.autopilot)),
+        "firmware": _FIRMWARES.get(vehicle.autopilot, _name(vehicle.autopilot)),
     }
 
 
-def _built(version: AutopilotVersion | None) -> dict[str, Any]:
+def _build(version: AutopilotVersion | None) -> dict[str, Any]:
     if version is None:
         return dict.fromkeys(("version", "git_hash", "board", "unique_id", "capabilities"))
     flags = common.MavProtocolCapability(version.capabilities)
@@ -83,7 +83,7 @@ def _built(version: AutopilotVersion | None) -> dict[str, Any]:
     }
 
 
-def _how(vehicle: Vehicle) -> dict[str, Any]:
+def _state(vehicle: Vehicle) -> dict[str, Any]:
     status = vehicle.system_status
     velocity = vehicle.velocity
     return {
@@ -91,28 +91,29 @@ def _how(vehicle: Vehicle) -> dict[str, Any]:
         "mode": vehicle.mode,
         "armed": vehicle.armed,
         "in_air": vehicle.in_air,
-        "status": None if status is None else entry_words(_named(status)),
+        "status": None if status is None else entry_words(_name(status)),
         "position": _plain(vehicle.position),
         "ground_speed": None if velocity is None else round(velocity.ground_speed, 2),
         "home": _plain(vehicle.home),
-        "home_distance": None if (away := to_home(vehicle)) is None else round(away, 1),
+        "home_distance": None if (distance := distance_to_home(vehicle)) is None else round(distance, 1),
         "batteries": [_plain(battery) for battery in vehicle.batteries.values()],
         "gps": _plain(vehicle.gps),
         "health": health_facts(vehicle),
     }
 
 
-def _around(vehicle: Vehicle) -> dict[str, Any]:
+def _components(vehicle: Vehicle) -> dict[str, Any]:
     others = vehicle.components
     return {
         "components": [
-            {"component": number, "kind": info.description, "alive": info.alive} for number, info in others.items()
+            {"component": number, "kind": info.description, "alive": info.alive}
+            for number, info in others.items()
         ]
     }
 
 
 def page(facts: dict[str, Any]) -> list[str]:
-    """The facts for people."""
+    """Return the facts as lines of text."""
     firmware = " ".join(filter(None, (facts["firmware"], facts["version"])))
     commit = f" ({facts['git_hash']})" if facts["git_hash"] else ""
     head = f"vehicle {facts['system']}: {facts['type'] or 'of an unknown type'}, {firmware}{commit}"
@@ -123,16 +124,16 @@ def page(facts: dict[str, Any]) -> list[str]:
         *[("battery", _battery_text(battery)) for battery in facts["batteries"]],
         ("GPS", _gps_text(facts["gps"])),
         *_health_rows(facts["health"]),
-        *[("with", f"{each['kind']} ({each['component']})") for each in facts["components"]],
-        *_wrapped("can do", [name.lower() for name in facts["capabilities"] or ()]),
+        *[("component", f"{each['kind']} ({each['component']})") for each in facts["components"]],
+        *_wrapped("supports", [name.lower() for name in facts["capabilities"] or ()]),
         ("board", _board_text(facts)),
     ]
     lines = [coloured(head, "bold")]
-    before = ""
+    previous = ""
     for name, text in rows:
         if text:
-            lines.append(f"  {'' if name == before else name:9} {text}")
-            before = name
+            lines.append(f"  {'' if name == previous else name:9} {text}")
+            previous = name
     return lines
 
 
@@ -146,11 +147,11 @@ def _state_text(facts: dict[str, Any]) -> str:
 def _position_text(facts: dict[str, Any]) -> str:
     place = facts["position"]
     if place is None:
-        return "not known"
+        return "unknown"
     parts = [f"{place['latitude']:.7f}, {place['longitude']:.7f}"]
-    for key, of in (("altitude", "above sea"), ("relative_altitude", "above home")):
+    for key, reference in (("altitude", "above sea"), ("relative_altitude", "above home")):
         if place[key] is not None:
-            parts.append(f"{round(place[key], 1) + 0.0:.1f} m {of}")  # not -0.0
+            parts.append(f"{round(place[key], 1) + 0.0:.1f} m {reference}")  # not -0.0
     if place["heading"] is not None:
         parts.append(f"heading {round(place['heading']) % 360}°")
     if facts["ground_speed"] is not None:
@@ -162,21 +163,21 @@ def _home_text(facts: dict[str, Any]) -> str:
     home = facts["home"]
     if home is None:
         return "not set"
-    away = facts["home_distance"]
+    distance = facts["home_distance"]
     return f"{home['latitude']:.7f}, {home['longitude']:.7f}, {home['altitude']:.1f} m above sea" + (
-        "" if away is None else f", {away:.0f} m away"
+        "" if distance is None else f", {distance:.0f} m away"
     )
 
 
 def _battery_text(battery: dict[str, Any]) -> str:
     units = (("voltage", "{:.2f} V"), ("current", "{:.1f} A"), ("remaining", "{:.0f} % left"))
-    parts = [form.format(battery[key]) for key, form in units if battery[key] is not None]
-    return ", ".join(parts) or "nothing is told of it"
+    parts = [template.format(battery[key]) for key, template in units if battery[key] is not None]
+    return ", ".join(parts) or "unknown"
 
 
 def _gps_text(gps: dict[str, Any] | None) -> str:
     if gps is None:
-        return "nothing is told of it"
+        return "unknown"
     fix = int(gps["fix"])
     parts = [_FIXES[fix] if fix < len(_FIXES) else f"fix {fix}"]
     if gps["satellites"] is not None:
@@ -190,7 +191,7 @@ def _health_rows(health: dict[str, Any]) -> list[tuple[str, str]]:
     ready = {
         True: coloured("ready to arm", "green"),
         False: coloured("not ready to arm", "red"),
-        None: "it does not say whether it is ready to arm",
+        None: "readiness to arm unknown",
     }[health["ready"]]
     return [("health", ready), *[("health", coloured(text, "yellow")) for text in health["problems"]]]
 
@@ -199,36 +200,37 @@ def _wrapped(name: str, texts: list[str]) -> list[tuple[str, str]]:
     return [(name, line) for line in wrap(", ".join(texts), _WIDTH)]
 
 
-_NUMBERS: Final = MappingProxyType({"vendor": "vendor {}", "product": "product {}", "board": "{}"})
+_NUMBERS: Final = MappingProxyType({"vendor": "vendor {}", "product": "product {}", "board": "version {}"})
 
 
 def _board_text(facts: dict[str, Any]) -> str:
     board, unique = facts["board"], facts["unique_id"]
-    told = {} if board is None else {name: value for name, value in board.items() if value}
-    numbers = [_NUMBERS[name].format(value) for name, value in told.items()]
+    known = {} if board is None else {name: value for name, value in board.items() if value}
+    numbers = [_NUMBERS[name].format(value) for name, value in known.items()]
     return ", ".join([*numbers, *([f"id {unique}"] if unique else [])])
 
 
-async def _heard(vehicle: Vehicle, kind: type[Message]) -> None:
-    age = vehicle.age(kind)
-    if age is None or age > _RECENT:
+async def _recent(vehicle: Vehicle, message: type[Message]) -> None:
+    """Wait for a message unless it was received recently."""
+    age = vehicle.age(message)
+    if age is None or age > _MAX_AGE:
         with suppress(MavstackError):
-            await vehicle.wait_for_message(kind, timeout=_RECENT)
+            await vehicle.wait_for_message(message, timeout=_MAX_AGE)
 
 
 async def _version(vehicle: Vehicle) -> AutopilotVersion | None:
     try:
-        return await vehicle.component.get_version(timeout=PATIENCE)
+        return await vehicle.component.get_version(timeout=REQUEST_TIMEOUT)
     except MavstackError:
         return None
 
 
-def _named(value: int) -> str:
+def _name(value: int) -> str:
     return str(getattr(value, "name", int(value)))
 
 
 def _plain(value: object) -> dict[str, Any] | None:
-    """A value of telemetry as JSON has it."""
+    """Return a telemetry value as values for JSON."""
     if value is None:
         return None
     fields: dict[str, Any] = asdict(value)  # type: ignore[call-overload]

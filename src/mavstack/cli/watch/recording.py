@@ -1,7 +1,7 @@
 """A recorded stream of packets: a tlog, raw bytes, or standard input, read piece by piece.
 
-One way serves a summary and a line a packet. It holds one piece of the file and the last packet of each
-kind, whatever the size of the file; an index of a mapped file would be quicker, but grows with it.
+The memory is bounded by one piece of the file and the last packet of each message, whatever the size of the file. An
+index of a mapped file would be faster, but grows with the file.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from mavstack._core import looks_timestamped
-from mavstack.cli.common.progress import Progress
+from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.errors import LogError
 
 if TYPE_CHECKING:
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from mavstack.cli.watch.observer import Observer
     from mavstack.wire import Packet
 
+#: The path that stands for standard input.
 STDIN: Final = "-"
-CHUNK: Final = 1 << 18
+CHUNK_SIZE: Final = 1 << 18
 
 _OTHER_FORMATS: Final = (
     (b"ULog\x01\x12\x35", "a PX4 ULog"),
@@ -38,21 +39,33 @@ def read_recording(
     path: str,
     observer: Observer,
     show: Callable[[Sequence[Packet]], None] | None = None,
-    limit: float | None = None,
+    duration: float | None = None,
 ) -> None:
-    """Feed a file, or its first `limit` recorded seconds, to the observer, and its packets to `show`."""
+    """Feed a file to an observer.
+
+    Args:
+        path: Path of the file, or `-` for standard input.
+        observer: Observer of the packets.
+        show: Called with the packets of each piece; None shows none.
+        duration: Seconds of recorded time to read; None reads all.
+
+    Raises:
+        LogError: The file has another format, or no recorded times although `duration` needs them.
+    """
     with _open(path) as file:
         head = _head(path, file)
         timestamped = looks_timestamped(head, observer.dialect)
-        if limit is not None and not timestamped:
-            raise LogError(f"{path}: it has no recorded times to tell its first seconds by")
+        if duration is not None and not timestamped:
+            raise LogError(f"{path}: it has no recorded times, which --for needs")
         observer.open(path, timestamped=timestamped)
-        with Progress(f"reading {path}", _size(path)) as progress:
+        with TransferProgress(f"reading {path}") as progress:
+            done, size = 0, _size(path)
             for data in _pieces(file, head):
-                packets = observer.receive(path, data, observer.last_recorded or 0.0, limit)
+                packets = observer.receive(path, data, observer.last_recorded or 0.0, duration)
                 if show is not None and packets:
                     show(packets)
-                progress.add(len(data))
+                done += len(data)
+                progress(done, size)
                 if observer.beyond_limit:
                     return
         packets = observer.flush(path, observer.last_recorded or 0.0)
@@ -84,6 +97,6 @@ def _pieces(file: BinaryIO, head: bytes) -> Iterator[bytes]:
 
 
 def _read(file: BinaryIO) -> bytes:
-    """What is there now, so that a pipe is followed as it is written."""
-    read_now: Callable[[int], bytes] = getattr(file, "read1", file.read)
-    return read_now(CHUNK)
+    """Read the available data, so that a pipe is followed as it is written."""
+    read_available: Callable[[int], bytes] = getattr(file, "read1", file.read)
+    return read_available(CHUNK_SIZE)

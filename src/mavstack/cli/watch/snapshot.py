@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.field_values import UNKNOWN, Value, field_texts, raw_hex
+from mavstack.cli.common.field_values import UNKNOWN, FieldText, field_texts, raw_hex
 from mavstack.cli.common.identity import Identity, identify
 from mavstack.cli.watch.observer import Heard, Totals
 from mavstack.cli.watch.traffic import Rate
@@ -44,11 +44,11 @@ class Row:
         """System and component as people write them."""
         return f"{self.system}/{self.component}"
 
-    def values(self) -> list[Value]:
+    def values(self) -> list[FieldText]:
         """The last values that are known, without times, what tells most first."""
         message = self.packet.message
         if message is None:
-            return [Value("raw", raw_hex(self.packet))]
+            return [FieldText("raw", raw_hex(self.packet))]
         known = (value for value in field_texts(message) if value.known and value.name not in _TIMES)
         shortened = [value._replace(text=cut(value.text, _LONGEST_VALUE)) for value in known]
         return sorted(shortened, key=lambda value: value.flags or value.name in _TARGETS)
@@ -158,7 +158,7 @@ def duration_text(seconds: float | None) -> str:
     return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"
 
 
-def values_text(values: Iterable[Value]) -> str:
+def values_text(values: Iterable[FieldText]) -> str:
     """Values on one line."""
     return "  ".join(f"{value.name} {value.text}" for value in values)
 

@@ -11,7 +11,7 @@ from mavstack.links import MemoryNetwork
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def in_shell(kind, scenario: Callable[[Session, object], Awaitable[None]], **how
         async with Session(world.node, COMMANDS) as session:
             await scenario(session, world)
 
-    return fly(kind, whole, **{"prepare": whisper, **how})
+    return fly(kind, whole, **{"prepare": reduce_telemetry, **how})
 
 
 def type_lines(*lines: str, kind=COPTER, **how):
