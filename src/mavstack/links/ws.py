@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import ssl
     from collections.abc import Callable, Sequence
 
-    from websockets.asyncio.connection import ConnectionChannel as WebSocket
+    from websockets.asyncio.connection import Connection as WebSocket
     from websockets.asyncio.server import Server, ServerConnection
     from websockets.typing import Origin
 
