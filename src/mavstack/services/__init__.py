@@ -1,4 +1,4 @@
-"""MAVLink's microservices as state machines, client and server side, a folder each."""
+"""MAVLink's microservices as sans-IO state machines, client and server, a package each."""
 
 from mavstack.services.addressing import EVERYBODY, Address, message_ids, target_of
 from mavstack.services.operation import Client, Operation, OperationEnded, Pause, Procedure, Progress

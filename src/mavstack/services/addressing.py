@@ -1,7 +1,7 @@
-"""Who speaks to whom: addresses, and whether a message is meant for one.
+"""Addresses of components, and the targets of messages.
 
-A message that has `target_system` and `target_component` is addressed; 0 in either stands for all. A message
-without them is for everybody who hears it.
+A message with `target_system` and `target_component` is addressed; 0 in either of them means all. A message
+without them is a broadcast.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Address(NamedTuple):
-    """A component of a system; 0 stands for all."""
+    """The address of a component: its system id and component id; 0 means all."""
 
     system: int
     component: int
@@ -24,7 +24,7 @@ class Address(NamedTuple):
         return f"{self.system}/{self.component}"
 
     def covers(self, other: Address) -> bool:
-        """Whether what is sent to this address is also for `other`."""
+        """Return whether a message to this address is also addressed to `other`."""
         return self.system in (0, other.system) and self.component in (0, other.component)
 
 
@@ -32,15 +32,15 @@ EVERYBODY = Address(0, 0)
 
 
 def target_of(message: Message) -> Address:
-    """To whom a message is addressed; `EVERYBODY` if it does not say."""
+    """Return the target of a message; `EVERYBODY` for a broadcast."""
     return Address(getattr(message, "target_system", 0), getattr(message, "target_component", 0))
 
 
 def message_ids(*classes: type[Message]) -> frozenset[int]:
-    """The ids of message classes, for `Service.handles`."""
+    """Return the ids of message classes, for `Service.handles`."""
     return frozenset(kind.__mavlink_row__[0] for kind in classes)
 
 
 def describe(addresses: Iterable[Address]) -> str:
-    """Addresses in a text for people: "1/1, 2/1"."""
-    return ", ".join(str(address) for address in sorted(addresses)) or "nobody"
+    """Return addresses as text: "1/1, 2/1"."""
+    return ", ".join(str(address) for address in sorted(addresses)) or "none"

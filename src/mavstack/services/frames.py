@@ -1,8 +1,8 @@
-"""Positions in commands and mission items: degrees and metres here, scaled integers on the wire.
+"""Positions in commands and mission items: degrees and metres in Python, scaled integers on the wire.
 
 COMMAND_INT and MISSION_ITEM_INT carry params 5 and 6 as int32: degrees times 1e7 in a global frame, metres
-times 1e4 in a local one, and as they are where the command has no location. An integer cannot be NaN;
-INT32_MAX stands for it (guide: commands, mission protocol).
+times 1e4 in a local one, and unscaled where the command has no location. INT32_MAX stands for NaN (guide:
+commands, mission protocol).
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from math import inf, isnan, nan
 from mavstack.dialects import ardupilotmega, common
 
 UNKNOWN = 0x7FFFFFFF
-LEAST = -0x80000000
-#: What is as large rounds to infinity as a float32.
-LEAST_INFINITE = (2 - 2**-24) * 2.0**127
+INT32_MIN = -0x80000000
+#: Values from here on round to infinity as a float32.
+FLOAT32_OVERFLOW = (2 - 2**-24) * 2.0**127
 
 GLOBAL_FRAMES = frozenset(
     {
@@ -31,31 +31,31 @@ GLOBAL_FRAMES = frozenset(
 
 @cache
 def commands_with_location() -> frozenset[int]:
-    """The commands whose params 5 and 6 are a latitude and a longitude, or x and y."""
+    """Return the commands whose params 5 and 6 are a latitude and a longitude, or x and y."""
     entries = ardupilotmega.MavCmd.definition().entries
     return frozenset(entry.value for entry in entries if entry.has_location)
 
 
 def scale_of(command: int, frame: int) -> float:
-    """What params 5 and 6 of a command are multiplied by in an integer message."""
+    """Return the factor of params 5 and 6 of a command in an integer message."""
     if command not in commands_with_location() or frame == common.MavFrame.MISSION:
         return 1.0
     return 1e7 if frame in GLOBAL_FRAMES else 1e4
 
 
 def to_integer(value: float, scale: float) -> int:
-    """A coordinate as it lies in an integer message; NaN, and what does not fit, becomes unknown."""
+    """Return a coordinate for an integer message; NaN and values out of range become `UNKNOWN`."""
     scaled = value * scale
-    if isnan(scaled) or not LEAST <= scaled <= UNKNOWN:
+    if isnan(scaled) or not INT32_MIN <= scaled <= UNKNOWN:
         return UNKNOWN
     return round(scaled)
 
 
 def from_integer(value: int, scale: float) -> float:
-    """The coordinate of an integer message; unknown is NaN."""
+    """Return the coordinate of an integer message; `UNKNOWN` becomes NaN."""
     return nan if value == UNKNOWN and scale != 1.0 else value / scale
 
 
 def as_float32(value: float) -> float:
-    """A value that a float32 field takes: what is too large becomes infinite."""
-    return value if abs(value) < LEAST_INFINITE or isnan(value) else inf if value > 0 else -inf
+    """Return a value for a float32 field; values that are too large become infinite."""
+    return value if abs(value) < FLOAT32_OVERFLOW or isnan(value) else inf if value > 0 else -inf

@@ -1,17 +1,17 @@
-"""The one shape of every service, client or server: a state machine without sockets, threads and clock.
+"""The interface of every service, client or server: a state machine without sockets, threads or clock.
 
-Whoever runs it (the node's engine, or a test in virtual time) calls:
+The driver of a service (the node's engine, or a test in virtual time) calls:
 
-    receive(packet, now)              for each packet whose id is in `handles` and that is meant for `local`
-    messages_to_send(now, has_room)   after each other call: what it wants to send, made lazily
-    events()                          what happened, once
-    next_timeout()                    when `handle_timeout(now)` wants to be called; None: not by itself
+    receive(packet, now)              for each packet whose id is in `handles` and that is addressed to
+    `local` messages_to_send(now, has_room)   after each other call: yields the messages to send, made lazily
+    events()                          returns the events since the last call next_timeout()
+    returns when to call `handle_timeout(now)`; None sets no timer
 
-`now` is in Unix seconds and never goes back. Small messages (a command, an acknowledgement, a request) lie in
-an outbox and are always handed over. A long transfer overrides `bulk_messages` and makes each message only
-when `has_room(target)` says that the links to that target can take it: so a queue in a slow radio never
-grows, and a heartbeat or a command never waits behind a file. Who was told that there is no room is asked
-again when there is.
+`now` is in Unix seconds and never decreases. Small messages (a command, an acknowledgement, a request) go
+through an outbox and are always sent. A long transfer overrides `bulk_messages` and makes each message only
+when `has_room(target)` says that the links to that target have room for it: so the queue of a slow radio
+never grows, and a heartbeat or a command never waits behind a file. A service that found no room is called
+again when there is room.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ if TYPE_CHECKING:
 
 
 class Priority(IntEnum):
-    """What goes first on a link that cannot take everything."""
+    """The order of messages on a link without room for all of them."""
 
     CONTROL = 0  # heartbeats, commands, acknowledgements, requests
-    STREAM = 1  # telemetry and setpoints, worthless when late
+    STREAM = 1  # telemetry and setpoints, useless when late
     BULK = 2  # transfers, which can wait
 
 
 class Outgoing(NamedTuple):
-    """A message to send, and to whom it should be routed."""
+    """A message to send, the address that it is routed to, and its priority."""
 
     message: Message
     target: Address = EVERYBODY
@@ -46,13 +46,13 @@ class Outgoing(NamedTuple):
 
 
 class HasRoom(Protocol):
-    """Whether the links to a target can take a message of that priority now."""
+    """Returns whether the links to a target have room for a message of that priority now."""
 
     def __call__(self, target: Address, priority: Priority = Priority.BULK, /) -> bool: ...
 
 
 def always_room(target: Address, priority: Priority = Priority.BULK, /) -> bool:
-    """The links without limits that tests use."""
+    """Return True: the links of tests are not limited."""
     return True
 
 
@@ -63,15 +63,17 @@ class Event:
 
 
 class Service:
-    """A state machine of one service.
+    """The base of services; each of them is one state machine.
 
-    `handles` are the ids of the messages it wants to see, and may change; `hears` is the only address that it
-    listens to, if there is one (component 0: any of the system). What bears its own address is not meant for
-    it, unless `accepts_own_packets`.
+    Args:
+        local: The address of the local component.
     """
 
+    #: The ids of the messages that it receives; may change.
     handles: frozenset[int] = frozenset()
+    #: The only address whose packets it receives; component 0 stands for any of the system.
     source_filter: Address = EVERYBODY
+    #: True if it also receives packets with its own address.
     accepts_own_packets = False
 
     def __init__(self, local: Address) -> None:
@@ -80,46 +82,47 @@ class Service:
         self._events: list[Event] = []
 
     def receive(self, packet: Packet, now: float) -> bool | None:
-        """Take a packet whose id is in `handles`; its message is never None.
+        """Handle a packet whose id is in `handles`; its message is never None.
 
-        False says that nothing has changed: nothing to send, no event, and the same `next_timeout` and
-        `handles` as before. A service that hears much tells it and spares everyone to look.
+        Returns:
+            False if nothing changed: nothing to send, no event, and the same `next_timeout` and `handles` as
+            before. A service with many packets returns it to spare the driver the other calls.
         """
         return None
 
     def messages_to_send(self, now: float, has_room: HasRoom = always_room) -> Iterator[Outgoing]:
-        """What to send now; each message counts as sent when it is taken from the iterator."""
+        """Yield the messages to send now; each counts as sent when it is taken from the iterator."""
         while self._outbox:
             yield self._outbox.popleft()
         yield from self.bulk_messages(now, has_room)
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
-        """What a long transfer sends; asks `has_room` before it makes each message."""
+        """Yield the messages of a long transfer; asks `has_room` before it makes each of them."""
         return iter(())
 
     def events(self) -> list[Event]:
-        """What happened since the last call."""
+        """Return the events since the last call."""
         events, self._events = self._events, []
         return events
 
     def next_timeout(self) -> float | None:
-        """When to call `handle_timeout`."""
+        """Return when to call `handle_timeout`, Unix seconds, or None."""
         return None
 
     def handle_timeout(self, now: float) -> None:
-        """Do what is due; calling it early or late does no harm."""
+        """Handle the timers that are due; an early or late call does no harm."""
 
     def send(
         self, message: Message, target: Address = EVERYBODY, priority: Priority = Priority.CONTROL
     ) -> None:
-        """Put a message into the outbox."""
+        """Append a message to the outbox."""
         self._outbox.append(Outgoing(message, target, priority))
 
     def emit(self, event: Event) -> None:
-        """Put an event where `events` finds it."""
+        """Append an event to those that `events` returns."""
         self._events.append(event)
 
 
 def earliest(*times: float | None) -> float | None:
-    """The first of the times that are set."""
+    """Return the earliest of the times that are not None."""
     return min((time for time in times if time is not None), default=None)

@@ -1,8 +1,8 @@
-"""How long to wait for an answer before asking again.
+"""Timeouts of requests, adapted to the measured round trip.
 
-A fixed time is too long on a fast link that loses packets and too short on a slow radio. `RoundTrip` learns
-it from answers as TCP does (RFC 6298): a smoothed round trip and its deviation, doubled for each attempt
-that got no answer. Only an answer that surely belongs to its question is measured (Karn's rule).
+A fixed timeout is too long on a fast link that loses packets and too short on a slow radio. `RoundTrip`
+derives it from answers as TCP does (RFC 6298): a smoothed round-trip time and its deviation, doubled for each
+attempt without an answer. Only an answer that surely belongs to its request is a sample (Karn's algorithm).
 """
 
 from __future__ import annotations
@@ -10,23 +10,29 @@ from __future__ import annotations
 #: Seconds that calls which wait for something to appear (`wait_for_…`) wait when no timeout is given.
 DEFAULT_WAIT_TIMEOUT = 60.0
 
-#: For so long the same bytes of one source are one packet that the network doubled. Longer, and they may be
-#: the same request again: sequence numbers begin anew after 256, and in each process that is started.
-DOUBLED_WITHIN = 0.5
+#: Seconds within which identical bytes of one source are one packet that the network duplicated. Later they
+#: may be a new request: sequence numbers wrap after 256, and start at 0 in each process.
+DUPLICATE_WINDOW = 0.5
 
 
 class RoundTrip:
-    """The round trips to one peer, and the patience that follows from them, all in seconds."""
+    """The smoothed round-trip time to one peer, and the timeouts that follow from it, all in seconds.
 
-    def __init__(self, initial: float = 1.0, *, least: float = 0.05, most: float = 5.0) -> None:
+    Args:
+        initial: The first timeout while no round trip is known.
+        minimum: The smallest first timeout.
+        maximum: The largest timeout of any attempt.
+    """
+
+    def __init__(self, initial: float = 1.0, *, minimum: float = 0.05, maximum: float = 5.0) -> None:
         self.smoothed: float | None = None
         self._deviation = 0.0
         self._initial = initial
-        self._least = least
-        self._most = most
+        self._minimum = minimum
+        self._maximum = maximum
 
-    def measured(self, seconds: float) -> None:
-        """Take in one round trip."""
+    def add_sample(self, seconds: float) -> None:
+        """Add one measured round trip, seconds."""
         if self.smoothed is None:
             self.smoothed, self._deviation = seconds, seconds / 2
             return
@@ -34,8 +40,8 @@ class RoundTrip:
         self.smoothed += (seconds - self.smoothed) / 8
 
     def timeout(self, attempt: int = 1) -> float:
-        """How long to wait for the answer to the given attempt, the first being 1."""
+        """Return the seconds to wait for an answer to attempt number `attempt`, the first being 1."""
         base = self._initial
         if self.smoothed is not None:
-            base = max(self.smoothed + max(4 * self._deviation, 0.01), self._least)
-        return min(base * 2.0 ** min(attempt - 1, 10), max(self._most, self._initial))
+            base = max(self.smoothed + max(4 * self._deviation, 0.01), self._minimum)
+        return min(base * 2.0 ** min(attempt - 1, 10), max(self._maximum, self._initial))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from mavstack import encode
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, ParameterDenied, ParameterTimeout
+from mavstack.errors import InvalidArgumentError, ParameterDenied, ParameterTimeout
 from mavstack.services import Address
 from mavstack.services.extended_parameters import (
     ExtendedParameter,
@@ -45,7 +45,7 @@ def set_packet(name: str, value, kind: int, sequence: int, source: Address = GRO
 
 def test_all_come_with_their_types() -> None:
     pair = Pair(ROWS)
-    pair.run(listing := pair.client.fetch_all(pair.network.now))
+    pair.run(listing := pair.client.download(pair.network.now))
     assert {name: parameter.value for name, parameter in listing.result().items()} == {
         name: value for name, (value, _) in ROWS.items()
     }
@@ -236,7 +236,7 @@ def test_misuse_raises_at_once() -> None:
         lambda: client.read(40000, 0.0),
         lambda: ExtendedParameterClient(GROUND, Address(1, 0)),
     ):
-        with pytest.raises(LocalProtocolError):
+        with pytest.raises(InvalidArgumentError):
             wrong()
 
 
@@ -257,7 +257,7 @@ def test_any_payload_harms_neither_end(messages) -> None:
     server.add("A", 1)
     server.add("B", "text", handler=lambda _: None)
     now = 100.0
-    client.fetch_all(now)
+    client.download(now)
     client.set("A", 2, now, kind=KIND.INT32)
     client.read(0, now)
     for kind, payload, sequence in messages:

@@ -60,7 +60,7 @@ def scenario(seed: int) -> None:
     original = {name: camera.server[name] for name in camera.rows}
     if random.random() < 0.2:
         network.at(random.uniform(0, 3), camera.restart)
-    listing = client.fetch_all(network.now)
+    listing = client.download(network.now)
     names = random.choices(sorted(camera.rows), k=random.randrange(5))
     wanted = [(name, any_value(random, camera.rows[name][1])) for name in names]
     sets = [(name, value, client.set(name, value, network.now)) for name, value in wanted]

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.extended_parameters.value import decode, encode, field_of, read_value, with_field
 
 KIND = common.MavParamExtType
@@ -42,7 +42,7 @@ def test_text_comes_back(text) -> None:
 def test_128_characters_have_no_nul() -> None:
     text = "x" * 128
     assert decode(encode(text, KIND.CUSTOM), KIND.CUSTOM) == text
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         encode(text + "x", KIND.CUSTOM)
 
 
@@ -60,7 +60,7 @@ def test_any_bytes_are_some_value(data, kind) -> None:
     ("value", "kind"), [(256, KIND.UINT8), (1.5, KIND.INT32), ("x", KIND.INT32), (1, KIND.CUSTOM), (1, 99)]
 )
 def test_what_a_type_cannot_hold_raises(value, kind) -> None:
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         encode(value, kind)
 
 

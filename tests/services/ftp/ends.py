@@ -43,7 +43,7 @@ class Ends:
 
 
 class SpreadingServer(FtpServer):
-    """Bursts blindly like PX4 over UDP: four packets each 1.25 ms, whatever the link behind it carries."""
+    """BurstTracker blindly like PX4 over UDP: four packets each 1.25 ms, whatever the link behind it carries."""
 
     TICK, PACKETS = 0.00125, 4
 
@@ -64,7 +64,7 @@ class SpreadingServer(FtpServer):
         session.used_at = now
         for _ in range(self.PACKETS):
             if session.burst is not None:
-                reply = self._next_of_burst(session, session.burst, now)
+                reply = self._next_burst_reply(session, session.burst, now)
                 yield Outgoing(reply.to_message(*session.owner), session.owner, Priority.BULK)
 
     def next_timeout(self):

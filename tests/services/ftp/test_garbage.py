@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mavstack.dialects import common
 from mavstack.services.ftp import FtpClient, FtpPayload, FtpServer, MemoryStore, Opcode
 from tests.services.drive import garbage, give, sent
-from tests.services.ftp.test_traps import DATA, asked, reply
+from tests.services.ftp.test_pitfalls import DATA, asked, reply
 from tests.services.network import GROUND, START, VEHICLE
 
 
@@ -19,7 +19,7 @@ def test_garbage_never_raises(seed, opcode) -> None:
     random = Random(seed)
     server = FtpServer(VEHICLE, MemoryStore({"f": DATA}))
     client = FtpClient(GROUND, VEHICLE)
-    client.read_file("f", START, timeout=5)
+    client.download("f", START, timeout=5)
     client.list_directory("d", START, timeout=5)
     for _ in range(10):
         message = garbage(common.FileTransferProtocol, random)
@@ -39,7 +39,7 @@ def test_garbage_never_raises(seed, opcode) -> None:
 @given(st.data())
 def test_answers_of_any_content_never_raise(data) -> None:
     client = FtpClient(GROUND, VEHICLE)
-    client.read_file("f", START, timeout=5)
+    client.download("f", START, timeout=5)
     for _ in range(6):
         for request in asked(client):
             content = data.draw(st.binary(max_size=239))

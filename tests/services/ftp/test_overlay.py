@@ -102,7 +102,7 @@ def test_what_is_written_comes_whole_at_the_end(store, source) -> None:
     file.write(3, b"def")
     file.write(0, b"abc")
     assert source.written == []
-    with pytest.raises(OSError, match="written"):
+    with pytest.raises(OSError, match="open for writing"):
         file.read(0, 3)
     file.close()
     assert source.written == [b"abcdef"]
@@ -212,14 +212,14 @@ def test_over_the_network(source) -> None:
     ends = Ends(store=store)
     listing = ends.run(ends.client.list_directory("/", ends.now)).result()
     assert [entry.name for entry in listing] == ["@SYS", "real"]
-    assert ends.run(ends.client.read_file("@SYS/info", ends.now)).result() == b"made"
-    ends.run(ends.client.write_file("@SYS/up", b"abc", ends.now)).result()
+    assert ends.run(ends.client.download("@SYS/info", ends.now)).result() == b"made"
+    ends.run(ends.client.upload("@SYS/up", b"abc", ends.now)).result()
     assert source.written == [b"abc"]
     source.refuses = True
-    refused = ends.run(ends.client.write_file("@SYS/up", b"abc", ends.now))
+    refused = ends.run(ends.client.upload("@SYS/up", b"abc", ends.now))
     assert source.written == [b"abc"]
     assert refused.error is None or isinstance(refused.error, FileDenied)
-    for operation in (ends.client.remove("@SYS/info", ends.now), ends.client.read_file("no", ends.now)):
+    for operation in (ends.client.remove("@SYS/info", ends.now), ends.client.download("no", ends.now)):
         assert isinstance(ends.run(operation).error, FileDenied)
     assert len(ends.server.sessions) == 0
 
@@ -228,7 +228,7 @@ def test_an_upload_that_nobody_ends_harms_nobody(source) -> None:
     source.refuses = True
     store = OverlayStore(MemoryStore(), {"up": VirtualFile(source.read, source.write)})
     ends = Ends(store=store)
-    operation = ends.client.write_file("up", b"x" * 2000, ends.now)
+    operation = ends.client.upload("up", b"x" * 2000, ends.now)
     ends.ground.engine.touch(ends.client)
     ends.network.run(lambda: len(ends.server.sessions) > 0, timeout=5)
     for pipe in ends.pipes:

@@ -22,7 +22,7 @@ DATA = Random(7).randbytes(300_000)
 def transfer(impairment=None, *, paced=False, kind=Ends, **link) -> tuple[float, Ends]:
     ends = kind(3, MemoryStore({"log": DATA}), impairment, paced=paced, **link)
     begin = ends.now
-    operation = ends.run(ends.client.read_file("log", ends.now))
+    operation = ends.run(ends.client.download("log", ends.now))
     assert operation.result() == DATA
     assert operation.verified
     return ends.now - begin, ends
@@ -62,7 +62,7 @@ def test_telemetry_beside_a_transfer() -> None:
 
     telemetry()
     begin = ends.now
-    operation = ends.run(ends.client.read_file("log", ends.now))
+    operation = ends.run(ends.client.download("log", ends.now))
     assert operation.result() == DATA
     seconds = ends.now - begin
     left = air.bandwidth * seconds - 40 * len(sent)
@@ -79,9 +79,9 @@ def test_over_20_ms(loss, most) -> None:
 
 def test_a_server_without_bursts_is_read_with_several_requests_under_way() -> None:
     ends = Ends(1, MemoryStore({"log": DATA[:100_000]}), Impairment(latency=0.02, loss=0.01))
-    ends.client.peer.no_bursts = True
+    ends.client.server.no_bursts = True
     begin = ends.now
-    operation = ends.run(ends.client.read_file("log", ends.now))
+    operation = ends.run(ends.client.download("log", ends.now))
     assert operation.result() == DATA[:100_000]
     assert ends.now - begin < 1.5  # one at a time takes 17
     assert operation.transfer.counts.bursts == 0
@@ -90,7 +90,7 @@ def test_a_server_without_bursts_is_read_with_several_requests_under_way() -> No
 def test_windowed_writes() -> None:
     ends = Ends(1, MemoryStore(), Impairment(latency=0.02, loss=0.01))
     begin = ends.now
-    ends.run(ends.client.write_file("log", DATA[:100_000], ends.now)).result()
+    ends.run(ends.client.upload("log", DATA[:100_000], ends.now)).result()
     assert ends.store["log"] == DATA[:100_000]
     assert ends.now - begin < 1.5
 
@@ -99,7 +99,7 @@ def test_windowed_writes_through_a_radio() -> None:
     air = Air()
     ends = Ends(1, MemoryStore(), air=air)
     begin = ends.now
-    ends.run(ends.client.write_file("log", DATA[:50_000], ends.now)).result()
+    ends.run(ends.client.upload("log", DATA[:50_000], ends.now)).result()
     assert ends.store["log"] == DATA[:50_000]
     assert 50_000 / (ends.now - begin) >= 0.7 * air.bandwidth
 

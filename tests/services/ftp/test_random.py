@@ -24,7 +24,7 @@ def reading(seed: int) -> None:
     with_cuts(ends.network, ends.pipes)
     if random.random() < 0.2:
         ends.network.at(random.uniform(0, 3), ends.vehicle.restart)
-    operation = ends.client.read_file("f", ends.now, timeout=TIMEOUT)
+    operation = ends.client.download("f", ends.now, timeout=TIMEOUT)
     if random.random() < 0.2:
         ends.network.at(random.uniform(0, 3), lambda: cancel(ends, operation))
     ends.run(operation, timeout=DEADLINE)
@@ -56,7 +56,7 @@ def writing(seed: int) -> None:
     with_cuts(ends.network, ends.pipes)
     if random.random() < 0.2:
         ends.network.at(random.uniform(0, 3), ends.vehicle.restart)
-    operation = ends.client.write_file("f", data, ends.now, timeout=TIMEOUT)
+    operation = ends.client.upload("f", data, ends.now, timeout=TIMEOUT)
     ends.run(operation, timeout=DEADLINE)
     if operation.error is None:
         assert store["f"] == data
@@ -78,7 +78,7 @@ def changing(seed: int) -> None:
         client.make_directory("d", now),
         client.rename("b", "d/c", now),
         client.remove("gone", now),
-        client.crc("d/c", now),
+        client.checksum("d/c", now),
         client.list_directory("/", now),
     ]
     for operation in operations:
@@ -103,7 +103,7 @@ def shrinking(seed: int) -> None:
         store._files["f",][:] = new
 
     ends.network.at(random.uniform(0, 2), change)
-    operation = ends.client.read_file("f", ends.now, timeout=TIMEOUT)
+    operation = ends.client.download("f", ends.now, timeout=TIMEOUT)
     ends.run(operation, timeout=DEADLINE)
     if operation.error is None and operation.verified:
         assert operation.result() in (old, new)

@@ -8,9 +8,9 @@ from mavstack.errors import FileTimeout
 from mavstack.links import Impairment
 from mavstack.services import Address
 from mavstack.services.ftp import FtpError, FtpServer, MemoryStore, Opcode
-from mavstack.services.ftp.sessions import IDLE_WHEN_FULL
+from mavstack.services.ftp.sessions import IDLE_TIMEOUT_WHEN_FULL
 from tests.services.ftp.ends import Ends
-from tests.services.ftp.test_traps import START, VEHICLE, ask
+from tests.services.ftp.test_pitfalls import START, VEHICLE, ask
 from tests.services.network import GROUND
 
 
@@ -41,7 +41,7 @@ def test_a_number_in_use_does_not_come_to_mean_another_file(server) -> None:
     (denied,) = ask(server, Opcode.OPENFILERO, b"b", sequence=2, session=0)
     assert denied.error == FtpError.NOSESSIONSAVAILABLE
     assert ask(server, Opcode.READFILE, size=9, sequence=3, session=0)[0].data == b"aaaa"
-    later = START + IDLE_WHEN_FULL
+    later = START + IDLE_TIMEOUT_WHEN_FULL
     assert ask(server, Opcode.OPENFILERO, b"b", sequence=4, session=0, now=later)[0].error is None
     assert ask(server, Opcode.READFILE, size=9, sequence=5, session=0, now=later)[0].data == b"bbbb"
     assert len(server.sessions) == 1
@@ -55,7 +55,7 @@ def test_our_client_calls_each_session_otherwise() -> None:
         numbers.append(number) or add(owner, number, *more, **options)
     )
     for _ in range(3):
-        assert ends.run(ends.client.read_file("a", ends.now)).result() == b"aaaa"
+        assert ends.run(ends.client.download("a", ends.now)).result() == b"aaaa"
     assert numbers == [1, 2, 3]
 
 
@@ -75,7 +75,7 @@ def test_a_client_resets_its_own_sessions_and_nobody_elses(loss: float) -> None:
 
 def test_a_reset_waits_until_a_transfer_has_ended() -> None:
     ends = Ends(store=MemoryStore({"a": bytes(5000)}))
-    reading = ends.client.read_file("a", ends.now)
+    reading = ends.client.download("a", ends.now)
     reset = ends.run(ends.client.reset_sessions(ends.now))
     assert (reading.result(), reset.error) == (bytes(5000), None)
     assert not ends.server.sessions

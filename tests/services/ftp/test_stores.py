@@ -92,7 +92,7 @@ def test_no_path_leads_out(tmp_path_factory, path) -> None:
     (place / "root" / "out").symlink_to(place)
     store = DirectoryStore(place / "root")
     try:
-        found = store._inside(path)
+        found = store._resolve(path)
     except (OSError, ValueError):
         return
     assert found == store.root or store.root in found.parents

@@ -74,7 +74,7 @@ def test_a_log_by_its_id_alone() -> None:
     assert site.download(7).result() == site.contents[7]
     error = site.download(77).error
     assert isinstance(error, RemoteDenied)
-    assert str(error) == "downloading log 77 from 1/1 failed: it has no such log"
+    assert str(error) == "downloading log 77 from 1/1 failed: there is no such log"
 
 
 def test_px4_that_restarted_within_a_log_is_listed_again() -> None:
@@ -331,7 +331,7 @@ def test_erasing_that_does_nothing_is_a_typed_error() -> None:
     site.store.erase = lambda: None
     error = site.run(site.client.erase(site.network.now)).error
     assert isinstance(error, RemoteDenied)
-    assert "7 of its logs are still there" in str(error)
+    assert "7 logs remain" in str(error)
 
 
 def test_a_slow_radio_is_used_well() -> None:

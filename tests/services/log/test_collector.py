@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.services.log.collector import TOLERANCE, Collector
+from mavstack.services.log.collector import MAX_SIZE_ERROR, Collector
 from mavstack.services.log.entry import CHUNK
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ def test_chunks_in_any_order_and_twice_make_the_log(size: int, random: Random) -
     random.shuffle(numbers)
     for number in numbers:
         assert not collector.complete
-        assert collector.add(number, chunk_of(content, number), asked=True)
-        assert not collector.add(number, chunk_of(content, number), asked=True)
+        assert collector.add(number, chunk_of(content, number), requested=True)
+        assert not collector.add(number, chunk_of(content, number), requested=True)
     assert collector.complete
     assert not collector.contradicted
     assert collector.data() == content
@@ -38,29 +38,29 @@ def test_chunks_in_any_order_and_twice_make_the_log(size: int, random: Random) -
 def test_a_log_of_whole_chunks_is_not_at_its_end_until_that_is_said(size: int) -> None:
     collector = Collector(size)
     for number in range(size // CHUNK):
-        collector.add(number, FULL, asked=True)
+        collector.add(number, FULL, requested=True)
     assert collector.lacks_only_the_end
     assert not collector.complete
     assert collector.missing_range(0, 100, 0) == (size // CHUNK, size // CHUNK + 1)
-    collector.add(size // CHUNK, b"", asked=True)
+    collector.add(size // CHUNK, b"", requested=True)
     assert collector.complete
 
 
 def test_a_log_may_be_longer_than_it_was_listed() -> None:
     collector = Collector(100)
-    collector.add(0, FULL, asked=True)
-    collector.add(1, FULL, asked=True)
+    collector.add(0, FULL, requested=True)
+    collector.add(1, FULL, requested=True)
     assert not collector.complete
-    collector.add(2, b"end", asked=True)
+    collector.add(2, b"end", requested=True)
     assert collector.data() == FULL + FULL + b"end"
 
 
 def test_a_log_that_ends_before_its_size_must_say_so_several_times() -> None:
     collector = Collector(1000)
-    collector.add(0, FULL, asked=True)
+    collector.add(0, FULL, requested=True)
     for times in range(3):
         assert not collector.complete, times
-        collector.add(1, b"end", asked=True)
+        collector.add(1, b"end", requested=True)
     assert collector.complete
     assert collector.data() == FULL + b"end"
 
@@ -68,32 +68,32 @@ def test_a_log_that_ends_before_its_size_must_say_so_several_times() -> None:
 def test_the_tail_of_what_somebody_else_asked_for_is_no_end() -> None:
     collector = Collector(1000)
     for _ in range(9):
-        collector.add(3, b"0123456789", asked=False)
+        collector.add(3, b"0123456789", requested=False)
     assert not collector.end_known
-    collector.add(3, b"0123456789" * 9, asked=True)
+    collector.add(3, b"0123456789" * 9, requested=True)
     assert not collector.contradicted
 
 
 def test_a_log_much_shorter_than_listed_is_not_believed() -> None:
-    collector = Collector(TOLERANCE + 100)
+    collector = Collector(MAX_SIZE_ERROR + 100)
     for _ in range(3):
-        collector.add(0, b"", asked=True)
+        collector.add(0, b"", requested=True)
     assert collector.contradicted
 
 
 def test_an_end_before_what_is_there_is_not_believed() -> None:
     collector = Collector(1000)
-    collector.add(5, FULL, asked=True)
+    collector.add(5, FULL, requested=True)
     for _ in range(3):
-        collector.add(2, b"end", asked=True)
+        collector.add(2, b"end", requested=True)
     assert collector.contradicted
 
 
 @pytest.mark.parametrize("other", [FULL[::-1], b"short"])
 def test_what_comes_twice_must_say_the_same(other: bytes) -> None:
     collector = Collector(1000)
-    collector.add(3, FULL, asked=True)
-    collector.add(3, other, asked=True)
+    collector.add(3, FULL, requested=True)
+    collector.add(3, other, requested=True)
     assert collector.contradicted
 
 
@@ -102,7 +102,7 @@ def test_ranges() -> None:
     assert collector.missing_range(0, 100, 0) == (0, 21)
     assert collector.missing_range(0, 8, 0) == (0, 8)
     for number in (2, 3, 4, 5, 8, 20):
-        collector.add(number, FULL if number < 20 else b"01234", asked=True)
+        collector.add(number, FULL if number < 20 else b"01234", requested=True)
     assert collector.missing_range(0, 100, 0) == (0, 2)
     assert collector.missing_range(0, 100, 1) == (0, 2)
     assert collector.missing_range(0, 100, 4) == (0, 20)
@@ -118,7 +118,7 @@ def test_a_range_is_never_empty_and_starts_where_something_is_missing(
 ) -> None:
     collector = Collector(50 * CHUNK + 1)
     for number in there:
-        collector.add(number, FULL, asked=True)
+        collector.add(number, FULL, requested=True)
     start, end = collector.missing_range(cursor, most, merge)
     assert 0 <= start < end <= 51
     assert end - start <= most

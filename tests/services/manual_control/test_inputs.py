@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.dialects import common
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.manual_control import RELEASE, ChannelOverride, ManualInput
 from tests.services.network import VEHICLE
 
@@ -37,7 +37,7 @@ def test_an_axis_beyond_its_range_is_at_its_end():
 
 @pytest.mark.parametrize("sticks", [ManualInput(x=1001), ManualInput(buttons=1 << 32), ManualInput(s=-1001)])
 def test_impossible_inputs_are_our_own_misuse(sticks):
-    with pytest.raises(FieldRangeError):
+    with pytest.raises(InvalidArgumentError):
         sticks.to_message(1)
 
 
@@ -64,5 +64,5 @@ def test_an_override_comes_back_as_it_was(channels):
 
 @pytest.mark.parametrize("channels", [{0: 1500}, {19: 1500}, {1: -1}, {9: 65534}, {1: 65535}])
 def test_impossible_overrides_are_our_own_misuse(channels):
-    with pytest.raises(FieldRangeError):
+    with pytest.raises(InvalidArgumentError):
         ChannelOverride(channels).to_message(VEHICLE)

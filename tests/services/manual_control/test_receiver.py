@@ -14,7 +14,7 @@ from mavstack.services.manual_control import (
     OverrideLost,
     OverrideReceived,
 )
-from mavstack.services.manual_control.receiver import MOST_SOURCES
+from mavstack.services.manual_control.receiver import MAX_SOURCES
 from tests.services.drive import garbage, give
 from tests.services.network import GROUND, VEHICLE
 
@@ -94,7 +94,7 @@ def test_a_flood_of_sources_is_bounded_and_does_not_push_out_the_pilot():
         give(receiver, ManualInput(x=2).to_message(1), Address(number, 7), 1.0)
         give(receiver, override({1: 1500}), Address(number, 7), 1.0)
     assert receiver.latest(GROUND, 1.0)[0] == ManualInput(x=1)
-    assert receiver.refused_sources == (100 - MOST_SOURCES) + (99 - MOST_SOURCES)
+    assert receiver.refused_sources == (100 - MAX_SOURCES) + (99 - MAX_SOURCES)
 
 
 def test_garbage_from_the_wire_never_raises():

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.manual_control import (
     ChannelOverride,
     ManualControlSender,
@@ -80,6 +80,6 @@ def test_stopping_what_never_began_sends_nothing():
 
 def test_impossible_input_raises_and_changes_nothing():
     sender = OverrideSender(GROUND, VEHICLE)
-    with pytest.raises(FieldRangeError):
+    with pytest.raises(InvalidArgumentError):
         sender.set(ChannelOverride({99: 1500}), 0.0)
     assert not sender.active

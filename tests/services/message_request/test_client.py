@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, LocalProtocolError, MessageTimeout
+from mavstack.errors import CommandDenied, InvalidArgumentError, MessageTimeout
 from mavstack.services.command import Command, CommandClient, CommandOperation
 from mavstack.services.message_request import RequestMessage
 from tests.services.message_request.peers import Peers
@@ -175,7 +175,7 @@ def test_many_at_once() -> None:
 
 
 def test_too_many_params_are_our_own_mistake() -> None:
-    with pytest.raises(LocalProtocolError, match="2 to 6"):
+    with pytest.raises(InvalidArgumentError, match="2 to 6"):
         RequestMessage(common.Attitude, (1, 2, 3, 4, 5, 6))
 
 

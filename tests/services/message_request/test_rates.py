@@ -5,7 +5,7 @@ from math import inf
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, LocalProtocolError, MessageTimeout
+from mavstack.errors import CommandDenied, InvalidArgumentError, MessageTimeout
 from mavstack.services import Service
 from mavstack.services.addressing import message_ids
 from mavstack.services.message_request import (
@@ -30,12 +30,12 @@ def test_an_interval_in_hertz_and_microseconds() -> None:
 
 @pytest.mark.parametrize("rate", [0, -1, inf, float("nan")])
 def test_a_rate_must_be_one(rate: float) -> None:
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         Interval.hertz(rate)
 
 
 def test_an_interval_must_fit() -> None:
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         Interval(1 << 31)
 
 

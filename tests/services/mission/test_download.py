@@ -5,7 +5,13 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, LocalProtocolError, MissionDenied, MissionTimeout, RemoteCancelled
+from mavstack.errors import (
+    CommandDenied,
+    InvalidArgumentError,
+    MissionDenied,
+    MissionTimeout,
+    RemoteCancelled,
+)
 from mavstack.services.command import CommandClient
 from mavstack.services.mission import (
     ItemReached,
@@ -184,9 +190,9 @@ def test_last_acknowledgement_is_said_again(vehicle) -> None:
 
 
 def test_no_such_plan(client) -> None:
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         client.download(0.0, PlanType.ALL)
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         client.clear(0.0, 9)
 
 
@@ -239,7 +245,7 @@ def test_set_current_the_older_way(vehicle) -> None:
 def test_set_current_by_command() -> None:
     commands = CommandClient(GROUND, VEHICLE)
     vehicle = Vehicle(commands)
-    setting = commands.begin(set_current_item(3, reset=True), vehicle.now)
+    setting = commands.begin(set_current_item(3, restart=True), vehicle.now)
     (command,) = vehicle.said()
     assert (command.command, command.param1, command.param2) == (
         common.MavCmd.DO_SET_MISSION_CURRENT,

@@ -11,9 +11,17 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common as pymavlink
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address
-from mavstack.services.mission import MissionItem, MissionServer, Plan, PlanType, pack_plan, unpack_plan
+from mavstack.services.mission import (
+    MissionItem,
+    MissionServer,
+    MissionServerOptions,
+    Plan,
+    PlanType,
+    pack_plan,
+    unpack_plan,
+)
 
 PLAN = Plan.of(
     [
@@ -73,7 +81,7 @@ def test_what_is_damaged_is_not_taken() -> None:
     assert unpack_plan(data + b"x") is None
     assert unpack_plan(b"x" + data[1:]) is None
     assert unpack_plan(data[:48] + bytes(38) + data[86:]) is None
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         pack_plan(Plan.of([PLAN.items[0]] * 65536))
 
 
@@ -91,10 +99,12 @@ def test_a_server_judges_a_plan_that_came_whole() -> None:
     def check(kind: int, seq: int, item: MissionItem) -> int:
         return result.INVALID_PARAM1 if item.param1 == 9 else result.ACCEPTED
 
-    server = MissionServer(Address(1, 1), limits={PlanType.MISSION: 3}, check=check)
-    assert server.take(PLAN, Address(0, 0)) == result.ACCEPTED
+    server = MissionServer(
+        Address(1, 1), options=MissionServerOptions(limits={PlanType.MISSION: 3}), check=check
+    )
+    assert server.accept(PLAN, Address(0, 0)) == result.ACCEPTED
     assert server.plan(PlanType.MISSION) == PLAN
-    assert server.take(Plan.of([MissionItem(16, param1=9)]), Address(0, 0)) == result.INVALID_PARAM1
-    assert server.take(Plan.of([MissionItem(16)] * 4), Address(0, 0)) == result.NO_SPACE
-    assert server.take(Plan.of([], PlanType.FENCE), Address(0, 0)) == result.UNSUPPORTED
+    assert server.accept(Plan.of([MissionItem(16, param1=9)]), Address(0, 0)) == result.INVALID_PARAM1
+    assert server.accept(Plan.of([MissionItem(16)] * 4), Address(0, 0)) == result.NO_SPACE
+    assert server.accept(Plan.of([], PlanType.FENCE), Address(0, 0)) == result.UNSUPPORTED
     assert server.plan(PlanType.MISSION) == PLAN

@@ -19,12 +19,13 @@ from mavstack.services.mission import (
     MissionClient,
     MissionItem,
     MissionServer,
+    MissionServerOptions,
     Plan,
     PlanStore,
     PlanType,
     UploadPlan,
 )
-from mavstack.services.mission.strays import FORGOTTEN
+from mavstack.services.mission.stale_messages import UPLOAD_EXPIRES_AFTER
 from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
 
 if TYPE_CHECKING:
@@ -67,7 +68,9 @@ class Station:
 
     def restart(self) -> None:
         self.node.restart()
-        self.network.at(FORGOTTEN, self.next)  # a new program knows nothing of the upload it was in
+        self.network.at(
+            UPLOAD_EXPIRES_AFTER, self.next
+        )  # a new program knows nothing of the upload it was in
 
     def next(self) -> None:
         if self.operation is not None or not self.left:
@@ -140,7 +143,9 @@ class Scenario:
             self.network.at(self.random.uniform(0, 3), self.stations[0].restart)
 
     def setup(self, engine) -> None:
-        self.server = engine.add(MissionServer(VEHICLE, self.storage, check=self.check_item, limits=LIMITS))
+        self.server = engine.add(
+            MissionServer(VEHICLE, self.storage, MissionServerOptions(limits=LIMITS), check=self.check_item)
+        )
 
     @staticmethod
     def check_item(plan_type: int, seq: int, item: MissionItem) -> int:

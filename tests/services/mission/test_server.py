@@ -1,4 +1,4 @@
-"""The vehicle's side, against a ground station played by hand."""
+"""Mission server, against a ground station controlled by the test."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import pytest
 
 import mavstack
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address
 from mavstack.services.command import Command, CommandServer
 from mavstack.services.mission import (
     CurrentItemSet,
     MissionItem,
     MissionServer,
+    MissionServerOptions,
     Plan,
     PlanReplaced,
     PlanStore,
@@ -25,8 +26,8 @@ Result = common.MavMissionResult
 OTHER = Address(254, 190)
 
 
-def make(**options) -> Station:
-    return Station(MissionServer(VEHICLE, **options))
+def make(*, store=None, options=None, **callbacks) -> Station:
+    return Station(MissionServer(VEHICLE, store, options, **callbacks))
 
 
 @pytest.fixture
@@ -97,7 +98,7 @@ def test_item_can_be_refused_on_its_own() -> None:
 
 
 def test_limits_and_types() -> None:
-    station = make(limits={PlanType.MISSION: 10})
+    station = make(options=MissionServerOptions(limits={PlanType.MISSION: 10}))
     assert result_of(station.count(11)) == Result.NO_SPACE
     assert seqs(station.count(10)) == [0]
     for kind in (PlanType.FENCE, PlanType.ALL, 77):
@@ -105,9 +106,9 @@ def test_limits_and_types() -> None:
         assert result_of(station.list(kind)) == Result.UNSUPPORTED
         assert result_of(station.request(0, kind)) == Result.UNSUPPORTED
     assert result_of(station.clear(PlanType.FENCE)) == Result.UNSUPPORTED
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         station.service.replace(plan_of(11))
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         station.service.replace(plan_of(1, PlanType.FENCE))
 
 
@@ -344,7 +345,7 @@ def test_set_current_by_command(station) -> None:
     assert touched == [server]
     assert [message.seq for message in station.said()] == [3]
     assert ask(-1, 1) == common.MavResult.ACCEPTED
-    assert server.events() == [CurrentItemSet(3, GROUND), CurrentItemSet(3, GROUND, reset=True)]
+    assert server.events() == [CurrentItemSet(3, GROUND), CurrentItemSet(3, GROUND, restart=True)]
     for wrong in (4, -2, float("nan"), float("inf")):
         assert ask(wrong) == common.MavResult.DENIED
 
@@ -358,18 +359,18 @@ def test_program_moves_the_mission(station) -> None:
     said = station.said()
     assert kinds(said) == ["MissionCurrent", "MissionCurrent", "MissionItemReached"]
     assert seqs(said) == [2, 1, 1]
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         server.set_current(3)
 
 
 def test_vehicle_without_ids() -> None:
-    station = make(plan_ids=False)
+    station = make(options=MissionServerOptions(plan_ids=False))
     said = station.upload(plan_of(2))
     assert (said[0].mission_id, said[1].opaque_id) == (0, 0)
 
 
 def test_home_is_item_0_where_it_is() -> None:
-    station = make(home_first=True)
+    station = make(options=MissionServerOptions(home_first=True))
     station.service.home = home = MissionItem(common.MavCmd.NAV_WAYPOINT, param5=1.0, param6=2.0)
     plan = plan_of(3)
     said = station.upload(plan)
@@ -397,7 +398,7 @@ def test_tables_are_bounded(station) -> None:
         station.list(source=Address(system, 1))
         for kind in range(3):
             station.count(0, kind, source=Address(system, 2))
-    assert len(station.service._downloads._readers) <= 64
+    assert len(station.service._downloads._clients) <= 64
     assert len(station.service._uploads._ended) <= 64
     station.service.replace(plan_of(500))
     station.list()
@@ -410,7 +411,8 @@ def test_tables_are_bounded(station) -> None:
 
 
 def test_a_firmware_may_keep_to_the_older_messages() -> None:
-    station, plan = make(plain_requests=True, float_answers=True), plan_of(3)
+    station = make(options=MissionServerOptions(plain_requests=True, float_answers=True))
+    plan = plan_of(3)
     assert kinds(station.count(3)) == ["MissionRequest"]
     assert kinds(station.item(plan, 0)) == ["MissionRequest"]
     assert kinds(station.tell(plan.items[1].to_float(VEHICLE, 1, 0))) == ["MissionRequest"]
@@ -422,7 +424,7 @@ def test_a_firmware_may_keep_to_the_older_messages() -> None:
 
 def test_an_item_is_not_asked_for_again_too_soon() -> None:
     pauses = []
-    for station in (make(), make(ask_again=1.0)):
+    for station in (make(), make(options=MissionServerOptions(request_interval=1.0))):
         station.count(3)
         station.now += 0.001
         assert seqs(station.item(plan_of(3), 0)) == [1]

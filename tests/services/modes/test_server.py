@@ -5,11 +5,11 @@ from random import Random
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address, Priority
 from mavstack.services.command import Command, CommandServer
 from mavstack.services.modes import AvailableMode, ModeChanged, ModeRefused, ModeServer, modes_of
-from mavstack.services.modes.server import MOST_LISTINGS, MOST_MODES
+from mavstack.services.modes.server import MAX_LISTINGS, MAX_MODES
 from tests.services.drive import garbage, give, pass_time, sent
 from tests.services.network import GROUND, VEHICLE
 
@@ -123,9 +123,9 @@ def test_a_flood_of_listings_is_bounded():
     copter = Copter()
     results = [
         copter.ask(common.MavCmd.REQUEST_MESSAGE, MODES, 0, source=Address(number, 190))
-        for number in range(2, MOST_LISTINGS + 4)
+        for number in range(2, MAX_LISTINGS + 4)
     ]
-    assert results.count(R.ACCEPTED) == MOST_LISTINGS
+    assert results.count(R.ACCEPTED) == MAX_LISTINGS
     assert results[-1] == R.TEMPORARILY_REJECTED
 
 
@@ -160,11 +160,11 @@ def test_requests_for_other_messages_go_to_who_answered_them_before():
 
 
 def test_wrong_tables_are_our_own_misuse():
-    with pytest.raises(FieldRangeError, match="1 to 255"):
+    with pytest.raises(InvalidArgumentError, match="1 to 255"):
         ModeServer(VEHICLE, [], 0)
-    with pytest.raises(FieldRangeError, match="1 to 255"):
-        ModeServer(VEHICLE, [AvailableMode(n) for n in range(MOST_MODES + 1)], 0)
-    with pytest.raises(FieldRangeError, match="same"):
+    with pytest.raises(InvalidArgumentError, match="1 to 255"):
+        ModeServer(VEHICLE, [AvailableMode(n) for n in range(MAX_MODES + 1)], 0)
+    with pytest.raises(InvalidArgumentError, match="same"):
         ModeServer(VEHICLE, [AvailableMode(1), AvailableMode(1)], 1)
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mavstack import encode
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, ParameterDenied, ParameterTimeout
+from mavstack.errors import InvalidArgumentError, LocalProtocolError, ParameterDenied, ParameterTimeout
 from mavstack.services import Address
 from mavstack.services.parameters import (
     Encoding,
@@ -195,7 +195,7 @@ def test_sets_of_one_name_go_one_after_the_other() -> None:
 def test_the_cache_follows_what_others_change() -> None:
     pair = Pair(0)
     pair.server.add("X", 1.0)
-    pair.run(pair.client.fetch_all(pair.network.now))
+    pair.run(pair.client.download(pair.network.now))
     pair.server.set("X", 7.0)
     pair.touch()
     pair.network.run(timeout=0.1)
@@ -222,7 +222,7 @@ def value_packet(name: str, value: float, sequence: int) -> Packet:
 
 def test_another_encoding_forgets_what_was_read() -> None:
     pair = Pair(5)
-    pair.run(pair.client.fetch_all(pair.network.now))
+    pair.run(pair.client.download(pair.network.now))
     pair.client.encoding = Encoding.C_CAST
     assert (dict(pair.client.parameters), pair.client.complete) == ({}, False)
 
@@ -252,13 +252,13 @@ def test_what_was_told_during_a_download_is_newer_than_the_file() -> None:
 
 def test_misuse_raises_at_once() -> None:
     client = ParameterClient(GROUND, VEHICLE)
-    with pytest.raises(LocalProtocolError, match="one component"):
+    with pytest.raises(InvalidArgumentError, match="one component"):
         ParameterClient(GROUND, Address(1, 0))
-    with pytest.raises(LocalProtocolError, match="1 to 16"):
+    with pytest.raises(InvalidArgumentError, match="1 to 16"):
         client.read("A" * 17, 0.0)
-    with pytest.raises(LocalProtocolError, match="1 to 16"):
+    with pytest.raises(InvalidArgumentError, match="1 to 16"):
         client.set("", 1, 0.0)
-    with pytest.raises(LocalProtocolError, match="index"):
+    with pytest.raises(InvalidArgumentError, match="index"):
         client.read(-1, 0.0)
 
 
@@ -282,7 +282,7 @@ def test_any_payload_harms_neither_end(messages, encoding) -> None:
     server.add("A", 1)
     server.add("B", 0.5, minimum=0.0, maximum=1.0)
     now = network.now
-    client.fetch_all(now)
+    client.download(now)
     client.set("A", 2, now)
     client.read(0, now)
     client.read_hash(now)

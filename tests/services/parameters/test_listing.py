@@ -58,7 +58,7 @@ def indexes(messages) -> set[int]:
 @pytest.mark.parametrize("encoding", Encoding)
 def test_all_parameters_come(encoding) -> None:
     pair = Pair(200, encoding=encoding)
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     pair.run(listing)
     assert values_of(listing.result()) == table_of(pair.server)
     assert list(listing.result()) == list(table_of(pair.server))
@@ -68,7 +68,7 @@ def test_all_parameters_come(encoding) -> None:
 
 def test_an_unsolicited_value_does_not_mask_a_missing_index() -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now)
+    listing = hand.client.download(hand.network.now)
     hand.run(0.1)
     hand.tell("A", 1.0, 0, 3)
     hand.tell("C", 3.0, 2, 3)
@@ -84,7 +84,7 @@ def test_an_unsolicited_value_does_not_mask_a_missing_index() -> None:
 
 def test_a_count_that_changes_while_listing_starts_it_again() -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now)
+    listing = hand.client.download(hand.network.now)
     hand.run(0.1)
     hand.tell("A", 1.0, 0, 2)
     hand.run(0.01)
@@ -101,7 +101,7 @@ def test_a_count_that_changes_while_listing_starts_it_again() -> None:
 
 def test_a_count_that_shrinks_is_no_endless_wait() -> None:
     pair = Pair(30, air=Air(5760.0), bandwidth=5760.0)
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     name = pair.rows[3][0]
 
     def shrink() -> None:
@@ -117,7 +117,7 @@ def test_a_count_that_shrinks_is_no_endless_wait() -> None:
 
 def test_a_table_that_never_stops_changing_ends_in_a_timeout() -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now)
+    listing = hand.client.download(hand.network.now)
     for count in range(3, 40):
         hand.run(0.05)
         hand.tell("A", 1.0, 0, count)
@@ -128,7 +128,7 @@ def test_a_table_that_never_stops_changing_ends_in_a_timeout() -> None:
 
 def test_one_name_in_two_places_is_not_believed() -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now)
+    listing = hand.client.download(hand.network.now)
     hand.run(0.1)
     hand.tell("A", 1.0, 0, 2)
     hand.tell("A", 1.0, 1, 2)
@@ -142,7 +142,7 @@ def test_one_name_in_two_places_is_not_believed() -> None:
 
 def test_a_parameter_that_cannot_be_read_is_told() -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now)
+    listing = hand.client.download(hand.network.now)
     hand.run(0.1)
     hand.tell("A", 1.0, 0, 2)
     hand.run(0.2)
@@ -155,7 +155,7 @@ def test_a_parameter_that_cannot_be_read_is_told() -> None:
 
 def test_silence_ends_in_a_timeout_that_says_how_many_came() -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now, idle_timeout=5.0)
+    listing = hand.client.download(hand.network.now, idle_timeout=5.0)
     asked = hand.run(4.0)
     assert len([message for message in asked if isinstance(message, common.ParamRequestList)]) > 1
     hand.tell("A", 1.0, 0, 2)
@@ -167,7 +167,7 @@ def test_silence_ends_in_a_timeout_that_says_how_many_came() -> None:
 
 def test_gaps_are_not_asked_for_all_at_once() -> None:
     hand = ByHand()
-    hand.client.fetch_all(hand.network.now)
+    hand.client.download(hand.network.now)
     hand.run(0.1)
     hand.tell("A", 1.0, 0, 500)
     hand.tell("Z", 1.0, 499, 500)
@@ -179,7 +179,7 @@ def test_gaps_are_not_asked_for_all_at_once() -> None:
 @pytest.mark.parametrize("count", [32768, 65535])
 def test_a_count_that_cannot_be_harms_nothing(count) -> None:
     hand = ByHand()
-    listing = hand.client.fetch_all(hand.network.now, idle_timeout=5.0)
+    listing = hand.client.download(hand.network.now, idle_timeout=5.0)
     hand.run(0.1)
     for index in (0, count - 2, count - 1):
         hand.tell("A", 1.0, index, count)
@@ -189,7 +189,7 @@ def test_a_count_that_cannot_be_harms_nothing(count) -> None:
 
 def test_a_restarted_vehicle_goes_on_where_it_was() -> None:
     pair = Pair(100, impairment=Impairment(bandwidth=5760.0, queue=1 << 16))
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     pair.network.at(0.3, pair.vehicle.restart)
     pair.run(listing)
     assert values_of(listing.result()) == table_of(pair.server)
@@ -197,7 +197,7 @@ def test_a_restarted_vehicle_goes_on_where_it_was() -> None:
 
 def test_two_lists_of_one_client_go_one_after_the_other() -> None:
     pair = Pair(50)
-    lists = [pair.client.fetch_all(pair.network.now) for _ in range(2)]
+    lists = [pair.client.download(pair.network.now) for _ in range(2)]
     pair.run(*lists)
     assert [len(listing.result()) for listing in lists] == [50, 50]
     assert len(requests_of(pair, "PARAM_REQUEST_LIST")) == 2
@@ -205,7 +205,7 @@ def test_two_lists_of_one_client_go_one_after_the_other() -> None:
 
 def test_progress_is_told() -> None:
     pair = Pair(10)
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     pair.run(listing)
     assert [(event.done, event.total) for event in pair.ground.events_of(Progress)][-1] == (10, 10)
 
@@ -215,12 +215,12 @@ def test_progress_is_told() -> None:
 
 def test_a_known_hash_saves_the_transfer() -> None:
     first = Pair(300)
-    first.run(first.client.fetch_all(first.network.now))
+    first.run(first.client.download(first.network.now))
     snapshot = first.client.snapshot()
     assert snapshot is not None
     assert snapshot.hash == first.server.table.hash()
     again = Pair(300, air=Air(), bandwidth=5760.0)
-    listing = again.client.fetch_all(again.network.now, known=snapshot)
+    listing = again.client.download(again.network.now, known=snapshot)
     assert again.run(listing) < 0.3
     assert values_of(listing.result()) == table_of(again.server)
     again.network.run(timeout=5.0)
@@ -230,25 +230,25 @@ def test_a_known_hash_saves_the_transfer() -> None:
 
 def test_a_changed_hash_means_fetching() -> None:
     first = Pair(50)
-    first.run(first.client.fetch_all(first.network.now))
+    first.run(first.client.download(first.network.now))
     snapshot = first.client.snapshot()
     again = Pair(50)
     again.server.set(again.rows[7][0], 1)
-    listing = again.client.fetch_all(again.network.now, known=snapshot)
+    listing = again.client.download(again.network.now, known=snapshot)
     again.run(listing)
     assert values_of(listing.result()) == table_of(again.server)
 
 
 def test_a_vehicle_without_hash_is_fetched_without_delay() -> None:
     pair = Pair(50, hash_check=False)
-    listing = pair.client.fetch_all(pair.network.now, known=Snapshot((), 5))
+    listing = pair.client.download(pair.network.now, known=Snapshot((), 5))
     assert pair.run(listing) < 0.2
     assert len(listing.result()) == 50
 
 
 def test_the_hash_of_older_values_is_not_kept() -> None:
     pair = Pair(20)
-    pair.run(pair.client.fetch_all(pair.network.now))
+    pair.run(pair.client.download(pair.network.now))
     pair.run(pair.client.set(pair.rows[0][0], 1, pair.network.now))
     snapshot = pair.client.snapshot()
     assert snapshot is not None
@@ -257,7 +257,7 @@ def test_the_hash_of_older_values_is_not_kept() -> None:
 
 def test_cancelling_stops_the_list() -> None:
     pair = Pair(300, air=Air(), bandwidth=5760.0)
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     pair.network.run(timeout=0.5)
     pair.ground.engine.touch(pair.client)
     pair.network.run(timeout=0.5)
@@ -275,7 +275,7 @@ def test_cancelling_stops_the_list() -> None:
 
 def seconds_for(**link) -> float:
     pair = Pair(PX4_COUNT, **link)
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     seconds = pair.run(listing)
     assert values_of(listing.result()) == table_of(pair.server)
     return seconds
@@ -326,7 +326,7 @@ def test_a_radio_that_tells_its_queue_is_used_well() -> None:
         pair.network.at(0.5, report)
 
     report()
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     seconds = pair.run(listing)
     assert values_of(listing.result()) == table_of(pair.server)
     assert seconds < 1.25 * 6.13
@@ -337,7 +337,7 @@ def test_two_clients_list_at_once_over_one_radio() -> None:
 
     pair = Pair(200, air=Air(5760.0), bandwidth=5760.0)
     other = pair.ground.engine.add(ParameterClient(Address(255, 191), VEHICLE))
-    lists = [pair.client.fetch_all(START), other.fetch_all(START)]
+    lists = [pair.client.download(START), other.download(START)]
     pair.ground.engine.touch(other)
     assert pair.run(*lists) < 1.3 * 2 * 200 * 37 / 5760.0
     assert values_of(lists[0].result()) == values_of(lists[1].result()) == table_of(pair.server)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pymavlink.mavftp import MAVFTP
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.parameters import Parameter, unpack, write, write_upload
 from mavstack.services.parameters.value import fitted, limits
 
@@ -117,5 +117,5 @@ def test_an_upload_tells_its_length_and_is_read() -> None:
 
 
 def test_a_name_that_is_too_long_is_ours_to_mend() -> None:
-    with pytest.raises(LocalProtocolError, match="16 bytes"):
+    with pytest.raises(InvalidArgumentError, match="16 bytes"):
         write([Parameter("A" * 17, 1.0)])

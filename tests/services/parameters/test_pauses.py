@@ -71,7 +71,7 @@ class PausingPair(Pair):
 @pytest.mark.parametrize("pause", [0.15, 0.4, 1.0])
 def test_a_list_that_pauses_is_not_fetched_twice(pause) -> None:
     pair = PausingPair(pause, COUNT, air=Air(5760.0), bandwidth=5760.0)
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     seconds = pair.run(listing)
     assert values_of(listing.result()) == table_of(pair.server)
     assert seconds < 1.05 * COUNT * 37 / 5760.0 + len(PAUSES) * pause
@@ -112,7 +112,7 @@ class HeldUpPair(Pair):
 @pytest.mark.parametrize("seed", range(5))
 def test_single_requests_do_not_hold_up_the_list(seed) -> None:
     pair = HeldUpPair(COUNT, impairment=Impairment(latency=0.02, loss=0.1), seed=seed)
-    listing = pair.client.fetch_all(pair.network.now)
+    listing = pair.client.download(pair.network.now)
     seconds = pair.run(listing)
     assert values_of(listing.result()) == table_of(pair.server)
     assert seconds < 5.0  # the list takes one second, a tenth of it singly two

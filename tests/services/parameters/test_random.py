@@ -63,7 +63,7 @@ def scenario(seed: int) -> None:
     if grows:
         network.at(random.uniform(0, 0.5), vehicle.grow)
     first, second = clients
-    lists = [first.fetch_all(network.now), second.fetch_all(network.now)]
+    lists = [first.download(network.now), second.download(network.now)]
     wanted = choose_sets(random, vehicle, encoding)
     sets = [(name, value, first.set(name, value, network.now)) for name, value in wanted]
     denied = [first.set("READ_ONLY", 8, network.now), second.set("SMALL", 11, network.now)]
@@ -130,13 +130,13 @@ def restart_scenario(seed: int) -> None:
     ground = network.node(GROUND, lambda engine: clients.append(engine.add(ParameterClient(GROUND, VEHICLE))))
     network.connect(ground, vehicle.node, bad_weather(random))
     name = random.choice(sorted(vehicle.rows)) if vehicle.rows else "SMALL"
-    clients[0].fetch_all(network.now)
+    clients[0].download(network.now)
     clients[0].set(name, 4, network.now)
     ground.engine.touch(clients[0])
     network.run(timeout=random.uniform(0, 2))
     ground.restart()
     network.run(timeout=1.0)  # what the old one sent last and was overtaken has arrived, too
-    listing = clients[1].fetch_all(network.now)
+    listing = clients[1].download(network.now)
     setting = clients[1].set(name, 5, network.now)
     ground.engine.touch(clients[1])
     assert network.run(lambda: listing.done and setting.done, timeout=DEADLINE)

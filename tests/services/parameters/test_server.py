@@ -8,7 +8,7 @@ import pytest
 
 from mavstack import encode
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import EVERYBODY, Address
 from mavstack.services.parameters import (
     Encoding,
@@ -18,7 +18,7 @@ from mavstack.services.parameters import (
     unpack,
     write_upload,
 )
-from mavstack.services.parameters.server import MOST_LISTS, MOST_READS
+from mavstack.services.parameters.server import MAX_LISTS, MAX_READS
 from mavstack.services.parameters.value import NO_INDEX, read_value
 from mavstack.wire import Packet
 from tests.services.network import GROUND, VEHICLE
@@ -261,7 +261,7 @@ def test_a_flood_of_clients_is_bounded() -> None:
         for index in range(3):
             wire.read(index, Address(number, 2))
     server = wire.server
-    assert (len(server._lists), len(server._reads)) == (MOST_LISTS, MOST_READS)
+    assert (len(server._lists), len(server._reads)) == (MAX_LISTS, MAX_READS)
     assert len(server._newest_sets) <= 256
 
 
@@ -304,5 +304,5 @@ def test_misuse_raises_at_once() -> None:
         lambda: server.set("P000", 1.5),
         lambda: server.table.remove("NONE"),
     ):
-        with pytest.raises(LocalProtocolError):
+        with pytest.raises(InvalidArgumentError):
             wrong()

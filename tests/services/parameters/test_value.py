@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pymavlink import mavparm
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.parameters import Encoding, Parameter, encoding_of
 from mavstack.services.parameters.value import (
     as_type,
@@ -134,7 +134,7 @@ def test_values_that_a_type_cannot_hold() -> None:
     assert fitted(1.5, KIND.INT32) is None
     assert fitted(nan, KIND.INT32) is None
     assert fitted(2.0, KIND.INT8) == 2
-    with pytest.raises(LocalProtocolError, match="UINT8"):
+    with pytest.raises(InvalidArgumentError, match="UINT8"):
         as_type("X", -1, KIND.UINT8)
 
 

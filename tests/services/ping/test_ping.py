@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, RemoteTimeout
+from mavstack.errors import InvalidArgumentError, RemoteTimeout
 from mavstack.links import Impairment
 from mavstack.services import EVERYBODY, Address
 from mavstack.services.ping import PingClient, PingServer, PingStatistics
@@ -75,7 +75,7 @@ def test_an_answer_counts_once_and_copies_are_counted() -> None:
     (second,) = sent_by(client)
     assert second.seq == first.seq + 1
     client.receive(packet_of(answer_to(second)), START + 1.5)
-    assert operation.result() == PingStatistics(2, operation.result().round_trips, doubled=1)
+    assert operation.result() == PingStatistics(2, operation.result().round_trips, duplicates=1)
     assert operation.result().received == 2
 
 
@@ -88,7 +88,7 @@ def test_a_lost_ping_is_not_late() -> None:
     assert not operation.done
     client.handle_timeout(START + 3)
     assert operation.result().loss == 0.5
-    assert operation.result().most == pytest.approx(2.9)
+    assert operation.result().maximum == pytest.approx(2.9)
 
 
 def test_numbers_wrap() -> None:
@@ -114,7 +114,7 @@ def test_nobody_answers() -> None:
 
 @pytest.mark.parametrize("wrong", [{"count": 0}, {"interval": 0}, {"wait": 0}, {"enough": 9}])
 def test_our_own_mistakes_raise(wrong: dict[str, float]) -> None:
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         PingClient(GROUND, VEHICLE).ping(START, **wrong)
 
 

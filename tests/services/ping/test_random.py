@@ -31,7 +31,7 @@ def scenario(seed: int) -> None:
         return
     statistics = pings.result()
     assert 1 <= statistics.received <= statistics.sent <= 6
-    assert statistics.least >= 2 * (weather.latency - weather.jitter) - 1e-6
+    assert statistics.minimum >= 2 * (weather.latency - weather.jitter) - 1e-6
     if not weather.loss and not weather.corrupt and enough is None and network.now < 1:
         assert statistics.received == 6
 

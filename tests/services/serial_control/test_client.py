@@ -5,10 +5,10 @@ from random import Random
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address
 from mavstack.services.serial_control import ShellClient, ShellOutput, ShellReleased
-from mavstack.services.serial_control.client import MOST_WAITING, OPENINGS
+from mavstack.services.serial_control.client import MAX_WAITING, OPENINGS
 from mavstack.services.serial_control.messages import EXCLUSIVE, MULTI, REPLY, RESPOND
 from tests.services.drive import garbage, give, pass_time, sent
 from tests.services.network import GROUND, VEHICLE
@@ -131,8 +131,8 @@ def test_a_port_that_answers_only_when_asked_is_polled():
 
 def test_writing_without_bound_is_our_own_misuse():
     client = opened()
-    with pytest.raises(LocalProtocolError):
-        client.write(b"\n" * 70 * (MOST_WAITING + 1), 1.0)
+    with pytest.raises(InvalidArgumentError):
+        client.write(b"\n" * 70 * (MAX_WAITING + 1), 1.0)
     assert client.waiting == 0
 
 

@@ -11,7 +11,7 @@ from mavstack.services.setpoints import (
     LocalSetpoint,
     SetpointReceived,
     SetpointReceiver,
-    SetpointsStarved,
+    SetpointsTimedOut,
     SetpointStreamer,
 )
 from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
@@ -63,7 +63,7 @@ def scenario(seed: int) -> None:
     assert streamer.sent <= expected + 1
     network.run(timeout=6.0)
     received = [event for event in vehicle.events if isinstance(event[1], SetpointReceived)]
-    starved = vehicle.events_of(SetpointsStarved)
+    starved = vehicle.events_of(SetpointsTimedOut)
     assert all(event.setpoint == numbered(round(number_of(event.setpoint))) for _, event in received)
     numbers = [number_of(event.setpoint) for _, event in received]
     if weather.loss < 0.5 and not starved[:-1]:
@@ -74,7 +74,7 @@ def scenario(seed: int) -> None:
     if received:
         last_service = received[-1][0]
         ends = [event for service, event in vehicle.events if service is last_service]
-        assert isinstance(ends[-1], SetpointsStarved)
+        assert isinstance(ends[-1], SetpointsTimedOut)
     if weather.loss == 0 and weather.corrupt == 0 and weather.bandwidth == 0:
         assert numbers[-1] == 10
 

@@ -8,9 +8,9 @@ from mavstack.services.setpoints import (
     LocalSetpoint,
     SetpointReceived,
     SetpointReceiver,
-    SetpointsStarved,
+    SetpointsTimedOut,
 )
-from mavstack.services.setpoints.receiver import MOST_SOURCES
+from mavstack.services.setpoints.receiver import MAX_SOURCES
 from tests.services.drive import garbage, give
 from tests.services.network import GROUND, VEHICLE
 
@@ -34,7 +34,7 @@ def test_a_stream_below_two_a_second_starves():
     receiver.handle_timeout(10.8)
     assert receiver.events() == []
     receiver.handle_timeout(10.9)
-    assert receiver.events() == [SetpointsStarved(GROUND, HERE)]
+    assert receiver.events() == [SetpointsTimedOut(GROUND, HERE)]
     assert receiver.latest(GROUND, 10.9) is None
     assert receiver.next_timeout() is None
 
@@ -48,7 +48,7 @@ def test_impossible_setpoints_are_counted_and_do_not_feed_the_stream():
     assert receiver.impossible == 3
     assert "finite" in receiver.last_reason
     receiver.handle_timeout(10.5)
-    assert isinstance(receiver.events()[-1], SetpointsStarved)
+    assert isinstance(receiver.events()[-1], SetpointsTimedOut)
 
 
 def test_what_was_overtaken_on_its_way_is_left_out_and_a_new_clock_is_not():
@@ -63,9 +63,9 @@ def test_what_was_overtaken_on_its_way_is_left_out_and_a_new_clock_is_not():
 
 def test_a_flood_of_sources_is_bounded_and_does_not_push_out_the_first():
     receiver = SetpointReceiver(VEHICLE)
-    for number in range(1, MOST_SOURCES + 50):
+    for number in range(1, MAX_SOURCES + 50):
         give(receiver, HERE.to_message(VEHICLE), Address(number % 250 + 1, number // 250 + 1), 1.0)
-    assert len(receiver.sources) == MOST_SOURCES
+    assert len(receiver.sources) == MAX_SOURCES
     assert receiver.refused_sources == 49
     assert Address(2, 1) in receiver.sources
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, RemoteCancelled, RemoteDenied, RemoteTimeout, SigningError
+from mavstack.errors import InvalidArgumentError, RemoteCancelled, RemoteDenied, RemoteTimeout, SigningError
 from mavstack.security import SigningKey
 from mavstack.services import EVERYBODY, Address, Service, message_ids
 from mavstack.services.signing_setup import (
     KeySettled,
-    SetUpSigning,
+    SetupSigning,
     SigningRefused,
     SigningSetupClient,
     SigningSetupServer,
 )
-from mavstack.services.signing_setup.change import CLEAR, KeyChange
+from mavstack.services.signing_setup.key_change import CLEAR, KeyChange
 from mavstack.wire import Encoder, Packet
 from tests.services.network import GROUND, START, VEHICLE
 from tests.services.signing_setup.pair import Pair
@@ -228,7 +228,7 @@ def test_a_key_shows_in_no_text():
 
 def test_our_own_misuse_raises_at_once():
     for target in (EVERYBODY, Address(1, 0), Address(0, 1)):
-        with pytest.raises(LocalProtocolError, match="one component"):
+        with pytest.raises(InvalidArgumentError, match="one component"):
             SigningSetupClient(GROUND, target)
     with pytest.raises(SigningError, match="zeros"):
-        SetUpSigning(SigningKey(bytes(32)))
+        SetupSigning(SigningKey(bytes(32)))

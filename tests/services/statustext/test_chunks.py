@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.statustext import StatusText, StatustextReceiver, chunks_of
-from mavstack.services.statustext.chunks import LONGEST, next_number
+from mavstack.services.statustext.chunks import MAX_LENGTH, next_number
 from tests.services.network import GROUND, START, VEHICLE
 from tests.services.telemetry_helpers import packet_of
 
@@ -27,7 +27,7 @@ def test_a_short_text_is_one_message_with_id_0(length: int) -> None:
     assert message.text == "x" * length
 
 
-@pytest.mark.parametrize(("length", "chunks"), [(51, 2), (99, 2), (100, 3), (101, 3), (LONGEST, 256)])
+@pytest.mark.parametrize(("length", "chunks"), [(51, 2), (99, 2), (100, 3), (101, 3), (MAX_LENGTH, 256)])
 def test_a_long_text_ends_with_a_nul(length: int, chunks: int) -> None:
     messages = chunks_of("x" * length, 4, 9)
     assert [message.chunk_seq for message in messages] == list(range(chunks))
@@ -42,8 +42,8 @@ def test_a_character_may_be_cut_in_two() -> None:
 
 
 def test_a_text_that_no_chunks_can_hold_is_our_own_mistake() -> None:
-    with pytest.raises(LocalProtocolError):
-        chunks_of("x" * (LONGEST + 1), 4, 9)
+    with pytest.raises(InvalidArgumentError):
+        chunks_of("x" * (MAX_LENGTH + 1), 4, 9)
 
 
 def test_ids_increase_and_skip_0() -> None:

@@ -35,7 +35,7 @@ def scenario(seed: int) -> None:
 
     def say(text: str) -> None:
         if not network.now < starting_until[0]:
-            senders[-1].say(text)
+            senders[-1].send_text(text)
             vehicle.engine.touch(senders[-1])
 
     for number, text in enumerate(texts):

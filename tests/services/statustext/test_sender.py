@@ -10,7 +10,7 @@ from tests.services.telemetry_helpers import sent_by
 def test_texts_go_to_everybody_in_order_with_ids_of_their_own() -> None:
     sender = StatustextSender(VEHICLE)
     for text in ("x" * 60, "short", "y" * 60):
-        sender.say(text, common.MavSeverity.WARNING)
+        sender.send_text(text, common.MavSeverity.WARNING)
     sent = list(sender.messages_to_send(START))
     assert {outgoing.target for outgoing in sent} == {EVERYBODY}
     assert [outgoing.message.id for outgoing in sent] == [1, 1, 0, 2, 2]
@@ -19,7 +19,7 @@ def test_texts_go_to_everybody_in_order_with_ids_of_their_own() -> None:
 
 def test_on_a_full_link_texts_wait() -> None:
     sender = StatustextSender(VEHICLE)
-    sender.say("x" * 120)
+    sender.send_text("x" * 120)
     room = iter([True, True, False])
 
     def has_room(target, priority=Priority.BULK) -> bool:
@@ -33,7 +33,7 @@ def test_on_a_full_link_texts_wait() -> None:
 def test_of_too_many_the_oldest_is_dropped_whole() -> None:
     sender = StatustextSender(VEHICLE)
     for number in range(70):
-        sender.say(f"{number}" + "x" * 60)
+        sender.send_text(f"{number}" + "x" * 60)
     sent = sent_by(sender)
     assert sender.dropped == 6
     assert len(sent) == 2 * 64

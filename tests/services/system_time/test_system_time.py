@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address
 from mavstack.services.system_time import Rebooted, SystemTimeBroadcaster, SystemTimeObserver, UnixTimeKnown
 from tests.services.network import GROUND, START, VEHICLE, Network
@@ -23,7 +23,7 @@ def test_the_time_is_broadcast_at_its_interval() -> None:
     network.run(timeout=10)
     assert len(ground.heard) == 21
     clock = observer.clock_of(VEHICLE)
-    assert clock.unix_time == pytest.approx(clock.heard_at)
+    assert clock.unix_time == pytest.approx(clock.received_at)
     assert clock.since_boot == pytest.approx(10.0)
     assert clock.offset == pytest.approx(0.0, abs=1e-5)
 
@@ -48,7 +48,7 @@ def test_without_room_it_waits_and_does_not_spin() -> None:
 
 
 def test_a_rate_must_be_one() -> None:
-    with pytest.raises(LocalProtocolError):
+    with pytest.raises(InvalidArgumentError):
         SystemTimeBroadcaster(VEHICLE, START, rate=0)
 
 

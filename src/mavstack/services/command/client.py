@@ -104,7 +104,7 @@ class CommandOperation(Operation[CommandResult]):
 
     def _acknowledged(self, ack: common.CommandAck, now: float) -> None:
         if self._sent_in_form == 1 and not self._in_progress:
-            self._round_trip.measured(now - self._sent_at)
+            self._round_trip.add_sample(now - self._sent_at)
         if ack.result == common.MavResult.ACCEPTED:
             self.finish(CommandResult(int(ack.result), ack.result_param2, self.attempts))
         elif ack.result == common.MavResult.IN_PROGRESS:
@@ -155,7 +155,7 @@ class CommandClient(Client):
 
     def __init__(self, local: Address, target: Address) -> None:
         super().__init__(local, target)
-        self.round_trip = RoundTrip(initial=1.0, least=0.2, most=3.0)
+        self.round_trip = RoundTrip(initial=1.0, minimum=0.2, maximum=3.0)
 
     def command(self, command: Command, now: float, *, timeout: float | None = None) -> CommandOperation:
         """Send a command until it is answered; its result is a `CommandResult`."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.frames import commands_with_location, from_integer, scale_of, to_integer
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
 
 #: The frame of a location that came without one: what COMMAND_LONG means to most vehicles.
-USUAL_FRAME = common.MavFrame.GLOBAL_RELATIVE_ALT
+DEFAULT_FRAME = common.MavFrame.GLOBAL_RELATIVE_ALT
 
 PARAMETERS = 7
 
@@ -47,7 +47,7 @@ class Command:
     def of(cls, command: int, params: Sequence[float], frame: int | None = None) -> Self:
         """A command with its first parameters, the others being 0; there are seven."""
         if len(params) > PARAMETERS:
-            raise FieldRangeError(f"a command has {PARAMETERS} parameters, not {len(params)}")
+            raise InvalidArgumentError(f"a command has {PARAMETERS} parameters, not {len(params)}")
         one, two, three, four, five, six, seven = (*params, *(0.0,) * (PARAMETERS - len(params)))
         return cls(int(command), one, two, three, four, five, six, seven, frame=frame)
 
@@ -113,4 +113,4 @@ class Command:
     def _integer_frame(self) -> int:
         if self.frame is not None:
             return self.frame
-        return USUAL_FRAME if self.command in commands_with_location() else common.MavFrame.MISSION
+        return DEFAULT_FRAME if self.command in commands_with_location() else common.MavFrame.MISSION

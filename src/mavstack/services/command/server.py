@@ -20,7 +20,7 @@ from mavstack.services.addressing import Address, message_ids, target_of
 from mavstack.services.command.client import PROGRESS_UNKNOWN
 from mavstack.services.command.command import Command
 from mavstack.services.service import Event, Service
-from mavstack.services.timing import DOUBLED_WITHIN
+from mavstack.services.timing import DUPLICATE_WINDOW
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 AUTOPILOT = common.MavComponent.AUTOPILOT1
 #: For so long a repetition is recognised as one.
 MEMORY = 30.0
-MOST_REMEMBERED = 256
+MAX_REMEMBERED = 256
 #: How often IN_PROGRESS is said again if the program reports nothing new.
 PROGRESS_INTERVAL = 2.0
 
@@ -53,7 +53,7 @@ class CommandRequest:
         """Whether this is `earlier`, sent again by a client that heard no answer, or doubled on its way."""
         age = self.received_at - earlier.received_at
         if self.raw == earlier.raw:
-            return age < DOUBLED_WITHIN
+            return age < DUPLICATE_WINDOW
         return bool(self.confirmation) and age < MEMORY and repr(self.command) == repr(earlier.command)
 
 
@@ -194,7 +194,7 @@ class CommandServer(Service):
         key = (request.source, request.command.command)
         self._answered[key] = (request, ack)
         self._answered.move_to_end(key)
-        if len(self._answered) > MOST_REMEMBERED:
+        if len(self._answered) > MAX_REMEMBERED:
             self._answered.popitem(last=False)
         self.send(ack, request.source)
 

@@ -2,8 +2,8 @@
 
 from mavstack.services.extended_parameters.client import ExtendedParameterChanged, ExtendedParameterClient
 from mavstack.services.extended_parameters.operations import (
-    ListExtendedParameters,
-    ReadExtendedParameter,
+    DownloadExtendedParameters,
+    GetExtendedParameter,
     SetExtendedParameter,
 )
 from mavstack.services.extended_parameters.server import (
@@ -15,6 +15,7 @@ from mavstack.services.extended_parameters.server import (
 from mavstack.services.extended_parameters.value import ExtendedParameter, ExtendedValue
 
 __all__ = [
+    "DownloadExtendedParameters",
     "ExtendedParameter",
     "ExtendedParameterChanged",
     "ExtendedParameterClient",
@@ -23,7 +24,6 @@ __all__ = [
     "ExtendedSetRequest",
     "ExtendedSetStarted",
     "ExtendedValue",
-    "ListExtendedParameters",
-    "ReadExtendedParameter",
+    "GetExtendedParameter",
     "SetExtendedParameter",
 ]

@@ -17,11 +17,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.extended_parameters.operations import (
-    ListExtendedParameters,
-    ReadExtendedParameter,
+    DownloadExtendedParameters,
+    GetExtendedParameter,
     SetExtendedParameter,
 )
 from mavstack.services.extended_parameters.value import (
@@ -33,8 +33,8 @@ from mavstack.services.extended_parameters.value import (
     read_value,
 )
 from mavstack.services.operation import Client, Operation
-from mavstack.services.parameters.newest import Newest
-from mavstack.services.parameters.packed import MOST_PARAMETERS
+from mavstack.services.parameters.packed import MAX_PARAMETERS
+from mavstack.services.parameters.reorder_filter import ReorderFilter
 from mavstack.services.parameters.value import name_field
 from mavstack.services.service import Event
 from mavstack.services.timing import RoundTrip
@@ -70,13 +70,13 @@ class ExtendedParameterClient(Client):
 
     def __init__(self, local: Address, target: Address) -> None:
         if not target.system or not target.component:
-            raise LocalProtocolError(f"parameters belong to one component, and {target} is not one")
+            raise InvalidArgumentError(f"parameters belong to one component, and {target} is not one")
         super().__init__(local, target)
-        self.round_trip = RoundTrip(initial=1.0, least=0.05, most=3.0)
+        self.round_trip = RoundTrip(initial=1.0, minimum=0.05, maximum=3.0)
         #: What the packet under way told; operations look here.
         self.heard: HeardExtended | None = None
         self._parameters: dict[str, ExtendedParameter] = {}
-        self._newest = Newest()
+        self._reorder_filter = ReorderFilter()
         self._complete = False
 
     @property
@@ -89,20 +89,20 @@ class ExtendedParameterClient(Client):
         """Whether the whole set was fetched."""
         return self._complete
 
-    def forget(self, now: float) -> None:
+    def clear_cache(self, now: float) -> None:
         """The component started anew: forget its parameters; a listing that is under way begins anew."""
         self._parameters, self._complete = {}, False  # who was given the old ones keeps them
         for operation in self._running:
-            if isinstance(operation, ListExtendedParameters):
+            if isinstance(operation, DownloadExtendedParameters):
                 operation.begin_anew(now)
 
-    def read(self, which: str | int, now: float, *, timeout: float | None = None) -> ReadExtendedParameter:
+    def read(self, which: str | int, now: float, *, timeout: float | None = None) -> GetExtendedParameter:
         """Ask for one parameter, by name or index; its result is the `ExtendedParameter`."""
         if isinstance(which, str):
             name_field(which)
         elif not 0 <= which < 32768:
-            raise LocalProtocolError(f"no parameter can be asked for by index {which}")
-        return self.begin(ReadExtendedParameter(which, timeout=timeout), now)
+            raise InvalidArgumentError(f"no parameter can be asked for by index {which}")
+        return self.begin(GetExtendedParameter(which, timeout=timeout), now)
 
     def set(
         self,
@@ -121,30 +121,30 @@ class ExtendedParameterClient(Client):
             encode(value, kind)
         return self.begin(SetExtendedParameter(name_field(name), value, kind, timeout=timeout), now)
 
-    def fetch_all(
+    def download(
         self, now: float, *, timeout: float | None = None, idle_timeout: float = 10.0
-    ) -> ListExtendedParameters:
+    ) -> DownloadExtendedParameters:
         """Fetch the whole set; its result are the parameters by name, in the order of their table."""
         return self.begin(
-            ListExtendedParameters(self.round_trip, timeout=timeout, idle_timeout=idle_timeout), now
+            DownloadExtendedParameters(self.round_trip, timeout=timeout, idle_timeout=idle_timeout), now
         )
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         if isinstance(new, SetExtendedParameter):
             return isinstance(running, SetExtendedParameter) and new.name == running.name
-        return isinstance(new, ListExtendedParameters) and isinstance(running, ListExtendedParameters)
+        return isinstance(new, DownloadExtendedParameters) and isinstance(running, DownloadExtendedParameters)
 
     def observe(self, packet: Packet, now: float) -> None:
         self.heard = None
         match packet.message:
             case common.ParamExtValue(param_id=name) as message if name:
-                overtaken = self._newest.is_overtaken(packet.sequence, now)
+                overtaken = self._reorder_filter.is_overtaken(packet.sequence, now)
                 parameter = read_value(message)
                 self.heard = HeardExtended(parameter, message.param_count, None, overtaken)
                 if not overtaken or name not in self._parameters:
                     self._learn(parameter)
             case common.ParamExtAck(param_id=name) as message if name:
-                overtaken = self._newest.is_overtaken(packet.sequence, now)
+                overtaken = self._reorder_filter.is_overtaken(packet.sequence, now)
                 kind = int(message.param_type)
                 parameter = ExtendedParameter(name, decode(field_of(message), kind), kind)
                 self.heard = HeardExtended(parameter, 0, int(message.param_result), overtaken)
@@ -160,7 +160,7 @@ class ExtendedParameterClient(Client):
     def _learn(self, parameter: ExtendedParameter) -> None:
         name = parameter.name
         previous = self._parameters.get(name)
-        if previous is None and len(self._parameters) >= MOST_PARAMETERS:
+        if previous is None and len(self._parameters) >= MAX_PARAMETERS:
             return
         if parameter.index is None and previous is not None:
             parameter = ExtendedParameter(name, parameter.value, parameter.type, previous.index)

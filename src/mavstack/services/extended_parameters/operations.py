@@ -13,8 +13,8 @@ from mavstack.services.extended_parameters.value import (
     is_known,
     with_field,
 )
-from mavstack.services.parameters.asking import REFUSALS, Asking, Setting
 from mavstack.services.parameters.listing import Listing
+from mavstack.services.parameters.retrying_request import MAX_REFUSALS, RetryingRequest, SetRequest
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
@@ -28,7 +28,7 @@ Result = TypeVar("Result")
 PROGRESS_INTERVAL = 2.0
 
 
-class ExtendedOperation(Asking[Result]):
+class ExtendedOperation(RetryingRequest[Result]):
     """An operation of an `ExtendedParameterClient` that sends one request until it is answered."""
 
     @property
@@ -49,7 +49,7 @@ class ExtendedOperation(Asking[Result]):
         """The target told a value or acknowledged one."""
 
 
-class ReadExtendedParameter(ExtendedOperation[ExtendedParameter]):
+class GetExtendedParameter(ExtendedOperation[ExtendedParameter]):
     """Asks for one parameter by name or index."""
 
     def __init__(self, which: str | int, *, timeout: float | None = None) -> None:
@@ -65,7 +65,7 @@ class ReadExtendedParameter(ExtendedOperation[ExtendedParameter]):
             self.finish(heard.parameter)
 
 
-class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[ExtendedParameter]):
+class SetExtendedParameter(SetRequest[ExtendedParameter], ExtendedOperation[ExtendedParameter]):
     """Sets one parameter; its end may take a while, which the component says."""
 
     def __init__(self, name: str, value: ExtendedValue, kind: int | None, *, timeout: float | None) -> None:
@@ -79,8 +79,8 @@ class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[Extende
         known = self.parameters.parameters.get(self.name)
         return None if known is None else known.type
 
-    def reading(self) -> ReadExtendedParameter:
-        return ReadExtendedParameter(self.name)
+    def reading(self) -> GetExtendedParameter:
+        return GetExtendedParameter(self.name)
 
     def handle_timeout(self, now: float) -> None:
         if self._in_progress:
@@ -89,7 +89,7 @@ class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[Extende
             return
         if self._kept is not None:
             self._refusals += 1
-            if self._refusals >= REFUSALS:
+            if self._refusals >= MAX_REFUSALS:
                 self._deny(common.ParamAck.FAILED, f"it became {self._kept.value!r}")
                 return
         super().handle_timeout(now)
@@ -151,7 +151,7 @@ class SetExtendedParameter(Setting[ExtendedParameter], ExtendedOperation[Extende
         )
 
 
-class ListExtendedParameters(Listing["dict[str, ExtendedParameter]"]):
+class DownloadExtendedParameters(Listing["dict[str, ExtendedParameter]"]):
     """Fetches all extended parameters."""
 
     def __init__(

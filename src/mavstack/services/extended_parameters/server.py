@@ -1,6 +1,6 @@
 """Offering extended parameters (guide: extended parameter protocol).
 
-Setting is acknowledged: to everybody if it was accepted, so that all may know the new value, else to who
+SetRequest is acknowledged: to everybody if it was accepted, so that all may know the new value, else to who
 asked. A handler may set a value at once, refuse it, or return None for a long change: then IN_PROGRESS is
 said, and the program ends it with `complete`. A repetition of what is under way hears IN_PROGRESS again; a
 repetition of what was ended lately hears the same end; a value that the parameter has already is accepted as
@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
 from mavstack.services.extended_parameters.value import (
     ExtendedParameter,
@@ -27,8 +27,8 @@ from mavstack.services.extended_parameters.value import (
     usual_type,
     with_field,
 )
-from mavstack.services.parameters.newest import Newest
-from mavstack.services.parameters.packed import MOST_PARAMETERS
+from mavstack.services.parameters.packed import MAX_PARAMETERS
+from mavstack.services.parameters.reorder_filter import ReorderFilter
 from mavstack.services.parameters.value import name_field
 from mavstack.services.service import Event, HasRoom, Outgoing, Service, always_room
 
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-MOST_LISTS = 32
-MOST_READS = 256
-MOST_REMEMBERED = 256
+MAX_LISTS = 32
+MAX_READS = 256
+MAX_REMEMBERED = 256
 #: For so long a repetition of a long change that ended is recognised as one.
 MEMORY = 5.0
 BURST = 16
@@ -90,7 +90,7 @@ class ExtendedParameterServer(Service):
         self._handlers: dict[str, Handler] = {}
         self._running: dict[str, ExtendedSetRequest] = {}
         self._ended: OrderedDict[tuple[Address, str], tuple[bytes, int, float]] = OrderedDict()
-        self._newest_sets: OrderedDict[tuple[Address, str], Newest] = OrderedDict()
+        self._newest_sets: OrderedDict[tuple[Address, str], ReorderFilter] = OrderedDict()
         self._lists: OrderedDict[Address, int] = OrderedDict()
         self._reads: OrderedDict[tuple[Address, str], None] = OrderedDict()
         self._next_burst: float | None = None
@@ -103,8 +103,8 @@ class ExtendedParameterServer(Service):
     ) -> None:
         """Offer a parameter; its type follows from the value if `kind` is not given."""
         kind = usual_type(value) if kind is None else kind
-        if name in self._parameters or len(self._parameters) >= MOST_PARAMETERS:
-            raise LocalProtocolError(f"there is no place for another parameter {name}")
+        if name in self._parameters or len(self._parameters) >= MAX_PARAMETERS:
+            raise InvalidArgumentError(f"there is no place for another parameter {name}")
         held = decode(encode(value, kind), kind)
         self._parameters[name_field(name)] = ExtendedParameter(name, held, kind, len(self._order))
         self._order.append(name)
@@ -180,7 +180,7 @@ class ExtendedParameterServer(Service):
         self._lists.pop(client, None)
         if not self._parameters:
             return
-        if len(self._lists) >= MOST_LISTS:
+        if len(self._lists) >= MAX_LISTS:
             self._lists.popitem(last=False)
         self._lists[client] = 0
 
@@ -196,10 +196,10 @@ class ExtendedParameterServer(Service):
     def _read_requested(self, client: Address, name: str, index: int) -> None:
         if index >= 0:
             name = self._order[index] if index < len(self._parameters) else ""
-        if name in self._parameters and len(self._reads) < MOST_READS:
+        if name in self._parameters and len(self._reads) < MAX_READS:
             self._reads[client, name] = None
 
-    # Setting
+    # SetRequest
 
     def _set_requested(self, source: Address, message: common.ParamExtSet, sequence: int, now: float) -> None:
         name, kind, data = message.param_id, int(message.param_type), field_of(message)
@@ -242,7 +242,7 @@ class ExtendedParameterServer(Service):
         key = (request.source, request.parameter.name)
         self._ended[key] = (_data(request.parameter), result, now)
         self._ended.move_to_end(key)
-        if len(self._ended) > MOST_REMEMBERED:
+        if len(self._ended) > MAX_REMEMBERED:
             self._ended.popitem(last=False)
         self._answer(request, result)
 
@@ -266,9 +266,9 @@ class ExtendedParameterServer(Service):
 
     def _was_overtaken(self, source: Address, name: str, sequence: int, now: float) -> bool:
         """Whether a newer wish of the same client for the same parameter came before this one."""
-        newest = self._newest_sets.setdefault((source, name), Newest())
+        newest = self._newest_sets.setdefault((source, name), ReorderFilter())
         self._newest_sets.move_to_end((source, name))
-        if len(self._newest_sets) > MOST_REMEMBERED:
+        if len(self._newest_sets) > MAX_REMEMBERED:
             self._newest_sets.popitem(last=False)
         return newest.is_overtaken(sequence, now)
 

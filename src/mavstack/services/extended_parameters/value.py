@@ -12,7 +12,7 @@ from struct import calcsize, pack, unpack_from
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.frames import as_float32
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def encode(value: ExtendedValue, kind: int) -> bytes:
     """The bytes of the field; raises LocalProtocolError if the type cannot hold the value."""
     data = _bytes_of(value, kind)
     if data is None or len(data) > VALUE_LENGTH:
-        raise LocalProtocolError(f"an extended parameter of type {kind} cannot hold {value!r}")
+        raise InvalidArgumentError(f"an extended parameter of type {kind} cannot hold {value!r}")
     return data.ljust(VALUE_LENGTH, b"\0")
 
 

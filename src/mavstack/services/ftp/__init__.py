@@ -1,13 +1,13 @@
-"""The file transfer protocol: files of a component, read and changed by others (guide: MAVLink FTP)."""
+"""The file transfer protocol: access to the files of a component (guide: MAVLink FTP)."""
 
 from mavstack.services.ftp.client import (
-    ChecksumOperation,
+    ComputeChecksum,
+    DownloadFile,
     EndSession,
     FtpClient,
-    ListOperation,
+    ListDirectory,
     PathOperation,
-    ReadOperation,
-    WriteOperation,
+    UploadFile,
 )
 from mavstack.services.ftp.entries import Entry
 from mavstack.services.ftp.overlay import OverlayStore, VirtualFile
@@ -16,8 +16,9 @@ from mavstack.services.ftp.server import FtpServer
 from mavstack.services.ftp.stores import DirectoryStore, FileStore, MemoryStore, OpenFile
 
 __all__ = [
-    "ChecksumOperation",
+    "ComputeChecksum",
     "DirectoryStore",
+    "DownloadFile",
     "EndSession",
     "Entry",
     "FileStore",
@@ -25,14 +26,13 @@ __all__ = [
     "FtpError",
     "FtpPayload",
     "FtpServer",
-    "ListOperation",
+    "ListDirectory",
     "MemoryStore",
     "Opcode",
     "OpenFile",
     "OverlayStore",
     "PathOperation",
-    "ReadOperation",
+    "UploadFile",
     "VirtualFile",
-    "WriteOperation",
     "file_crc32",
 ]

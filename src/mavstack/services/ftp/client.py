@@ -1,14 +1,14 @@
-"""Files of another component: what can be asked for.
+"""The FTP client.
 
-    open ── session ──► transfer ──► session ended ──► checksums compared ──► result
+    open ── session ──► transfer ──► close the session ──► compare checksums ──► result
 
-A server may have one session for everybody (PX4), so operations that open one queue behind each other, and
-whatever ends one, an error and a cancellation too, ends the session: by TERMINATESESSION, or by RESETSESSIONS
-if its number never became known or more than one may have been opened. `NOSESSIONSAVAILABLE` usually tells
-of a session that an earlier run left open; it is reset once.
+A server may have one session for all clients (PX4), so operations that open one queue, and every end of an
+operation, errors and cancellation included, closes the session: by TERMINATESESSION, or by RESETSESSIONS if
+its number is unknown or more than one may have been opened. `NOSESSIONSAVAILABLE` usually means a session
+that an earlier run left open; the sessions are reset once.
 
-What changes something runs alone: a server remembers one reply, and another request between a lost
-acknowledgement and its repetition would make it carry the request out twice.
+Modifying operations run alone: a server caches one reply, and another request between a lost acknowledgement
+and its repetition would make it execute the request twice.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import common
-from mavstack.errors import FieldRangeError, FileDenied, FileTimeout, RemoteError, RemoteProtocolError
+from mavstack.errors import FileDenied, FileTimeout, InvalidArgumentError, RemoteError, RemoteProtocolError
 from mavstack.services.addressing import Address, message_ids
+from mavstack.services.ftp.download import DownloadTransfer
 from mavstack.services.ftp.entries import Entry, read_entries
-from mavstack.services.ftp.exchange import Exchange, Peer
+from mavstack.services.ftp.exchange import Exchange, ServerState
 from mavstack.services.ftp.payload import (
     ALL_ONES,
-    MOST_DATA,
+    MAX_DATA,
     FtpError,
     FtpPayload,
     Opcode,
     file_crc32,
     path_bytes,
 )
-from mavstack.services.ftp.reading import ReadTransfer
-from mavstack.services.ftp.writing import WriteTransfer
+from mavstack.services.ftp.upload import UploadTransfer
 from mavstack.services.operation import Client, Operation, Procedure
 
 if TYPE_CHECKING:
@@ -38,14 +38,14 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: More than this is not read into memory unless the caller raises it.
-MOST_BYTES = 1 << 30
-MOST_ENTRIES = 100_000
+#: The largest download into memory unless the caller allows more, bytes.
+MAX_BYTES = 1 << 30
+MAX_ENTRIES = 100_000
 LAST_SESSION = 255
 
 
-class _Asked(Procedure[Result]):
-    """A procedure of this service."""
+class _FtpProcedure(Procedure[Result]):
+    """The base of FTP procedures."""
 
     timeout_error = FileTimeout
     exclusive = False
@@ -58,52 +58,52 @@ class _Asked(Procedure[Result]):
 
     @property
     def ftp(self) -> FtpClient:
-        """The client that runs it."""
+        """The client that runs the procedure."""
         if not isinstance(self.client, FtpClient):
-            raise FieldRangeError(f"{self.description} belongs to an FtpClient")
+            raise InvalidArgumentError(f"{self.description} needs an FtpClient")
         return self.client
 
-    def ask(self, opcode: int, data: bytes = b"", *, session: int = 0, offset: int = 0) -> Exchange:
-        """One exchange as a step."""
+    def exchange(self, opcode: int, data: bytes = b"", *, session: int = 0, offset: int = 0) -> Exchange:
+        """Return an exchange as a step."""
         payload = FtpPayload.request(opcode, data, session=session, offset=offset)
-        return Exchange(self.description, payload, self.ftp.peer)
+        return Exchange(self.description, payload, self.ftp.server)
 
     def remote_crc(self) -> Generator[Operation[Any], Any, int | None]:
-        """The checksum that the server makes of the file; None if it does not."""
-        if self.ftp.peer.no_crc:
+        """Request the checksum of the file; returns None if the server does not support it."""
+        if self.ftp.server.no_crc:
             return None
         try:
-            reply = yield self.ask(Opcode.CALCFILECRC, self._path)
+            reply = yield self.exchange(Opcode.CALCFILECRC, self._path)
         except RemoteError as error:
-            self.ftp.peer.no_crc = isinstance(error, FileDenied) and error.code == FtpError.UNKNOWNCOMMAND
+            self.ftp.server.no_crc = isinstance(error, FileDenied) and error.code == FtpError.UNKNOWNCOMMAND
             return None
         return int.from_bytes(reply.data[:4], "little") if reply.size >= 4 else None
 
-    def contradicted(self, answer: str) -> RemoteProtocolError:
-        """The error of a file that is not what was transferred."""
+    def protocol_error(self, answer: str) -> RemoteProtocolError:
+        """Return the error for a file that differs from the transferred data."""
         return RemoteProtocolError(self.description, str(self.target), answer=answer)
 
 
-class _InSession(_Asked[Result]):
-    """A procedure that opens a session."""
+class _SessionProcedure(_FtpProcedure[Result]):
+    """The base of procedures that open a session."""
 
     exclusive = True
     _session: int | None = None
-    _unclear = False  # whether there may be a session whose number is not known
+    _unclear = False  # True if there may be a session with an unknown number
 
     def open(self, opcode: int) -> Generator[Operation[Any], Any, FtpPayload]:
-        """Open the file; clears away once what an earlier run left open."""
+        """Open the file; resets once the sessions that an earlier run left open."""
         try:
             reply = yield from self._open_once(opcode)
         except FileDenied as error:
             if error.code != FtpError.NOSESSIONSAVAILABLE:
                 raise
-            yield self.ask(Opcode.RESETSESSION)
+            yield self.exchange(Opcode.RESETSESSION)
             reply = yield from self._open_once(opcode)
         return reply
 
     def end_session(self) -> None:
-        """Let the client end it, however often that must be said; nothing waits for it but the next one."""
+        """Let the client close the session, while only the next session waits for it."""
         session = self._session
         if session is not None or self._unclear:
             self.ftp.end_session(None if self._unclear else session, self.now)
@@ -116,7 +116,7 @@ class _InSession(_Asked[Result]):
 
     def _open_once(self, opcode: int) -> Generator[Operation[Any], Any, FtpPayload]:
         self._unclear = True
-        opening = self.ask(opcode, self._path, session=self.ftp.new_session())
+        opening = self.exchange(opcode, self._path, session=self.ftp.new_session())
         try:
             reply: FtpPayload = yield opening
         except FileDenied:
@@ -126,8 +126,8 @@ class _InSession(_Asked[Result]):
         return reply
 
 
-class ReadOperation(_InSession[bytes]):
-    """Reads a file or a range of it; see `FtpClient.read_file`."""
+class DownloadFile(_SessionProcedure[bytes]):
+    """The download of a file or a range of it; see `FtpClient.download`."""
 
     def __init__(
         self,
@@ -136,16 +136,16 @@ class ReadOperation(_InSession[bytes]):
         offset: int = 0,
         size: int | None = None,
         verify: bool | None = None,
-        most: int = MOST_BYTES,
+        max_size: int = MAX_BYTES,
         timeout: float | None = None,
     ) -> None:
         super().__init__(f"downloading {path} from", path, timeout=timeout)
         if offset < 0 or (size is not None and size < 0):
-            raise FieldRangeError(f"there are no {size} bytes at {offset}")
-        self.transfer: ReadTransfer | None = None
+            raise InvalidArgumentError(f"offset and size must not be negative, got {offset} and {size}")
+        self.transfer: DownloadTransfer | None = None
         self.verified = False
         self._range = (offset, size)
-        self._most = most
+        self._max_size = max_size
         whole = offset == 0 and size is None
         self._verify = (whole and not path.startswith("@")) if verify is None else (verify and whole)
 
@@ -154,8 +154,8 @@ class ReadOperation(_InSession[bytes]):
             reply = yield from self.open(Opcode.OPENFILERO)
             announced = int.from_bytes(reply.data[:4], "little") if reply.size >= 4 else ALL_ONES
             start, end = self._bounds(announced)
-            self.transfer = transfer = ReadTransfer(
-                self.description, reply.session, start, end, self.ftp.peer
+            self.transfer = transfer = DownloadTransfer(
+                self.description, reply.session, start, end, self.ftp.server
             )
             data: bytes = yield transfer
         finally:
@@ -163,7 +163,7 @@ class ReadOperation(_InSession[bytes]):
         if self._verify:
             yield from self._compare(data)
         if len(data) < end - start and not self.verified and reply.size >= 4 and self.path[:1] != "@":
-            raise self.contradicted("the file is shorter than announced")
+            raise self.protocol_error("the file is shorter than announced")
         return data
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
@@ -174,26 +174,28 @@ class ReadOperation(_InSession[bytes]):
     def _bounds(self, announced: int) -> tuple[int, int]:
         offset, size = self._range
         end = announced if size is None else min(offset + size, announced)
-        if end - offset > self._most and announced != ALL_ONES:
-            raise self.contradicted(f"{end - offset} bytes are more than the {self._most} allowed")
+        if end - offset > self._max_size and announced != ALL_ONES:
+            raise self.protocol_error(
+                f"the file has {end - offset} bytes, more than the {self._max_size} allowed"
+            )
         return offset, max(end, offset)
 
     def _compare(self, data: bytes) -> Generator[Operation[Any], Any, None]:
         crc = yield from self.remote_crc()
         self.verified = crc is not None
         if crc is not None and crc != file_crc32(data):
-            raise self.contradicted("the file's checksum is another: it changed while it was read")
+            raise self.protocol_error("wrong checksum: the file changed during the download")
 
 
-class WriteOperation(_InSession[None]):
-    """Creates or replaces a file; see `FtpClient.write_file`."""
+class UploadFile(_SessionProcedure[None]):
+    """The upload of a file; see `FtpClient.upload`."""
 
     modifies = True
 
     def __init__(self, path: str, data: bytes, *, verify: bool = True, timeout: float | None = None) -> None:
         super().__init__(f"uploading {path} to", path, timeout=timeout)
         if len(data) > ALL_ONES:
-            raise FieldRangeError("a file has at most 4 GiB")
+            raise InvalidArgumentError(f"a file must be smaller than 4 GiB, got {len(data)} bytes")
         self.verified = False
         self._data = bytes(data)
         self._verify = verify
@@ -201,27 +203,27 @@ class WriteOperation(_InSession[None]):
     def steps(self) -> Generator[Operation[Any], Any, None]:
         try:
             reply = yield from self.open(Opcode.CREATEFILE)
-            yield WriteTransfer(self.description, reply.session, self._data, self.ftp.peer)
+            yield UploadTransfer(self.description, reply.session, self._data, self.ftp.server)
             yield from self._close(reply.session)
         finally:
             self.end_session()
         crc = (yield from self.remote_crc()) if self._verify else None
         self.verified = crc is not None
         if crc is not None and crc != file_crc32(self._data):
-            raise self.contradicted("the file there has another checksum than what was written")
+            raise self.protocol_error("wrong checksum: the stored file differs from the uploaded data")
 
     def _close(self, session: int) -> Generator[Operation[Any], Any, None]:
-        """Close the file, so that what was written is there before it is checked."""
+        """Close the file, so that the data is stored before its checksum is compared."""
         try:
-            yield self.ask(Opcode.TERMINATESESSION, session=session)
+            yield self.exchange(Opcode.TERMINATESESSION, session=session)
         except FileDenied as error:
             if error.code != FtpError.INVALIDSESSION:
                 raise
         self._session = None
 
 
-class ListOperation(_Asked[tuple[Entry, ...]]):
-    """Lists a directory; see `FtpClient.list_directory`."""
+class ListDirectory(_FtpProcedure[tuple[Entry, ...]]):
+    """The listing of a directory; see `FtpClient.list_directory`."""
 
     def __init__(self, path: str, *, with_time: bool = False, timeout: float | None = None) -> None:
         super().__init__(f"listing {path} on", path, timeout=timeout)
@@ -230,14 +232,14 @@ class ListOperation(_Asked[tuple[Entry, ...]]):
     def steps(self) -> Generator[Operation[Any], Any, tuple[Entry, ...]]:
         found: list[Entry] = []
         index = 0
-        while index < MOST_ENTRIES:
+        while index < MAX_ENTRIES:
             try:
-                reply = yield self.ask(self._opcode, self._path, offset=index)
+                reply = yield self.exchange(self._opcode, self._path, offset=index)
             except FileDenied as error:
                 if error.code == FtpError.UNKNOWNCOMMAND and self._opcode != Opcode.LISTDIRECTORY:
                     self._opcode = Opcode.LISTDIRECTORY
                     continue
-                # PX4 may tell the errno of an earlier failure in place of the end
+                # PX4 may send the errno of an earlier failure in place of EOF
                 if error.code == FtpError.EOF or (index and error.code == FtpError.FILEEXISTS):
                     break
                 raise
@@ -249,8 +251,8 @@ class ListOperation(_Asked[tuple[Entry, ...]]):
         return tuple(found)
 
 
-class PathOperation(_Asked[FtpPayload]):
-    """One request about a path."""
+class PathOperation(_FtpProcedure[FtpPayload]):
+    """An operation of one request with a path."""
 
     def __init__(
         self,
@@ -267,51 +269,51 @@ class PathOperation(_Asked[FtpPayload]):
         self._opcode, self._offset = opcode, offset
         if other is not None:
             self._path += b"\0" + path_bytes(other)
-        if len(self._path) > MOST_DATA:
-            raise FieldRangeError(f"both paths together have at most {MOST_DATA - 1} bytes")
-        FtpPayload.request(opcode, self._path, offset=offset)  # what cannot be sent is said at once
+        if len(self._path) > MAX_DATA:
+            raise InvalidArgumentError(f"both paths together must have at most {MAX_DATA - 1} bytes")
+        FtpPayload.request(opcode, self._path, offset=offset)  # raises now if it cannot be sent
 
     def steps(self) -> Generator[Operation[Any], Any, FtpPayload]:
-        reply: FtpPayload = yield self.ask(self._opcode, self._path, offset=self._offset)
+        reply: FtpPayload = yield self.exchange(self._opcode, self._path, offset=self._offset)
         return reply
 
 
-class ChecksumOperation(PathOperation):
-    """Asks for a file's checksum, which is `crc`."""
+class ComputeChecksum(PathOperation):
+    """The checksum of a file, computed by the server."""
 
     def __init__(self, path: str, *, timeout: float | None = None) -> None:
         super().__init__(f"computing the checksum of {path} on", Opcode.CALCFILECRC, path, timeout=timeout)
 
     @property
     def crc(self) -> int:
-        """The checksum, once it has ended well."""
+        """The checksum, after the operation has succeeded."""
         return int.from_bytes(self.result().data[:4], "little")
 
 
 class EndSession(Exchange):
-    """Ends one session, or all of ours; that it was not open is fine."""
+    """The end of one session, or of all sessions of this client, open or not."""
 
     exclusive = True
 
-    def __init__(self, session: int | None, peer: Peer) -> None:
+    def __init__(self, session: int | None, server: ServerState) -> None:
         opcode = Opcode.RESETSESSION if session is None else Opcode.TERMINATESESSION
         super().__init__(
-            "closing an FTP session of", FtpPayload.request(opcode, session=session or 0), peer, timeout=8.0
+            "closing an FTP session of", FtpPayload.request(opcode, session=session or 0), server, timeout=8.0
         )
 
 
 class FtpClient(Client):
-    """Reads and changes the files of one component."""
+    """The FTP client of one component."""
 
     handles = message_ids(common.FileTransferProtocol)
 
     def __init__(self, local: Address, target: Address) -> None:
         super().__init__(local, target)
-        self.peer = Peer()
+        self.server = ServerState()
         self._sessions = 0
 
     def new_session(self) -> int:
-        """What to call the next session; its own, so that late packets of another do not touch its file."""
+        """Return the number of the next session; unique, so that late packets of another do no harm."""
         self._sessions = self._sessions % LAST_SESSION + 1
         return self._sessions
 
@@ -321,7 +323,7 @@ class FtpClient(Client):
         modifies = getattr(new, "modifies", False) or getattr(running, "modifies", False)
         return modifies or (getattr(new, "exclusive", False) and getattr(running, "exclusive", False))
 
-    def read_file(
+    def download(
         self,
         path: str,
         now: float,
@@ -329,66 +331,91 @@ class FtpClient(Client):
         offset: int = 0,
         size: int | None = None,
         verify: bool | None = None,
-        most: int = MOST_BYTES,
+        max_size: int = MAX_BYTES,
         timeout: float | None = None,
-    ) -> ReadOperation:
-        """Read a file, or `size` bytes of it; a whole one is compared by checksum, if the server makes one.
+    ) -> DownloadFile:
+        """Download a file or a part of it.
 
-        A virtual file (its path begins with @) is compared only if `verify` says so: it is made anew.
+        Args:
+            path: The path on the server.
+            now: The time, Unix seconds.
+            offset: Where to begin, bytes.
+            size: The number of bytes; None: up to the end.
+            verify: Compare the checksum of a whole file, if the server supports it. None: unless the path
+                begins with @, since such virtual files are generated anew for each request.
+            max_size: The largest accepted size, bytes.
+            timeout: Seconds for the whole operation; None sets no overall limit.
+
+        Returns:
+            The operation, whose result is the content. It may fail with FileDenied, FileTimeout or
+            RemoteProtocolError (the file changed, or is too large).
+
+        Raises:
+            InvalidArgumentError: The path, the offset or the size is invalid.
         """
-        operation = ReadOperation(path, offset=offset, size=size, verify=verify, most=most, timeout=timeout)
+        operation = DownloadFile(
+            path, offset=offset, size=size, verify=verify, max_size=max_size, timeout=timeout
+        )
         return self.begin(operation, now)
 
-    def write_file(
+    def upload(
         self, path: str, data: bytes, now: float, *, verify: bool = True, timeout: float | None = None
-    ) -> WriteOperation:
-        """Create a file, or replace what it holds."""
-        return self.begin(WriteOperation(path, data, verify=verify, timeout=timeout), now)
+    ) -> UploadFile:
+        """Upload a file, replacing an existing one; `verify` compares its checksum afterwards."""
+        return self.begin(UploadFile(path, data, verify=verify, timeout=timeout), now)
 
     def list_directory(
         self, path: str, now: float, *, with_time: bool = False, timeout: float | None = None
-    ) -> ListOperation:
-        """The entries of a directory, with the times of change if the server knows that."""
-        return self.begin(ListOperation(path, with_time=with_time, timeout=timeout), now)
+    ) -> ListDirectory:
+        """List a directory; the result is a tuple of `Entry`, with modification times if supported."""
+        return self.begin(ListDirectory(path, with_time=with_time, timeout=timeout), now)
 
-    def crc(self, path: str, now: float, *, timeout: float | None = None) -> ChecksumOperation:
-        """The checksum of a file; it is the operation's `crc`."""
-        return self.begin(ChecksumOperation(path, timeout=timeout), now)
+    def checksum(self, path: str, now: float, *, timeout: float | None = None) -> ComputeChecksum:
+        """Request the CRC-32 of a file; it is the operation's `crc`."""
+        return self.begin(ComputeChecksum(path, timeout=timeout), now)
 
     def remove(self, path: str, now: float, *, timeout: float | None = None) -> PathOperation:
         """Remove a file."""
-        return self._ask(f"removing {path} on", Opcode.REMOVEFILE, path, now, timeout=timeout)
+        return self._begin_path_operation(
+            f"removing {path} on", Opcode.REMOVEFILE, path, now, timeout=timeout
+        )
 
     def rename(self, path: str, to: str, now: float, *, timeout: float | None = None) -> PathOperation:
         """Rename or move a file or directory."""
-        return self._ask(f"renaming {path} to {to} on", Opcode.RENAME, path, now, other=to, timeout=timeout)
+        return self._begin_path_operation(
+            f"renaming {path} to {to} on", Opcode.RENAME, path, now, other=to, timeout=timeout
+        )
 
     def truncate(self, path: str, size: int, now: float, *, timeout: float | None = None) -> PathOperation:
-        """Make a file that long."""
-        return self._ask(
+        """Set the size of a file, bytes."""
+        return self._begin_path_operation(
             f"truncating {path} on", Opcode.TRUNCATEFILE, path, now, offset=size, timeout=timeout
         )
 
     def make_directory(self, path: str, now: float, *, timeout: float | None = None) -> PathOperation:
         """Make a directory."""
-        return self._ask(f"making directory {path} on", Opcode.CREATEDIRECTORY, path, now, timeout=timeout)
+        return self._begin_path_operation(
+            f"making directory {path} on", Opcode.CREATEDIRECTORY, path, now, timeout=timeout
+        )
 
     def remove_directory(self, path: str, now: float, *, timeout: float | None = None) -> PathOperation:
         """Remove an empty directory."""
-        return self._ask(f"removing directory {path} on", Opcode.REMOVEDIRECTORY, path, now, timeout=timeout)
+        return self._begin_path_operation(
+            f"removing directory {path} on", Opcode.REMOVEDIRECTORY, path, now, timeout=timeout
+        )
 
     def reset_sessions(self, now: float) -> EndSession:
-        """Close all sessions, where the server has but one for all those of others too."""
-        return self.begin(EndSession(None, self.peer), now)
+        """Close all sessions; a server with one session for all clients closes that one."""
+        return self.begin(EndSession(None, self.server), now)
 
     def end_session(self, session: int | None, now: float) -> EndSession:
-        """End a session before anything else that waits; None: all of ours, if its number is not known."""
-        operation = EndSession(session, self.peer)
+        """Close a session before all queued operations; None: all, if its number is unknown."""
+        operation = EndSession(session, self.server)
         operation.attach(self, now)
         self._waiting.appendleft(operation)
         return operation
 
-    def _ask(
+    def _begin_path_operation(
         self,
         description: str,
         opcode: int,

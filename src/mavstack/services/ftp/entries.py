@@ -1,8 +1,8 @@
-"""Entries of a directory, in words and as they are sent: `Fname TAB size NUL`, `Dname NUL`, `S NUL`.
+"""Directory entries, and their encoding: `Fname TAB size NUL`, `Dname NUL`, `S NUL`.
 
-A listing names an entry by its index, so one that cannot be told (a tab in its name, too long, neither
-file nor directory) is sent as a skip and counts. Whoever reads passes over what it cannot understand, but
-counts it.
+A listing addresses entries by index, so an entry that cannot be encoded (a tab in its name, too long, neither
+file nor directory) is sent as a skip and counts. A reader ignores entries that it does not understand, but
+counts them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mavstack.services.ftp.payload import MOST_DATA
+from mavstack.services.ftp.payload import MAX_DATA
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,7 +20,14 @@ SKIP = b"S\0"
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A file or a directory; `modified` is in Unix seconds, 0 if not known."""
+    """A file or a directory.
+
+    Attributes:
+        name: The name, without the path.
+        is_directory: True for a directory.
+        size: The size in bytes; 0 for a directory.
+        modified: The time of the last change, Unix seconds; 0 if unknown.
+    """
 
     name: str
     is_directory: bool = False
@@ -28,29 +35,29 @@ class Entry:
     modified: int = 0
 
     def to_bytes(self, *, with_time: bool = False) -> bytes:
-        """As it is sent."""
+        """Encode the entry."""
         name = self.name.encode("utf-8", "surrogateescape")
         if not name or b"\t" in name or b"\0" in name:
             return SKIP
         text = b"D" + name if self.is_directory else b"F%s\t%d" % (name, self.size)
         if with_time:
             text += b"\t%d" % self.modified if not self.is_directory else b"\t0\t%d" % self.modified
-        return text + b"\0" if len(text) < MOST_DATA else SKIP
+        return text + b"\0" if len(text) < MAX_DATA else SKIP
 
 
 def pack_entries(entries: Sequence[Entry], first: int, *, with_time: bool = False) -> bytes:
-    """As many entries from an index on as fit into one payload."""
+    """Encode as many entries from index `first` on as fit into one payload."""
     page = b""
     for entry in entries[first:]:
         text = entry.to_bytes(with_time=with_time)
-        if len(page) + len(text) > MOST_DATA:
+        if len(page) + len(text) > MAX_DATA:
             break
         page += text
     return page
 
 
 def read_entries(page: bytes) -> tuple[list[Entry], int]:
-    """The entries of a page, and how many indices it takes up."""
+    """Decode the entries of a page; returns them and the number of indices that the page covers."""
     texts = page.removesuffix(b"\0").split(b"\0") if page else []
     found = [entry for entry in map(_read_entry, texts) if entry is not None]
     return found, len(texts)

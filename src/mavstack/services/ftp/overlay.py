@@ -1,10 +1,10 @@
-"""Virtual files beside real ones: a store laid over another.
+"""Virtual files over a store.
 
-The base is any store. A virtual file is made when it is opened, so that who reads it sees one moment, however
-long that takes; one that can be written gathers what comes and hands it over whole when it is closed, and
-what its owner refuses there is told to whoever closes. What follows a `?` in its name is the file's query
-("param.pck?count=10"), if it takes one. A directory that holds virtual files only is as good as any other for
-listing, but nothing can be put there. Where both have something of one name, the virtual one is seen.
+The base is any store. A virtual file is generated when it is opened, so that a client reads one consistent
+content, however long that takes; a writable one collects the written data and passes it to its owner when it
+is closed, and an error of the owner is reported to the client that closes it. The part of the name behind a
+`?` is the query ("param.pck?count=10"), if the file takes one. A directory that holds only virtual files can
+be listed, but nothing can be stored there. If both have an entry of one name, the virtual one wins.
 """
 
 from __future__ import annotations
@@ -24,10 +24,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class VirtualFile:
-    """A file made by a program: `read` gets the query (empty if there is none) and gives the content.
+    """A file that a program generates. `read` and `write` may raise OSError.
 
-    `write` takes the whole content that someone wrote; both may raise OSError. `size` is what a listing says,
-    for contents that are dear to make: it need not be exact.
+    Attributes:
+        read: Returns the content for a query (empty if there is none).
+        write: Takes the whole content that a client wrote; None makes the file read-only.
+        size: Returns the size for listings, if the content is expensive to generate; may be approximate.
+        takes_query: True if names with a query belong to this file.
     """
 
     read: Callable[[str], bytes]
@@ -36,7 +39,7 @@ class VirtualFile:
     takes_query: bool = False
 
     def listed_size(self) -> int:
-        """How long a listing says it is."""
+        """Return the size for listings."""
         try:
             return self.size() if self.size is not None else len(self.read(""))
         except OSError:
@@ -44,28 +47,28 @@ class VirtualFile:
 
 
 class _Upload:
-    """What is being written to a virtual file."""
+    """The data that a client writes to a virtual file."""
 
-    def __init__(self, take: Callable[[bytes], None]) -> None:
+    def __init__(self, accept: Callable[[bytes], None]) -> None:
         self._data = bytearray()
         self._file = BytesFile(self._data)
-        self._take = take
+        self._accept = accept
 
     def size(self) -> int:
         return len(self._data)
 
     def read(self, offset: int, size: int) -> bytes:
-        raise OSError(EBADF, "it is being written")
+        raise OSError(EBADF, "the file is open for writing")
 
     def write(self, offset: int, data: bytes) -> None:
         self._file.write(offset, data)
 
     def close(self) -> None:
-        self._take(bytes(self._data))
+        self._accept(bytes(self._data))
 
 
 class OverlayStore:
-    """A store, and virtual files over it."""
+    """A store with virtual files."""
 
     def __init__(self, base: FileStore, files: Mapping[str, VirtualFile] | None = None) -> None:
         self.base = base
@@ -75,41 +78,41 @@ class OverlayStore:
             self.add(path, file)
 
     def add(self, path: str, file: VirtualFile) -> None:
-        """Lay a virtual file over the base."""
-        place = parts_of(path)
-        self._files[place] = file
-        self._directories.update(place[:length] for length in range(len(place)))
+        """Add a virtual file."""
+        location = parts_of(path)
+        self._files[location] = file
+        self._directories.update(location[:length] for length in range(len(location)))
 
     def list_directory(self, path: str) -> Sequence[Entry]:
-        place = parts_of(path)
-        if self._find(place) is not None:
+        location = parts_of(path)
+        if self._find(location) is not None:
             raise NotADirectoryError(ENOTDIR, "a file")
-        if place not in self._directories:
+        if location not in self._directories:
             return self.base.list_directory(path)
-        entries = {entry.name: entry for entry in self._listed_in_base(path)}
-        names = {known[-1] for known in self._directories if known and known[:-1] == place}
+        entries = {entry.name: entry for entry in self._list_base(path)}
+        names = {known[-1] for known in self._directories if known and known[:-1] == location}
         entries.update((name, Entry(name, is_directory=True)) for name in names)
         entries.update(
             (known[-1], Entry(known[-1], size=file.listed_size()))
             for known, file in self._files.items()
-            if known[:-1] == place
+            if known[:-1] == location
         )
         return sorted(entries.values(), key=lambda entry: entry.name)
 
     def open_file(self, path: str, *, write: bool = False, truncate: bool = False) -> OpenFile:
-        place = parts_of(path)
-        found = self._find(place)
+        location = parts_of(path)
+        found = self._find(location)
         if found is None:
-            if place in self._directories:
+            if location in self._directories:
                 raise IsADirectoryError(EISDIR, "a directory")
             if write:
-                self._check_parent(place)
+                self._check_parent(location)
             return self.base.open_file(path, write=write, truncate=truncate)
         file, query = found
         if not write:
             return BytesFile(bytearray(file.read(query)))
         if file.write is None:
-            raise PermissionError("it is made by the component")
+            raise PermissionError("generated by the component")
         return _Upload(file.write)
 
     def remove(self, path: str) -> None:
@@ -118,10 +121,10 @@ class OverlayStore:
 
     def rename(self, path: str, to: str) -> None:
         self._check_is_real(path)
-        goal = parts_of(to)
-        if self._find(goal) is not None or goal in self._directories:
+        destination = parts_of(to)
+        if self._find(destination) is not None or destination in self._directories:
             raise FileExistsError
-        self._check_parent(goal)
+        self._check_parent(destination)
         self.base.rename(path, to)
 
     def truncate(self, path: str, size: int) -> None:
@@ -129,28 +132,28 @@ class OverlayStore:
         self.base.truncate(path, size)
 
     def make_directory(self, path: str) -> None:
-        place = parts_of(path)
-        if self._find(place) is not None or place in self._directories:
+        location = parts_of(path)
+        if self._find(location) is not None or location in self._directories:
             raise FileExistsError
-        self._check_parent(place)
+        self._check_parent(location)
         self.base.make_directory(path)
 
     def remove_directory(self, path: str) -> None:
         self._check_is_real(path)
         self.base.remove_directory(path)
 
-    def _find(self, place: tuple[str, ...]) -> tuple[VirtualFile, str] | None:
-        """The virtual file that a path names, and its query."""
-        if not place:
+    def _find(self, location: tuple[str, ...]) -> tuple[VirtualFile, str] | None:
+        """Return the virtual file of a path, and the query."""
+        if not location:
             return None
-        plain = self._files.get(place)
+        plain = self._files.get(location)
         if plain is not None:
             return plain, ""
-        name, mark, query = place[-1].partition("?")
-        file = self._files.get((*place[:-1], name)) if mark else None
+        name, mark, query = location[-1].partition("?")
+        file = self._files.get((*location[:-1], name)) if mark else None
         return (file, query) if file is not None and file.takes_query else None
 
-    def _listed_in_base(self, path: str) -> Sequence[Entry]:
+    def _list_base(self, path: str) -> Sequence[Entry]:
         try:
             return self.base.list_directory(path)
         except (FileNotFoundError, NotADirectoryError):
@@ -158,15 +161,15 @@ class OverlayStore:
 
     def _check_is_real(self, path: str) -> None:
         """Refuse to change a virtual file, or a directory that holds some."""
-        place = parts_of(path)
-        if self._find(place) is not None or place in self._directories:
-            raise PermissionError("it is made by the component")
+        location = parts_of(path)
+        if self._find(location) is not None or location in self._directories:
+            raise PermissionError("generated by the component")
 
-    def _check_parent(self, place: tuple[str, ...]) -> None:
-        """Refuse to put something where the base has no directory and only virtual files are."""
-        parent = place[:-1]
+    def _check_parent(self, location: tuple[str, ...]) -> None:
+        """Refuse to store a file in a directory that only virtual files have."""
+        parent = location[:-1]
         if parent in self._directories:
             try:
                 self.base.list_directory("/".join(parent))
             except (FileNotFoundError, NotADirectoryError):
-                raise PermissionError("the directory is made by the component") from None
+                raise PermissionError("the directory is generated by the component") from None

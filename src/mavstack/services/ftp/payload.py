@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from zlib import crc32 as inverted_crc32
 
 from mavstack.dialects import common
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from typing import Self
@@ -26,29 +26,29 @@ if TYPE_CHECKING:
 Opcode = common.MavFtpOpcode
 FtpError = common.MavFtpErr
 
-MOST_DATA = 239
+MAX_DATA = 239
 SEQUENCES = 1 << 16
 ALL_ONES = 0xFFFFFFFF
 
 _HEADER = Struct("<HBBBBBxI")
-_MEANINGS = (
-    "refused without a reason",
+_ERROR_TEXTS = (
+    "no reason given",
     "failed",
     "failed on the server's file system",
-    "the payload's size is wrong",
-    "the session is not open",
+    "wrong payload size",
+    "no such session",
     "all sessions are in use",
     "past the end of the file",
-    "the operation is unknown",
-    "it exists already",
-    "it is write-protected",
+    "unknown operation",
+    "already exists",
+    "write-protected",
     "not found",
 )
 
 
 @dataclass(frozen=True, slots=True)
 class FtpPayload:
-    """One request or reply; `size` is that of the data, or in a read request what is wanted."""
+    """A request or reply; `size` is the size of the data, or in a read request the number of bytes wanted."""
 
     sequence: int
     opcode: int
@@ -63,16 +63,16 @@ class FtpPayload:
     def request(
         cls, opcode: int, data: bytes = b"", *, session: int = 0, size: int | None = None, offset: int = 0
     ) -> Self:
-        """A request that has no sequence number yet; `size` is that of the data if not told."""
-        if len(data) > MOST_DATA:
-            raise FieldRangeError(f"{len(data)} bytes do not fit into one payload, which holds {MOST_DATA}")
+        """Return a request without a sequence number; `size` None is the size of the data."""
+        if len(data) > MAX_DATA:
+            raise InvalidArgumentError(f"a payload holds at most {MAX_DATA} bytes, got {len(data)}")
         if not 0 <= offset <= ALL_ONES:
-            raise FieldRangeError(f"offset {offset} does not fit into 32 bits")
+            raise InvalidArgumentError(f"offset must fit into 32 bits, got {offset}")
         return cls(0, int(opcode), session, len(data) if size is None else size, offset=offset, data=data)
 
     @classmethod
     def read(cls, message: Message) -> Self | None:
-        """What a message carries; None if it is another message."""
+        """Decode the payload of a message; None if it is not a FILE_TRANSFER_PROTOCOL."""
         if not isinstance(message, common.FileTransferProtocol):
             return None
         raw = message.payload
@@ -81,11 +81,11 @@ class FtpPayload:
         return cls(sequence, opcode, session, size, req_opcode, bool(complete), offset, data)
 
     def numbered(self, sequence: int) -> Self:
-        """The same with a sequence number."""
+        """Return a copy with a sequence number."""
         return replace(self, sequence=sequence % SEQUENCES)
 
     def to_bytes(self) -> bytes:
-        """As it lies in the message, without padding at the end."""
+        """Encode the payload, without padding at the end."""
         header = _HEADER.pack(
             self.sequence,
             self.session,
@@ -98,25 +98,25 @@ class FtpPayload:
         return header + self.data
 
     def to_message(self, target_system: int, target_component: int) -> common.FileTransferProtocol:
-        """In the message that carries it."""
+        """Return the message that carries the payload."""
         return common.FileTransferProtocol(
             target_system=target_system, target_component=target_component, payload=self.to_bytes()
         )
 
     @property
     def error(self) -> int | None:
-        """The error of a NAK; None for anything else."""
+        """The MAV_FTP_ERR of a NAK; None otherwise."""
         if self.opcode != Opcode.NAK:
             return None
         return self.data[0] if self.data else int(FtpError.FAIL)
 
     @property
     def errno(self) -> int | None:
-        """The server's own error number, if a NAK has one."""
+        """The server's errno, if a NAK has one."""
         return self.data[1] if self.error == FtpError.FAILERRNO and len(self.data) > 1 else None
 
     def answers(self, request: Self) -> bool:
-        """Whether this is the reply to that request."""
+        """Return whether this is the reply to a request."""
         return (
             self.opcode in (Opcode.ACK, Opcode.NAK)
             and self.req_opcode == request.opcode
@@ -125,19 +125,19 @@ class FtpPayload:
 
 
 def file_crc32(data: bytes, crc: int = 0) -> int:
-    """The checksum of a file, or of its next piece if `crc` is that of what came before."""
+    """Return the checksum of a file, or of its next piece if `crc` is that of the data before."""
     return inverted_crc32(data, crc ^ ALL_ONES) ^ ALL_ONES
 
 
 def error_text(code: int, errno: int | None = None) -> str:
-    """An error in words."""
-    meaning = _MEANINGS[code] if code < len(_MEANINGS) else f"error {code}"
-    return meaning if errno is None else f"{meaning} (errno {errno})"
+    """Return an error in words."""
+    text = _ERROR_TEXTS[code] if code < len(_ERROR_TEXTS) else f"error {code}"
+    return text if errno is None else f"{text} (errno {errno})"
 
 
-def path_bytes(path: str, limit: int = MOST_DATA) -> bytes:
-    """A path as it is sent; raises if it cannot be."""
+def path_bytes(path: str, max_length: int = MAX_DATA) -> bytes:
+    """Encode a path; raises InvalidArgumentError if it cannot be sent."""
     data = path.encode("utf-8", "surrogateescape")
-    if not data or len(data) > limit or b"\0" in data:
-        raise FieldRangeError(f"a path has 1 to {limit} bytes without NUL, not {path[:60]!r}")
+    if not data or len(data) > max_length or b"\0" in data:
+        raise InvalidArgumentError(f"a path must have 1 to {max_length} bytes without NUL, got {path[:60]!r}")
     return data

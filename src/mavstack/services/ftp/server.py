@@ -1,9 +1,9 @@
-"""Giving others access to files (guide: file transfer protocol).
+"""The FTP server (guide: file transfer protocol).
 
-Each request is carried out at once and answered once; the same request again (its number and content) gets
-the same reply and is not carried out. A burst is made packet by packet while there is room on the links to
-the client, up to a limit, so that a client which is gone costs little; its last packet says `burst_complete`.
-`paced=False` sends it at once, as a server does that knows nothing of the links behind it.
+Each request is executed at once and answered once; a repeated request (same number and content) gets the same
+reply and is not executed again. A burst is made packet by packet while the links to the client have room, up
+to a limit, so that a client that has left costs little; its last packet has `burst_complete` set. With
+`paced=False` the burst is sent at once, as by a server that does not know the links behind it.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, TypeAlias
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.ftp.entries import pack_entries
-from mavstack.services.ftp.payload import MOST_DATA, SEQUENCES, FtpError, FtpPayload, Opcode, file_crc32
-from mavstack.services.ftp.sessions import Burst, Memory, Session, Sessions
+from mavstack.services.ftp.payload import MAX_DATA, SEQUENCES, FtpError, FtpPayload, Opcode, file_crc32
+from mavstack.services.ftp.sessions import Burst, ReplyCache, Session, Sessions
 from mavstack.services.service import HasRoom, Outgoing, Priority, Service
 
 if TYPE_CHECKING:
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from mavstack.services.ftp.stores import FileStore
     from mavstack.wire import Packet
 
-#: A burst goes on for so long: mavftp gives up 3.7 s after its last request, whatever comes in.
-LONGEST_BURST = 3.0
-#: A burst ends after so many bytes or packets; the client asks for the next.
-MOST_IN_BURST, MOST_PACKETS = 150 * MOST_DATA, 500
+#: Seconds: mavftp gives up 3.7 s after its last request, whatever it receives.
+MAX_BURST_DURATION = 3.0
+#: A burst ends after this number of bytes or packets; the client requests the next one.
+MAX_BURST_BYTES, MAX_BURST_PACKETS = 150 * MAX_DATA, 500
 _CRC_PIECE = 1 << 16
-_CHANGES = frozenset(
+_MODIFYING = frozenset(
     {
         Opcode.CREATEFILE,
         Opcode.OPENFILEWO,
@@ -44,12 +44,12 @@ _CHANGES = frozenset(
 )
 
 
-#: What carries out a request: the request, its source, now; gives the reply.
-_Operation: TypeAlias = Callable[[FtpPayload, Address, float], FtpPayload]
+#: The handler of an opcode: takes the request, its source and the time, returns the reply.
+_Handler: TypeAlias = Callable[[FtpPayload, Address, float], FtpPayload]
 
 
 class _RefusedError(Exception):
-    """A request is answered by a NAK."""
+    """The request is answered by a NAK."""
 
     def __init__(self, code: int) -> None:
         super().__init__(code)
@@ -57,7 +57,14 @@ class _RefusedError(Exception):
 
 
 class FtpServer(Service):
-    """Serves the files of a store to whoever asks."""
+    """The FTP server of one component.
+
+    Args:
+        local: The local component.
+        store: The files.
+        read_only: Refuse all modifying requests.
+        paced: Send bursts only as fast as the links to the client have room.
+    """
 
     handles = message_ids(common.FileTransferProtocol)
 
@@ -69,8 +76,8 @@ class FtpServer(Service):
         self.read_only = read_only
         self.sessions = Sessions()
         self._paced = paced
-        self._memory = Memory()
-        self._operations: dict[int, _Operation] = {
+        self._replies = ReplyCache()
+        self._handlers: dict[int, _Handler] = {
             Opcode.NONE: self._nothing,
             Opcode.TERMINATESESSION: self._terminate,
             Opcode.RESETSESSION: self._reset,
@@ -94,11 +101,11 @@ class FtpServer(Service):
         if request is None or request.opcode in (Opcode.ACK, Opcode.NAK):
             return
         source = Address(packet.system, packet.component)
-        known = self._memory.recall(source, request, now)
+        known = self._replies.find(source, request, now)
         if known is not None:
             self.send(known, source)
             return
-        reply = self._carry_out(request, source, now)
+        reply = self._execute(request, source, now)
         if reply is not None:
             self._answer(request, reply, source, now)
 
@@ -111,7 +118,7 @@ class FtpServer(Service):
                     bursting.remove(session)
                     continue
                 session.used_at = now
-                reply = self._next_of_burst(session, burst, now)
+                reply = self._next_burst_reply(session, burst, now)
                 yield Outgoing(reply.to_message(*session.owner), session.owner, Priority.BULK)
 
     def next_timeout(self) -> float | None:
@@ -120,37 +127,37 @@ class FtpServer(Service):
     def handle_timeout(self, now: float) -> None:
         self.sessions.close_idle(now)
 
-    # Answering
+    # Replies
 
-    def _carry_out(self, request: FtpPayload, source: Address, now: float) -> FtpPayload | None:
+    def _execute(self, request: FtpPayload, source: Address, now: float) -> FtpPayload | None:
         try:
-            if request.size > MOST_DATA and request.opcode not in (Opcode.READFILE, Opcode.BURSTREADFILE):
+            if request.size > MAX_DATA and request.opcode not in (Opcode.READFILE, Opcode.BURSTREADFILE):
                 raise _RefusedError(FtpError.INVALIDDATASIZE)
-            if self.read_only and request.opcode in _CHANGES:
+            if self.read_only and request.opcode in _MODIFYING:
                 raise _RefusedError(FtpError.FILEPROTECTED)
             if request.opcode == Opcode.BURSTREADFILE:
                 self._begin_burst(request, source, now)
                 return None
-            operation = self._operations.get(request.opcode)
-            if operation is None:
+            handler = self._handlers.get(request.opcode)
+            if handler is None:
                 raise _RefusedError(FtpError.UNKNOWNCOMMAND)
-            return operation(request, source, now)
+            return handler(request, source, now)
         except _RefusedError as refused:
             return _nak(request, refused.code)
         except OSError as error:
             return _nak(request, *_code_of(error))
-        except ValueError:  # a path with characters that the file system cannot have
+        except ValueError:  # a path with characters that the file system does not allow
             return _nak(request, FtpError.FAIL)
 
     def _answer(self, request: FtpPayload, reply: FtpPayload, source: Address, now: float) -> None:
         if request.opcode in (Opcode.TERMINATESESSION, Opcode.RESETSESSION):
-            self._memory.fade(source, now)
+            self._replies.expire_soon(source, now)
         message = reply.to_message(*source)
-        long = request.opcode in _CHANGES or request.opcode == Opcode.OPENFILERO
-        self._memory.keep(source, request, message, now, long=long)
+        long = request.opcode in _MODIFYING or request.opcode == Opcode.OPENFILERO
+        self._replies.add(source, request, message, now, long=long)
         self.send(message, source)
 
-    # Operations
+    # Handlers
 
     def _nothing(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         return _ack(request)
@@ -174,7 +181,7 @@ class FtpServer(Service):
 
     def _open(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         path = _path(request.data)
-        if not self.sessions.make_place(source, request.session, now):
+        if not self.sessions.make_room(source, request.session, now):
             raise _RefusedError(FtpError.NOSESSIONSAVAILABLE)
         writable = request.opcode != Opcode.OPENFILERO
         file = self.store.open_file(path, write=writable, truncate=request.opcode == Opcode.CREATEFILE)
@@ -184,7 +191,7 @@ class FtpServer(Service):
 
     def _read(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         session = self._session(request, source, now)
-        data = session.file.read(request.offset, min(request.size, MOST_DATA))
+        data = session.file.read(request.offset, min(request.size, MAX_DATA))
         if not data and request.size:
             raise _RefusedError(FtpError.EOF)
         return _ack(request, data)
@@ -233,14 +240,14 @@ class FtpServer(Service):
         session.used_at = now
         return session
 
-    # Bursts
+    # BurstTracker
 
     def _begin_burst(self, request: FtpPayload, source: Address, now: float) -> None:
         session = self._session(request, source, now)
-        size = min(request.size or MOST_DATA, MOST_DATA)
-        session.burst = Burst(request.sequence, request.offset, size, now + LONGEST_BURST)
+        size = min(request.size or MAX_DATA, MAX_DATA)
+        session.burst = Burst(request.sequence, request.offset, size, now + MAX_BURST_DURATION)
 
-    def _next_of_burst(self, session: Session, burst: Burst, now: float) -> FtpPayload:
+    def _next_burst_reply(self, session: Session, burst: Burst, now: float) -> FtpPayload:
         burst.packets += 1
         reply = FtpPayload(
             (burst.sequence + burst.packets) % SEQUENCES,
@@ -259,7 +266,7 @@ class FtpServer(Service):
             return _nak(reply, FtpError.EOF, of_burst=True)
         burst.offset += len(data)
         sent = burst.packets * burst.size
-        complete = burst.packets >= MOST_PACKETS or sent >= MOST_IN_BURST or now >= burst.ends_at
+        complete = burst.packets >= MAX_BURST_PACKETS or sent >= MAX_BURST_BYTES or now >= burst.ends_at
         if complete:
             session.burst = None
         return FtpPayload(
@@ -311,7 +318,7 @@ def _code_of(error: OSError) -> tuple[int, int | None]:
 
 
 def _path(data: bytes) -> str:
-    """A path as it was sent; some clients count its NUL."""
+    """Decode a path; some clients include its NUL."""
     path = data.removesuffix(b"\0")
     if not path or b"\0" in path:
         raise _RefusedError(FtpError.INVALIDDATASIZE)

@@ -1,4 +1,4 @@
-"""What a server remembers: open files, and for each client its last replies."""
+"""The state of an FTP server: open files, and the last replies to each client."""
 
 from __future__ import annotations
 
@@ -15,20 +15,21 @@ if TYPE_CHECKING:
     from mavstack.services.ftp.payload import FtpPayload
     from mavstack.services.ftp.stores import OpenFile
 
-MOST_SESSIONS = 16
-MOST_CLIENTS = 64
-#: After so long without a request a session is closed, and when all are in use already after the shorter.
-IDLE, IDLE_WHEN_FULL = 15.0, 3.0
-#: So many replies to one client are remembered (it may have several requests under way): to what changes
-#: something for as long as anybody repeats it, to the rest only for copies of a packet.
-MOST_REPLIES, MEMORY, SHORT_MEMORY = 256, 60.0, 3.0
-#: Once its session has ended a client may begin anew with the same numbers; copies on the way are younger.
-MEMORY_AFTER_END = 1.0
+MAX_SESSIONS = 16
+MAX_CLIENTS = 64
+#: Seconds without a request after which a session is closed; the shorter time applies when all are in use.
+IDLE_TIMEOUT, IDLE_TIMEOUT_WHEN_FULL = 15.0, 3.0
+#: The number of cached replies to one client (it may have several outstanding requests), and the seconds for
+#: which they are kept: replies to modifying requests as long as a client may repeat them, others only for
+#: duplicates of a packet.
+MAX_REPLIES, REPLY_LIFETIME, SHORT_REPLY_LIFETIME = 256, 60.0, 3.0
+#: After the end of its session a client may reuse sequence numbers; duplicate packets are younger than this.
+REPLY_LIFETIME_AFTER_SESSION = 1.0
 
 
 @dataclass(slots=True)
 class Burst:
-    """A burst that is being sent."""
+    """A burst in progress."""
 
     sequence: int
     offset: int
@@ -50,10 +51,10 @@ class Session:
 
 
 class Sessions:
-    """The open files; how many there can be is bounded.
+    """The open files, a bounded number.
 
-    The client chooses the number of its session in the request that opens it, as with ArduPilot: there are
-    clients that do not look at what the reply says, or expect in it what they sent.
+    The client chooses the number of its session in the request that opens it, as with ArduPilot: some clients
+    ignore the number in the reply, or expect the one that they sent.
     """
 
     def __init__(self) -> None:
@@ -66,51 +67,51 @@ class Sessions:
         return len(self._open)
 
     def find(self, number: int, owner: Address) -> Session | None:
-        """A client's session."""
+        """Return a client's session."""
         return self._open.get((owner, number))
 
-    def make_place(self, owner: Address, number: int, now: float) -> bool:
-        """Whether another fits under a number, if need be in the place of one that is idle."""
-        in_the_way = self._open.get((owner, number))
-        if in_the_way is None:
-            if len(self._open) < MOST_SESSIONS:
+    def make_room(self, owner: Address, number: int, now: float) -> bool:
+        """Return whether a session can be opened under a number; closes an idle one if necessary."""
+        replaced = self._open.get((owner, number))
+        if replaced is None:
+            if len(self._open) < MAX_SESSIONS:
                 return True
-            in_the_way = min(self._open.values(), key=lambda session: session.used_at)
-        if now - in_the_way.used_at < IDLE_WHEN_FULL:
+            replaced = min(self._open.values(), key=lambda session: session.used_at)
+        if now - replaced.used_at < IDLE_TIMEOUT_WHEN_FULL:
             return False
-        self.drop(in_the_way)
+        self.drop(replaced)
         return True
 
     def add(self, owner: Address, number: int, file: OpenFile, now: float, *, writable: bool) -> Session:
-        """Open one under the number that the client gave; see `make_place`."""
+        """Add a session under the client's number; see `make_room`."""
         session = Session(number, owner, file, writable, now)
         self._open[owner, number] = session
         return session
 
     def close(self, session: Session) -> None:
-        """Close one; raises OSError if what was written to it cannot be kept."""
+        """Close a session; raises OSError if the written data cannot be stored."""
         del self._open[session.owner, session.number]
         session.file.close()
 
     def drop(self, session: Session) -> None:
-        """Close one where there is nobody to be told of a failure."""
+        """Close a session and ignore failures, since no client waits for them."""
         with suppress(OSError):
             self.close(session)
 
     def close_idle(self, now: float) -> None:
-        """Close those that nobody used for long."""
+        """Close idle sessions."""
         for session in self:
-            if now - session.used_at >= IDLE:
+            if now - session.used_at >= IDLE_TIMEOUT:
                 self.drop(session)
 
     def next_timeout(self) -> float | None:
-        """When one may have become idle."""
-        return min((session.used_at + IDLE for session in self._open.values()), default=None)
+        """Return when a session may have become idle."""
+        return min((session.used_at + IDLE_TIMEOUT for session in self._open.values()), default=None)
 
 
 @dataclass(slots=True)
-class Remembered:
-    """A reply, and to what."""
+class CachedReply:
+    """A reply and its request."""
 
     request: FtpPayload
     message: Message
@@ -118,31 +119,33 @@ class Remembered:
 
 
 @dataclass(slots=True)
-class Memory:
-    """The last replies to each client."""
+class ReplyCache:
+    """The last replies to each client, so that repeated requests are not executed again."""
 
-    _clients: OrderedDict[Address, OrderedDict[int, Remembered]] = field(default_factory=OrderedDict)
+    _clients: OrderedDict[Address, OrderedDict[int, CachedReply]] = field(default_factory=OrderedDict)
 
-    def recall(self, source: Address, request: FtpPayload, now: float) -> Message | None:
-        """The reply to this very request, if it was answered lately."""
+    def find(self, source: Address, request: FtpPayload, now: float) -> Message | None:
+        """Return the reply to an identical request, if it was answered recently."""
         replies = self._clients.get(source)
         known = None if replies is None else replies.get(request.sequence)
         if known is None or known.request != request or now > known.until:
             return None
         return known.message
 
-    def keep(self, source: Address, request: FtpPayload, message: Message, now: float, *, long: bool) -> None:
-        """Remember a reply."""
+    def add(self, source: Address, request: FtpPayload, message: Message, now: float, *, long: bool) -> None:
+        """Store a reply; `long` is True for modifying requests."""
         replies = self._clients.setdefault(source, OrderedDict())
         self._clients.move_to_end(source)
-        replies[request.sequence] = Remembered(request, message, now + (MEMORY if long else SHORT_MEMORY))
+        replies[request.sequence] = CachedReply(
+            request, message, now + (REPLY_LIFETIME if long else SHORT_REPLY_LIFETIME)
+        )
         replies.move_to_end(request.sequence)
-        while len(replies) > MOST_REPLIES:
+        while len(replies) > MAX_REPLIES:
             replies.popitem(last=False)
-        while len(self._clients) > MOST_CLIENTS:
+        while len(self._clients) > MAX_CLIENTS:
             self._clients.popitem(last=False)
 
-    def fade(self, source: Address, now: float) -> None:
-        """A session has ended: what was said before is soon forgotten."""
-        for reply in self._clients.get(source, OrderedDict[int, Remembered]()).values():
-            reply.until = min(reply.until, now + MEMORY_AFTER_END)
+    def expire_soon(self, source: Address, now: float) -> None:
+        """Let all replies to a client expire soon, because its session has ended."""
+        for reply in self._clients.get(source, OrderedDict[int, CachedReply]()).values():
+            reply.until = min(reply.until, now + REPLY_LIFETIME_AFTER_SESSION)

@@ -1,9 +1,9 @@
-"""What a server gives access to: a store of files, behind paths whose parts are separated by "/".
+"""File stores: what an FTP server gives access to, by paths with "/" between their parts.
 
-A store raises OSError, as the functions of the operating system do. `DirectoryStore` stands for a directory
-and never leaves it: no `..`, no absolute path of the system, no NUL, no symbolic link that leads out; what
-is removed or renamed is the link, not what it points to. Only regular files are opened, so that nothing
-blocks. `MemoryStore` keeps files in memory and makes virtual ones when they are opened.
+A store raises OSError like the functions of the operating system. `DirectoryStore` is a directory on disk and
+never leaves it: no `..`, no absolute path of the system, no NUL, no symbolic link that leads out; removing
+and renaming apply to a link itself. Only regular files are opened, so that no call blocks. `MemoryStore`
+keeps files in memory.
 """
 
 from __future__ import annotations
@@ -19,64 +19,64 @@ from mavstack.services.ftp.entries import Entry
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-LONGEST_NAME = 255
+MAX_NAME_LENGTH = 255
 _FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
 class OpenFile(Protocol):
-    """A file while a session holds it."""
+    """An open file of a session."""
 
     def size(self) -> int:
-        """How long it is."""
+        """Return its size in bytes."""
 
     def read(self, offset: int, size: int) -> bytes:
-        """Some of it; nothing past its end."""
+        """Return up to `size` bytes from an offset on; none past the end."""
 
     def write(self, offset: int, data: bytes) -> None:
-        """Put data at a place, behind its end too."""
+        """Write data at an offset, which may lie past the end."""
 
     def close(self) -> None:
-        """Let it go."""
+        """Close the file."""
 
 
 class FileStore(Protocol):
-    """Files and directories by path; refuses by OSError."""
+    """Files and directories by path; all methods may raise OSError."""
 
     def list_directory(self, path: str) -> Sequence[Entry]:
-        """What is in a directory, in the same order each time."""
+        """Return the entries of a directory, always in the same order."""
 
     def open_file(self, path: str, *, write: bool = False, truncate: bool = False) -> OpenFile:
-        """Open a file; for writing it is created if need be."""
+        """Open a file; for writing it is created if it does not exist."""
 
     def remove(self, path: str) -> None:
         """Remove a file."""
 
     def rename(self, path: str, to: str) -> None:
-        """Move a file or directory."""
+        """Rename or move a file or directory."""
 
     def truncate(self, path: str, size: int) -> None:
-        """Make a file that long."""
+        """Set the size of a file."""
 
     def make_directory(self, path: str) -> None:
-        """Make a directory."""
+        """Create a directory."""
 
     def remove_directory(self, path: str) -> None:
         """Remove an empty directory."""
 
 
 def parts_of(path: str) -> tuple[str, ...]:
-    """The parts of a path below the root; raises for one that would lead out."""
+    """Split a path below the root; raises OSError if it leads out."""
     parts = tuple(part for part in path.split("/") if part not in ("", "."))
     for part in parts:
         if part == ".." or "\0" in part or (os.sep != "/" and any(sign in part for sign in '\\:*?"<>|')):
             raise OSError(EPERM, "not below the root")
-        if len(os.fsencode(part)) > LONGEST_NAME:
+        if len(os.fsencode(part)) > MAX_NAME_LENGTH:
             raise OSError(ENAMETOOLONG, "the name is too long")
     return parts
 
 
 class _DiskFile:
-    """A regular file of the system."""
+    """A regular file on disk."""
 
     def __init__(self, descriptor: int) -> None:
         self._file = os.fdopen(descriptor, "r+b" if _may_write(descriptor) else "rb", buffering=0)
@@ -107,21 +107,21 @@ def _may_write(descriptor: int) -> bool:
 
 
 class DirectoryStore:
-    """A directory of the system, and nothing outside of it."""
+    """A directory on disk, and nothing outside of it."""
 
     def __init__(self, root: str | os.PathLike[str]) -> None:
         self.root = Path(root).resolve(strict=True)
 
     def list_directory(self, path: str) -> Sequence[Entry]:
-        with os.scandir(self._inside(path)) as found:
+        with os.scandir(self._resolve(path)) as found:
             return [self._entry(item) for item in sorted(found, key=lambda item: item.name)]
 
     def open_file(self, path: str, *, write: bool = False, truncate: bool = False) -> OpenFile:
-        place = self._inside(path)
-        if place.exists() and not place.is_file():
+        location = self._resolve(path)
+        if location.exists() and not location.is_file():
             raise OSError(EISDIR, "not a file")
         flags = _FLAGS | (os.O_RDWR | os.O_CREAT if write else os.O_RDONLY)
-        descriptor = os.open(place, flags, 0o666)
+        descriptor = os.open(location, flags, 0o666)
         try:
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):
                 raise OSError(EISDIR, "not a file")
@@ -133,51 +133,51 @@ class DirectoryStore:
             raise
 
     def remove(self, path: str) -> None:
-        place = self._itself(path)
-        if place.is_dir() and not place.is_symlink():
+        location = self._resolve_parent(path)
+        if location.is_dir() and not location.is_symlink():
             raise OSError(EISDIR, "a directory")
-        place.unlink()
+        location.unlink()
 
     def rename(self, path: str, to: str) -> None:
-        source, goal = self._itself(path), self._itself(to)
-        if goal.exists() or goal.is_symlink():
+        source, destination = self._resolve_parent(path), self._resolve_parent(to)
+        if destination.exists() or destination.is_symlink():
             raise FileExistsError
-        source.rename(goal)
+        source.rename(destination)
 
     def truncate(self, path: str, size: int) -> None:
-        place = self._inside(path)
-        if not place.is_file():
-            raise FileNotFoundError if not place.exists() else OSError(EISDIR, "not a file")
-        os.truncate(place, size)
+        location = self._resolve(path)
+        if not location.is_file():
+            raise FileNotFoundError if not location.exists() else OSError(EISDIR, "not a file")
+        os.truncate(location, size)
 
     def make_directory(self, path: str) -> None:
-        self._itself(path).mkdir()
+        self._resolve_parent(path).mkdir()
 
     def remove_directory(self, path: str) -> None:
-        place = self._itself(path)
-        if place.is_symlink():
+        location = self._resolve_parent(path)
+        if location.is_symlink():
             raise OSError(ENOTDIR, "not a directory")
-        place.rmdir()
+        location.rmdir()
 
-    def _inside(self, path: str) -> Path:
-        """Where a path leads, links followed."""
-        place = Path(os.path.realpath(self.root.joinpath(*parts_of(path))))
-        if not place.is_relative_to(self.root):
+    def _resolve(self, path: str) -> Path:
+        """Resolve a path, following links."""
+        location = Path(os.path.realpath(self.root.joinpath(*parts_of(path))))
+        if not location.is_relative_to(self.root):
             raise OSError(EPERM, "not below the root")
-        return place
+        return location
 
-    def _itself(self, path: str) -> Path:
-        """What a path names, links in its directories followed and itself not."""
+    def _resolve_parent(self, path: str) -> Path:
+        """Resolve a path, following links in its directories but not in its last part."""
         parts = parts_of(path)
         if not parts:
-            raise OSError(EPERM, "the root itself")
-        return self._inside("/".join(parts[:-1])) / parts[-1]
+            raise OSError(EPERM, "the root directory")
+        return self._resolve("/".join(parts[:-1])) / parts[-1]
 
     def _entry(self, item: os.DirEntry[str]) -> Entry:
-        """An entry; one without a name is a skip."""
+        """Return an entry; an empty name is sent as a skip."""
         try:
-            place = Path(os.path.realpath(item.path))
-            known = place.stat() if place.is_relative_to(self.root) else None
+            location = Path(os.path.realpath(item.path))
+            known = location.stat() if location.is_relative_to(self.root) else None
         except OSError:
             known = None
         if known is None:
@@ -208,29 +208,32 @@ class BytesFile:
         self._data[offset : offset + len(data)] = data
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: there is no resource."""
 
 
-#: A file in memory is not made longer than this by others.
-LONGEST_IN_MEMORY = 64 << 20
+#: The largest size of a file in memory, bytes.
+MAX_MEMORY_FILE_SIZE = 64 << 20
 
 
 def resize(data: bytearray, size: int) -> None:
-    """Cut or fill with zeros."""
-    if size > LONGEST_IN_MEMORY:
+    """Truncate, or extend with zeros."""
+    if size > MAX_MEMORY_FILE_SIZE:
         raise OSError(EINVAL, "too long")
     del data[size:]
     data.extend(bytes(size - len(data)))
 
 
-#: A store of limited capacity holds so many files and directories.
-MOST_ENTRIES = 4096
+#: The number of files and directories in a store with a capacity.
+MAX_ENTRIES = 4096
 
 
 class MemoryStore:
-    """Files in memory by path ("logs/1.bin"), and virtual ones, made when opened and for reading only.
+    """Files in memory.
 
-    With a `capacity` it can be full, as a memory card can: all its files together hold so many bytes.
+    Args:
+        files: The content of files by path ("logs/1.bin").
+        virtual: Read-only files that are generated when they are opened.
+        capacity: The number of bytes of all files together; None sets no limit.
     """
 
     def __init__(
@@ -244,8 +247,8 @@ class MemoryStore:
         self._files: dict[tuple[str, ...], bytearray] = {}
         self._virtual = {parts_of(path): make for path, make in (virtual or {}).items()}
         self._directories: set[tuple[str, ...]] = {()}
-        for place in self._virtual:
-            self._make_parents(place)
+        for location in self._virtual:
+            self._make_parents(location)
         for path, data in (files or {}).items():
             self[path] = data
 
@@ -253,55 +256,57 @@ class MemoryStore:
         return bytes(self._files[parts_of(path)])
 
     def __setitem__(self, path: str, data: bytes) -> None:
-        place = parts_of(path)
-        self._make_parents(place)
-        self._files[place] = bytearray(data)
+        location = parts_of(path)
+        self._make_parents(location)
+        self._files[location] = bytearray(data)
 
     def __contains__(self, path: str) -> bool:
         return parts_of(path) in self._files
 
     def list_directory(self, path: str) -> Sequence[Entry]:
-        place = parts_of(path)
-        if place not in self._directories:
+        location = parts_of(path)
+        if location not in self._directories:
             raise FileNotFoundError
-        inside = [Entry(known[-1], True) for known in self._directories if known and known[:-1] == place]
+        inside = [Entry(known[-1], True) for known in self._directories if known and known[:-1] == location]
         inside += [
-            Entry(known[-1], size=len(data)) for known, data in self._files.items() if known[:-1] == place
+            Entry(known[-1], size=len(data)) for known, data in self._files.items() if known[:-1] == location
         ]
         inside += [
-            Entry(known[-1], size=len(make())) for known, make in self._virtual.items() if known[:-1] == place
+            Entry(known[-1], size=len(make()))
+            for known, make in self._virtual.items()
+            if known[:-1] == location
         ]
         return sorted(inside, key=lambda entry: entry.name)
 
     def open_file(self, path: str, *, write: bool = False, truncate: bool = False) -> OpenFile:
-        place = parts_of(path)
-        if place in self._virtual:
+        location = parts_of(path)
+        if location in self._virtual:
             if write:
                 raise PermissionError
-            return BytesFile(bytearray(self._virtual[place]()))
-        if place in self._directories:
+            return BytesFile(bytearray(self._virtual[location]()))
+        if location in self._directories:
             raise OSError(EISDIR, "not a file")
-        if write and place[:-1] in self._directories and place not in self._files:
+        if write and location[:-1] in self._directories and location not in self._files:
             self._make_room()
-            self._files[place] = bytearray()
-        data = self._file(place)
+            self._files[location] = bytearray()
+        data = self._file(location)
         if truncate:
             data.clear()
         return BytesFile(data, self._make_room)
 
     def remove(self, path: str) -> None:
-        place = parts_of(path)
-        self._file(place)
-        del self._files[place]
+        location = parts_of(path)
+        self._file(location)
+        del self._files[location]
 
     def rename(self, path: str, to: str) -> None:
-        source, goal = parts_of(path), parts_of(to)
-        if goal in self._files or goal in self._directories or goal in self._virtual:
+        source, destination = parts_of(path), parts_of(to)
+        if destination in self._files or destination in self._directories or destination in self._virtual:
             raise FileExistsError
-        if source in self._directories or goal[:-1] not in self._directories:
-            raise OSError(EINVAL if source in self._directories else ENOENT, "cannot be moved there")
+        if source in self._directories or destination[:-1] not in self._directories:
+            raise OSError(EINVAL if source in self._directories else ENOENT, "cannot be moved")
         self._file(source)
-        self._files[goal] = self._files.pop(source)
+        self._files[destination] = self._files.pop(source)
 
     def truncate(self, path: str, size: int) -> None:
         data = self._file(parts_of(path))
@@ -309,33 +314,35 @@ class MemoryStore:
         resize(data, size)
 
     def make_directory(self, path: str) -> None:
-        place = parts_of(path)
-        if place in self._directories or place in self._files:
+        location = parts_of(path)
+        if location in self._directories or location in self._files:
             raise FileExistsError
-        if place[:-1] not in self._directories:
+        if location[:-1] not in self._directories:
             raise FileNotFoundError
         self._make_room()
-        self._directories.add(place)
+        self._directories.add(location)
 
     def remove_directory(self, path: str) -> None:
-        place = parts_of(path)
-        if not place or place not in self._directories:
-            raise OSError(EPERM, "the root") if not place else FileNotFoundError
-        if any(known[:-1] == place for known in (*self._files, *self._directories, *self._virtual) if known):
+        location = parts_of(path)
+        if not location or location not in self._directories:
+            raise OSError(EPERM, "the root") if not location else FileNotFoundError
+        if any(
+            known[:-1] == location for known in (*self._files, *self._directories, *self._virtual) if known
+        ):
             raise OSError(ENOTEMPTY, "not empty")
-        self._directories.discard(place)
+        self._directories.discard(location)
 
-    def _file(self, place: tuple[str, ...]) -> bytearray:
-        if place not in self._files:
-            raise PermissionError if place in self._virtual else FileNotFoundError
-        return self._files[place]
+    def _file(self, location: tuple[str, ...]) -> bytearray:
+        if location not in self._files:
+            raise PermissionError if location in self._virtual else FileNotFoundError
+        return self._files[location]
 
     def _make_room(self, growth: int = 0) -> None:
         if self.capacity is None:
             return
         used = sum(map(len, self._files.values()))
-        if growth > self.capacity - used or len(self._files) + len(self._directories) >= MOST_ENTRIES:
+        if growth > self.capacity - used or len(self._files) + len(self._directories) >= MAX_ENTRIES:
             raise OSError(ENOSPC, "the store is full")
 
-    def _make_parents(self, place: tuple[str, ...]) -> None:
-        self._directories.update(place[:length] for length in range(len(place)))
+    def _make_parents(self, location: tuple[str, ...]) -> None:
+        self._directories.update(location[:length] for length in range(len(location)))

@@ -1,10 +1,10 @@
-"""The logs on a vehicle: listed, fetched and erased."""
+"""The log protocol: logs on a vehicle, listed, downloaded and erased."""
 
 from mavstack.services.log.client import LogClient
 from mavstack.services.log.download import DownloadLog
 from mavstack.services.log.entry import LogEntry
 from mavstack.services.log.erase import EraseLogs
-from mavstack.services.log.listing import ListLogs, LookUpLog
+from mavstack.services.log.listing import ListLogs, ReadLogEntry
 from mavstack.services.log.server import LogsErased, LogServer, LogStore
 
 __all__ = [
@@ -16,5 +16,5 @@ __all__ = [
     "LogServer",
     "LogStore",
     "LogsErased",
-    "LookUpLog",
+    "ReadLogEntry",
 ]

@@ -1,4 +1,4 @@
-"""The logs of one component, from the asking side."""
+"""The log client."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
 
 
 class LogClient(Client):
-    """Lists, fetches and erases logs, one after the other: a vehicle serves one request at a time."""
+    """The log client of one component; its operations queue, since a vehicle serves one request at a time."""
 
     handles = message_ids(common.LogEntry, common.LogData)
 
     def list_logs(self, now: float, *, timeout: float | None = None) -> ListLogs:
-        """Which logs there are; the result is a tuple of `LogEntry`."""
+        """List the logs; the result is a tuple of `LogEntry`, by ascending id."""
         return self.begin(ListLogs(timeout=timeout), now)
 
     def download(self, log: LogEntry | int, now: float, *, timeout: float | None = None) -> DownloadLog:
-        """Fetch a log, by its entry in the list or by its id; the result is its bytes."""
+        """Download a log, given by its entry in the list or by its id; the result is its content."""
         return self.begin(DownloadLog(log, timeout=timeout), now)
 
     def erase(self, now: float, *, timeout: float | None = None) -> EraseLogs:

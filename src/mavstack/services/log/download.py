@@ -1,19 +1,19 @@
-"""Fetching a log.
+"""The download of a log.
 
-    look up the entry ──► ask for a window ──► chunks … ──► ask for what is missing, or for the next window
-                                │                 └── all there ──► look up the entry again ──► the log
-                                └── silence ──► ask again, later each time ──► LogTimeout
+    read the entry ──► request a window ──► chunks … ──► request missing chunks, or the next window
+                             │                 └── complete ──► read the entry again ──► content
+                             └── timeout ──► request again, with longer timeouts ──► LogTimeout
 
-Autopilots serve one request at a time: ArduPilot drops one that comes while it still sends, PX4 drops the
-old one. So there is one request on its way, for as much as seems wise, and the next follows when its last
-chunk was heard or nothing came for a while. Windows grow while nearly all of them arrives, and shrink when
-a radio's queue is overrun. Gaps are filled after the end was reached, in as many rounds as it takes; those
-that lie closer together than what comes in one round trip are asked for in one.
+Autopilots serve one request at a time: ArduPilot ignores a request that arrives while it still sends, PX4
+drops the old one. So there is one outstanding request, for one window, and the next follows when its last
+chunk was received or nothing arrived for a while. Windows grow while nearly all of their chunks arrive, and
+shrink when a radio's queue overflows. Missing chunks are requested after the end was reached, in as many
+rounds as necessary; those closer together than the chunks of one round trip are requested together.
 
-PX4 sends a log only after it was listed, hence the look-up before. The one after shows whether the id still
-means the same log: ids move when old logs are removed. Of the log that is being written comes what there was
-when the fetching began, or more; `proof` sees to it that it is of one log. LOG_REQUEST_END ends all of it,
-however it ends.
+PX4 sends a log only after it was listed, so the entry is read first. It is read again at the end to see
+whether the id still means the same log: ids move when old logs are removed. Of a log that is being written,
+the result is at least its content at the start of the download; `verify_unchanged` ensures that it belongs to
+one log. LOG_REQUEST_END is sent in every case.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from mavstack.dialects import common
 from mavstack.errors import LogTimeout, RemoteDenied, RemoteProtocolError
 from mavstack.services.log.collector import Collector
 from mavstack.services.log.entry import CHUNK, LogEntry
-from mavstack.services.log.listing import ListLogs, LogOperation, LookUpLog
-from mavstack.services.log.proof import StillTheSame
+from mavstack.services.log.listing import ListLogs, LogOperation, ReadLogEntry
+from mavstack.services.log.verify_unchanged import VerifyUnchanged
 from mavstack.services.operation import Operation, Procedure
 from mavstack.services.timing import RoundTrip
 
@@ -34,24 +34,24 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Windows, in chunks: the first, the least and the most.
-FIRST_WINDOW, LEAST_WINDOW, MOST_WINDOW = 64, 16, 11_650
-#: After a window was too large, so many good ones must come before a larger one is tried.
-CAUTION = 16
-#: What of a window arrived, in proportion to what of its first chunks arrived, for the next to be larger, and
-#: to be not smaller: a queue that is overrun drops what comes last, a bad link anything. If nothing of
-#: its end arrived, the next is as large as what did.
+#: Window sizes, in chunks.
+INITIAL_WINDOW, MIN_WINDOW, MAX_WINDOW = 64, 16, 11_650
+#: The number of good windows before a larger one is tried, after a window was too large.
+WINDOWS_BEFORE_GROWTH = 16
+#: The shares of a window that must arrive, relative to the share of its first chunks, for the next window to
+#: be larger, and to be no smaller: an overflowing queue drops the last chunks, a bad link any. If nothing of
+#: the window's end arrived, the next window is as large as the part that did.
 GOOD, FAIR = 0.95, 0.75
-#: How often in a row nothing may come.
+#: The number of consecutive timeouts after which the download fails.
 ATTEMPTS = 16
-#: After so many silences the log is listed again, and from then on other transfers ended first.
+#: The number of timeouts after which the log is listed again, and after which other transfers are ended too.
 LIST_AFTER, UNBLOCK_AFTER = 3, 5
-#: So many silences at a size that fits say that nothing follows.
-SILENT_END = 3
+#: The number of timeouts at a whole number of chunks that mean the end of the log.
+TIMEOUTS_AT_END = 3
 
 
 class DownloadLog(Procedure[bytes]):
-    """A log's content."""
+    """The download of one log; the result is its content."""
 
     timeout_error = LogTimeout
 
@@ -62,21 +62,21 @@ class DownloadLog(Procedure[bytes]):
         self._listed = None if isinstance(log, int) else log
 
     def steps(self) -> Generator[Operation[Any], Any, bytes]:
-        """Before, the log, and after."""
+        """Read the entry, download the content, and read the entry again."""
         try:
             if self._listed is None:
                 logs: tuple[LogEntry, ...] = yield ListLogs()
                 self._listed = next((log for log in logs if log.id == self._number), None)
-            before: LogEntry | None = self._listed and (yield LookUpLog(self._number))
+            before: LogEntry | None = self._listed and (yield ReadLogEntry(self._number))
             if before is None or self._listed is None:
-                raise RemoteDenied(self.description, str(self.target), answer="it has no such log")
+                raise RemoteDenied(self.description, str(self.target), answer="there is no such log")
             self._require(before.may_be(self._listed) or before.may_have_been(self._listed))
             transfer = _Transfer(before)
             content: bytes = yield transfer
-            after: LogEntry | None = yield LookUpLog(self._number)
+            after: LogEntry | None = yield ReadLogEntry(self._number)
             if after is None or not after.may_be(before):
                 self._require(after is not None and after.may_have_been(before))
-                same: bool = yield StillTheSame(self._number, content, transfer.earliest)
+                same: bool = yield VerifyUnchanged(self._number, content, transfer.earliest)
                 self._require(same)
             return content
         finally:
@@ -85,7 +85,7 @@ class DownloadLog(Procedure[bytes]):
     def _require(self, same: bool) -> None:
         if not same:
             raise RemoteProtocolError(
-                self.description, str(self.target), answer="the id stands for another log than before"
+                self.description, str(self.target), answer="the id now belongs to another log"
             )
 
 
@@ -95,32 +95,32 @@ def _end(operation: Operation[Any]) -> None:
 
 
 class _Transfer(LogOperation[bytes]):
-    """The chunks of one log."""
+    """The transfer of the chunks of one log."""
 
     def __init__(self, log: LogEntry) -> None:
         super().__init__(f"downloading the data of log {log.id} from", idle_timeout=60.0)
         self._log = log
         self._collector = Collector(log.size)
-        self._window = FIRST_WINDOW
-        self._careful = False  # a window was too large
+        self._window = INITIAL_WINDOW
+        self._careful = False  # True after a window was too large
         self._good_windows = 0
-        self._first = self._until = 0  # the range asked for, in chunks
-        self._frontier = 0  # where the ranges asked for so far ended
-        self._asked_at = self._heard_at = 0.0
+        self._first = self._until = 0  # the requested range, in chunks
+        self._frontier = 0  # the end of all requested ranges
+        self._requested_at = self._received_at = 0.0
         self._new_in_range = self._new_in_head = 0
         self._last_new = -1
-        self._stopped = False  # the answer to the last request ended in a short chunk
-        self._silences = 0
-        self._spacing = 0.0  # between chunks, smoothed
-        self._round_trip = RoundTrip(initial=1.0, least=0.15, most=4.0)
+        self._stopped = False  # True if the answer to the last request ended with a short chunk
+        self._timeouts = 0
+        self._spacing = 0.0  # seconds between chunks, smoothed
+        self._round_trip = RoundTrip(initial=1.0, minimum=0.15, maximum=4.0)
 
     @property
     def earliest(self) -> list[int]:
-        """The chunks that came first."""
+        """The chunks that arrived first."""
         return self._collector.earliest
 
     def start(self, now: float) -> None:
-        self._ask(now)
+        self._request(now)
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
@@ -130,58 +130,58 @@ class _Transfer(LogOperation[bytes]):
                     self._chunk(chunk, message.data[:count], now)
 
     def handle_timeout(self, now: float) -> None:
-        self._silences += not self._stopped
-        if self._collector.lacks_only_the_end and self._silences >= SILENT_END:
+        self._timeouts += not self._stopped
+        if self._collector.lacks_only_the_end and self._timeouts >= TIMEOUTS_AT_END:
             self.finish(self._collector.data())
             return
-        if self._silences >= ATTEMPTS:
-            self.time_out(now, "it stopped sending")
+        if self._timeouts >= ATTEMPTS:
+            self.time_out(now, "the vehicle stopped sending")
             return
-        if self._silences >= UNBLOCK_AFTER:
+        if self._timeouts >= UNBLOCK_AFTER:
             self.request_end()
-        if self._silences >= LIST_AFTER:
+        if self._timeouts >= LIST_AFTER:
             self.request_list(self._log.id, self._log.id)
-        self._ask(now)
+        self._request(now)
 
     def _chunk(self, chunk: int, content: bytes, now: float) -> None:
         in_range = self._first <= chunk < self._until
-        news = self._collector.add(chunk, content, asked=in_range and not self._stopped)
+        is_new = self._collector.add(chunk, content, requested=in_range and not self._stopped)
         if self._collector.contradicted:
-            answer = "it contradicts itself, or ends before its end"
+            answer = "the received chunks contradict each other or the size of the log"
             self.fail(RemoteProtocolError(self.description, str(self.target), answer=answer))
             return
-        if news:
+        if is_new:
             self._measure(now, in_range)
-            self._new_in_head += in_range and chunk < self._first + LEAST_WINDOW
+            self._new_in_head += in_range and chunk < self._first + MIN_WINDOW
             self._last_new = max(self._last_new, chunk if in_range else 0)
-            self._moved(now)
+            self._report(now)
         if self._collector.complete:
             self.finish(self._collector.data())
         elif in_range and len(content) < CHUNK and not self._collector.end_known:
-            # It stopped early, or so it seems. Copies of this chunk must not pass for new answers.
+            # It seems to have stopped early. Copies of this chunk must not count as new answers.
             self._stopped = True
             self.timer = now + self._round_trip.timeout()
         elif chunk == self._until - 1:
-            self._ask(now)
-        elif news:
+            self._request(now)
+        elif is_new:
             self.timer = now + self._round_trip.timeout() + 4 * self._spacing
 
-    def _moved(self, now: float) -> None:
+    def _report(self, now: float) -> None:
         self.report_progress(now)
         if self.parent is not None:
             size = self._collector.size
             self.parent.report_progress(now, min(self._collector.received, size), size)
 
     def _measure(self, now: float, in_range: bool) -> None:
-        if self._new_in_range == 0 and self._silences == 0 and in_range:
-            self._round_trip.measured(now - self._asked_at)
+        if self._new_in_range == 0 and self._timeouts == 0 and in_range:
+            self._round_trip.add_sample(now - self._requested_at)
         elif self._new_in_range:
-            self._spacing += (now - self._heard_at - self._spacing) / 8
-        self._heard_at = now
+            self._spacing += (now - self._received_at - self._spacing) / 8
+        self._received_at = now
         self._new_in_range += in_range
-        self._silences = 0
+        self._timeouts = 0
 
-    def _ask(self, now: float) -> None:
+    def _request(self, now: float) -> None:
         self._resize()
         spacing = max(self._spacing, 1e-5)
         merge = min(int((self._round_trip.smoothed or 0.0) / spacing), self._window)
@@ -190,9 +190,9 @@ class _Transfer(LogOperation[bytes]):
         self._new_in_range = self._new_in_head = 0
         self._last_new = self._first - 1
         self._stopped = False
-        self._asked_at = now
+        self._requested_at = now
         self.attempts += 1
-        self.timer = now + self._round_trip.timeout(1 + self._silences)
+        self.timer = now + self._round_trip.timeout(1 + self._timeouts)
         self.send(
             common.LogRequestData(
                 target_system=self.target.system,
@@ -204,22 +204,22 @@ class _Transfer(LogOperation[bytes]):
         )
 
     def _resize(self) -> None:
-        asked = self._until - self._first
-        if asked < LEAST_WINDOW or self._until < self._frontier or not self._new_in_range:
+        requested = self._until - self._first
+        if requested < MIN_WINDOW or self._until < self._frontier or not self._new_in_range:
             return
-        arrived, head = self._new_in_range / asked, self._new_in_head / LEAST_WINDOW
+        arrived, head = self._new_in_range / requested, self._new_in_head / MIN_WINDOW
         reached = self._last_new + 1 - self._first
-        if reached <= asked - 2:
-            self._window, self._good_windows = max(reached, LEAST_WINDOW), 0
-            self._careful = self._careful or reached < asked * 7 // 8
+        if reached <= requested - 2:
+            self._window, self._good_windows = max(reached, MIN_WINDOW), 0
+            self._careful = self._careful or reached < requested * 7 // 8
         elif arrived < FAIR and head >= GOOD:
-            self._window, self._careful = max(self._window // 2, LEAST_WINDOW), True
-        elif arrived >= GOOD * head and asked >= self._window:
+            self._window, self._careful = max(self._window // 2, MIN_WINDOW), True
+        elif arrived >= GOOD * head and requested >= self._window:
             self._grow()
 
     def _grow(self) -> None:
         self._good_windows += 1
         if not self._careful:
-            self._window = min(self._window * 2, MOST_WINDOW)
-        elif self._good_windows % CAUTION == 0:
-            self._window = min(self._window + self._window // 8, MOST_WINDOW)
+            self._window = min(self._window * 2, MAX_WINDOW)
+        elif self._good_windows % WINDOWS_BEFORE_GROWTH == 0:
+            self._window = min(self._window + self._window // 8, MAX_WINDOW)

@@ -10,17 +10,21 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import common
 
-#: What a LOG_DATA carries at most.
+#: The number of bytes in a LOG_DATA.
 CHUNK = 90
 LAST_ID = 0xFFFF
-MOST = 0xFFFFFFFF
+MAX_UINT32 = 0xFFFFFFFF
 
 
 @dataclass(frozen=True, slots=True)
 class LogEntry:
-    """A log's id, its time (Unix seconds, 0 if not known), and its size, which may be approximate.
+    """An entry of the list of logs.
 
-    `is_last` says that no log has a higher id: it may be the one being written.
+    Attributes:
+        id: The log's id; it may move when old logs are removed.
+        time_utc: The time of the last write, Unix seconds; 0 if unknown.
+        size: The size in bytes, which may be approximate.
+        is_last: True if no log has a higher id: it may be the one being written.
     """
 
     id: int
@@ -29,17 +33,17 @@ class LogEntry:
     is_last: bool = field(default=False, compare=False)
 
     def may_be(self, earlier: LogEntry) -> bool:
-        """Whether this is what `earlier` was: a log may grow, but begins once."""
+        """Return whether this is the log of an earlier entry: a log may grow, but its time stays."""
         if self.time_utc != earlier.time_utc:
             return False
         return self.size == earlier.size or (self.size > earlier.size and self.time_utc > 0)
 
     def may_have_been(self, earlier: LogEntry) -> bool:
-        """Whether this may be `earlier`, written on: its time, being that of the last write, moved too."""
+        """Return whether this may be the log of an earlier entry, written since: its time moves too."""
         both_last = self.is_last and earlier.is_last
         return both_last and self.size > earlier.size and self.time_utc >= earlier.time_utc
 
     @classmethod
     def read(cls, message: common.LogEntry) -> Self:
-        """What a message says."""
+        """Return the entry in a message."""
         return cls(message.id, message.time_utc, message.size, message.id == message.last_log_num)

@@ -1,7 +1,7 @@
-"""Erasing all logs.
+"""The erasure of all logs.
 
-LOG_ERASE is not answered, and an autopilot that is armed does nothing and says nothing. So the list before
-is compared with the list after: what was there must be gone. A new log may be there already.
+LOG_ERASE is not answered, and an armed autopilot ignores it silently. So the list before is compared with the
+list after: all logs of the former must be gone. A new log may already exist.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from mavstack.services.log.entry import LogEntry
 
 ATTEMPTS = 5
-#: How long erasing takes at the least, in seconds; each attempt waits longer.
-FIRST_WAIT = 0.5
+#: Seconds to wait after the first LOG_ERASE; doubled for each attempt.
+INITIAL_WAIT = 0.5
 
 
 class EraseLogs(Procedure[None]):
-    """Erase all logs of the target."""
+    """The erasure of all logs of the target."""
 
     timeout_error = LogTimeout
 
@@ -32,23 +32,23 @@ class EraseLogs(Procedure[None]):
         super().__init__("erasing all logs of", timeout=timeout, idle_timeout=120.0)
 
     def steps(self) -> Generator[Operation[Any], Any, None]:
-        """List, erase, and list until they are gone."""
+        """List the logs, then erase and list until they are gone."""
         before: tuple[LogEntry, ...] = yield ListLogs()
         left = set(before)
         for attempt in range(ATTEMPTS):
             if not left:
                 return
             yield _SendErase()
-            yield Pause(FIRST_WAIT * 2**attempt)
+            yield Pause(INITIAL_WAIT * 2**attempt)
             after: tuple[LogEntry, ...] = yield ListLogs()
             left = set(before) & set(after)
         if left:
-            answer = f"{len(left)} of its logs are still there"
+            answer = f"{len(left)} logs remain"
             raise RemoteDenied(self.description, str(self.target), attempts=ATTEMPTS, answer=answer)
 
 
 class _SendErase(LogOperation[None]):
-    """LOG_ERASE, which has no answer."""
+    """The message LOG_ERASE, which has no answer."""
 
     def __init__(self) -> None:
         super().__init__("sending LOG_ERASE to")

@@ -1,8 +1,8 @@
-"""Asking which logs there are.
+"""The listing of logs.
 
-Ids start at 0 or at 1, so a list is whole when as many ids came as there are logs. What is missing in the
-middle is asked for by its ids; if the first or the last is missing it is not known which, and asking for a
-log that is not there has sent autopilots into endless lists: then all are asked for again.
+Ids start at 0 or at 1, so a list is complete when as many ids arrived as there are logs. Missing entries in
+the middle are requested by id; if the first or the last is missing, its id is unknown, and since a request
+for a missing log has sent autopilots into endless lists, the whole list is requested again.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from mavstack.services.timing import RoundTrip
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: How often in a row nothing may come.
+#: The number of consecutive timeouts after which an operation fails.
 ATTEMPTS = 8
-#: So often the number of logs may change while they are listed.
-MOST_CHANGES = 64
-#: From this silence on, what another client left unfinished is ended first: it may be why nothing comes.
+#: How often the number of logs may change during a listing.
+MAX_CHANGES = 64
+#: From this timeout on LOG_REQUEST_END is sent first: another client's transfer may block the vehicle.
 UNBLOCK_AFTER = 3
 
 
 class LogOperation(Operation[Result]):
-    """What all operations on logs share: they end what they began."""
+    """The base of operations on logs: their clean-up is LOG_REQUEST_END."""
 
     timeout_error = LogTimeout
 
     def request_list(self, first: int, last: int) -> None:
-        """Ask for a part of the list."""
+        """Send LOG_REQUEST_LIST for a range of ids."""
         to = self.target
         self.send(
             common.LogRequestList(
@@ -42,7 +42,7 @@ class LogOperation(Operation[Result]):
         )
 
     def request_end(self) -> None:
-        """Tell the target that nothing more is wanted, so that it goes on logging."""
+        """Send LOG_REQUEST_END, so that the vehicle resumes logging."""
         to = self.target
         self.send(common.LogRequestEnd(target_system=to.system, target_component=to.component))
 
@@ -51,19 +51,19 @@ class LogOperation(Operation[Result]):
 
 
 class ListLogs(LogOperation[tuple[LogEntry, ...]]):
-    """The list of all logs, by their ids."""
+    """The listing of all logs, by ascending id."""
 
     def __init__(self, *, timeout: float | None = None) -> None:
         super().__init__("listing the logs of", timeout=timeout, idle_timeout=40.0)
         self._total: int | None = None
         self._found: dict[int, LogEntry] = {}
         self._changes = 0
-        self._asked_until = LAST_ID
-        self._silences = 0
-        self._round_trip = RoundTrip(initial=1.0, least=0.2, most=4.0)
+        self._requested_until = LAST_ID
+        self._timeouts = 0
+        self._round_trip = RoundTrip(initial=1.0, minimum=0.2, maximum=4.0)
 
     def start(self, now: float) -> None:
-        self._ask(0, LAST_ID, now)
+        self._request(0, LAST_ID, now)
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
@@ -73,48 +73,48 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
                 self._entry(entry, now)
 
     def handle_timeout(self, now: float) -> None:
-        self._silences += 1
-        if self._silences >= ATTEMPTS:
+        self._timeouts += 1
+        if self._timeouts >= ATTEMPTS:
             self.time_out(now)
             return
-        if self._silences >= UNBLOCK_AFTER:
+        if self._timeouts >= UNBLOCK_AFTER:
             self.request_end()
-        self._ask_missing(now)
+        self._request_missing(now)
 
     def _entry(self, message: common.LogEntry, now: float) -> None:
         if self._total != message.num_logs:
             self._total = message.num_logs
             self._found.clear()
             self._changes += 1
-            if self._changes > MOST_CHANGES:
+            if self._changes > MAX_CHANGES:
                 self.time_out(now, "the list kept changing")
                 return
-        news = message.id not in self._found
+        is_new = message.id not in self._found
         self._found[message.id] = LogEntry.read(message)
-        if not news:
+        if not is_new:
             return
         if self.attempts == 1 and len(self._found) == 1:
-            self._round_trip.measured(now - self._asked_at)
-        self._silences = 0
+            self._round_trip.add_sample(now - self._requested_at)
+        self._timeouts = 0
         self.report_progress(now, len(self._found), self._total)
         self.timer = now + self._round_trip.timeout(2)
         if len(self._found) >= self._total:
             self._end(tuple(self._found[number] for number in sorted(self._found)))
-        elif message.id >= min(message.last_log_num, self._asked_until):
-            self._ask_missing(now)
+        elif message.id >= min(message.last_log_num, self._requested_until):
+            self._request_missing(now)
 
-    def _ask_missing(self, now: float) -> None:
+    def _request_missing(self, now: float) -> None:
         ids = sorted(self._found)
-        gaps = [(one + 1, other - 1) for one, other in pairwise(ids) if other > one + 1]
-        if gaps and self._silences < UNBLOCK_AFTER:
-            self._ask(*gaps[0], now)
+        missing = [(one + 1, other - 1) for one, other in pairwise(ids) if other > one + 1]
+        if missing and self._timeouts < UNBLOCK_AFTER:
+            self._request(*missing[0], now)
         else:
-            self._ask(0, LAST_ID, now)
+            self._request(0, LAST_ID, now)
 
-    def _ask(self, first: int, last: int, now: float) -> None:
+    def _request(self, first: int, last: int, now: float) -> None:
         self.attempts += 1
-        self._asked_until, self._asked_at = last, now
-        self.timer = now + self._round_trip.timeout(1 + self._silences)
+        self._requested_until, self._requested_at = last, now
+        self.timer = now + self._round_trip.timeout(1 + self._timeouts)
         self.request_list(first, last)
 
     def _end(self, entries: tuple[LogEntry, ...]) -> None:
@@ -123,16 +123,16 @@ class ListLogs(LogOperation[tuple[LogEntry, ...]]):
         self.finish(entries)
 
 
-class LookUpLog(LogOperation[LogEntry | None]):
-    """What the list says of one log; None if there are no logs."""
+class ReadLogEntry(LogOperation[LogEntry | None]):
+    """The entry of one log; None if there are no logs."""
 
     def __init__(self, number: int) -> None:
         super().__init__(f"reading the entry of log {number} of", idle_timeout=30.0)
         self._number = number
-        self._round_trip = RoundTrip(initial=1.0, most=4.0)
+        self._round_trip = RoundTrip(initial=1.0, maximum=4.0)
 
     def start(self, now: float) -> None:
-        self._ask(now)
+        self._request(now)
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
@@ -147,9 +147,9 @@ class LookUpLog(LogOperation[LogEntry | None]):
             return
         if self.attempts >= UNBLOCK_AFTER:
             self.request_end()
-        self._ask(now)
+        self._request(now)
 
-    def _ask(self, now: float) -> None:
+    def _request(self, now: float) -> None:
         self.attempts += 1
         self.timer = now + self._round_trip.timeout(self.attempts)
         self.request_list(self._number, self._number)

@@ -1,8 +1,8 @@
-"""Serving logs from a store.
+"""The log server.
 
-Each client has at most one list and one range of data on its way; asking anew replaces it, as in PX4. All
-are served in turn while the links to them have room. A range that goes to the end of a log ends with a
-chunk that is not full, an empty one if need be. A log that is not there, or cannot be read, gets no answer.
+Each client has at most one outstanding list and one range of data; a new request replaces it, as in PX4. All
+clients are served in turn while the links to them have room. A range up to the end of a log ends with a chunk
+that is not full, if necessary an empty one. A request for a missing or unreadable log is not answered.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Protocol
 
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
-from mavstack.services.log.entry import CHUNK, LAST_ID, MOST, LogEntry
+from mavstack.services.log.entry import CHUNK, LAST_ID, MAX_UINT32, LogEntry
 from mavstack.services.service import Event, HasRoom, Outgoing, Priority, Service, always_room
-from mavstack.services.timing import DOUBLED_WITHIN
+from mavstack.services.timing import DUPLICATE_WINDOW
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -23,17 +23,17 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.wire import Packet
 
-MOST_CLIENTS = 32
+MAX_CLIENTS = 32
 
 
 class LogStore(Protocol):
-    """Where logs lie. Both `read` and `erase` may raise OSError."""
+    """The storage of logs. `read` and `erase` may raise OSError."""
 
     def logs(self) -> Sequence[LogEntry]:
-        """All logs, by ascending ids."""
+        """Return all logs by ascending id."""
 
     def read(self, number: int, offset: int, count: int, /) -> bytes:
-        """Bytes of a log; fewer at its end."""
+        """Read bytes of a log; fewer at its end."""
 
     def erase(self) -> None:
         """Remove all logs."""
@@ -41,14 +41,14 @@ class LogStore(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class LogsErased(Event):
-    """Someone had all logs erased."""
+    """A client erased all logs."""
 
     source: Address
 
 
 @dataclass(slots=True)
 class _Session:
-    """What one client asked for and did not get yet."""
+    """The outstanding requests of one client."""
 
     entries: deque[common.LogEntry] = field(default_factory=deque)
     log: int = 0
@@ -59,7 +59,7 @@ class _Session:
 
 
 class LogServer(Service):
-    """Gives a component's logs to whoever asks; not while `available` says no, as in flight."""
+    """The server of a component's logs; it ignores requests while `available` returns False, as in flight."""
 
     handles = message_ids(common.LogRequestList, common.LogRequestData, common.LogRequestEnd, common.LogErase)
 
@@ -92,7 +92,7 @@ class LogServer(Service):
             session = self._sessions.get(source)
             if session is None or not has_room(source):
                 continue
-            message = self._next_of(session)
+            message = self._next_message(session)
             if message is None:
                 del self._sessions[source]
                 continue
@@ -102,7 +102,7 @@ class LogServer(Service):
     def _session(self, source: Address) -> _Session:
         session = self._sessions.setdefault(source, _Session())
         self._sessions.move_to_end(source)
-        if len(self._sessions) > MOST_CLIENTS:
+        if len(self._sessions) > MAX_CLIENTS:
             self._sessions.popitem(last=False)
         return session
 
@@ -118,8 +118,8 @@ class LogServer(Service):
                 id=log.id,
                 num_logs=len(logs),
                 last_log_num=highest,
-                time_utc=min(max(log.time_utc, 0), MOST),
-                size=min(max(log.size, 0), MOST),
+                time_utc=min(max(log.time_utc, 0), MAX_UINT32),
+                size=min(max(log.size, 0), MAX_UINT32),
             )
             for log in logs
             if first <= log.id <= last
@@ -134,7 +134,7 @@ class LogServer(Service):
 
     def _erase(self, source: Address, raw: bytes, now: float) -> None:
         last, self._last_erase = self._last_erase, (raw, now)
-        if last is not None and last[0] == raw and now - last[1] < DOUBLED_WITHIN:
+        if last is not None and last[0] == raw and now - last[1] < DUPLICATE_WINDOW:
             return
         self._sessions.clear()
         try:
@@ -143,7 +143,7 @@ class LogServer(Service):
             return
         self.emit(LogsErased(source))
 
-    def _next_of(self, session: _Session) -> Message | None:
+    def _next_message(self, session: _Session) -> Message | None:
         if session.entries:
             return session.entries.popleft()
         return self._next_data(session) if session.sending else None

@@ -21,7 +21,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 FULL: Final = 1000
 _INVALID: Final = 0x7FFF
 _EXTENSIONS: Final = ("s", "t", "aux1", "aux2", "aux3", "aux4", "aux5", "aux6")
-_MOST_BUTTONS: Final = 32
+_MAX_BUTTONS: Final = 32
 
 CHANNELS: Final = 18
 _FIRST_CHANNELS: Final = 8
@@ -59,12 +59,12 @@ class ManualInput:
     aux: tuple[int | None, int | None, int | None, int | None, int | None, int | None] = (None,) * 6
 
     def check(self) -> None:
-        """Raise FieldRangeError if an axis or the buttons are out of range."""
+        """Raise InvalidArgumentError if an axis or the buttons are out of range."""
         for value in (self.x, self.y, self.z, self.r, self.s, self.t, *self.aux):
             if value is not None and not -FULL <= value <= FULL:
-                raise FieldRangeError(f"an axis goes from -{FULL} to {FULL}, not to {value}")
-        if not 0 <= self.buttons < 1 << _MOST_BUTTONS:
-            raise FieldRangeError(f"there are {_MOST_BUTTONS} buttons")
+                raise InvalidArgumentError(f"an axis goes from -{FULL} to {FULL}, not to {value}")
+        if not 0 <= self.buttons < 1 << _MAX_BUTTONS:
+            raise InvalidArgumentError(f"there are {_MAX_BUTTONS} buttons")
 
     def to_message(self, system: int) -> common.ManualControl:
         """As MANUAL_CONTROL."""
@@ -111,12 +111,12 @@ class ChannelOverride:
     channels: Mapping[int, int] = field(default_factory=lambda: MappingProxyType({}))
 
     def check(self) -> None:
-        """Raise FieldRangeError if a channel or a pulse does not exist."""
+        """Raise InvalidArgumentError if a channel or a pulse does not exist."""
         for channel, value in self.channels.items():
             if not 1 <= channel <= CHANNELS:
-                raise FieldRangeError(f"there is no channel {channel}: they go from 1 to {CHANNELS}")
+                raise InvalidArgumentError(f"there is no channel {channel}: they go from 1 to {CHANNELS}")
             if not 0 <= value < _RELEASE_LATE:
-                raise FieldRangeError(f"{value} is no pulse in microseconds")
+                raise InvalidArgumentError(f"{value} is no pulse in microseconds")
 
     def to_message(self, target: Address) -> common.RcChannelsOverride:
         """As RC_CHANNELS_OVERRIDE."""

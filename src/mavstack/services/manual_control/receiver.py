@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 TIMEOUT = 1.0
 OVERRIDE_TIMEOUT = 3.0
 #: So many sources may steer at once; more are refused until one of these is lost.
-MOST_SOURCES = 32
+MAX_SOURCES = 32
 #: A sequence number that is this far ahead, of 256, is behind.
 _BEHIND = 192
 #: Packets overtake each other by less than this.
@@ -76,7 +76,7 @@ class _Table(Generic[Value]):
     held: dict[Address, _Held[Value]] = field(default_factory=dict)
 
     def take(self, source: Address, value: Value, sequence: int, now: float) -> bool:
-        if source not in self.held and len(self.held) >= MOST_SOURCES:
+        if source not in self.held and len(self.held) >= MAX_SOURCES:
             return False
         self.held[source] = _Held(value, sequence, now)
         return True

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from mavstack.services.manual_control.inputs import RELEASE, ChannelOverride, ManualInput
-from mavstack.services.streaming import StreamSender
+from mavstack.services.stream_sender import StreamSender
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message

@@ -1,4 +1,4 @@
-"""Messages on request, once or at a rate, by the commands and by the older data streams."""
+"""Messages on request, once or at a rate, by the commands and by the legacy data streams."""
 
 from mavstack.services.message_request.client import RequestMessage
 from mavstack.services.message_request.interval import DEFAULT, OFF, Interval, group_of, stream_groups

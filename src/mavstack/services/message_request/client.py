@@ -3,7 +3,7 @@
     asked ── the message ────────────────────► result, whether or not the ack came
       │ ├── ack ACCEPTED ──► waiting ── the message ──► result
       │ │                       └── silence ──► asked anew; after the last time MessageTimeout
-      │ ├── ack UNSUPPORTED, DENIED or FAILED ──► the older command for that message ──► as above
+      │ ├── ack UNSUPPORTED, DENIED or FAILED ──► the legacy command for that message ──► as above
       │ └── any other ack ──► CommandDenied
       └── no ack ──► MessageTimeout
 
@@ -16,27 +16,27 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, LocalProtocolError, MessageTimeout
+from mavstack.errors import CommandDenied, InvalidArgumentError, MessageTimeout
 from mavstack.services.command import Command, CommandOperation
 from mavstack.services.message_request.interval import message_id_of, name_of
-from mavstack.services.message_request.older import older_request
+from mavstack.services.message_request.legacy_requests import legacy_request
 from mavstack.services.operation import Operation
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from mavstack.dialects import Message
-    from mavstack.services.message_request.older import OlderRequest
+    from mavstack.services.message_request.legacy_requests import LegacyRequest
     from mavstack.wire import Packet
 
     Match: TypeAlias = Callable[[Any], bool]
 
 #: How often a message is asked for whose request was accepted, but which did not come.
-ROUNDS = 4
-FIRST_WAIT = 1.0
-MOST_PARAMS = 5
+MAX_ROUNDS = 4
+INITIAL_TIMEOUT = 1.0
+MAX_PARAMS = 5
 
-_TRY_OLDER = frozenset({common.MavResult.UNSUPPORTED, common.MavResult.DENIED, common.MavResult.FAILED})
+_TRY_LEGACY = frozenset({common.MavResult.UNSUPPORTED, common.MavResult.DENIED, common.MavResult.FAILED})
 
 
 class _Ask(CommandOperation):
@@ -77,11 +77,11 @@ class RequestMessage(Operation[Any]):
         super().__init__(f"requesting {name_of(message)} from", timeout=timeout, idle_timeout=30.0)
         self.message_id = message_id_of(message)
         self.handles = frozenset({self.message_id})
-        if len(params) > MOST_PARAMS:
-            raise LocalProtocolError(f"a request has params 2 to 6, not {len(params)} of them")
+        if len(params) > MAX_PARAMS:
+            raise InvalidArgumentError(f"a request has params 2 to 6, not {len(params)} of them")
         self._params = tuple(params)
         self._match = match
-        self._older: OlderRequest | None = None
+        self._legacy: LegacyRequest | None = None
         self._denied: CommandDenied | None = None
         self._rounds = 0
         self._asking: CommandOperation | None = None
@@ -94,9 +94,9 @@ class RequestMessage(Operation[Any]):
             self.finish(packet.message)
 
     def handle_timeout(self, now: float) -> None:
-        if self._rounds < ROUNDS:
+        if self._rounds < MAX_ROUNDS:
             self._ask(now)
-        elif not self._try_older(now):
+        elif not self._try_legacy(now):
             self.time_out(now, "the request was accepted, but the message did not come")
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
@@ -106,7 +106,7 @@ class RequestMessage(Operation[Any]):
         self._asking = None
         self.report_progress(now)
         if child.error is None:
-            self.timer = now + FIRST_WAIT * 2 ** (self._rounds - 1)
+            self.timer = now + INITIAL_TIMEOUT * 2 ** (self._rounds - 1)
         elif isinstance(child.error, CommandDenied):
             self._refused(child.error, now)
         else:
@@ -117,17 +117,17 @@ class RequestMessage(Operation[Any]):
         self._asking = self.begin(_Ask(self._command()), now)
 
     def _command(self) -> Command:
-        if self._older is not None:
-            return self._older.to_command(self._params[0] if self._params else 0.0)
+        if self._legacy is not None:
+            return self._legacy.to_command(self._params[0] if self._params else 0.0)
         second, third, fourth, fifth, sixth = (*self._params, 0.0, 0.0, 0.0, 0.0, 0.0)[:5]
         kind = float(self.message_id)
         return Command(common.MavCmd.REQUEST_MESSAGE, kind, second, third, fourth, fifth, sixth)
 
     def _refused(self, error: CommandDenied, now: float) -> None:
-        if error.code in _TRY_OLDER and self._try_older(now):
+        if error.code in _TRY_LEGACY and self._try_legacy(now):
             self._denied = error
             return
-        # A peer without the older command refused the newer one: that refusal says more.
+        # A peer without the legacy command refused the newer one: that refusal says more.
         first = self._denied if error.code == common.MavResult.UNSUPPORTED and self._denied else error
         denied = CommandDenied(
             self.description, str(self.target), attempts=self.attempts, answer=first.answer, code=first.code
@@ -135,10 +135,10 @@ class RequestMessage(Operation[Any]):
         denied.detail = first.detail
         self.fail(denied)
 
-    def _try_older(self, now: float) -> bool:
-        older = older_request(self.message_id)
-        if older is None or self._older is not None:
+    def _try_legacy(self, now: float) -> bool:
+        legacy = legacy_request(self.message_id)
+        if legacy is None or self._legacy is not None:
             return False
-        self._older, self._rounds = older, 0
+        self._legacy, self._rounds = legacy, 0
         self._ask(now)
         return True

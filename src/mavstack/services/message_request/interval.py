@@ -1,7 +1,7 @@
 """How often a message is sent, and the two ways to say it.
 
 MAV_CMD_SET_MESSAGE_INTERVAL takes microseconds for one message, with two special values: 0 asks for the
-default rate, -1 turns it off. The older REQUEST_DATA_STREAM takes a rate in whole hertz for a group of
+default rate, -1 turns it off. The legacy REQUEST_DATA_STREAM takes a rate in whole hertz for a group of
 messages; which message is in which group is what ArduPilot does.
 """
 
@@ -13,7 +13,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import message_ids
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
 
-LONGEST = 0x7FFFFFFF
+MAX_INTERVAL = 0x7FFFFFFF
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,15 +31,15 @@ class Interval:
     microseconds: int
 
     def __post_init__(self) -> None:
-        if not -1 <= self.microseconds <= LONGEST:
-            raise LocalProtocolError(f"an interval of {self.microseconds} us cannot be asked for")
+        if not -1 <= self.microseconds <= MAX_INTERVAL:
+            raise InvalidArgumentError(f"an interval of {self.microseconds} us cannot be asked for")
 
     @classmethod
     def hertz(cls, rate: float) -> Self:
         """So many a second."""
         if not isfinite(rate) or rate <= 0:
-            raise LocalProtocolError(f"a rate of {rate} Hz cannot be asked for; OFF turns a message off")
-        return cls(min(max(round(1e6 / rate), 1), LONGEST))
+            raise InvalidArgumentError(f"a rate of {rate} Hz cannot be asked for; OFF turns a message off")
+        return cls(min(max(round(1e6 / rate), 1), MAX_INTERVAL))
 
     @property
     def seconds(self) -> float:

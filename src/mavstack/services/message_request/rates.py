@@ -34,13 +34,13 @@ if TYPE_CHECKING:
 STREAM_ATTEMPTS = 5
 OFF_ATTEMPTS = 3
 #: REQUEST_DATA_STREAM cannot say less than this.
-SLOWEST_STREAM = 1
-FASTEST_STREAM = 0xFFFF
+MIN_STREAM_RATE = 1
+MAX_STREAM_RATE = 0xFFFF
 
 
 @dataclass(frozen=True, slots=True)
 class RateSet:
-    """A rate was set; `whole_group` is the MAV_DATA_STREAM that was set along, in the older way."""
+    """A rate was set; `whole_group` is the MAV_DATA_STREAM that was set along, in the legacy way."""
 
     interval: Interval
     whole_group: int | None = None
@@ -59,7 +59,7 @@ class SetMessageInterval(Procedure[RateSet]):
         self._interval = interval
 
     def steps(self) -> Generator[Operation[Any], Any, RateSet]:
-        """The command; if it is not known, the stream of the older way."""
+        """The command; if it is not known, the stream of the legacy way."""
         microseconds = float(self._interval.microseconds)
         command = Command(common.MavCmd.SET_MESSAGE_INTERVAL, float(self._message_id), microseconds)
         try:
@@ -93,14 +93,14 @@ class GetMessageInterval(Procedure[Interval]):
 
 
 class _RequestDataStream(Operation[None]):
-    """A group of messages in the older way."""
+    """A group of messages in the legacy way."""
 
     timeout_error = MessageTimeout
 
     def __init__(self, group: int, message_id: int, interval: Interval) -> None:
         super().__init__(f"requesting data stream {group} from", idle_timeout=60.0)
         self._group, self._message_id = group, message_id
-        self._rate = min(max(round(interval.rate), SLOWEST_STREAM), FASTEST_STREAM)
+        self._rate = min(max(round(interval.rate), MIN_STREAM_RATE), MAX_STREAM_RATE)
         self._on = interval != OFF
         self.handles = message_ids(common.DataStream) | {message_id}
 

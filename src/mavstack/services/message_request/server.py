@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import Message, common
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
-from mavstack.services.message_request.interval import LONGEST, message_id_of, stream_groups
-from mavstack.services.message_request.older import older_request
+from mavstack.services.message_request.interval import MAX_INTERVAL, message_id_of, stream_groups
+from mavstack.services.message_request.legacy_requests import legacy_request
 from mavstack.services.service import HasRoom, Outgoing, Priority, Service, always_room
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ Producer: TypeAlias = Callable[[float], Message | None]
 InstanceProducer: TypeAlias = Callable[[float, float], Message | None]
 
 #: No message is sent more often than this, whatever is asked for, in microseconds.
-SHORTEST = 1_000
+MIN_INTERVAL = 1_000
 #: How soon a stream that found no room looks again if nobody tells it of room.
 RETRY = 0.5
 
@@ -83,7 +83,7 @@ class MessageServer(Service):
         self._others = commands.handler_of(common.MavCmd.REQUEST_MESSAGE)
         commands.support(common.MavCmd.REQUEST_MESSAGE, self._request_message)
         commands.support(common.MavCmd.SET_MESSAGE_INTERVAL, self._set_message_interval)
-        self._support_older(_INTERVAL_ID)
+        self._support_legacy(_INTERVAL_ID)
 
     def provide(
         self, message: type[Message] | int, producer: Producer, *, interval: float = 0.0, now: float = 0.0
@@ -94,7 +94,7 @@ class MessageServer(Service):
         due = now if microseconds > 0 else inf
         self._queue = None
         self._streams[message_id] = _Stream(producer, microseconds, microseconds, due)
-        self._support_older(message_id)
+        self._support_legacy(message_id)
 
     def set_interval(self, message: type[Message] | int, interval: float, now: float) -> None:
         """Send a message every so many seconds from now on by default; 0: only if it is asked for."""
@@ -106,7 +106,7 @@ class MessageServer(Service):
         """Answer requests for a kind of message of which there are several, by its index or id."""
         message_id = message_id_of(message)
         self._instances[message_id] = producer
-        self._support_older(message_id)
+        self._support_legacy(message_id)
 
     def interval_of(self, message: type[Message] | int) -> int:
         """The interval of a message in microseconds: -1 if it is not sent by itself, 0 if it is not known."""
@@ -146,14 +146,14 @@ class MessageServer(Service):
             heapify(self._queue)
         return self._queue
 
-    def _support_older(self, message_id: int) -> None:
-        older = older_request(message_id)
-        if older is not None:
+    def _support_legacy(self, message_id: int) -> None:
+        legacy = legacy_request(message_id)
+        if legacy is not None:
 
             def answer(request: CommandRequest) -> common.MavResult:
-                return self._send_one(message_id, older.instance_in(request.command), EVERYBODY, request)
+                return self._send_one(message_id, legacy.instance_in(request.command), EVERYBODY, request)
 
-            self._commands.support(older.command, answer)
+            self._commands.support(legacy.command, answer)
 
     def _request_message(
         self, request: CommandRequest
@@ -189,7 +189,7 @@ class MessageServer(Service):
 
     def _change(self, stream: _Stream, microseconds: int, now: float) -> None:
         if microseconds > 0:
-            microseconds = min(max(microseconds, SHORTEST), LONGEST)
+            microseconds = min(max(microseconds, MIN_INTERVAL), MAX_INTERVAL)
         if microseconds != stream.interval:
             stream.set_interval(microseconds, now)
             self._queue = None
@@ -215,7 +215,7 @@ class MessageServer(Service):
 
 def _microseconds(interval: float) -> int:
     """An interval in seconds as streams keep it: -1 for none."""
-    return min(max(round(interval * 1e6), SHORTEST), LONGEST) if interval > 0 else -1
+    return min(max(round(interval * 1e6), MIN_INTERVAL), MAX_INTERVAL) if interval > 0 else -1
 
 
 def _whole(value: float) -> int:

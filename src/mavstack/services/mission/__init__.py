@@ -6,7 +6,7 @@ from mavstack.services.mission.item import MissionItem
 from mavstack.services.mission.manage import ClearPlan, SetCurrentItem, set_current_item
 from mavstack.services.mission.packed import PLAN_FILES, PlanFile, pack_plan, unpack_plan
 from mavstack.services.mission.plan import PLAN_TYPES, Plan, PlanStore, PlanType
-from mavstack.services.mission.server import CurrentItemSet, MissionServer, PlanReplaced
+from mavstack.services.mission.server import CurrentItemSet, MissionServer, MissionServerOptions, PlanReplaced
 from mavstack.services.mission.upload import UploadPlan
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "MissionItem",
     "MissionProgress",
     "MissionServer",
+    "MissionServerOptions",
     "Plan",
     "PlanFile",
     "PlanReplaced",

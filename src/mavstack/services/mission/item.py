@@ -1,10 +1,10 @@
-"""One item of a plan, and its two forms on the wire.
+"""An item of a plan, and its two messages.
 
 MISSION_ITEM_INT carries params 5 and 6 as integers, degrees times 1e7 or metres times 1e4; the older
-MISSION_ITEM carries them as float32, which for a longitude is good to about a metre. Both kinds of global
-frame, with and without `_INT`, mean the same: autopilots take either and give back the one they like, so two
-items are equal if they are the same in MISSION_ITEM_INT but for that. `current` is not part of the plan: it
-tells, on downloading, which item the vehicle is at.
+MISSION_ITEM carries them as float32, which for a longitude is precise to about a metre. The global frames
+with and without `_INT` mean the same: autopilots accept both and return the one they prefer, so two items are
+equal if their MISSION_ITEM_INT are equal apart from that. `current` is not part of the plan: in a download it
+marks the vehicle's current item.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class MissionItem:
 
     @property
     def name(self) -> str:
-        """The command's official name without MAV_CMD_, or its number if it has none."""
+        """The command's official name without MAV_CMD_, or its number if unknown."""
         try:
             return common.MavCmd(self.command).official_name.removeprefix("MAV_CMD_")
         except ValueError:
@@ -62,7 +62,7 @@ class MissionItem:
     def to_int(
         self, target: Address, seq: int, plan_type: int, *, current: bool | None = None
     ) -> common.MissionItemInt:
-        """As MISSION_ITEM_INT; `current` stands in for the item's own."""
+        """Return the MISSION_ITEM_INT; `current` replaces the item's own."""
         scale = scale_of(self.command, self.frame)
         return common.MissionItemInt(
             **self._common_fields(target, seq, plan_type, current),
@@ -73,7 +73,7 @@ class MissionItem:
     def to_float(
         self, target: Address, seq: int, plan_type: int, *, current: bool | None = None
     ) -> common.MissionItem:
-        """As MISSION_ITEM, for those that know nothing newer."""
+        """Return the MISSION_ITEM, for programs that support nothing newer."""
         return common.MissionItem(
             **self._common_fields(target, seq, plan_type, current),
             x=_single(self.param5),
@@ -82,7 +82,7 @@ class MissionItem:
 
     @classmethod
     def read(cls, message: common.MissionItemInt | common.MissionItem) -> Self:
-        """The item in either message."""
+        """Return the item in either message."""
         command, frame = int(message.command), int(message.frame)
         if isinstance(message, common.MissionItem):
             position = (message.x, message.y, message.z)
@@ -100,7 +100,7 @@ class MissionItem:
         )
 
     def to_bytes(self) -> bytes:
-        """What makes two items the same."""
+        """Return the bytes by which items are compared."""
         message = self.to_int(EVERYBODY, 0, 0, current=False)
         message.frame = _SYNONYMS.get(self.frame, self.frame)
         return message.to_payload()

@@ -1,8 +1,8 @@
-"""The small operations on plans: clearing them, and saying which item of the mission is to be flown.
+"""Small operations on plans: clearing them, and setting the current item of the mission.
 
-MAV_CMD_DO_SET_MISSION_CURRENT goes through the command service, whose acknowledgement tells whether it was
-done. MISSION_SET_CURRENT is the older way: success is a MISSION_CURRENT with that number, failure is a
-STATUSTEXT that names nothing, so here it is silence.
+MAV_CMD_DO_SET_MISSION_CURRENT goes through the command service and is acknowledged. For the older
+MISSION_SET_CURRENT, success is a MISSION_CURRENT with that number; failure is a STATUSTEXT without any
+reference, so it shows as a timeout.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from math import nan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, MissionTimeout
+from mavstack.errors import InvalidArgumentError, MissionTimeout
 from mavstack.services.command import Command, CommandOperation
 from mavstack.services.mission.plan import PLAN_TYPES, PlanType, name_of
 from mavstack.services.mission.transfer import Transfer
@@ -27,40 +27,42 @@ SET_CURRENT_TIMEOUT = 5.0
 
 
 class ClearPlan(Transfer[None]):
-    """The plan of one type, or of all, is to be forgotten.
+    """The clearing of the plan of one type, or of all.
 
-    A vehicle that does not know `PlanType.ALL` is asked for each type that it knows.
+    On a vehicle that does not support `PlanType.ALL` each type is cleared in turn.
     """
 
     writes = True
 
     def __init__(self, plan_type: int, *, timeout: float | None = None) -> None:
         if plan_type not in (*PLAN_TYPES, PlanType.ALL):
-            raise LocalProtocolError(f"there is no plan of type {plan_type} to clear")
+            raise InvalidArgumentError(
+                f"plan_type must be one of PLAN_TYPES or PlanType.ALL, got {plan_type}"
+            )
         super().__init__(f"clearing {name_of(plan_type)} on", plan_type, timeout)
         self._left = [int(plan_type)]
 
     def open(self, now: float) -> None:
-        self._ask(now)
+        self._send_clear(now)
 
-    def silent(self, now: float) -> None:
-        self._ask(now)
+    def handle_silence(self, now: float) -> None:
+        self._send_clear(now)
 
-    def hear(self, packet: Packet, now: float) -> None:
+    def handle_message(self, packet: Packet, now: float) -> None:
         match packet.message:
-            # What is cleared has no id: an acknowledgement with one is a late one, of an upload.
+            # A cleared plan has no id: an acknowledgement with an id is a late one of an upload.
             case common.MissionAck(type=result, mission_type=kind, opaque_id=0) if kind == self._left[0]:
                 self._acknowledged(result, now)
 
     def clean_up(self, now: float) -> None:
-        self._strays.held_back = True  # nothing is left open
+        self._stale_messages.held_back = True  # the vehicle keeps no state
 
-    def _ask(self, now: float) -> None:
+    def _send_clear(self, now: float) -> None:
         target = self.target
         message = common.MissionClearAll(
             target_system=target.system, target_component=target.component, mission_type=self._left[0]
         )
-        self.ask(message, now)
+        self.request(message, now)
 
     def _acknowledged(self, result: int, now: float) -> None:
         one_of_all = self.type == PlanType.ALL and self._left[0] != PlanType.ALL
@@ -73,13 +75,13 @@ class ClearPlan(Transfer[None]):
         self.report_progress(now)
         del self._left[0]
         if self._left:
-            self._ask(now)
+            self._send_clear(now)
         else:
             self.finish(None)
 
 
 class SetCurrentItem(Operation[int]):
-    """MISSION_SET_CURRENT, repeated until MISSION_CURRENT has the number; the result is it."""
+    """MISSION_SET_CURRENT, repeated until MISSION_CURRENT confirms the number, which is the result."""
 
     timeout_error = MissionTimeout
 
@@ -88,7 +90,7 @@ class SetCurrentItem(Operation[int]):
             f"setting mission item {seq} as current on", timeout=timeout, idle_timeout=SET_CURRENT_TIMEOUT
         )
         self.seq = seq
-        self._round_trip = RoundTrip(most=1.5)
+        self._round_trip = RoundTrip(maximum=1.5)
 
     def start(self, now: float) -> None:
         self._transmit(now)
@@ -112,12 +114,15 @@ class SetCurrentItem(Operation[int]):
         )
 
 
-def set_current_item(seq: int, *, reset: bool = False, timeout: float | None = None) -> CommandOperation:
-    """MAV_CMD_DO_SET_MISSION_CURRENT, for the target's `CommandClient.begin`.
+def set_current_item(seq: int, *, restart: bool = False, timeout: float | None = None) -> CommandOperation:
+    """Return MAV_CMD_DO_SET_MISSION_CURRENT as an operation for the target's `CommandClient.begin`.
 
-    `reset` lets the mission begin anew, its jump counters too; with it, -1 keeps the current item.
+    Args:
+        seq: The item to continue at; -1 with `restart` keeps the current item.
+        restart: Reset the mission, its jump counters included.
+        timeout: Seconds for the whole operation; None sets no overall limit.
     """
     command = Command(
-        common.MavCmd.DO_SET_MISSION_CURRENT, seq, 1.0 if reset else 0.0, nan, nan, nan, nan, nan
+        common.MavCmd.DO_SET_MISSION_CURRENT, seq, 1.0 if restart else 0.0, nan, nan, nan, nan, nan
     )
     return CommandOperation(command, timeout=timeout)

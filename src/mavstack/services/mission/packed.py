@@ -1,7 +1,7 @@
-"""ArduPilot's files of plans, read and written by MAVLink FTP: `@MISSION/mission.dat` and its like.
+"""ArduPilot's plan files, transferred by MAVLink FTP: `@MISSION/mission.dat` and others.
 
     header   magic u16 · plan type u16 · options u16 · first item u16 · number of items u16
-    item     the fields of MISSION_ITEM_INT, 38 bytes as they are in an untruncated packet
+    item     the fields of MISSION_ITEM_INT, 38 bytes as in an untruncated packet
 
 With option 1 an upload replaces only the items from `first item` on; else it is the whole plan.
 """
@@ -13,10 +13,10 @@ from struct import Struct
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import EVERYBODY
 from mavstack.services.mission.item import MissionItem
-from mavstack.services.mission.plan import MOST_ITEMS, Plan, PlanType
+from mavstack.services.mission.plan import MAX_ITEMS, Plan, PlanType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,21 +28,21 @@ PLAN_FILES: Mapping[int, str] = {
 }
 MAGIC = 0x763D
 ITEM_SIZE = 38
-KEEP_THE_REST = 1
+PARTIAL = 1
 _HEADER = Struct("<HHHHH")
 
 
 @dataclass(frozen=True, slots=True)
 class PlanFile:
-    """What such a file holds: a plan, or with `keep_the_rest` the items from `first` on."""
+    """The content of a plan file: a plan, or with `partial` the items from `first` on."""
 
     plan: Plan
     first: int = 0
-    keep_the_rest: bool = False
+    partial: bool = False
 
     def applied_to(self, held: Plan) -> Plan | None:
-        """What is to be in the place of a plan; None if there would be a gap in it."""
-        if not self.keep_the_rest:
+        """Return the plan that results from an upload over `held`; None if items would be missing."""
+        if not self.partial:
             return self.plan if self.first == 0 else None
         if self.first > len(held):
             return None
@@ -51,9 +51,9 @@ class PlanFile:
 
 
 def pack_plan(plan: Plan, *, current: int = -1) -> bytes:
-    """The file of a plan; `current` is the item the vehicle is at."""
-    if len(plan) > MOST_ITEMS:
-        raise LocalProtocolError(f"a file of a plan holds {MOST_ITEMS} items at most")
+    """Encode a plan file; `current` is the current item."""
+    if len(plan) > MAX_ITEMS:
+        raise InvalidArgumentError(f"a plan file holds at most {MAX_ITEMS} items, got {len(plan)}")
     items = (
         item.to_int(EVERYBODY, seq, plan.type, current=seq == current).to_payload().ljust(ITEM_SIZE, b"\0")
         for seq, item in enumerate(plan.items)
@@ -62,7 +62,7 @@ def pack_plan(plan: Plan, *, current: int = -1) -> bytes:
 
 
 def unpack_plan(data: bytes) -> PlanFile | None:
-    """Read a file of a plan; None if it is damaged, cut off, or has an item that nobody wrote."""
+    """Decode a plan file; None if it is damaged, truncated, or has an unwritten item."""
     if len(data) < _HEADER.size:
         return None
     magic, plan_type, options, first, count = _HEADER.unpack_from(data)
@@ -73,4 +73,4 @@ def unpack_plan(data: bytes) -> PlanFile | None:
         return None
     items = (MissionItem.read(common.MissionItemInt.from_payload(piece)) for piece in pieces)
     plan = Plan.of((replace(item, current=False) for item in items), plan_type)
-    return PlanFile(plan, first, bool(options & KEEP_THE_REST))
+    return PlanFile(plan, first, bool(options & PARTIAL))

@@ -1,7 +1,7 @@
-"""Plans: what a vehicle is to fly (mission), where it must stay (fence), where it may go (rally).
+"""Plans: missions (what to fly), fences (where to stay) and rally points (where to return to).
 
-The three are independent of each other: each is transferred, stored, cleared and identified alone. A plan's
-id is made by the vehicle and is opaque; 0 means that there is no plan, or that the vehicle makes no ids.
+The three are independent: each is transferred, stored, cleared and identified separately. The vehicle makes a
+plan's id, which is opaque; 0 means that there is no plan, or that the vehicle makes no ids.
 """
 
 from __future__ import annotations
@@ -20,15 +20,21 @@ if TYPE_CHECKING:
 
 PlanType = common.MavMissionType
 
-#: The kinds of plan that there are; `PlanType.ALL` stands for all of them, in clearing only.
+#: The types of plans; `PlanType.ALL` stands for all of them, for clearing only.
 PLAN_TYPES = (PlanType.MISSION, PlanType.FENCE, PlanType.RALLY)
 #: MISSION_COUNT has 16 bits.
-MOST_ITEMS = 0xFFFF
+MAX_ITEMS = 0xFFFF
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The items of one type, in order; `plan_id` is what the vehicle calls this very plan."""
+    """A mission, a fence or a set of rally points.
+
+    Attributes:
+        type: The MAV_MISSION_TYPE.
+        items: The items, in order.
+        plan_id: The vehicle's id of the plan; 0 if it has none.
+    """
 
     type: int
     items: tuple[MissionItem, ...] = ()
@@ -36,18 +42,18 @@ class Plan:
 
     @classmethod
     def of(cls, items: Iterable[MissionItem], plan_type: int = PlanType.MISSION) -> Self:
-        """A plan of these items."""
+        """Return a plan of these items."""
         return cls(plan_type, tuple(items))
 
     def __len__(self) -> int:
         return len(self.items)
 
     def with_id(self, plan_id: int) -> Self:
-        """The same plan under the vehicle's id."""
+        """Return a copy with the vehicle's id."""
         return replace(self, plan_id=plan_id)
 
     def checksum(self) -> int:
-        """An id that follows from the items: never 0 unless there are none."""
+        """Return an id that follows from the items; 0 only for an empty plan."""
         if not self.items:
             return 0
         value = crc32(bytes([self.type & 0xFF]))
@@ -57,7 +63,7 @@ class Plan:
 
 
 def name_of(plan_type: int) -> str:
-    """A plan type in a text for people: "the mission"."""
+    """Return the name of a plan type: "the mission"."""
     names = {
         PlanType.MISSION: "the mission",
         PlanType.FENCE: "the fence",
@@ -68,15 +74,15 @@ def name_of(plan_type: int) -> str:
 
 
 class PlanStore:
-    """Where a vehicle keeps its plans; override `put` to write them down, give `plans` to begin with some."""
+    """The storage of a vehicle's plans; override `put` to make them persistent."""
 
     def __init__(self, plans: Mapping[int, Plan] | None = None) -> None:
         self._plans: dict[int, Plan] = dict(plans or {})
 
     def get(self, plan_type: int) -> Plan:
-        """The plan of a type; an empty one if there is none."""
+        """Return the plan of a type; an empty one if there is none."""
         return self._plans.get(plan_type) or Plan(plan_type)
 
     def put(self, plan: Plan) -> None:
-        """Put a plan in the place of the one of its type."""
+        """Replace the plan of the same type."""
         self._plans[plan.type] = plan

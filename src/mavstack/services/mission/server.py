@@ -1,36 +1,30 @@
-"""The vehicle's side: holds the plans, takes new ones whole or not at all, and says where the mission is.
+"""The mission server: a vehicle's plans, their uploads and downloads, and the current item.
 
-A program judges each item (`check`) and each whole plan (`validate`, also the empty one that clearing
-leaves); only what both accept replaces the old plan. Who asks with MISSION_REQUEST gets MISSION_ITEM_INT, as
-the guide wants it, unless it speaks MAVLink 1, where only old programs are left that know nothing but
-MISSION_ITEM. Partial lists are not part of the protocol and are refused.
+The program validates each item (`check`) and each complete plan (`validate`, also the empty one that clearing
+leaves); a plan that passes both replaces the old one atomically. MISSION_REQUEST is answered with
+MISSION_ITEM_INT, as the guide requires, unless it came in MAVLink 1, which only old programs use that know
+nothing but MISSION_ITEM. Partial lists are not part of the protocol and are refused.
 
-The firmwares keep to what the guide said once, and scripts for them count on it: with `float_answers`
-MISSION_REQUEST is answered with MISSION_ITEM to everybody, with `plain_requests` (ArduPilot) it is also what
-uploads are asked for by, and either form of item is taken. Some count how often they are asked: `ask_again`
-is how long an answer may take at least, in seconds.
-
-`home_first` makes a mission as ArduPilot has it: its item 0 is the vehicle's `home`, whatever was uploaded
-there.
+Firmwares follow older versions of the guide, and scripts for them depend on it: see `MissionServerOptions`.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
+from mavstack.services.mission.download_server import DownloadServer
 from mavstack.services.mission.item import MissionItem
-from mavstack.services.mission.plan import MOST_ITEMS, PLAN_TYPES, Plan, PlanStore, PlanType
-from mavstack.services.mission.receiving import ASK_AGAIN, MOST_REMEMBERED, Uploads
-from mavstack.services.mission.sending import Downloads
+from mavstack.services.mission.plan import MAX_ITEMS, PLAN_TYPES, Plan, PlanStore, PlanType
+from mavstack.services.mission.upload_server import MAX_REMEMBERED, MIN_TIMEOUT, UploadServer
 from mavstack.services.service import Event, HasRoom, Outgoing, Service, always_room
-from mavstack.services.timing import DOUBLED_WITHIN
+from mavstack.services.timing import DUPLICATE_WINDOW
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -45,19 +39,19 @@ NO_MISSION = 0xFFFF
 
 _Result = common.MavMissionResult
 
-#: Judges a whole plan from someone: a MAV_MISSION_RESULT.
+#: Validates a complete plan from a client: returns a MAV_MISSION_RESULT.
 Validate: TypeAlias = Callable[[Plan, Address], int]
-#: Goes where an item says that is no part of a plan, with its `current`: a MAV_MISSION_RESULT.
+#: Executes an item that is no part of a plan, with its `current`: returns a MAV_MISSION_RESULT.
 Guided: TypeAlias = "Callable[[MissionItem, int], int]"
-#: Values of `current` by which ground stations of old say "go there" and "to that altitude", to ArduPilot.
+#: Values of `current` by which old ground stations command ArduPilot to a position, or to an altitude.
 GUIDED = frozenset({2, 3})
-#: Judges an item of a plan type, at its place: a MAV_MISSION_RESULT.
+#: Validates an item, given plan type and number: returns a MAV_MISSION_RESULT.
 Check: TypeAlias = "Callable[[int, int, MissionItem], int]"
 
 
 @dataclass(frozen=True, slots=True)
 class PlanReplaced(Event):
-    """Someone uploaded a plan, or cleared one: then it is empty."""
+    """A client uploaded a plan, or cleared one: then it is empty."""
 
     plan: Plan
     source: Address
@@ -65,15 +59,44 @@ class PlanReplaced(Event):
 
 @dataclass(frozen=True, slots=True)
 class CurrentItemSet(Event):
-    """Someone wants the mission to go on at an item; `reset`: from its beginning state, jump counters too."""
+    """A client set the current item; `restart` also resets the mission, its jump counters included."""
 
     seq: int
     source: Address
-    reset: bool = False
+    restart: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class MissionServerOptions:
+    """The properties by which vehicles differ.
+
+    Attributes:
+        limits: The largest number of items of each supported plan type. plan_ids: Send plan ids. home_first:
+        Item 0 of a mission is the vehicle's home, whatever was uploaded there (ArduPilot). plain_requests:
+        Request items by MISSION_REQUEST, and accept either form of item (ArduPilot). float_answers: Answer
+        MISSION_REQUEST with MISSION_ITEM to all clients. request_interval: The smallest time between two
+        requests for an item, seconds: some clients count them.
+    """
+
+    limits: Mapping[int, int] = field(default_factory=lambda: DEFAULT_LIMITS)
+    plan_ids: bool = True
+    home_first: bool = False
+    plain_requests: bool = False
+    float_answers: bool = False
+    request_interval: float = MIN_TIMEOUT
 
 
 class MissionServer(Service):
-    """The plans of one vehicle; `limits` says how many items of which types it can hold."""
+    """The mission server of one vehicle.
+
+    Args:
+        local: The vehicle's autopilot.
+        store: The storage of its plans; None: in memory.
+        options: The properties by which vehicles differ.
+        validate: Validates a complete plan.
+        check: Validates an item.
+        guided: Executes items that are no part of a plan; None: they are treated as part of an upload.
+    """
 
     handles = message_ids(
         common.MissionRequestList,
@@ -93,54 +116,59 @@ class MissionServer(Service):
         self,
         local: Address,
         store: PlanStore | None = None,
+        options: MissionServerOptions | None = None,
         *,
-        limits: Mapping[int, int] = DEFAULT_LIMITS,
         validate: Validate = lambda plan, source: _Result.ACCEPTED,
         check: Check = lambda plan_type, seq, item: _Result.ACCEPTED,
-        plan_ids: bool = True,
-        home_first: bool = False,
         guided: Guided | None = None,
-        plain_requests: bool = False,
-        float_answers: bool = False,
-        ask_again: float = ASK_AGAIN,
     ) -> None:
         super().__init__(local)
         self.store = store or PlanStore()
-        self.limits = {int(kind): min(limit, MOST_ITEMS) for kind, limit in limits.items()}
+        self.options = options or MissionServerOptions()
+        self.limits = {int(kind): min(limit, MAX_ITEMS) for kind, limit in self.options.limits.items()}
         self.home: MissionItem | None = None
         self.state: int = common.MissionState.NOT_STARTED
-        #: Whether the vehicle flies the mission (1), or does something else (2); 0: nobody says.
+        #: MISSION_CURRENT.mission_mode: 1 while the vehicle flies the mission, 2 otherwise, 0 unknown.
         self.mode = 0
         self._validate, self._check, self._guided = validate, check, guided
-        self._plan_ids, self._home_first = plan_ids, home_first
         self._current = 0
-        #: What `plan` gave last, and of what it was made: it is asked for with every item.
+        #: The cached results of `plan`, which is called for every item, and their sources.
         self._shown: dict[int, tuple[Plan, MissionItem | None, Plan]] = {}
         self._cleared: OrderedDict[Address, tuple[bytes, float]] = OrderedDict()
-        self._float_answers = float_answers
-        self._uploads = Uploads(
-            self._complete, check, self._reply, plain_requests=plain_requests, ask_again=ask_again
+        self._uploads = UploadServer(
+            self._complete,
+            check,
+            self._reply,
+            plain_requests=self.options.plain_requests,
+            request_interval=self.options.request_interval,
         )
-        self._downloads = Downloads(self.plan, self._current_of, self._uploads.acknowledge, self._reply)
+        self._downloads = DownloadServer(self.plan, self._current_of, self._uploads.acknowledge, self._reply)
 
-    # For the program
+    # Methods for the program
 
     def plan(self, plan_type: int) -> Plan:
-        """The plan of a type as it is shown to others, under its id."""
+        """Return the plan of a type as clients see it, with its id."""
         held = self.store.get(plan_type)
         made_of = self._shown.get(plan_type)
         if made_of is None or made_of[0] is not held or made_of[1] is not self.home:
-            made_of = self._shown[plan_type] = (held, self.home, self._as_shown(held))
+            made_of = self._shown[plan_type] = (held, self.home, self._with_home_and_id(held))
         return made_of[2]
 
     def replace(self, plan: Plan) -> None:
-        """Put a plan of the program's own in the place of the one of its type."""
+        """Replace the plan of the same type by one of the program.
+
+        Raises:
+            InvalidArgumentError: The plan exceeds the limits.
+        """
         if len(plan) > self.limits.get(plan.type, 0):
-            raise LocalProtocolError(f"{len(plan)} items of type {plan.type} are over this vehicle's limits")
+            raise InvalidArgumentError(
+                f"a plan of type {plan.type} has at most {self.limits.get(plan.type, 0)} items here, "
+                f"got {len(plan)}"
+            )
         self._put(plan)
 
-    def take(self, plan: Plan, source: Address) -> int:
-        """Judge a plan that came whole by another way, such as a file, and put it if it is accepted."""
+    def accept(self, plan: Plan, source: Address) -> int:
+        """Validate a complete plan that came by other means, such as a file, and store it if accepted."""
         if len(plan) > self.limits.get(plan.type, -1):
             return _Result.NO_SPACE if plan.type in self.limits else _Result.UNSUPPORTED
         for seq, item in enumerate(plan.items):
@@ -151,27 +179,27 @@ class MissionServer(Service):
 
     @property
     def current(self) -> int:
-        """The mission's current item."""
+        """The number of the mission's current item."""
         return self._current
 
     def set_current(self, seq: int) -> None:
-        """The vehicle goes on to an item: tell everybody."""
+        """Set the current item and broadcast MISSION_CURRENT."""
         if not 0 <= seq < max(len(self.store.get(PlanType.MISSION)), 1):
-            raise LocalProtocolError(f"the mission has no item {seq}")
+            raise InvalidArgumentError(f"the mission has no item {seq}")
         self._current = seq
         self.send(self.current_message())
 
     def reached(self, seq: int) -> None:
-        """The vehicle reached an item: tell everybody."""
+        """Broadcast MISSION_ITEM_REACHED."""
         self.send(common.MissionItemReached(seq=seq))
 
     def current_message(self) -> common.MissionCurrent:
-        """MISSION_CURRENT, which is sent on changes by itself and should be sent now and then."""
+        """Return MISSION_CURRENT, which is sent on each change and should be streamed at a low rate."""
         count = len(self.store.get(PlanType.MISSION))
         ids = [self.plan(kind).plan_id for kind in PLAN_TYPES]
         return common.MissionCurrent(
             seq=self._current,
-            total=max(count - self._home_first, 0) if count else NO_MISSION,
+            total=max(count - self.options.home_first, 0) if count else NO_MISSION,
             mission_state=self.state if count else common.MissionState.NO_MISSION,
             mission_mode=self.mode,
             mission_id=ids[0],
@@ -180,7 +208,7 @@ class MissionServer(Service):
         )
 
     def answer_commands(self, commands: CommandServer, touch: Callable[[MissionServer], None]) -> None:
-        """Carry out MAV_CMD_DO_SET_MISSION_CURRENT too; `touch` is that of the engine both live in."""
+        """Execute MAV_CMD_DO_SET_MISSION_CURRENT too; `touch` is the engine's."""
 
         def set_current(request: CommandRequest) -> common.MavResult:
             touch(self)
@@ -188,7 +216,7 @@ class MissionServer(Service):
 
         commands.support(common.MavCmd.DO_SET_MISSION_CURRENT, set_current)
 
-    # As a service
+    # Methods of a service
 
     def receive(self, packet: Packet, now: float) -> None:
         source = Address(packet.system, packet.component)
@@ -199,7 +227,7 @@ class MissionServer(Service):
                 self._downloads.request(source, int(kind), seq, as_float=False)
             case common.MissionRequest(mission_type=kind, seq=seq) if self._supports(kind, source):
                 self._downloads.request(
-                    source, int(kind), seq, as_float=self._float_answers or packet.version == 1
+                    source, int(kind), seq, as_float=self.options.float_answers or packet.version == 1
                 )
             case common.MissionCount(mission_type=kind) as message if self._supports(kind, source):
                 self._count(source, message, packet.raw, now)
@@ -223,11 +251,11 @@ class MissionServer(Service):
     def handle_timeout(self, now: float) -> None:
         self._uploads.handle_timeout(now)
 
-    def _as_shown(self, held: Plan) -> Plan:
+    def _with_home_and_id(self, held: Plan) -> Plan:
         plan = held
-        if self._home_first and held.type == PlanType.MISSION and self.home is not None and held.items:
+        if self.options.home_first and held.type == PlanType.MISSION and self.home is not None and held.items:
             plan = Plan(held.type, (self.home, *held.items[1:]))
-        return plan.with_id(held.checksum() if self._plan_ids else 0)
+        return plan.with_id(held.checksum() if self.options.plan_ids else 0)
 
     def _supports(self, kind: int, source: Address) -> bool:
         if kind not in self.limits:
@@ -239,7 +267,7 @@ class MissionServer(Service):
             result = self._guided(MissionItem.read(message), int(message.current))
             self._uploads.acknowledge(source, int(message.mission_type), result)
         else:
-            self._uploads.take(source, message, now)
+            self._uploads.receive_item(source, message, now)
 
     def _count(self, source: Address, message: common.MissionCount, raw: bytes, now: float) -> None:
         if message.count > self.limits[int(message.mission_type)]:
@@ -263,14 +291,14 @@ class MissionServer(Service):
 
     def _clear(self, source: Address, kind: int, raw: bytes, now: float) -> None:
         known, at = self._cleared.get(source, (b"", 0.0))
-        if known == raw and now - at < DOUBLED_WITHIN:
+        if known == raw and now - at < DUPLICATE_WINDOW:
             return
         kinds = tuple(self.limits) if kind == PlanType.ALL else (kind,)
-        result = self._may_clear(source, kinds)
+        result = self._check_clear(source, kinds)
         if result == _Result.ACCEPTED:
             self._cleared[source] = (raw, now)
             self._cleared.move_to_end(source)
-            if len(self._cleared) > MOST_REMEMBERED:
+            if len(self._cleared) > MAX_REMEMBERED:
                 self._cleared.popitem(last=False)
             for each in kinds:
                 self._uploads.drop(each)
@@ -278,9 +306,9 @@ class MissionServer(Service):
                 self.emit(PlanReplaced(Plan(each), source))
         self._uploads.acknowledge(source, kind, result)
 
-    def _may_clear(self, source: Address, kinds: tuple[int, ...]) -> int:
+    def _check_clear(self, source: Address, kinds: tuple[int, ...]) -> int:
         for kind in kinds:
-            upload = self._uploads.under_way(kind)
+            upload = self._uploads.running(kind)
             if kind not in self.limits:
                 return _Result.UNSUPPORTED
             if upload is not None and upload.source != source:
@@ -291,24 +319,24 @@ class MissionServer(Service):
         return _Result.ACCEPTED
 
     def _set_current_message(self, source: Address, seq: int) -> None:
-        if self._go_to(seq, source, reset=False):
+        if self._set_current(seq, source, restart=False):
             return
         text = f"Mission has no item {seq}"
         self.send(common.Statustext(severity=common.MavSeverity.WARNING, text=text))
 
     def _set_current_command(self, request: CommandRequest) -> common.MavResult:
-        wanted, reset = request.command.param1, request.command.param2 == 1
+        wanted, restart = request.command.param1, request.command.param2 == 1
         if not isfinite(wanted):
             return common.MavResult.DENIED
         seq = self._current if wanted == -1 else int(wanted)
-        done = self._go_to(seq, request.source, reset=reset)
+        done = self._set_current(seq, request.source, restart=restart)
         return common.MavResult.ACCEPTED if done else common.MavResult.DENIED
 
-    def _go_to(self, seq: int, source: Address, *, reset: bool) -> bool:
+    def _set_current(self, seq: int, source: Address, *, restart: bool) -> bool:
         if not 0 <= seq < len(self.store.get(PlanType.MISSION)):
             return False
         self.set_current(seq)
-        self.emit(CurrentItemSet(seq, source, reset))
+        self.emit(CurrentItemSet(seq, source, restart))
         return True
 
     def _current_of(self, plan_type: int) -> int:

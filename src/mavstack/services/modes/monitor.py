@@ -48,7 +48,7 @@ class ModeMonitor(Service):
         """The name of its mode, if it is known."""
         return None if self.custom_mode is None else mode_name(*self._kind, self.custom_mode)
 
-    def forget(self) -> None:
+    def clear_cache(self) -> None:
         """The vehicle started anew: its mode is told anew, and its set of modes is counted from 0 again."""
         self.custom_mode = self.standard_mode = self.intended = None
         self._sequence = 0

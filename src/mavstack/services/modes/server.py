@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
 from mavstack.services.modes.available import AvailableMode
 from mavstack.services.modes.names import PX4, mode_name, px4_custom_mode
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 CURRENT_INTERVAL = 2.0
 MONITOR_INTERVAL = 10.0
 #: `number_modes` and `mode_index` are bytes.
-MOST_MODES = 255
+MAX_MODES = 255
 #: So many listings may be under way at once; who asks beyond that is asked to come back.
-MOST_LISTINGS = 16
+MAX_LISTINGS = 16
 MODES_ID, CURRENT_ID, MONITOR_ID = (
     kind.__mavlink_row__[0]
     for kind in (common.AvailableModes, common.CurrentMode, common.AvailableModesMonitor)
@@ -234,7 +234,7 @@ class ModeServer(Service):
     def _list(self, index: int | None, target: Address) -> common.MavResult:
         if index is None or index > len(self._modes):
             return common.MavResult.DENIED
-        if target not in self._listings and len(self._listings) >= MOST_LISTINGS:
+        if target not in self._listings and len(self._listings) >= MAX_LISTINGS:
             return common.MavResult.TEMPORARILY_REJECTED
         waiting = self._listings.setdefault(target, deque())
         wanted = range(1, len(self._modes) + 1) if index == 0 else (index,)
@@ -269,10 +269,10 @@ def modes_of(
 
 
 def _checked(modes: Sequence[AvailableMode]) -> tuple[AvailableMode, ...]:
-    if not 0 < len(modes) <= MOST_MODES:
-        raise FieldRangeError(f"a vehicle has 1 to {MOST_MODES} modes, not {len(modes)}")
+    if not 0 < len(modes) <= MAX_MODES:
+        raise InvalidArgumentError(f"a vehicle has 1 to {MAX_MODES} modes, not {len(modes)}")
     if len({mode.custom_mode for mode in modes}) != len(modes):
-        raise FieldRangeError("two modes have the same custom_mode")
+        raise InvalidArgumentError("two modes have the same custom_mode")
     return tuple(modes)
 
 

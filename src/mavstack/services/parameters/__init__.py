@@ -7,7 +7,7 @@ from mavstack.services.parameters.client import (
     Snapshot,
 )
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
-from mavstack.services.parameters.operations import ListParameters, ReadHash, ReadParameter, SetParameter
+from mavstack.services.parameters.operations import DownloadParameters, GetParameter, ReadHash, SetParameter
 from mavstack.services.parameters.packed import PACKED_NAME, PackedFile, unpack, write, write_upload
 from mavstack.services.parameters.server import ParameterServer, ParameterWritten
 from mavstack.services.parameters.table import ParameterDefinition, ParameterTable
@@ -16,8 +16,9 @@ from mavstack.services.parameters.value import Encoding, Parameter, Value, encod
 __all__ = [
     "HASH_NAME",
     "PACKED_NAME",
+    "DownloadParameters",
     "Encoding",
-    "ListParameters",
+    "GetParameter",
     "PackedFile",
     "Parameter",
     "ParameterChanged",
@@ -28,7 +29,6 @@ __all__ = [
     "ParameterTable",
     "ParameterWritten",
     "ReadHash",
-    "ReadParameter",
     "SetParameter",
     "Snapshot",
     "Value",

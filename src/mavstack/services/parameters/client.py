@@ -12,13 +12,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.operation import Client, Operation
 from mavstack.services.parameters.hashing import HASH_NAME
-from mavstack.services.parameters.newest import Newest
-from mavstack.services.parameters.operations import ListParameters, ReadHash, ReadParameter, SetParameter
-from mavstack.services.parameters.packed import MOST_PARAMETERS, PackedFile, unpack
+from mavstack.services.parameters.operations import DownloadParameters, GetParameter, ReadHash, SetParameter
+from mavstack.services.parameters.packed import MAX_PARAMETERS, PackedFile, unpack
+from mavstack.services.parameters.reorder_filter import ReorderFilter
 from mavstack.services.parameters.value import (
     Encoding,
     Parameter,
@@ -78,9 +78,9 @@ class ParameterClient(Client):
 
     def __init__(self, local: Address, target: Address, encoding: Encoding = Encoding.BYTEWISE) -> None:
         if not target.system or not target.component:
-            raise LocalProtocolError(f"parameters belong to one component, and {target} is not one")
+            raise InvalidArgumentError(f"parameters belong to one component, and {target} is not one")
         super().__init__(local, target)
-        self.round_trip = RoundTrip(initial=1.0, least=0.05, most=3.0)
+        self.round_trip = RoundTrip(initial=1.0, minimum=0.05, maximum=3.0)
         #: What the packet under way told; operations look here.
         self.heard: Heard | None = None
         self.told_hash: int | None = None
@@ -88,7 +88,7 @@ class ParameterClient(Client):
         self._encoding = encoding
         self._parameters: dict[str, Parameter] = {}
         self._told_at: dict[str, float] = {}
-        self._newest = Newest()
+        self._reorder_filter = ReorderFilter()
         self._complete = False
 
     # What is known
@@ -114,11 +114,11 @@ class ParameterClient(Client):
             self._encoding = encoding
             self._clear()
 
-    def forget(self, now: float) -> None:
+    def clear_cache(self, now: float) -> None:
         """The component started anew: forget its parameters; a listing that is under way begins anew."""
         self._clear()
         for operation in self._running:
-            if isinstance(operation, ListParameters):
+            if isinstance(operation, DownloadParameters):
                 operation.begin_anew(now)
 
     def _clear(self) -> None:
@@ -131,13 +131,13 @@ class ParameterClient(Client):
 
     # What is asked
 
-    def read(self, which: str | int, now: float, *, timeout: float | None = None) -> ReadParameter:
+    def read(self, which: str | int, now: float, *, timeout: float | None = None) -> GetParameter:
         """Ask for one parameter, by name or index; its result is the `Parameter`."""
         if isinstance(which, str):
             name_field(which)
         elif not 0 <= which < 32768:
-            raise LocalProtocolError(f"no parameter can be asked for by index {which}")
-        return self.begin(ReadParameter(which, timeout=timeout), now)
+            raise InvalidArgumentError(f"no parameter can be asked for by index {which}")
+        return self.begin(GetParameter(which, timeout=timeout), now)
 
     def set(
         self, name: str, value: Value, now: float, *, kind: int | None = None, timeout: float | None = None
@@ -148,20 +148,20 @@ class ParameterClient(Client):
         """
         return self.begin(SetParameter(name_field(name), value, kind, timeout=timeout), now)
 
-    def fetch_all(
+    def download(
         self,
         now: float,
         *,
         known: Snapshot | None = None,
         timeout: float | None = None,
         idle_timeout: float = 10.0,
-    ) -> ListParameters:
+    ) -> DownloadParameters:
         """Fetch the whole set; its result are the parameters by name, in the order of their table.
 
         If the component tells the hash of a `known` set, that is the result, and nothing is transferred.
         """
         return self.begin(
-            ListParameters(self.round_trip, known, timeout=timeout, idle_timeout=idle_timeout), now
+            DownloadParameters(self.round_trip, known, timeout=timeout, idle_timeout=idle_timeout), now
         )
 
     def read_hash(self, now: float, *, timeout: float | None = None) -> ReadHash:
@@ -194,7 +194,7 @@ class ParameterClient(Client):
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         if isinstance(new, SetParameter):
             return isinstance(running, SetParameter) and new.name == running.name
-        return isinstance(new, ListParameters) and isinstance(running, ListParameters)
+        return isinstance(new, DownloadParameters) and isinstance(running, DownloadParameters)
 
     def observe(self, packet: Packet, now: float) -> None:
         self.heard = None
@@ -202,7 +202,7 @@ class ParameterClient(Client):
             case common.ParamValue(param_id=name) as message if name == HASH_NAME:
                 self.told_hash = int.from_bytes(field_of(message), "little")
             case common.ParamValue(param_id=name) as message if name:
-                overtaken = self._newest.is_overtaken(packet.sequence, now)
+                overtaken = self._reorder_filter.is_overtaken(packet.sequence, now)
                 parameter = read_value(message, self._encoding)
                 self.heard = Heard(parameter, message.param_count, overtaken)
                 if not overtaken or name not in self._parameters:
@@ -228,7 +228,7 @@ class ParameterClient(Client):
     def _learn(self, parameter: Parameter, now: float) -> None:
         name = parameter.name
         previous = self._parameters.get(name)
-        if previous is None and len(self._parameters) >= MOST_PARAMETERS:
+        if previous is None and len(self._parameters) >= MAX_PARAMETERS:
             return
         self._parameters[name] = _with_index(parameter, previous)
         self._told_at[name] = now

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, TypeVar
 from mavstack.dialects import common
 from mavstack.errors import ParameterDenied, ParameterTimeout
 from mavstack.services.operation import Operation
-from mavstack.services.parameters.gaps import Gaps
+from mavstack.services.parameters.missing_entries import MissingEntries
 from mavstack.services.service import Outgoing, earliest
 
 if TYPE_CHECKING:
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 #: A greater index cannot be asked for.
-MOST_ENTRIES = 32768
+MAX_ENTRIES = 32768
 #: So often a table may change while it is listed.
-MOST_RESTARTS = 5
+MAX_RESTARTS = 5
 #: So often the count may change in all: a table that grows and shrinks for ever always has something new.
-MOST_COUNTS = 1000
+MAX_COUNTS = 1000
 #: After so many vain requests for one entry, and none answered, the list is asked for once more.
 ATTEMPTS_BEFORE_LIST = 4
 
@@ -55,7 +55,7 @@ class Listing(Operation[Result]):
     ) -> None:
         super().__init__(description, timeout=timeout, idle_timeout=idle_timeout)
         self.round_trip = round_trip
-        self._gaps = Gaps(round_trip, 0.0)
+        self._missing = MissingEntries(round_trip, 0.0)
         self._names: dict[int, str] = {}
         self._places: dict[str, int] = {}
         self._restarts = 0
@@ -83,28 +83,28 @@ class Listing(Operation[Result]):
 
     def entry_came(self, index: int, count: int, name: str, now: float, *, overtaken: bool) -> None:
         """An entry came that told its index."""
-        if count > MOST_ENTRIES:
+        if count > MAX_ENTRIES:
             return
-        if overtaken and (self._gaps.total != count or index in self._gaps.received):
+        if overtaken and (self._missing.total != count or index in self._missing.received):
             return  # a copy, or of a table that is no more
         self._count_came(count, now)
-        if self.done or not 0 <= index < self._gaps.total:
+        if self.done or not 0 <= index < self._missing.total:
             return
         known = self._names.get(index)
         if known not in (None, name) or self._places.get(name, index) != index:
             self._changed = True
-        first = not self._gaps.received
-        if self._gaps.take(index, now):
+        first = not self._missing.received
+        if self._missing.take(index, now):
             self._names[index], self._places[name] = name, index
-            self.report_progress(now, len(self._gaps.received), self._gaps.total)
+            self.report_progress(now, len(self._missing.received), self._missing.total)
         if first and self.attempts == 1:
-            self.round_trip.measured(now - self._list_asked_at)
+            self.round_trip.add_sample(now - self._list_asked_at)
         self._list_due = None
         self._look(now)
 
     def entry_refused(self, index: int, error: int, now: float) -> None:
         """The component says that there is no such entry, or that it cannot be read."""
-        if self.done or not 0 <= index < self._gaps.total or index in self._gaps.received:
+        if self.done or not 0 <= index < self._missing.total or index in self._missing.received:
             return
         if error == common.MavParamError.DOES_NOT_EXIST:
             self._restart(now)
@@ -124,22 +124,22 @@ class Listing(Operation[Result]):
     def handle_timeout(self, now: float) -> None:
         if self._list_due is not None and now >= self._list_due:
             self._ask_for_list(now)
-        self._gaps.handle_timeout(now)
-        stubborn = self._gaps.most_attempts >= ATTEMPTS_BEFORE_LIST * (self._asked_again_for + 1)
-        if stubborn and not self._gaps.answers:
+        self._missing.handle_timeout(now)
+        stubborn = self._missing.most_attempts >= ATTEMPTS_BEFORE_LIST * (self._asked_again_for + 1)
+        if stubborn and not self._missing.answers:
             self._asked_again_for += 1
             self.send(self.list_request())
         self._arm()
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
-        while (index := self._gaps.next_wanted()) is not None and has_room(self.target):
-            self._gaps.ask(index, now)
+        while (index := self._missing.next_wanted()) is not None and has_room(self.target):
+            self._missing.ask(index, now)
             self._arm()
             yield Outgoing(self.entry_request(index), self.target)
 
     def time_out(self, now: float, answer: str = "no answer") -> None:
-        if self._gaps.total:
-            answer = f"{len(self._gaps.received)} of {self._gaps.total} came"
+        if self._missing.total:
+            answer = f"{len(self._missing.received)} of {self._missing.total} came"
         super().time_out(now, answer)
 
     def _ask_for_list(self, now: float) -> None:
@@ -152,51 +152,51 @@ class Listing(Operation[Result]):
         self._arm()
 
     def _count_came(self, count: int, now: float) -> None:
-        if count == self._gaps.total or count == 0:
+        if count == self._missing.total or count == 0:
             return
         self._counts += 1
-        if self._counts > MOST_COUNTS:
+        if self._counts > MAX_COUNTS:
             super().time_out(now, "the table kept changing")
             return
-        if self._gaps.total:
+        if self._missing.total:
             self._changed = True
-            grown = count > self._gaps.total
-            self._gaps.total = count
+            grown = count > self._missing.total
+            self._missing.total = count
             if not grown:
                 self._forget_from(count)
-        self._gaps.total = count
+        self._missing.total = count
 
     def _forget_from(self, count: int) -> None:
-        self._gaps.received = {index for index in self._gaps.received if index < count}
+        self._missing.received = {index for index in self._missing.received if index < count}
         for index in [index for index in self._names if index >= count]:
             self._places.pop(self._names.pop(index), None)
 
     def _look(self, now: float) -> None:
-        if not self._gaps.complete:
+        if not self._missing.complete:
             self._arm()
         elif self._changed:
             self._restart(now)
         else:
-            self.listed([self._names[index] for index in range(self._gaps.total)], now)
+            self.listed([self._names[index] for index in range(self._missing.total)], now)
 
     def _restart(self, now: float) -> None:
         """Fetch it all again: indexes that were told before and after a change do not fit together."""
         self._restarts += 1
-        if self._restarts > MOST_RESTARTS:
+        if self._restarts > MAX_RESTARTS:
             super().time_out(now, "the table kept changing")
             return
         self._begin_anew(now)
         self._ask_for_list(now)
 
     def _begin_anew(self, now: float) -> None:
-        self._gaps = Gaps(self.round_trip, now)
+        self._missing = MissingEntries(self.round_trip, now)
         self._names, self._places = {}, {}
         self._changed = False
         self._asked_again_for = 0
 
     def _arm(self) -> None:
         if not self.done:
-            self.timer = earliest(self._list_due, self._gaps.next_timeout())
+            self.timer = earliest(self._list_due, self._missing.next_timeout())
 
 
 def denied(operation: Operation[Result], error: int, answer: str = "") -> ParameterDenied:

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, TypeVar, cast
 from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
 from mavstack.services.addressing import message_ids
-from mavstack.services.parameters.asking import REFUSALS, Asking, Setting
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
 from mavstack.services.parameters.listing import Listing, denied
+from mavstack.services.parameters.retrying_request import MAX_REFUSALS, RetryingRequest, SetRequest
 from mavstack.services.parameters.value import (
     Encoding,
     Parameter,
@@ -43,7 +43,7 @@ UNKNOWN_TEXT = "unknown param: "
 UNKNOWN_INDEX_TEXT = "unknown param ID: "
 
 
-class ParameterOperation(Asking[Result]):
+class ParameterOperation(RetryingRequest[Result]):
     """An operation of a `ParameterClient` that sends one request until it is answered."""
 
     handles = message_ids(common.Statustext)
@@ -80,7 +80,7 @@ class ParameterOperation(Asking[Result]):
         """A PARAM_VALUE of the target."""
 
 
-class ReadParameter(ParameterOperation[Parameter]):
+class GetParameter(ParameterOperation[Parameter]):
     """Asks for one parameter by name or index."""
 
     def __init__(self, which: str | int, *, timeout: float | None = None) -> None:
@@ -107,7 +107,7 @@ class ReadParameter(ParameterOperation[Parameter]):
             self.finish(heard.parameter)
 
 
-class SetParameter(Setting[Parameter], ParameterOperation[Parameter]):
+class SetParameter(SetRequest[Parameter], ParameterOperation[Parameter]):
     """Sets one parameter and reads it back."""
 
     def __init__(self, name: str, value: Value, kind: int | None, *, timeout: float | None = None) -> None:
@@ -121,14 +121,14 @@ class SetParameter(Setting[Parameter], ParameterOperation[Parameter]):
         known = self.parameters.parameters.get(self.name)
         return None if known is None else known.type
 
-    def reading(self) -> ReadParameter:
-        return ReadParameter(self.name)
+    def reading(self) -> GetParameter:
+        return GetParameter(self.name)
 
     def handle_timeout(self, now: float) -> None:
         if self._kept is not None:
             self._silent = -1
             self._refusals += 0 if self._asks_beside else 1
-            if self._refusals >= REFUSALS:
+            if self._refusals >= MAX_REFUSALS:
                 self.fail(denied(self, 0, f"it stayed {self._kept.text}"))
                 return
         super().handle_timeout(now)
@@ -198,7 +198,7 @@ class ReadHash(ParameterOperation[int]):
             self.finish(told)
 
 
-class ListParameters(Listing["dict[str, Parameter]"]):
+class DownloadParameters(Listing["dict[str, Parameter]"]):
     """Fetches all parameters, unless their hash is that of a known set."""
 
     handles = message_ids(common.ParamError)

@@ -18,7 +18,7 @@ from struct import calcsize, pack, unpack_from
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.parameters.value import Parameter, Value, fitted, is_integer, name_field
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ PACKED_NAME = "@PARAM/param.pck"
 MAGIC = 0x671B
 MAGIC_WITH_DEFAULTS = 0x671C
 HEADER_SIZE = 6
-MOST_PARAMETERS = 65535
+MAX_PARAMETERS = 65535
 
 _KINDS = {
     1: (common.MavParamType.INT8, "<b"),
@@ -100,8 +100,8 @@ def write(
 def write_upload(parameters: Sequence[Parameter]) -> bytes:
     """Pack parameters to be written to a vehicle in one file."""
     data = bytearray(write(parameters))
-    if len(data) > MOST_PARAMETERS:
-        raise LocalProtocolError(f"a packed upload holds {MOST_PARAMETERS} bytes at most")
+    if len(data) > MAX_PARAMETERS:
+        raise InvalidArgumentError(f"a packed upload holds {MAX_PARAMETERS} bytes at most")
     data[4:6] = pack("<H", len(data))
     return bytes(data)
 
@@ -152,8 +152,8 @@ class _Reader:
 
 
 def _check_number(number: int) -> None:
-    if number > MOST_PARAMETERS:
-        raise LocalProtocolError(f"a packed file holds {MOST_PARAMETERS} parameters at most")
+    if number > MAX_PARAMETERS:
+        raise InvalidArgumentError(f"a packed file holds {MAX_PARAMETERS} parameters at most")
 
 
 def _kind_for(parameter: Parameter) -> int:
@@ -186,7 +186,7 @@ def _shared(one: bytes, other: bytes) -> int:
 def _packed(value: Value, kind: int) -> bytes:
     held = fitted(value, _KINDS[kind][0])
     if held is None:
-        raise LocalProtocolError(f"{value!r} does not fit into its type")
+        raise InvalidArgumentError(f"{value!r} does not fit into its type")
     return pack(_KINDS[kind][1], held)
 
 

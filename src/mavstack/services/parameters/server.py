@@ -7,7 +7,7 @@ at once; single values go before lists. A client that asks for the list again he
 What cannot be set is answered with PARAM_ERROR, and with the value that stays, which old clients understand.
 A client that speaks MAVLink 1 cannot hear PARAM_ERROR and hears the value alone. Types must be right under
 bytewise encoding; a cast value says all by itself, and is accepted whatever type it claims, as ArduPilot
-does. Setting `_HASH_CHECK` ends the sender's list, as on PX4.
+does. SetRequest `_HASH_CHECK` ends the sender's list, as on PX4.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from typing import TYPE_CHECKING, TypeAlias
 from mavstack.dialects import common
 from mavstack.services.addressing import EVERYBODY, Address, message_ids
 from mavstack.services.parameters.hashing import HASH_NAME
-from mavstack.services.parameters.newest import Newest
 from mavstack.services.parameters.operations import BY_NAME
 from mavstack.services.parameters.packed import unpack
+from mavstack.services.parameters.reorder_filter import ReorderFilter
 from mavstack.services.parameters.table import ParameterDefinition, ParameterTable
 from mavstack.services.parameters.value import (
     NO_INDEX,
@@ -48,9 +48,9 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 #: Bounds on what clients can make us keep.
-MOST_LISTS = 32
-MOST_READS = 256
-MOST_SETTERS = 256
+MAX_LISTS = 32
+MAX_READS = 256
+MAX_SETTERS = 256
 #: So many list entries leave at once, and then again after so many seconds: a receiver's buffer is finite.
 BURST = 32
 BURST_INTERVAL = 0.004
@@ -91,7 +91,7 @@ class ParameterServer(Service):
         self._check = check
         self._lists: OrderedDict[Address, int] = OrderedDict()  # the next entry for each client
         self._reads: OrderedDict[tuple[Address, str], None] = OrderedDict()
-        self._newest_sets: OrderedDict[tuple[Address, str], Newest] = OrderedDict()
+        self._newest_sets: OrderedDict[tuple[Address, str], ReorderFilter] = OrderedDict()
         self._next_burst: float | None = None
         self._left_in_burst = BURST
 
@@ -179,7 +179,7 @@ class ParameterServer(Service):
         restarted = self._lists.pop(client, None) is not None
         if not len(self.table):
             return
-        if len(self._lists) >= MOST_LISTS:
+        if len(self._lists) >= MAX_LISTS:
             self._lists.popitem(last=False)
         self._lists[client] = 0 if restarted or not self._hash_check else HASH_FIRST
 
@@ -215,10 +215,10 @@ class ParameterServer(Service):
             self._say_error(packet, which, common.MavParamError.DOES_NOT_EXIST)
 
     def _queue_read(self, client: Address, name: str) -> None:
-        if len(self._reads) < MOST_READS:  # else it asks again
+        if len(self._reads) < MAX_READS:  # else it asks again
             self._reads[client, name] = None
 
-    # Setting
+    # SetRequest
 
     def _set_requested(self, source: Address, message: common.ParamSet, packet: Packet, now: float) -> None:
         name = message.param_id
@@ -279,9 +279,9 @@ class ParameterServer(Service):
 
     def _was_overtaken(self, source: Address, name: str, packet: Packet, now: float) -> bool:
         """Whether a newer wish of the same client for the same parameter came before this one."""
-        newest = self._newest_sets.setdefault((source, name), Newest())
+        newest = self._newest_sets.setdefault((source, name), ReorderFilter())
         self._newest_sets.move_to_end((source, name))
-        if len(self._newest_sets) > MOST_SETTERS:
+        if len(self._newest_sets) > MAX_SETTERS:
             self._newest_sets.popitem(last=False)
         return newest.is_overtaken(packet.sequence, now)
 

@@ -11,9 +11,9 @@ from math import isnan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
-from mavstack.services.parameters.packed import MOST_PARAMETERS, write
+from mavstack.services.parameters.packed import MAX_PARAMETERS, write
 from mavstack.services.parameters.value import Parameter, Value, as_type, fitted, name_field
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class ParameterDefinition:
             self.type = kind.REAL32 if isinstance(self.value, float) else kind.INT32
         self.value = as_type(name_field(self.name), self.value, self.kind)
         if self.name == HASH_NAME:
-            raise LocalProtocolError(f"{HASH_NAME} is the name of the hash")
+            raise InvalidArgumentError(f"{HASH_NAME} is the name of the hash")
 
     @property
     def kind(self) -> int:
@@ -83,8 +83,8 @@ class ParameterTable:
 
     def add(self, definition: ParameterDefinition) -> None:
         """Add a parameter at the end."""
-        if definition.name in self._definitions or len(self) >= MOST_PARAMETERS:
-            raise LocalProtocolError(f"there is no place for another parameter {definition.name}")
+        if definition.name in self._definitions or len(self) >= MAX_PARAMETERS:
+            raise InvalidArgumentError(f"there is no place for another parameter {definition.name}")
         self._definitions[definition.name] = definition
         self._places[definition.name] = len(self._order)
         self._order.append(definition.name)
@@ -92,7 +92,7 @@ class ParameterTable:
     def remove(self, name: str) -> None:
         """Take a parameter away; those behind it move up."""
         if name not in self._definitions:
-            raise LocalProtocolError(f"there is no parameter {name}")
+            raise InvalidArgumentError(f"there is no parameter {name}")
         del self._definitions[name]
         self._order.remove(name)
         self._places = {known: place for place, known in enumerate(self._order)}

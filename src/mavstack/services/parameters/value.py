@@ -18,7 +18,7 @@ from struct import calcsize, pack, unpack
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.frames import as_float32
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def as_type(name: str, value: Value, kind: int) -> Value:
     """The value as the type holds it; raises LocalProtocolError if it cannot."""
     found = fitted(value, kind) if is_known(kind) else None
     if found is None:
-        raise LocalProtocolError(f"{name} is of type {type_name(kind)}, which cannot hold {value!r}")
+        raise InvalidArgumentError(f"{name} is of type {type_name(kind)}, which cannot hold {value!r}")
     return found
 
 
@@ -170,7 +170,7 @@ def survives(value: Value, kind: int, encoding: Encoding) -> bool:
 def name_field(name: str) -> str:
     """The name if it can be an id, 1 to 16 bytes; else raises LocalProtocolError."""
     if not 1 <= len(name.encode(errors="surrogateescape")) <= NAME_LENGTH or "\0" in name:
-        raise LocalProtocolError(f"{name!r} cannot be a parameter's name: 1 to {NAME_LENGTH} bytes")
+        raise InvalidArgumentError(f"{name!r} cannot be a parameter's name: 1 to {NAME_LENGTH} bytes")
     return name
 
 

@@ -1,4 +1,4 @@
-"""How long a message takes there and back (guide: PING protocol)."""
+"""The ping protocol: round-trip times to a component (guide: PING protocol)."""
 
 from mavstack.services.ping.client import PingClient, PingOperation
 from mavstack.services.ping.server import PingServer

@@ -1,8 +1,8 @@
-"""Measuring how long messages take to a component and back (guide: PING protocol).
+"""The ping client (guide: PING protocol).
 
-A PING whose target fields are 0 is a request, and everybody who hears it answers with its number and its
+A PING whose target fields are 0 is a request, and each component that receives it answers with its number and
 time, addressed to the sender. So the request is routed toward one component only, and answers of others are
-not taken. An answer counts once, and late ones count as long as the last ping is waited for.
+ignored. An answer counts once, and late ones count until the wait for the last ping ends.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.operation import Client, Operation
 from mavstack.services.ping.statistics import PingStatistics
@@ -22,16 +22,25 @@ SEQUENCES = 1 << 32
 
 
 class PingOperation(Operation[PingStatistics]):
-    """Several pings; it ends when `enough` came back, or fails if none did."""
+    """Several pings; it ends when `enough` were answered, and fails if none was."""
 
-    def __init__(self, first: int, count: int, interval: float, enough: int, wait: float) -> None:
-        super().__init__("pinging", idle_timeout=count * interval + wait + 1.0)
+    def __init__(
+        self,
+        first: int,
+        count: int,
+        *,
+        interval: float,
+        enough: int,
+        wait: float,
+        timeout: float | None = None,
+    ) -> None:
+        super().__init__("pinging", timeout=timeout, idle_timeout=count * interval + wait + 1.0)
         self._next = first
         self._count, self._interval, self._enough, self._wait = count, interval, enough, wait
-        self._outstanding: dict[int, tuple[int, float]] = {}  # number: what was said, when it was sent
+        self._outstanding: dict[int, tuple[int, float]] = {}  # by number: time_usec, sending time
         self._answered: set[int] = set()
         self._round_trips: list[float] = []
-        self._doubled = 0
+        self._duplicates = 0
 
     def start(self, now: float) -> None:
         self._transmit(now)
@@ -59,7 +68,7 @@ class PingOperation(Operation[PingStatistics]):
 
     def _answer(self, number: int, stamp: int, now: float) -> None:
         if number in self._answered:
-            self._doubled += 1
+            self._duplicates += 1
         elif number in self._outstanding and self._outstanding[number][0] == stamp:
             sent_at = self._outstanding.pop(number)[1]
             self._answered.add(number)
@@ -69,11 +78,11 @@ class PingOperation(Operation[PingStatistics]):
                 self._end()
 
     def _end(self) -> None:
-        self.finish(PingStatistics(self.attempts, tuple(self._round_trips), self._doubled))
+        self.finish(PingStatistics(self.attempts, tuple(self._round_trips), self._duplicates))
 
 
 class PingClient(Client):
-    """Pings one component."""
+    """The ping client of one component."""
 
     handles = message_ids(common.Ping)
 
@@ -89,9 +98,29 @@ class PingClient(Client):
         interval: float = 1.0,
         enough: int | None = None,
         wait: float = 2.0,
+        timeout: float | None = None,
     ) -> PingOperation:
-        """Send up to `count` pings until `enough` (usually all) came back; `wait` for the last."""
+        """Send pings until enough of them are answered.
+
+        Args:
+            now: The time, Unix seconds.
+            count: The maximum number of pings.
+            interval: Seconds between two pings.
+            enough: The number of answers after which to stop; None: `count`.
+            wait: Seconds to wait for an answer to the last ping.
+
+        Returns:
+            The operation, whose result is a `PingStatistics`.
+
+        Raises:
+            InvalidArgumentError: An argument is out of range.
+        """
         if count < 1 or interval <= 0 or wait <= 0 or (enough is not None and not 1 <= enough <= count):
-            raise LocalProtocolError("a ping needs a count, an interval and a wait above 0")
+            raise InvalidArgumentError(
+                "ping needs count, interval and wait above 0, and enough from 1 to count"
+            )
         first, self._next = self._next, (self._next + count) % SEQUENCES
-        return self.begin(PingOperation(first, count, interval, enough or count, wait), now)
+        operation = PingOperation(
+            first, count, interval=interval, enough=enough or count, wait=wait, timeout=timeout
+        )
+        return self.begin(operation, now)

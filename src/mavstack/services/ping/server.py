@@ -1,4 +1,4 @@
-"""Answering pings."""
+"""The ping server."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class PingServer(Service):
-    """Sends each request back to its sender; a PING with a target is an answer, and gets none."""
+    """The server that answers each ping request; a PING with a target is an answer itself."""
 
     handles = message_ids(common.Ping)
 

@@ -1,4 +1,4 @@
-"""What became of a number of pings."""
+"""The statistics of several pings."""
 
 from __future__ import annotations
 
@@ -8,38 +8,44 @@ from statistics import fmean, pstdev
 
 @dataclass(frozen=True, slots=True)
 class PingStatistics:
-    """How many were sent, and the round trips of those that came back, in seconds, in order of arrival."""
+    """The result of several pings.
+
+    Attributes:
+        sent: The number of requests.
+        round_trips: The round-trip times of the answers in seconds, in order of arrival.
+        duplicates: The number of answers that arrived more than once.
+    """
 
     sent: int
     round_trips: tuple[float, ...]
-    doubled: int = 0
+    duplicates: int = 0
 
     @property
     def received(self) -> int:
-        """How many came back."""
+        """The number of answers."""
         return len(self.round_trips)
 
     @property
     def loss(self) -> float:
-        """The part that did not come back, 0 to 1."""
+        """The share of requests without an answer, 0 to 1."""
         return 1.0 - self.received / self.sent if self.sent else 0.0
 
     @property
-    def least(self) -> float:
-        """The shortest round trip."""
+    def minimum(self) -> float:
+        """The shortest round trip, seconds."""
         return min(self.round_trips)
 
     @property
-    def most(self) -> float:
-        """The longest round trip."""
+    def maximum(self) -> float:
+        """The longest round trip, seconds."""
         return max(self.round_trips)
 
     @property
     def mean(self) -> float:
-        """The mean round trip."""
+        """The mean round trip, seconds."""
         return fmean(self.round_trips)
 
     @property
     def deviation(self) -> float:
-        """The standard deviation of the round trips."""
+        """The standard deviation of the round trips, seconds."""
         return pstdev(self.round_trips)

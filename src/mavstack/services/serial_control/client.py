@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.serial_control.messages import (
     DATA_SIZE,
@@ -42,7 +42,7 @@ OPEN_INTERVAL = 1.0
 CLOSINGS = 3
 CLOSE_INTERVAL = 0.2
 #: What may be written but not yet sent, in messages.
-MOST_WAITING = 4096
+MAX_WAITING = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,8 +108,8 @@ class ShellClient(Service):
         if not self._is_open:
             self.open(now)
         chunks = list(_chunks(data))
-        if len(self._waiting) + len(chunks) > MOST_WAITING:
-            raise LocalProtocolError(f"more than {MOST_WAITING * DATA_SIZE} bytes wait to be sent")
+        if len(self._waiting) + len(chunks) > MAX_WAITING:
+            raise InvalidArgumentError(f"more than {MAX_WAITING * DATA_SIZE} bytes wait to be sent")
         self._waiting += chunks
 
     def write_line(self, text: str, now: float) -> None:

@@ -11,7 +11,7 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.services.timing import DOUBLED_WITHIN
+from mavstack.services.timing import DUPLICATE_WINDOW
 
 if TYPE_CHECKING:
     from mavstack.services.addressing import Address
@@ -24,7 +24,7 @@ RESPOND = int(common.SerialControlFlag.RESPOND)
 EXCLUSIVE = int(common.SerialControlFlag.EXCLUSIVE)
 MULTI = int(common.SerialControlFlag.MULTI)
 
-_MOST_REMEMBERED = 64
+_MAX_REMEMBERED = 64
 #: A sequence number that is this far ahead, of 256, is behind.
 _BEHIND = 192
 #: Packets overtake each other by less than this; in a longer time the number may have gone round.
@@ -65,9 +65,9 @@ class Arrivals:
         before = self._seen.get(raw)
         self._seen[raw] = now
         self._seen.move_to_end(raw)
-        if len(self._seen) > _MOST_REMEMBERED:
+        if len(self._seen) > _MAX_REMEMBERED:
             self._seen.popitem(last=False)
-        return before is not None and now - before < DOUBLED_WITHIN
+        return before is not None and now - before < DUPLICATE_WINDOW
 
     def is_late(self, packet: Packet, now: float) -> bool:
         """Whether one that was sent later came before; remembers the newest."""

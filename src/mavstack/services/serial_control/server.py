@@ -1,8 +1,8 @@
 """Offering a shell, or a serial port, to the other side of the link (SERIAL_CONTROL).
 
 Whoever asks for responses owns it: what the program `feed`s goes there. With EXCLUSIVE nobody else gets it
-until the owner lets go by a message without RESPOND, or has been silent for `idle_timeout` seconds and another
-one asks. Input that comes twice is told once.
+until the owner lets go by a message without RESPOND, or has been silent for `idle_timeout` seconds and
+another one asks. Input that comes twice is told once.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 IDLE_TIMEOUT = 30.0
 #: Output that waits for room; beyond it the oldest is dropped, and counted.
-MOST_WAITING = 64 * 1024
-MOST_SOURCES = 32
+MAX_WAITING = 64 * 1024
+MAX_SOURCES = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,7 @@ class ShellServer(Service):
             return
         self._output += [data[at : at + DATA_SIZE] for at in range(0, len(data), DATA_SIZE)]
         self._waiting += len(data)
-        while self._waiting > MOST_WAITING:
+        while self._waiting > MAX_WAITING:
             lost = len(self._output.popleft())
             self._waiting -= lost
             self.dropped += lost
@@ -158,6 +158,6 @@ class ShellServer(Service):
     def _arrivals_of(self, source: Address) -> Arrivals:
         arrivals = self._arrivals.setdefault(source, Arrivals())
         self._arrivals.move_to_end(source)
-        if len(self._arrivals) > MOST_SOURCES:
+        if len(self._arrivals) > MAX_SOURCES:
             self._arrivals.popitem(last=False)
         return arrivals

@@ -1,6 +1,6 @@
 """Setpoints for offboard and guided modes, sent at a kept rate (guide: offboard control interface)."""
 
-from mavstack.services.setpoints.receiver import SetpointReceived, SetpointReceiver, SetpointsStarved
+from mavstack.services.setpoints.receiver import SetpointReceived, SetpointReceiver, SetpointsTimedOut
 from mavstack.services.setpoints.setpoint import (
     AttitudeSetpoint,
     GlobalSetpoint,
@@ -17,5 +17,5 @@ __all__ = [
     "SetpointReceived",
     "SetpointReceiver",
     "SetpointStreamer",
-    "SetpointsStarved",
+    "SetpointsTimedOut",
 ]

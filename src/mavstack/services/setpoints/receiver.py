@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 TIMEOUT = 0.5
 #: So many sources are followed at once; more are counted as refused until one of these starves.
-MOST_SOURCES = 32
+MAX_SOURCES = 32
 #: A `time_boot_ms` this much lower is a clock that began anew.
 _ANEW = 60_000
 
@@ -42,7 +42,7 @@ class SetpointReceived(Event):
 
 
 @dataclass(frozen=True, slots=True)
-class SetpointsStarved(Event):
+class SetpointsTimedOut(Event):
     """A source that sent setpoints sends none any more; `last` was its last one."""
 
     source: Address
@@ -101,12 +101,12 @@ class SetpointReceiver(Service):
         for source, stream in tuple(self._streams.items()):
             if now >= stream.heard_at + self._timeout:
                 del self._streams[source]
-                self.emit(SetpointsStarved(source, stream.setpoint))
+                self.emit(SetpointsTimedOut(source, stream.setpoint))
 
     def _take(self, source: Address, setpoint: Setpoint, time_boot_ms: int, now: float) -> None:
         stream = self._streams.get(source)
         if stream is None:
-            if len(self._streams) >= MOST_SOURCES:
+            if len(self._streams) >= MAX_SOURCES:
                 self.refused_sources += 1
                 return
             self._streams[source] = _Stream(setpoint, time_boot_ms, now)

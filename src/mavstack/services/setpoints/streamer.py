@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavstack.services.streaming import StreamSender
+from mavstack.services.stream_sender import StreamSender
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message

@@ -1,20 +1,20 @@
 """Setting up signing over the link, with confirmation and a way back (SETUP_SIGNING)."""
 
-from mavstack.services.signing_setup.change import (
+from mavstack.services.signing_setup.client import SetupSigning, SigningSetupClient
+from mavstack.services.signing_setup.key_change import (
     KeyEvent,
     KeySettled,
     ListenForKey,
     UseNewKey,
     UseOldKey,
 )
-from mavstack.services.signing_setup.client import SetUpSigning, SigningSetupClient
 from mavstack.services.signing_setup.server import SigningRefused, SigningRequest, SigningSetupServer
 
 __all__ = [
     "KeyEvent",
     "KeySettled",
     "ListenForKey",
-    "SetUpSigning",
+    "SetupSigning",
     "SigningRefused",
     "SigningRequest",
     "SigningSetupClient",

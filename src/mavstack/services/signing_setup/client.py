@@ -17,11 +17,11 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError, RemoteDenied, SigningError
+from mavstack.errors import InvalidArgumentError, RemoteDenied, SigningError
 from mavstack.security.timestamps import timestamp_at
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.operation import Client, Operation
-from mavstack.services.signing_setup.change import KeyChange
+from mavstack.services.signing_setup.key_change import KeyChange
 
 if TYPE_CHECKING:
     from mavstack.security import SigningKey
@@ -32,10 +32,10 @@ INTERVAL = 0.5
 ASKING = 8.0
 LIMIT = 40.0
 NO_KEY = bytes(32)
-_MOST_PROOFS = 64
+_MAX_PROOFS = 64
 
 
-class SetUpSigning(Operation[None]):
+class SetupSigning(Operation[None]):
     """Make the target sign with a key, or not sign if there is none."""
 
     def __init__(self, key: SigningKey | None, *, timeout: float | None = LIMIT) -> None:
@@ -49,7 +49,7 @@ class SetUpSigning(Operation[None]):
         self.key = key
         self._change: KeyChange | None = None
         self._asking_until = 0.0
-        self._proofs: deque[int] = deque(maxlen=_MOST_PROOFS)
+        self._proofs: deque[int] = deque(maxlen=_MAX_PROOFS)
 
     def start(self, now: float) -> None:
         self.handle_timeout(now)
@@ -119,7 +119,7 @@ class SetUpSigning(Operation[None]):
     def _client_of_keys(self) -> SigningSetupClient:
         client = self.client
         if not isinstance(client, SigningSetupClient):
-            raise LocalProtocolError(f"{self.description} belongs to a SigningSetupClient")
+            raise InvalidArgumentError(f"{self.description} belongs to a SigningSetupClient")
         return client
 
 
@@ -130,7 +130,7 @@ class SigningSetupClient(Client):
 
     def __init__(self, local: Address, target: Address) -> None:
         if 0 in target:
-            raise LocalProtocolError(f"a signing key goes to one component, not to {target}")
+            raise InvalidArgumentError(f"a signing key goes to one component, not to {target}")
         super().__init__(local, target)
         self._change: KeyChange | None = None
 
@@ -139,9 +139,9 @@ class SigningSetupClient(Client):
         """Whether a change is open: it is not known yet how the target goes on."""
         return self._change is not None and self._change.settled is None
 
-    def install(self, key: SigningKey | None, now: float, *, timeout: float | None = LIMIT) -> SetUpSigning:
+    def install(self, key: SigningKey | None, now: float, *, timeout: float | None = LIMIT) -> SetupSigning:
         """Make the target sign with a key, or, without one, not sign."""
-        return self.begin(SetUpSigning(key, timeout=timeout), now)
+        return self.begin(SetupSigning(key, timeout=timeout), now)
 
     def begin_change(self, new: SigningKey | None) -> KeyChange | None:
         """Open a change of keys; None while another is open."""

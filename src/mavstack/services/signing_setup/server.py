@@ -22,7 +22,7 @@ from mavstack.security import SigningKey
 from mavstack.security.timestamps import MAX_TIMESTAMP, UNITS_PER_SECOND
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.service import Event, Service
-from mavstack.services.signing_setup.change import (
+from mavstack.services.signing_setup.key_change import (
     TRIAL,
     KeySettled,
     ListenForKey,
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 _NO_KEY = bytes(32)
-_MOST_REMEMBERED = 64
+_MAX_REMEMBERED = 64
 #: A signing clock that begins later than this, in the year 2103, would soon stand at its end for ever.
-_LATEST = MAX_TIMESTAMP - 365 * 24 * 3600 * UNITS_PER_SECOND
+_MAX_TIMESTAMP = MAX_TIMESTAMP - 365 * 24 * 3600 * UNITS_PER_SECOND
 _STATUSTEXT_BYTES = 50
 
 
@@ -115,7 +115,7 @@ class SigningSetupServer(Service):
         if message.secret_key == _NO_KEY and not request.disables:
             self._refuse(request, "a key of zeros protects nothing")
             return
-        if message.initial_timestamp > _LATEST:
+        if message.initial_timestamp > _MAX_TIMESTAMP:
             self._refuse(request, "its timestamp is in the next century")
             return
         key = None if request.disables else SigningKey(message.secret_key)
@@ -150,7 +150,7 @@ class SigningSetupServer(Service):
         seen = sha256(packet.raw).digest()
         copy = seen in self._seen
         self._seen[seen] = None
-        if len(self._seen) > _MOST_REMEMBERED:
+        if len(self._seen) > _MAX_REMEMBERED:
             self._seen.popitem(last=False)
         return copy
 

@@ -1,4 +1,4 @@
-"""Texts for people (STATUSTEXT), long ones in chunks."""
+"""Status texts (STATUSTEXT), long ones in chunks."""
 
 from mavstack.services.statustext.chunks import chunks_of
 from mavstack.services.statustext.receiver import GAP, StatusText, StatustextReceiver

@@ -1,9 +1,9 @@
-"""Putting texts together from what was heard: the ground's side of STATUSTEXT.
+"""The receiver of status texts, which assembles chunks.
 
-Chunks belong together if system, component and id are the same. A text is told when all its chunks are
-there, in whatever order they came, and at the latest when nothing came for a while: then what is missing is
-marked in it. A chunk that contradicts one of the same number belongs to a new text, because ids begin anew
-when the sender does (which takes it longer than a text waits here). What came twice is told once.
+Chunks belong together if system, component and id are equal. A text is emitted when all its chunks have
+arrived, in any order, or after a timeout with its missing chunks marked. A chunk that contradicts one of the
+same number belongs to a new text, because ids restart when the sender reboots (which takes longer than the
+timeout). Duplicates are emitted once.
 """
 
 from __future__ import annotations
@@ -16,24 +16,31 @@ from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.service import Event, Service
 from mavstack.services.statustext.chunks import CHUNK
-from mavstack.services.timing import DOUBLED_WITHIN
+from mavstack.services.timing import DUPLICATE_WINDOW
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-#: What stands for missing chunks.
+#: The mark of missing chunks.
 GAP = "[...]"
-#: How long a text waits for its missing chunks after the last one that came, in seconds.
+#: Seconds to wait for missing chunks after the last one that arrived.
 CHUNK_TIMEOUT = 2.0
-#: For so long a chunk of a text already told is known as a copy.
-MEMORY = 5.0
-MOST_TEXTS = 64
-MOST_REMEMBERED = 256
+#: Seconds for which chunks of an emitted text are recognised as duplicates.
+DUPLICATE_CHUNK_WINDOW = 5.0
+MAX_TEXTS = 64
+MAX_REMEMBERED = 256
 
 
 @dataclass(frozen=True, slots=True)
 class StatusText(Event):
-    """A component told something; `complete` is False if parts of it were lost, `GAP` stands for them."""
+    """A status text of a component.
+
+    Attributes:
+        source: The component that sent it.
+        severity: Its MAV_SEVERITY.
+        text: The text; `GAP` marks lost chunks.
+        complete: False if chunks were lost.
+    """
 
     source: Address
     severity: int
@@ -72,7 +79,7 @@ class _Text:
         return last is not None and len(self.chunks) == last + 1
 
     def joined(self) -> str:
-        """The text with its gaps marked."""
+        """Return the text with its missing chunks marked."""
         runs: list[bytes] = []
         previous = -1
         for index in sorted(self.chunks):
@@ -86,14 +93,14 @@ class _Text:
 
 
 class StatustextReceiver(Service):
-    """Tells the texts of everybody as `StatusText` events."""
+    """The receiver that emits the texts of all components as `StatusText` events."""
 
     handles = message_ids(common.Statustext)
 
     def __init__(self, local: Address) -> None:
         super().__init__(local)
         self._open: OrderedDict[_Key, _Text] = OrderedDict()
-        self._told: OrderedDict[_Key, _Text] = OrderedDict()
+        self._emitted: OrderedDict[_Key, _Text] = OrderedDict()
         self._singles: OrderedDict[tuple[Address, int, bytes], float] = OrderedDict()
 
     def receive(self, packet: Packet, now: float) -> None:
@@ -118,9 +125,9 @@ class StatustextReceiver(Service):
         key = source, packet.sequence, packet.payload
         before = self._singles.pop(key, None)
         self._singles[key] = now
-        if len(self._singles) > MOST_REMEMBERED:
+        if len(self._singles) > MAX_REMEMBERED:
             self._singles.popitem(last=False)
-        if before is None or now - before > DOUBLED_WITHIN:
+        if before is None or now - before > DUPLICATE_WINDOW:
             self.emit(StatusText(source, severity, chunk.decode("utf-8", "replace")))
 
     def _chunk(self, key: _Key, severity: int, index: int, chunk: bytes, now: float) -> None:
@@ -137,23 +144,23 @@ class StatustextReceiver(Service):
         text.due = now + CHUNK_TIMEOUT
         if text.complete:
             self._close(key, now)
-        elif len(self._open) > MOST_TEXTS:
+        elif len(self._open) > MAX_TEXTS:
             self._close(next(iter(self._open)), now)
 
     def _is_copy(self, key: _Key, severity: int, index: int, chunk: bytes, now: float) -> bool:
-        told = self._told.get(key)
-        if told is None or now > told.due:
+        emitted = self._emitted.get(key)
+        if emitted is None or now > emitted.due:
             return False
-        if key in self._open:  # by a sender that began its ids anew
-            return told.chunks.get(index) == chunk
-        # What a text that was told with a gap still lacks comes too late; it is no text of its own.
-        return not told.contradicts(severity, index, chunk)
+        if key in self._open:  # from a sender whose ids restarted
+            return emitted.chunks.get(index) == chunk
+        # A missing chunk that arrives after its text was emitted is no text of its own.
+        return not emitted.contradicts(severity, index, chunk)
 
     def _close(self, key: _Key, now: float) -> None:
         text = self._open.pop(key)
         self.emit(StatusText(key.source, text.severity, text.joined(), text.complete))
-        text.due = now + MEMORY
-        self._told[key] = text
-        self._told.move_to_end(key)
-        if len(self._told) > MOST_REMEMBERED:
-            self._told.popitem(last=False)
+        text.due = now + DUPLICATE_CHUNK_WINDOW
+        self._emitted[key] = text
+        self._emitted.move_to_end(key)
+        if len(self._emitted) > MAX_REMEMBERED:
+            self._emitted.popitem(last=False)

@@ -1,4 +1,4 @@
-"""Telling people something: the vehicle's side of STATUSTEXT."""
+"""The sender of status texts."""
 
 from __future__ import annotations
 
@@ -13,34 +13,34 @@ from mavstack.services.statustext.chunks import chunks_of, next_number
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-MOST_WAITING = 64
+MAX_WAITING = 64
 
 
 class StatustextSender(Service):
-    """Sends texts to everybody, in order; on a full link they wait, and of too many the oldest is dropped."""
+    """The sender that broadcasts texts in order; they wait for room, and the oldest of too many is dropped."""
 
     def __init__(self, local: Address) -> None:
         super().__init__(local)
         self.dropped = 0
         self._number = 0
         self._waiting: deque[deque[common.Statustext]] = deque()
-        self._begun: deque[common.Statustext] = deque()
+        self._current: deque[common.Statustext] = deque()
 
-    def say(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
-        """Send a text."""
+    def send_text(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
+        """Send a text with a MAV_SEVERITY."""
         following = next_number(self._number)
         chunks = deque(chunks_of(text, severity, following))
         if len(chunks) > 1:
             self._number = following
         self._waiting.append(chunks)
-        if len(self._waiting) > MOST_WAITING:
+        if len(self._waiting) > MAX_WAITING:
             self._waiting.popleft()
             self.dropped += 1
 
     def bulk_messages(self, now: float, has_room: HasRoom = always_room) -> Iterator[Outgoing]:
-        while self._begun or self._waiting:
+        while self._current or self._waiting:
             if not has_room(EVERYBODY, Priority.STREAM):
                 return
-            if not self._begun:
-                self._begun = self._waiting.popleft()
-            yield Outgoing(self._begun.popleft(), EVERYBODY, Priority.STREAM)
+            if not self._current:
+                self._current = self._waiting.popleft()
+            yield Outgoing(self._current.popleft(), EVERYBODY, Priority.STREAM)

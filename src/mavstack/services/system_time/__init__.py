@@ -1,4 +1,4 @@
-"""Everybody's clock (SYSTEM_TIME), and whether a component started anew."""
+"""SYSTEM_TIME: the clocks of components, and their reboots."""
 
 from mavstack.services.system_time.broadcaster import SystemTimeBroadcaster
 from mavstack.services.system_time.observer import Rebooted, SystemClock, SystemTimeObserver, UnixTimeKnown

@@ -1,4 +1,4 @@
-"""Telling everybody our time, as SYSTEM_TIME."""
+"""The sender of SYSTEM_TIME."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.addressing import EVERYBODY, Address
-from mavstack.services.streaming import StreamSender
+from mavstack.services.stream_sender import StreamSender
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 
 class SystemTimeBroadcaster(StreamSender):
-    """Sends SYSTEM_TIME `rate` times a second; `unix_time` gives None while the clock is not set."""
+    """The sender of SYSTEM_TIME at `rate` hertz; `unix_time` returns None while the clock is not set."""
 
     def __init__(
         self,

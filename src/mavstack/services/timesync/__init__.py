@@ -1,4 +1,4 @@
-"""The offset of another component's clock (guide: time synchronization protocol)."""
+"""The time synchronisation protocol: the offset of a remote clock (guide: time synchronization protocol)."""
 
 from mavstack.services.timesync.client import TimeOffsetChanged, TimesyncClient
 from mavstack.services.timesync.estimator import OffsetEstimator, TimeOffset

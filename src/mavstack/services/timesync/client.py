@@ -1,8 +1,8 @@
-"""Following the clock of another component (guide: time synchronization protocol).
+"""The time synchronisation client (guide: time synchronization protocol).
 
 A TIMESYNC with `tc1` 0 is a request and carries the sender's time in `ts1`; the answer has both. Peers of
-the protocol's first version answer to everybody, so an answer counts only if its `ts1` is one that we said
-and did not have back yet. Requests are frequent until the estimate is good and rare from then on.
+the protocol's first version broadcast their answers, so an answer counts only if its `ts1` is that of a
+request that is not answered yet. Requests are frequent until the estimate has converged and rare afterwards.
 """
 
 from __future__ import annotations
@@ -21,29 +21,36 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-FIRST_INTERVAL = 0.2
-#: For so many requests the first interval holds, also if no one answers.
-FIRST_REQUESTS = 20
-OUTSTANDING = 16
-#: An exchange that took longer says nothing about a clock.
-LONGEST_ROUND_TRIP = 5.0
+INITIAL_INTERVAL = 0.2
+#: The number of requests at the initial interval, answered or not.
+INITIAL_REQUESTS = 20
+MAX_OUTSTANDING = 16
+#: Slower exchanges are ignored.
+MAX_ROUND_TRIP = 5.0
 
 
 def unix_nanoseconds(now: float) -> int:
-    """The clock that a service has: Unix time."""
+    """Return the default clock: Unix time in nanoseconds."""
     return round(now * 1e9)
 
 
 @dataclass(frozen=True, slots=True)
 class TimeOffsetChanged(Event):
-    """There is a new estimate; `jumped` if a clock was set or the other end was started anew."""
+    """The estimate changed; `jumped` if a clock was set or the remote component rebooted."""
 
     estimate: TimeOffset
     jumped: bool = False
 
 
 class TimesyncClient(Service):
-    """Asks one component for its time, again and again."""
+    """The client that estimates the clock offset of one component.
+
+    Args:
+        local: The local component.
+        target: The remote component.
+        interval: Seconds between two requests after convergence.
+        clock: Returns the local time in nanoseconds for a `now`.
+    """
 
     handles = message_ids(common.Timesync)
 
@@ -57,7 +64,7 @@ class TimesyncClient(Service):
     ) -> None:
         super().__init__(local)
         self.target = self.source_filter = target
-        #: Whether the target answers to us alone; False if it speaks the first version of the protocol.
+        #: True if the target addresses its answers; False if it uses the protocol's first version.
         self.addressed: bool | None = None
         self._interval = interval
         self._clock = clock
@@ -68,16 +75,16 @@ class TimesyncClient(Service):
 
     @property
     def estimate(self) -> TimeOffset | None:
-        """What is known; None until the first answer."""
+        """The estimated offset; None until the first answer."""
         return self._estimator.estimate
 
     def to_remote(self, local_nanoseconds: int) -> int | None:
-        """A time of our clock as the other clock tells it."""
+        """Convert a time of the local clock to the remote clock, nanoseconds; None without an estimate."""
         known = self.estimate
         return None if known is None else local_nanoseconds + round(known.offset * 1e9)
 
     def to_local(self, remote_nanoseconds: int) -> int | None:
-        """A time of the other clock as ours tells it."""
+        """Convert a time of the remote clock to the local clock, nanoseconds; None without an estimate."""
         known = self.estimate
         return None if known is None else remote_nanoseconds - round(known.offset * 1e9)
 
@@ -86,9 +93,9 @@ class TimesyncClient(Service):
             case common.Timesync(tc1=theirs, ts1=ours) as answer if theirs and ours in self._outstanding:
                 sent_at = self._outstanding.pop(ours)
                 self.addressed = answer.target_system != 0
-                if now - sent_at <= LONGEST_ROUND_TRIP:
+                if now - sent_at <= MAX_ROUND_TRIP:
                     middle = (ours + self._clock(now)) // 2
-                    self._measured((theirs - middle) / 1e9, now - sent_at)
+                    self._add_sample((theirs - middle) / 1e9, now - sent_at)
 
     def next_timeout(self) -> float:
         return self._due
@@ -97,14 +104,14 @@ class TimesyncClient(Service):
         if now < self._due:
             return
         known = self.estimate
-        early = self._sent < FIRST_REQUESTS and not (known and known.converged)
-        self._due = now + (min(FIRST_INTERVAL, self._interval) if early else self._interval)
+        early = self._sent < INITIAL_REQUESTS and not (known and known.converged)
+        self._due = now + (min(INITIAL_INTERVAL, self._interval) if early else self._interval)
         self._request(now)
 
     def _request(self, now: float) -> None:
         stamp = self._clock(now)
         self._outstanding[stamp] = now
-        if len(self._outstanding) > OUTSTANDING:
+        if len(self._outstanding) > MAX_OUTSTANDING:
             self._outstanding.popitem(last=False)
         self._sent += 1
         to = self.target
@@ -112,7 +119,7 @@ class TimesyncClient(Service):
             common.Timesync(tc1=0, ts1=stamp, target_system=to.system, target_component=to.component), to
         )
 
-    def _measured(self, offset: float, round_trip: float) -> None:
+    def _add_sample(self, offset: float, round_trip: float) -> None:
         jumped = self._estimator.add(offset, round_trip)
         known = self.estimate
         if known is not None:

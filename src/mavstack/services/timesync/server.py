@@ -1,4 +1,4 @@
-"""Telling others our time."""
+"""The time synchronisation server."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class TimesyncServer(Service):
-    """Answers requests for the time; `clock` gives it in nanoseconds, since 1970 or since the start."""
+    """The server that answers time requests; `clock` returns nanoseconds since 1970 or since boot."""
 
     handles = message_ids(common.Timesync)
 
@@ -28,7 +28,7 @@ class TimesyncServer(Service):
         match packet.message:
             case common.Timesync(tc1=0, ts1=theirs):
                 source = Address(packet.system, packet.component)
-                # A clock at 0 would make a request of the answer.
+                # With `tc1` 0 the answer would be a request.
                 answer = common.Timesync(
                     tc1=self._clock(now) or 1,
                     ts1=theirs,

@@ -16,22 +16,22 @@ class ProtocolVersion:
     """The version in use, and the least and the most that are understood, times 100."""
 
     version: int = 200
-    least: int = 100
-    most: int = 200
+    minimum: int = 100
+    maximum: int = 200
     specification_hash: bytes = bytes(8)
     library_hash: bytes = bytes(8)
 
     def speaks(self, major: int) -> bool:
         """Whether it understands MAVLink `major`."""
-        return self.least <= major * 100 + 99 and major * 100 <= self.most
+        return self.minimum <= major * 100 + 99 and major * 100 <= self.maximum
 
     @classmethod
     def read(cls, message: common.ProtocolVersion) -> Self:
         """What a message says; a most version of 0 is the version in use."""
         return cls(
             version=message.version,
-            least=message.min_version,
-            most=message.max_version or message.version,
+            minimum=message.min_version,
+            maximum=message.max_version or message.version,
             specification_hash=message.spec_version_hash,
             library_hash=message.library_version_hash,
         )
@@ -40,8 +40,8 @@ class ProtocolVersion:
         """The message that says this."""
         return common.ProtocolVersion(
             version=self.version,
-            min_version=self.least,
-            max_version=self.most,
+            min_version=self.minimum,
+            max_version=self.maximum,
             spec_version_hash=self.specification_hash,
             library_version_hash=self.library_hash,
         )

@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address, Priority
-from mavstack.services.streaming import Beats, StreamSender
+from mavstack.services.stream_sender import StreamSender, Ticker
 from tests.services.drive import pass_time, sent
 from tests.services.network import GROUND, START, VEHICLE
 
@@ -67,12 +67,12 @@ def test_after_stop_nothing_is_sent_and_no_timer_runs():
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, 1001.0, float("nan"), float("inf")])
 def test_impossible_rates_are_our_own_misuse(rate):
-    with pytest.raises(FieldRangeError):
+    with pytest.raises(InvalidArgumentError):
         Counter(GROUND, VEHICLE, rate)
 
 
 def test_a_beat_is_never_due_twice():
-    beats = Beats(3.0, 1e9)
+    beats = Ticker(3.0, 1e9)
     now = 1e9
     for _ in range(1000):
         assert beats.passed(now)

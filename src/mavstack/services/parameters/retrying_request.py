@@ -21,11 +21,11 @@ Result = TypeVar("Result")
 
 ATTEMPTS = 6
 #: So many answers with another value say that the component keeps it.
-REFUSALS = 3
+MAX_REFUSALS = 3
 IDLE_TIMEOUT = 30.0
 
 
-class Asking(Operation[Result]):
+class RetryingRequest(Operation[Result]):
     """An operation that sends one request until it is answered."""
 
     timeout_error = ParameterTimeout
@@ -64,10 +64,10 @@ class Asking(Operation[Result]):
     def answered(self, now: float) -> None:
         """An answer came; an only request measures the round trip."""
         if self.attempts == 1:
-            self.round_trip.measured(now - self._sent_at)
+            self.round_trip.add_sample(now - self._sent_at)
 
 
-class Setting(Asking[Result]):
+class SetRequest(RetryingRequest[Result]):
     """Sets one parameter; begins by asking for its type, if that is not known."""
 
     def __init__(self, name: str, kind: int | None, text: str, *, timeout: float | None = None) -> None:

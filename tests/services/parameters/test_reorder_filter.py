@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from mavstack.services.parameters.newest import Newest
+from mavstack.services.parameters.reorder_filter import ReorderFilter
 
 
 def test_copies_and_overtaken_packets_are_told_from_new_ones() -> None:
-    newest = Newest()
+    newest = ReorderFilter()
     assert not newest.is_overtaken(250, 0.0)
     assert newest.is_overtaken(250, 0.1)
     assert newest.is_overtaken(240, 0.1)
@@ -16,7 +16,7 @@ def test_copies_and_overtaken_packets_are_told_from_new_ones() -> None:
 
 
 def test_after_a_while_everything_is_new() -> None:
-    newest = Newest()
+    newest = ReorderFilter()
     assert not newest.is_overtaken(100, 0.0)
     assert newest.is_overtaken(99, 0.4)
     assert not newest.is_overtaken(99, 0.6)

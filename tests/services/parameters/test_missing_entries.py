@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from mavstack.services import RoundTrip
-from mavstack.services.parameters.gaps import LEAST_WINDOW, MOST_WINDOW, Gaps
+from mavstack.services.parameters.missing_entries import MAX_WINDOW, MIN_WINDOW, MissingEntries
 
 
-def listing(total: int, *, round_trip: float = 0.05) -> Gaps:
-    trips = RoundTrip(initial=1.0, least=0.02)
-    trips.measured(round_trip)
-    gaps = Gaps(trips, 0.0)
+def listing(total: int, *, round_trip: float = 0.05) -> MissingEntries:
+    trips = RoundTrip(initial=1.0, minimum=0.02)
+    trips.add_sample(round_trip)
+    gaps = MissingEntries(trips, 0.0)
     gaps.total = total
     return gaps
 
 
-def wanted(gaps: Gaps, now: float) -> list[int]:
+def wanted(gaps: MissingEntries, now: float) -> list[int]:
     asked = []
     while (index := gaps.next_wanted()) is not None:
         gaps.ask(index, now)
@@ -135,13 +135,13 @@ def test_the_window_grows_with_answers_and_shrinks_with_silence() -> None:
         for index in wanted(gaps, now):
             gaps.take(index, now + 0.04)
         now += 0.05
-    assert gaps.window == MOST_WINDOW
-    assert len(wanted(gaps, now)) == MOST_WINDOW
+    assert gaps.window == MAX_WINDOW
+    assert len(wanted(gaps, now)) == MAX_WINDOW
     for _ in range(20):
         now = gaps.next_timeout() or now
         gaps.handle_timeout(now)
         wanted(gaps, now)
-    assert gaps.window == LEAST_WINDOW
+    assert gaps.window == MIN_WINDOW
 
 
 def test_what_stays_out_is_asked_for_again_until_it_comes() -> None:

@@ -1,9 +1,9 @@
-"""Whether a log that grew while it was fetched is still the one that was fetched.
+"""The check that a log which grew during its download is still the same log.
 
-A log's time is that of its last write, so the log being written changes both its size and its time, and so
-does an id that came to mean another log. Its content tells them apart. If the log was replaced on the way,
-what came before that moment is of the old one; so the chunks that came first are read again, and differ from
-the new log's. They are read from their second byte on, so that a late answer to the fetching is not taken
+A log's time is that of its last write, so the log being written changes both size and time, and so does an id
+that moved to another log. The content tells them apart. If the log was replaced during the download, the
+chunks received before belong to the old log; so the chunks that arrived first are read again, and differ in
+the new log. They are read from their second byte on, so that a late answer to the download is not mistaken
 for a new one.
 """
 
@@ -25,58 +25,58 @@ ATTEMPTS = 8
 SIZE = CHUNK - 1
 
 
-class StillTheSame(LogOperation[bool]):
-    """Reads chunks of a log again; the result is whether they hold what they held."""
+class VerifyUnchanged(LogOperation[bool]):
+    """The second read of some chunks of a log; the result is True if they are unchanged."""
 
     def __init__(self, number: int, content: bytes, chunks: Sequence[int]) -> None:
         super().__init__(f"verifying log {number} of", idle_timeout=60.0)
         self._number = number
         self._content = content
-        self._places = [*chunks] or [0]
-        self._tries = 0
-        self._asked_at = 0.0
-        self._round_trip = RoundTrip(initial=1.0, least=0.2, most=3.0)
+        self._chunks = [*chunks] or [0]
+        self._attempts = 0
+        self._requested_at = 0.0
+        self._round_trip = RoundTrip(initial=1.0, minimum=0.2, maximum=3.0)
 
     def start(self, now: float) -> None:
-        self._ask(now)
+        self._request(now)
 
     def receive(self, packet: Packet, now: float) -> None:
         offset = self._offset
         match packet.message:
-            case common.LogData(id=self._number, ofs=told, count=count, data=data) if told == offset:
+            case common.LogData(id=self._number, ofs=received, count=count, data=data) if received == offset:
                 if not data[: min(count, CHUNK)].startswith(self._content[offset : offset + SIZE]):
                     self.finish(False)
                     return
                 self._next(now)
 
     def handle_timeout(self, now: float) -> None:
-        if self._tries >= ATTEMPTS:
+        if self._attempts >= ATTEMPTS:
             self.time_out(now)
             return
         self.request_end()
         self.request_list(self._number, self._number)
-        self._ask(now)
+        self._request(now)
 
     @property
     def _offset(self) -> int:
-        return self._places[0] * CHUNK + 1
+        return self._chunks[0] * CHUNK + 1
 
     def _next(self, now: float) -> None:
-        if self._tries == 1:
-            self._round_trip.measured(now - self._asked_at)
-        del self._places[0]
-        self._tries = 0
+        if self._attempts == 1:
+            self._round_trip.add_sample(now - self._requested_at)
+        del self._chunks[0]
+        self._attempts = 0
         self.report_progress(now)
-        if self._places:
-            self._ask(now)
+        if self._chunks:
+            self._request(now)
         else:
             self.finish(True)
 
-    def _ask(self, now: float) -> None:
-        self._tries += 1
+    def _request(self, now: float) -> None:
+        self._attempts += 1
         self.attempts += 1
-        self._asked_at = now
-        self.timer = now + self._round_trip.timeout(self._tries)
+        self._requested_at = now
+        self.timer = now + self._round_trip.timeout(self._attempts)
         self.send(
             common.LogRequestData(
                 target_system=self.target.system,

@@ -1,8 +1,8 @@
-"""Sending one kind of message at a kept rate: setpoints, stick positions, whatever is worthless when late.
+"""A sender of one message at a constant rate: setpoints, stick positions, and others useless when late.
 
-The beats lie on a grid from the start on, so the rate does not drift. What a stall or a full link kept from
-being sent is not made up for: on each beat goes what is newest then, once, and if the link has room for it
-only later, it is made later.
+The ticks lie on a grid that begins at the start, so the rate does not drift. Ticks missed during a stall are
+not sent later: each tick sends the newest value once, and on a full link the message is made when there is
+room.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from abc import abstractmethod
 from math import floor
 from typing import TYPE_CHECKING
 
-from mavstack.errors import FieldRangeError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services.service import Outgoing, Priority, Service
 
 if TYPE_CHECKING:
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
     from mavstack.services.service import HasRoom
 
-FASTEST = 1000.0
+MAX_RATE = 1000.0
 
 
-class Beats:
-    """A grid of moments, `rate` a second, the first being `start`."""
+class Ticker:
+    """Ticks at `rate` hertz, the first at `start`."""
 
     def __init__(self, rate: float, start: float) -> None:
         self._period = 1.0 / rate
@@ -34,55 +34,55 @@ class Beats:
 
     @property
     def next(self) -> float:
-        """The beat that is due next."""
+        """The time of the next tick."""
         return self._start + self._number * self._period
 
     def passed(self, now: float) -> bool:
-        """Whether a beat is due; all that are count as one."""
+        """Return whether a tick is due; several that are due count as one."""
         if now < self.next:
             return False
         self._number = max(self._number, floor((now - self._start) / self._period)) + 1
-        while self.next <= now:  # rounding
+        while self.next <= now:  # because of rounding
             self._number += 1
         return True
 
 
 class StreamSender(Service):
-    """Sends what `current_message` makes, at a kept rate, while it is started."""
+    """A sender of the message that `current_message` returns, at `rate` hertz, while it is started."""
 
     def __init__(self, local: Address, target: Address, rate: float) -> None:
         super().__init__(local)
         self.target = target
-        self.rate = _checked(rate)
+        self.rate = _checked_rate(rate)
         self.sent = 0
-        self._beats: Beats | None = None
+        self._ticker: Ticker | None = None
         self._pending = False
 
     @abstractmethod
     def current_message(self, now: float) -> Message | None:
-        """What to send now; None if there is nothing yet."""
+        """Return the message to send now, or None."""
 
     @property
     def active(self) -> bool:
-        """Whether it is started."""
-        return self._beats is not None
+        """True while it is started."""
+        return self._ticker is not None
 
     def start(self, now: float, rate: float | None = None) -> None:
-        """Begin, or go on at another rate."""
-        self.rate = self.rate if rate is None else _checked(rate)
-        self._beats = Beats(self.rate, now)
+        """Start, or continue at another rate (hertz)."""
+        self.rate = self.rate if rate is None else _checked_rate(rate)
+        self._ticker = Ticker(self.rate, now)
         self.handle_timeout(now)
 
     def stop(self, now: float) -> None:
-        """Send nothing more."""
-        self._beats = None
+        """Stop sending."""
+        self._ticker = None
         self._pending = False
 
     def next_timeout(self) -> float | None:
-        return None if self._beats is None else self._beats.next
+        return None if self._ticker is None else self._ticker.next
 
     def handle_timeout(self, now: float) -> None:
-        if self._beats is not None and self._beats.passed(now):
+        if self._ticker is not None and self._ticker.passed(now):
             self._pending = True
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
@@ -94,7 +94,7 @@ class StreamSender(Service):
                 yield Outgoing(message, self.target, Priority.STREAM)
 
 
-def _checked(rate: float) -> float:
-    if not 0.0 < rate <= FASTEST:
-        raise FieldRangeError(f"{rate} a second is no rate from above 0 to {FASTEST:.0f}")
+def _checked_rate(rate: float) -> float:
+    if not 0.0 < rate <= MAX_RATE:
+        raise InvalidArgumentError(f"rate must be above 0 and at most {MAX_RATE:.0f} Hz, got {rate}")
     return float(rate)

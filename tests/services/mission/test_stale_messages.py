@@ -6,7 +6,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionClient, PlanType
-from mavstack.services.mission.strays import FORGOTTEN, QUIET, SETTLE
+from mavstack.services.mission.stale_messages import QUIET, SETTLE, UPLOAD_EXPIRES_AFTER
 from tests.services.mission.by_hand import Vehicle, kinds, plan_of
 from tests.services.network import GROUND, VEHICLE
 
@@ -49,8 +49,8 @@ def test_vehicle_that_does_not_know_cancelling_is_waited_for(vehicle) -> None:
     for _ in range(8):
         vehicle.wait(1.0)
         assert "MissionItemInt" not in kinds(vehicle.request(1))
-    assert seconds_until_count(vehicle) + 8 == pytest.approx(FORGOTTEN)
-    assert vehicle.now == pytest.approx(begin + FORGOTTEN)
+    assert seconds_until_count(vehicle) + 8 == pytest.approx(UPLOAD_EXPIRES_AFTER)
+    assert vehicle.now == pytest.approx(begin + UPLOAD_EXPIRES_AFTER)
     assert not second.done
 
 

@@ -6,10 +6,16 @@ from random import Random
 
 import pytest
 
-from mavstack.errors import FieldRangeError, FileDenied, FileTimeout, RemoteCancelled, RemoteProtocolError
+from mavstack.errors import (
+    FileDenied,
+    FileTimeout,
+    InvalidArgumentError,
+    RemoteCancelled,
+    RemoteProtocolError,
+)
 from mavstack.services import Address, Progress
 from mavstack.services.ftp import FtpClient, FtpError, FtpPayload, FtpServer, MemoryStore, Opcode
-from mavstack.services.ftp.sessions import IDLE, MOST_SESSIONS
+from mavstack.services.ftp.sessions import IDLE_TIMEOUT, MAX_SESSIONS
 from tests.services.drive import give, sent
 from tests.services.ftp.ends import Ends
 from tests.services.network import GROUND, START, VEHICLE
@@ -54,7 +60,7 @@ def server() -> FtpServer:
 
 
 def opened(client, size=1000, session=0, **options):
-    operation = client.read_file("f", START, **options)
+    operation = client.download("f", START, **options)
     reply(client, asked(client)[0], size.to_bytes(4, "little"), session=session)
     return operation, asked(client)
 
@@ -63,13 +69,15 @@ def opened(client, size=1000, session=0, **options):
 
 
 def test_a_retry_repeats_its_sequence_number(client) -> None:
-    operation = client.crc("f", START)
+    operation = client.checksum("f", START)
     first = asked(client)
     while not operation.done:
         due = client.next_timeout()
         client.handle_timeout(due)
         assert all(again == first[0] for again in asked(client, due))
-    with pytest.raises(FileTimeout, match=r"computing the checksum of f on 1/1 failed after \d+ attempts: no answer"):
+    with pytest.raises(
+        FileTimeout, match=r"computing the checksum of f on 1/1 failed after \d+ attempts: no answer"
+    ):
         operation.result()
 
 
@@ -116,7 +124,7 @@ def test_a_server_without_bursts_is_read_plainly(client) -> None:
     _, (burst,) = opened(client)
     nak(client, burst, FtpError.UNKNOWNCOMMAND)
     assert [request.opcode for request in asked(client)] == [Opcode.READFILE] * 4
-    assert client.peer.no_bursts
+    assert client.server.no_bursts
 
 
 def test_a_server_that_never_answers_bursts_is_read_plainly(client) -> None:
@@ -173,7 +181,7 @@ def test_a_reply_remembered_from_another_client_is_asked_again_under_a_new_numbe
 
 
 def test_a_session_left_open_is_reset_once(client) -> None:
-    operation = client.read_file("f", START)
+    operation = client.download("f", START)
     nak(client, asked(client)[0], FtpError.NOSESSIONSAVAILABLE)
     (reset,) = asked(client)
     assert reset.opcode == Opcode.RESETSESSION
@@ -185,7 +193,7 @@ def test_a_session_left_open_is_reset_once(client) -> None:
 
 def test_a_cancelled_transfer_ends_its_session_before_the_next_begins(client) -> None:
     operation, _ = opened(client, session=7)
-    second = client.read_file("g", START)
+    second = client.download("g", START)
     assert asked(client) == []
     client.cancel(operation, START)
     with pytest.raises(RemoteCancelled):
@@ -198,7 +206,7 @@ def test_a_cancelled_transfer_ends_its_session_before_the_next_begins(client) ->
 
 
 def test_a_session_whose_number_is_not_known_is_ended_by_a_reset(client) -> None:
-    operation = client.read_file("f", START)
+    operation = client.download("f", START)
     asked(client)
     client.cancel(operation, START)
     assert [request.opcode for request in asked(client)] == [Opcode.RESETSESSION]
@@ -212,12 +220,12 @@ def test_what_changes_something_waits_for_the_rest(client) -> None:
 
 def test_a_file_with_another_checksum_is_an_error() -> None:
     ends = Ends(store=MemoryStore({"f": DATA}))
-    operation = ends.client.read_file("f", ends.now)
-    ends.server._operations[Opcode.CALCFILECRC] = lambda request, source, now: FtpPayload(
+    operation = ends.client.download("f", ends.now)
+    ends.server._handlers[Opcode.CALCFILECRC] = lambda request, source, now: FtpPayload(
         request.sequence + 1, Opcode.ACK, size=4, req_opcode=Opcode.CALCFILECRC, data=bytes(4)
     )
     ends.run(operation)
-    with pytest.raises(RemoteProtocolError, match="changed while it was read"):
+    with pytest.raises(RemoteProtocolError, match="changed during the download"):
         operation.result()
 
 
@@ -230,7 +238,7 @@ def test_a_file_that_gets_shorter_is_an_error(client) -> None:
 
 
 def test_a_virtual_file_may_be_shorter_than_announced(client) -> None:
-    operation = client.read_file("@PARAM/param.pck", START)
+    operation = client.download("@PARAM/param.pck", START)
     reply(client, asked(client)[0], (1 << 20).to_bytes(4, "little"), session=3)
     (burst,) = asked(client)
     reply(client, burst, DATA[:100], offset=0, session=3)
@@ -240,7 +248,7 @@ def test_a_virtual_file_may_be_shorter_than_announced(client) -> None:
 
 def test_progress_is_that_of_the_whole_operation() -> None:
     ends = Ends(store=MemoryStore({"f": DATA}))
-    operation = ends.run(ends.client.read_file("f", ends.now))
+    operation = ends.run(ends.client.download("f", ends.now))
     told = [(event.done, event.total) for event in ends.ground.events_of(Progress)]
     assert told[-1] == (len(DATA), len(DATA))
     assert {event.operation for event in ends.ground.events_of(Progress)} == {operation}
@@ -248,15 +256,15 @@ def test_progress_is_that_of_the_whole_operation() -> None:
 
 def test_a_range_of_a_file() -> None:
     ends = Ends(store=MemoryStore({"f": DATA}))
-    operation = ends.run(ends.client.read_file("f", ends.now, offset=100, size=1000))
+    operation = ends.run(ends.client.download("f", ends.now, offset=100, size=1000))
     assert operation.result() == DATA[100:1100]
-    beyond = ends.run(ends.client.read_file("f", ends.now, offset=4990, size=1000))
+    beyond = ends.run(ends.client.download("f", ends.now, offset=4990, size=1000))
     assert beyond.result() == DATA[4990:]
 
 
 def test_a_server_busy_with_a_request_is_not_given_up_at_once(client) -> None:
-    client.peer.round_trip.measured(0.001)
-    operation = client.crc("f", START)
+    client.server.round_trip.add_sample(0.001)
+    operation = client.checksum("f", START)
     while client.next_timeout() <= START + 8:
         client.handle_timeout(client.next_timeout())
         asked(client)
@@ -277,9 +285,9 @@ def test_misuse_raises_at_once(client) -> None:
         lambda: client.remove("", START),
         lambda: client.rename("x" * 120, "y" * 120, START),
         lambda: client.truncate("f", -1, START),
-        lambda: client.read_file("f", START, offset=-1),
+        lambda: client.download("f", START, offset=-1),
     ):
-        with pytest.raises(FieldRangeError):
+        with pytest.raises(InvalidArgumentError):
             wrong()
 
 
@@ -328,14 +336,14 @@ def test_read_only() -> None:
 
 
 def test_sessions_are_bounded_and_end_when_idle(server) -> None:
-    for number in range(MOST_SESSIONS):
+    for number in range(MAX_SESSIONS):
         assert ask(server, Opcode.OPENFILERO, b"f", sequence=number, session=number)[0].error is None
     assert (
         ask(server, Opcode.OPENFILERO, b"f", sequence=100, session=100)[0].error
         == FtpError.NOSESSIONSAVAILABLE
     )
     assert ask(server, Opcode.OPENFILERO, b"f", sequence=101, session=101, now=START + 4)[0].error is None
-    server.handle_timeout(START + 4 + IDLE)
+    server.handle_timeout(START + 4 + IDLE_TIMEOUT)
     assert len(server.sessions) == 0
 
 

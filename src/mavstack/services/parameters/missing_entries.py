@@ -28,29 +28,29 @@ if TYPE_CHECKING:
 
 #: A longer leap is believed when the next entry confirms it: it may have been a single value, not the list.
 LEAP = 32
-FIRST_WINDOW = 8.0
-LEAST_WINDOW = 4.0
+INITIAL_WINDOW = 8.0
+MIN_WINDOW = 4.0
 #: ArduPilot has room for so many requests.
-MOST_WINDOW = 20.0
+MAX_WINDOW = 20.0
 #: How far the doubling goes.
-MOST_BACKOFF = 3
+MAX_BACKOFF = 3
 #: The list is quiet after so many of its longest pauses, within limits in seconds.
 PAUSES = 3.0
-SHORTEST_QUIET = 0.05
-LONGEST_QUIET = 2.0
+MIN_QUIET = 0.05
+MAX_QUIET = 2.0
 #: So near its end a list that falls quiet has ended, and its last entries were lost; before, it may pause.
 NEAR_END = 32
-SHORTEST_PAUSE = 0.3
+MIN_PAUSE = 0.3
 #: What the longest pause is multiplied by with each entry: old pauses are forgotten.
 FORGETTING = 0.98
 
 
-class Gaps:
+class MissingEntries:
     """The state of one listing; entries have indexes from 0 to `total` - 1."""
 
     def __init__(self, round_trip: RoundTrip, now: float) -> None:
         self.total = 0
-        self.window = FIRST_WINDOW
+        self.window = INITIAL_WINDOW
         self.received: set[int] = set()
         self._round_trip = round_trip
         self._frontier = -1
@@ -86,7 +86,7 @@ class Gaps:
             return False
         if self._asked.pop(index, None) is not None:
             self.answers += 1
-            self.window = min(self.window + 1, MOST_WINDOW)
+            self.window = min(self.window + 1, MAX_WINDOW)
             self._backoff = max(self._backoff - 1, 1)
         if index not in self._attempts:
             self._flowed(index, now)
@@ -133,8 +133,8 @@ class Gaps:
             del self._asked[index]
             self._again.append(index)
         if late and now >= self._narrow_again_at:
-            self.window = max(self.window * 0.7, LEAST_WINDOW)
-            self._backoff = min(self._backoff + 1, MOST_BACKOFF)
+            self.window = max(self.window * 0.7, MIN_WINDOW)
+            self._backoff = min(self._backoff + 1, MAX_BACKOFF)
             self._narrow_again_at = now + self._round_trip.timeout(self._backoff)
 
     def _is_open(self, index: int) -> bool:
@@ -156,8 +156,8 @@ class Gaps:
         if not self._longest_pause:
             return self._last_entry + self._round_trip.timeout()
         pause = PAUSES * self._longest_pause
-        least = SHORTEST_QUIET if self._frontier >= self._end - NEAR_END else SHORTEST_PAUSE
-        return self._last_entry + min(max(pause, least), LONGEST_QUIET)
+        minimum = MIN_QUIET if self._frontier >= self._end - NEAR_END else MIN_PAUSE
+        return self._last_entry + min(max(pause, minimum), MAX_QUIET)
 
     def _due(self, index: int) -> float:
         return self._asked[index] + self._round_trip.timeout(self._backoff)
@@ -169,11 +169,11 @@ class Gaps:
         answer was to the first request, and the waiting is too short.
         """
         if index in self.received:
-            self._round_trip.measured(self._unclear.pop(index, 0.0) or now - self._first_asked[index])
+            self._round_trip.add_sample(self._unclear.pop(index, 0.0) or now - self._first_asked[index])
             del self._first_asked[index]
         elif self._attempts[index] == 1:
             self._backoff = 1
-            self._round_trip.measured(now - self._first_asked.pop(index))
+            self._round_trip.add_sample(now - self._first_asked.pop(index))
         else:
             self._unclear[index] = now - self._first_asked[index]
 

@@ -1,4 +1,4 @@
-"""Which bytes of a file are still missing."""
+"""The byte ranges of a file that are still missing."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-class Ranges:
-    """Disjoint ranges (start, end) in order."""
+class MissingRanges:
+    """Disjoint ranges (start, end) in ascending order."""
 
     def __init__(self, start: int, end: int) -> None:
         self._ranges: list[tuple[int, int]] = [(start, end)] if end > start else []
@@ -22,12 +22,12 @@ class Ranges:
     def __iter__(self) -> Iterator[tuple[int, int]]:
         return iter(self._ranges)
 
-    def take(self, start: int, end: int) -> list[tuple[int, int]]:
-        """Remove what lies between; gives the parts that were there."""
+    def remove(self, start: int, end: int) -> list[tuple[int, int]]:
+        """Remove a range; returns the parts of it that were missing."""
         if end <= start:
             return []
         first = max(bisect_right(self._ranges, (start, start)) - 1, 0)
-        taken: list[tuple[int, int]] = []
+        removed: list[tuple[int, int]] = []
         kept: list[tuple[int, int]] = []
         last = first
         while last < len(self._ranges) and self._ranges[last][0] < end:
@@ -36,14 +36,14 @@ class Ranges:
             if high <= start:
                 kept.append((low, high))
                 continue
-            taken.append((max(low, start), min(high, end)))
+            removed.append((max(low, start), min(high, end)))
             kept += [(a, b) for a, b in ((low, start), (end, high)) if a < b]
         self._ranges[first:last] = kept
-        self.total -= sum(high - low for low, high in taken)
-        return taken
+        self.total -= sum(high - low for low, high in removed)
+        return removed
 
     def after(self, start: int) -> Iterator[tuple[int, int]]:
-        """The ranges from a position on, the first cut there."""
+        """Yield the ranges from a position on; the first is cut there."""
         for low, high in self._ranges[max(bisect_right(self._ranges, (start, start)) - 1, 0) :]:
             if high > start:
                 yield max(low, start), high

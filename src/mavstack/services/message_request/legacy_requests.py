@@ -14,7 +14,7 @@ from mavstack.services.command import Command
 
 
 @dataclass(frozen=True, slots=True)
-class OlderRequest:
+class LegacyRequest:
     """A command that asks for one kind of message; `instance` and `flag` are the params that it uses."""
 
     command: int
@@ -37,37 +37,37 @@ class OlderRequest:
         return 0.0 if self.instance is None else (command.param1, command.param2)[self.instance - 1]
 
 
-def older_request(message_id: int) -> OlderRequest | None:
-    """The older command that asks for a message, if there was one."""
+def legacy_request(message_id: int) -> LegacyRequest | None:
+    """The legacy command that asks for a message, if there was one."""
     return _table().get(message_id)
 
 
-def _entry(kind: type, request: OlderRequest) -> tuple[int, OlderRequest]:
+def _entry(kind: type, request: LegacyRequest) -> tuple[int, LegacyRequest]:
     return next(iter(message_ids(kind))), request
 
 
 @cache
-def _table() -> dict[int, OlderRequest]:
+def _table() -> dict[int, LegacyRequest]:
     return dict(
         (
-            _entry(common.AutopilotVersion, OlderRequest(common.MavCmd.REQUEST_AUTOPILOT_CAPABILITIES)),
-            _entry(common.ProtocolVersion, OlderRequest(common.MavCmd.REQUEST_PROTOCOL_VERSION)),
-            _entry(common.HomePosition, OlderRequest(common.MavCmd.GET_HOME_POSITION, flag=None)),
-            _entry(common.MessageInterval, OlderRequest(common.MavCmd.GET_MESSAGE_INTERVAL, 1, flag=None)),
-            _entry(common.CameraInformation, OlderRequest(common.MavCmd.REQUEST_CAMERA_INFORMATION)),
-            _entry(common.CameraSettings, OlderRequest(common.MavCmd.REQUEST_CAMERA_SETTINGS)),
-            _entry(common.CameraCaptureStatus, OlderRequest(common.MavCmd.REQUEST_CAMERA_CAPTURE_STATUS)),
-            _entry(common.FlightInformation, OlderRequest(common.MavCmd.REQUEST_FLIGHT_INFORMATION)),
+            _entry(common.AutopilotVersion, LegacyRequest(common.MavCmd.REQUEST_AUTOPILOT_CAPABILITIES)),
+            _entry(common.ProtocolVersion, LegacyRequest(common.MavCmd.REQUEST_PROTOCOL_VERSION)),
+            _entry(common.HomePosition, LegacyRequest(common.MavCmd.GET_HOME_POSITION, flag=None)),
+            _entry(common.MessageInterval, LegacyRequest(common.MavCmd.GET_MESSAGE_INTERVAL, 1, flag=None)),
+            _entry(common.CameraInformation, LegacyRequest(common.MavCmd.REQUEST_CAMERA_INFORMATION)),
+            _entry(common.CameraSettings, LegacyRequest(common.MavCmd.REQUEST_CAMERA_SETTINGS)),
+            _entry(common.CameraCaptureStatus, LegacyRequest(common.MavCmd.REQUEST_CAMERA_CAPTURE_STATUS)),
+            _entry(common.FlightInformation, LegacyRequest(common.MavCmd.REQUEST_FLIGHT_INFORMATION)),
             _entry(
-                common.StorageInformation, OlderRequest(common.MavCmd.REQUEST_STORAGE_INFORMATION, 1, flag=2)
+                common.StorageInformation, LegacyRequest(common.MavCmd.REQUEST_STORAGE_INFORMATION, 1, flag=2)
             ),
             _entry(
                 common.VideoStreamInformation,
-                OlderRequest(common.MavCmd.REQUEST_VIDEO_STREAM_INFORMATION, 1, flag=None),
+                LegacyRequest(common.MavCmd.REQUEST_VIDEO_STREAM_INFORMATION, 1, flag=None),
             ),
             _entry(
                 common.VideoStreamStatus,
-                OlderRequest(common.MavCmd.REQUEST_VIDEO_STREAM_STATUS, 1, flag=None),
+                LegacyRequest(common.MavCmd.REQUEST_VIDEO_STREAM_STATUS, 1, flag=None),
             ),
         )
     )

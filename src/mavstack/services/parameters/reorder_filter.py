@@ -13,7 +13,7 @@ BEHIND = 32
 WITHIN = 0.5
 
 
-class Newest:
+class ReorderFilter:
     """The newest packet of one source."""
 
     __slots__ = ("_at", "_sequence")

@@ -7,7 +7,7 @@ from math import isnan, nan
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, CommandTimeout, FieldRangeError
+from mavstack.errors import CommandDenied, CommandTimeout, InvalidArgumentError
 from mavstack.services import Address
 from mavstack.services.command import Command, CommandCancelRequested, CommandClient, CommandServer
 from mavstack.services.command.client import ATTEMPTS, PROGRESS_TIMEOUT
@@ -67,7 +67,9 @@ def test_command_long_repeats_with_a_higher_confirmation(client) -> None:
         ]
         client.handle_timeout(operation.next_timeout())
     assert confirmations == list(range(ATTEMPTS))
-    with pytest.raises(CommandTimeout, match=f"DO_SET_SERVO on 1/1 failed after {ATTEMPTS} attempts: no answer"):
+    with pytest.raises(
+        CommandTimeout, match=f"DO_SET_SERVO on 1/1 failed after {ATTEMPTS} attempts: no answer"
+    ):
         operation.result()
 
 
@@ -169,7 +171,7 @@ def test_cancelling_tells_the_vehicle(client) -> None:
 
 def test_a_command_has_seven_parameters() -> None:
     assert Command.of(SERVO, [1, 2]).param2 == 2
-    with pytest.raises(FieldRangeError, match="has 7"):
+    with pytest.raises(InvalidArgumentError, match="has 7"):
         Command.of(SERVO, range(8))
 
 
