@@ -65,7 +65,7 @@ class Pair:
         self.ground_link.channels[0].close("a test")
         await asyncio.sleep(0.01)
         assert [node._host.engine.channels for node in self.nodes] == [[], []]
-        self.ground_link.meet(self.vehicle_link)
+        self.ground_link.connect(self.vehicle_link)
         await asyncio.sleep(0)
         assert [[channel.name for channel in node._host.engine.channels] for node in self.nodes] == names
         self.trust()

@@ -89,7 +89,10 @@ def test_standard_modes() -> None:
         assert await modes.set_standard(standard.SAFE_RECOVERY) == rtl
         assert server.current.custom_mode == rtl
         assert [mode.name for mode in await modes.list()][-1] == "RTL"  # nameless on the wire
-        assert (modes.current, modes._clients.modes.standard_mode) == (None, None)  # nobody followed it until now
+        assert (modes.current, modes._clients.modes.standard_mode) == (
+            None,
+            None,
+        )  # nobody followed it until now
         await asyncio.sleep(3)
         assert (modes.current, modes._clients.modes.standard_mode) == ("RTL", standard.SAFE_RECOVERY)
         with pytest.raises(CommandDenied, match="FAILED") as denied:
@@ -104,7 +107,9 @@ def test_a_standard_mode_that_is_accepted_but_not_entered_is_a_timeout() -> None
     async def work(pair: Pair) -> None:
         command = common.MavCmd.DO_SET_STANDARD_MODE
         pair.vehicle.commands.server.support(command, lambda _: common.MavResult.ACCEPTED)
-        with pytest.raises(ModeTimeout, match=r"setting standard mode LAND on 1/1 failed.*accepted, but not entered"):
+        with pytest.raises(
+            ModeTimeout, match=r"setting standard mode LAND on 1/1 failed.*accepted, but not entered"
+        ):
             await pair.remote.modes.set_standard(common.MavStandardMode.LAND)
 
     with_pair(work)

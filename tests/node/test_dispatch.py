@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from mavstack.dialects import common
 from mavstack.node.dispatch import MAX_CACHED, PacketDispatch
-from mavstack.node.service_index import MAX_CACHED as MOST_SERVICES_FOUND
-from mavstack.node.service_index import Listeners
+from mavstack.node.service_index import MAX_CACHED as MAX_SERVICES_CACHED
+from mavstack.node.service_index import ServiceIndex
 from mavstack.services import EVERYBODY, Address, Service
 from mavstack.wire import Packet, encode
 
@@ -45,30 +45,30 @@ def test_one_may_close_while_packets_are_handed_over() -> None:
     assert heard == ["once", "always", "always"]
 
 
-def test_what_is_found_for_forged_addresses_is_bounded() -> None:
-    dispatch, listeners, heard = PacketDispatch(), Listeners(), []
+def test_the_lookup_caches_are_bounded() -> None:
+    dispatch, index, heard = PacketDispatch(), ServiceIndex(), []
     dispatch.add([], EVERYBODY, heard.append)
     for number in range(2 * MAX_CACHED):
         dispatch.deliver(packet(HEARTBEAT, 1 + number % 255, 1 + number // 255))
-        listeners.of(number, 1)
+        index.find(number, 1)
     assert len(heard) == 2 * MAX_CACHED
-    assert len(dispatch._found) <= MAX_CACHED
-    assert len(listeners._found) <= MOST_SERVICES_FOUND
+    assert len(dispatch._cache) <= MAX_CACHED
+    assert len(index._cache) <= MAX_SERVICES_CACHED
 
 
-def test_services_are_found_by_what_they_listen_to_now() -> None:
-    listeners = Listeners()
+def test_services_are_found_by_their_current_ids() -> None:
+    index = ServiceIndex()
     server, client = Service(Address(255, 190)), Service(Address(255, 190))
     client.source_filter = Address(1, 1)
     server.handles, client.handles = frozenset({0}), frozenset({0, 30})
     for service in (server, client):
-        listeners.update(service)
-    assert listeners.of(0, 1) == (server, client)
-    assert listeners.of(0, 2) == (server,)
-    assert listeners.of(0, 0) == (server,)
-    assert listeners.of(30, 1) == (client,)
+        index.update(service)
+    assert index.find(0, 1) == (server, client)
+    assert index.find(0, 2) == (server,)
+    assert index.find(0, 0) == (server,)
+    assert index.find(30, 1) == (client,)
     client.handles = frozenset({30})
-    listeners.update(client)
-    assert listeners.of(0, 1) == (server,)
-    listeners.remove(client)
-    assert listeners.of(30, 1) == ()
+    index.update(client)
+    assert index.find(0, 1) == (server,)
+    index.remove(client)
+    assert index.find(30, 1) == ()

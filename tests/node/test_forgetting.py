@@ -26,7 +26,7 @@ def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
             assert remote.mission.progress.seq == 3
             asked = []
             pair.vehicle.add_packet_listener(
-                lambda packet: asked.append(packet.message.command), common.CommandLong, common.CommandInt
+                (common.CommandLong, common.CommandInt), lambda packet: asked.append(packet.message.command)
             )
             remote.clear_cache()
             assert not remote.params.cached
@@ -46,12 +46,12 @@ def test_there_may_be_nothing_to_forget():
     async def scenario():
         async with Pair() as pair:
             pair.remote.clear_cache()
-            assert not {"parameters", "modes", "mission_client"} & set(vars(pair.remote))
+            assert not {"params", "modes", "mission"} & set(vars(pair.remote._clients))
 
     run_virtually(scenario())
 
 
-@pytest.mark.parametrize("face", ["parameters", "extended_parameters"])
+@pytest.mark.parametrize("face", ["params", "extended_params"])
 def test_a_listing_under_way_begins_anew(face):
     async def scenario():
         async with Pair() as pair:
@@ -62,6 +62,6 @@ def test_a_listing_under_way_begins_anew(face):
             pair.remote.clear_cache()
             fetched = await fetching
             assert len(lists.drain()) == 1
-            assert len(fetched) == (40 if face == "parameters" else 1)
+            assert len(fetched) == (40 if face == "params" else 1)
 
     run_virtually(scenario())

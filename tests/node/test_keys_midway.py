@@ -52,7 +52,7 @@ class Broken(Pair):
         if both:
             to_ground.close("a test")
             await asyncio.sleep(0.01)
-            self.ground_link.meet(self.vehicle_link)
+            self.ground_link.connect(self.vehicle_link)
             await asyncio.sleep(0)
             self.trust()
         else:  # as with UDP: the ground begins anew, and the vehicle has noticed nothing
@@ -159,20 +159,22 @@ def test_a_channel_that_is_away_while_its_peer_takes_a_key_signs_with_it_too(sta
                 links[0].channels[0].close("a test")
                 await asyncio.sleep(0.01)
             else:
-                links[0].meet(links[1])
+                links[0].connect(links[1])
             await task
             await asyncio.sleep(1)
             if stays_closed:
-                links[0].meet(links[1])
+                links[0].connect(links[1])
             await asyncio.sleep(0.01)
             for _ in range(2):
                 assert len(pair.ground._host.engine.channels) == len(pair.vehicle._host.engine.channels) == 2
                 before = [refusals(node) for node in pair.nodes]
                 await assert_both_use(pair, NEW)
                 assert [refusals(node) for node in pair.nodes] == before
-                assert all(channel.signing.streams for node in pair.nodes for channel in node._host.engine.channels)
+                assert all(
+                    channel.signing.streams for node in pair.nodes for channel in node._host.engine.channels
+                )
                 links[0].channels[0].close("a test")
-                links[0].meet(links[1])
+                links[0].connect(links[1])
                 await asyncio.sleep(0.01)
             for link in links:
                 await link.close()

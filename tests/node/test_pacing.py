@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from mavstack.node.pacing import (
-    BULK_AT_ONCE,
-    FIRST_ESTIMATE,
-    LEAST_DEPTH,
-    LEAST_ESTIMATE,
-    MOST_ESTIMATE,
+    MAX_BULK_BURST,
+    DEFAULT_ESTIMATE,
+    MIN_DEPTH,
+    MIN_ESTIMATE,
+    MAX_ESTIMATE,
     Pacer,
 )
 from mavstack.services import Priority
@@ -42,12 +42,12 @@ def test_without_a_known_bandwidth_there_is_no_limit() -> None:
 
 def test_bulk_keeps_to_its_rate_where_no_bandwidth_is_known() -> None:
     pacer = Pacer(bulk_rate=500.0)
-    assert fill(pacer, 10, size=1) == pytest.approx(BULK_AT_ONCE + 5000, abs=3)
+    assert fill(pacer, 10, size=1) == pytest.approx(MAX_BULK_BURST + 5000, abs=3)
     burst = 0
     while pacer.has_room(BULK, 2000.0):  # silence saves up for no more than a burst
         pacer.sent(10**6, 2000.0, BULK)
         burst += 1
-    assert burst == BULK_AT_ONCE
+    assert burst == MAX_BULK_BURST
     assert pacer.room_at(2000.0) == pytest.approx(2000.002)
     assert pacer.has_room(BULK, 2000.0021)
     assert pacer.has_room(STREAM, 2000.0)
@@ -80,7 +80,7 @@ def test_silence_saves_up_for_no_more_than_a_short_burst() -> None:
         if pacer.has_room(BULK, 1000.0):
             pacer.sent(50, 1000.0)
             gone[BULK] += 50
-    assert gone[BULK] == LEAST_DEPTH
+    assert gone[BULK] == MIN_DEPTH
     for _ in range(100):
         if pacer.has_room(STREAM, 1000.0):
             pacer.sent(50, 1000.0, STREAM)
@@ -116,28 +116,28 @@ def test_radio_status_teaches_the_bandwidth_down_quickly_and_up_slowly() -> None
     pacer = Pacer()
     pacer.radio_status(70, 0.0)
     assert pacer.learned
-    assert pacer.bandwidth == FIRST_ESTIMATE
+    assert pacer.bandwidth == DEFAULT_ESTIMATE
     second_of(pacer, 1, 1.0, 100)
-    assert pacer.bandwidth == pytest.approx(FIRST_ESTIMATE * 1.15)
+    assert pacer.bandwidth == pytest.approx(DEFAULT_ESTIMATE * 1.15)
     for second in range(2, 5):
         second_of(pacer, second, 1.0, 10)
-    assert pacer.bandwidth < FIRST_ESTIMATE / 3
+    assert pacer.bandwidth < DEFAULT_ESTIMATE / 3
     before = pacer.bandwidth
     second_of(pacer, 5, 1.0, 70)
     assert pacer.bandwidth == before
     for second in range(6, 100):
         second_of(pacer, second, 1.0, 0)
-    assert pacer.bandwidth == LEAST_ESTIMATE
+    assert pacer.bandwidth == MIN_ESTIMATE
     for second in range(100, 300):
         second_of(pacer, second, 1.0, 100)
-    assert pacer.bandwidth == MOST_ESTIMATE
+    assert pacer.bandwidth == MAX_ESTIMATE
 
 
 def test_an_idle_radio_teaches_nothing_about_what_it_could_carry() -> None:
     pacer = Pacer()
     for second in range(100):
         second_of(pacer, second, 0.1, 100)
-    assert pacer.bandwidth <= FIRST_ESTIMATE * 1.15
+    assert pacer.bandwidth <= DEFAULT_ESTIMATE * 1.15
 
 
 def test_a_full_queue_tells_that_what_was_sent_was_too_much() -> None:
@@ -145,7 +145,7 @@ def test_a_full_queue_tells_that_what_was_sent_was_too_much() -> None:
     for second in range(3):
         second_of(pacer, second, 1.0, 100)
     second_of(pacer, 3, 0.4, 10)  # others used the air
-    assert pacer.bandwidth < FIRST_ESTIMATE * 0.4
+    assert pacer.bandwidth < DEFAULT_ESTIMATE * 0.4
 
 
 def test_a_radio_that_does_not_know_and_a_bandwidth_that_is_known_teach_nothing() -> None:

@@ -39,7 +39,9 @@ def test_the_current_item_is_set_the_older_way_where_the_newer_stays_unanswered(
 def test_a_refusal_is_not_gone_round() -> None:
     async def work() -> None:
         async with Pair() as pair:
-            pair.vehicle.mission.answer_commands(pair.vehicle.commands.server, pair.vehicle._host.engine.touch)
+            pair.vehicle.mission.answer_commands(
+                pair.vehicle.commands.server, pair.vehicle._host.engine.touch
+            )
             await pair.remote.mission.upload(ITEMS)
             with pytest.raises(CommandDenied, match="DENIED"):
                 await pair.remote.mission.set_current(3)

@@ -29,8 +29,8 @@ def fly(address: Address, engine: Engine) -> None:
     commands = engine.add(CommandServer(address))
     commands.support(SERVO, lambda _: common.MavResult.ACCEPTED)
     telemetry = engine.add(MessageServer(address, commands))
-    telemetry.publish(common.Attitude, lambda _: common.Attitude(roll=1), interval=0.5)
-    telemetry.publish(common.GlobalPositionInt, lambda _: common.GlobalPositionInt(lat=1), interval=1)
+    telemetry.provide(common.Attitude, lambda _: common.Attitude(roll=1), interval=0.5)
+    telemetry.provide(common.GlobalPositionInt, lambda _: common.GlobalPositionInt(lat=1), interval=1)
     parameters = engine.add(ParameterServer(address))
     for number in range(PARAMETERS):
         parameters.add(f"P_{number}", number * 100 + address.system)

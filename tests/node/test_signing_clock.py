@@ -91,7 +91,7 @@ def test_a_damaged_store_is_told_when_the_node_opens(tmp_path) -> None:
 
     async def work() -> None:
         pair = Pair(OLD, timestamps=TimestampStore(tmp_path / "clock"))
-        with pytest.raises(SigningError, match="not a signing timestamp"):
+        with pytest.raises(SigningError, match="cannot read the signing timestamp"):
             await pair.vehicle.open()
         assert not pair.vehicle.is_open
         await pair.vehicle.close()

@@ -1,11 +1,10 @@
-"""Blocking programs: threads that call at once or wait while another closes, and Ctrl-C in any call."""
+"""Blocking programs: concurrent calls of several threads, closing during a call, and Ctrl-C in any call."""
 
 from __future__ import annotations
 
 import asyncio
-import signal
 from concurrent.futures import ThreadPoolExecutor
-from threading import Event, Thread, Timer, main_thread
+from threading import Event, Thread, Timer
 
 import pytest
 
@@ -13,6 +12,7 @@ from mavstack.dialects import common
 from mavstack.errors import MavstackError, RemoteCancelled
 from mavstack.node.blocking_portal import BlockingPortal
 from mavstack.sync import Node
+from tests.interrupts import interrupt_main_thread, keyboard_interrupts
 
 QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
 
@@ -30,7 +30,7 @@ def ground(vehicle: Node):
         yield node
 
 
-def test_threads_call_at_once(vehicle: Node, ground: Node) -> None:
+def test_threads_call_concurrently(vehicle: Node, ground: Node) -> None:
     vehicle.on_command(common.MavCmd.DO_SET_SERVO)(lambda request: common.MavResult.ACCEPTED)
     vehicle.on_command(common.MavCmd.DO_SET_RELAY)(lambda request: common.MavResult.ACCEPTED)
     found = ground.wait_for_autopilot(timeout=10)
@@ -44,22 +44,22 @@ def test_threads_call_at_once(vehicle: Node, ground: Node) -> None:
         assert set(pool.map(work, range(100))) == {common.MavResult.ACCEPTED}
 
 
-@pytest.mark.parametrize("what", ["wait", "next", "command", "find"])
-def test_what_waits_in_a_thread_ends_when_another_closes_the_node(what: str) -> None:
+@pytest.mark.parametrize("call", ["serve_forever", "next", "command", "find"])
+def test_a_blocking_call_ends_when_another_thread_closes_the_node(call: str) -> None:
     node = Node("udpin://127.0.0.1:0").open()
     began, outcome = Event(), []
     heard = node.stream(common.Attitude)
     calls = {
-        "wait": node.wait,
+        "serve_forever": node.serve_forever,
         "next": lambda: next(heard, None),
         "command": lambda: node.component(1).command(common.MavCmd.NAV_LAND),
-        "find": node.autopilot,
+        "find": node.wait_for_autopilot,
     }
 
     def work() -> None:
         began.set()
         try:
-            outcome.append(calls[what]())
+            outcome.append(calls[call]())
         except MavstackError as error:
             outcome.append(error)
 
@@ -72,7 +72,7 @@ def test_what_waits_in_a_thread_ends_when_another_closes_the_node(what: str) -> 
     assert len(outcome) == 1
 
 
-def call_for_ever(node: Node, errors: list[str]) -> None:
+def call_forever(node: Node, errors: list[str]) -> None:
     try:
         while True:
             len(node.components)
@@ -80,11 +80,11 @@ def call_for_ever(node: Node, errors: list[str]) -> None:
         errors.append(str(error))
 
 
-def test_a_call_that_comes_while_another_thread_closes_never_hangs() -> None:
+def test_a_call_during_the_close_by_another_thread_never_hangs() -> None:
     for _ in range(20):
         node = Node("udpin://127.0.0.1:0").open()
         errors: list[str] = []
-        threads = [Thread(target=call_for_ever, args=(node, errors), daemon=True) for _ in range(3)]
+        threads = [Thread(target=call_forever, args=(node, errors), daemon=True) for _ in range(3)]
         for thread in threads:
             thread.start()
         node.close()
@@ -117,12 +117,12 @@ def test_blocks_may_be_left_after_the_node_was_closed() -> None:
             next(heard)
 
 
-def test_what_is_known_of_a_vehicle_is_a_copy(vehicle: Node, ground: Node) -> None:
+def test_mappings_are_copies(vehicle: Node, ground: Node) -> None:
     assert type(ground.wait_for_autopilot(timeout=10).params.cached) is dict
 
 
-@pytest.mark.parametrize("what", ["next", "ping", "parameters", "find", "wait"])
-def test_ctrl_c_in_any_call_leaves_the_node_in_use(vehicle: Node, ground: Node, what: str) -> None:
+@pytest.mark.parametrize("call", ["next", "ping", "parameters", "find", "serve_forever"])
+def test_the_node_is_usable_after_ctrl_c_in_any_call(vehicle: Node, ground: Node, call: str) -> None:
     found = ground.wait_for_autopilot(timeout=10)
     silent = ground.component(9)
     heard = ground.stream(common.Attitude)
@@ -131,18 +131,17 @@ def test_ctrl_c_in_any_call_leaves_the_node_in_use(vehicle: Node, ground: Node, 
         "ping": silent.ping,
         "parameters": silent.params.download,
         "find": lambda: ground.wait_for_autopilot(9),
-        "wait": ground.wait,
+        "serve_forever": ground.serve_forever,
     }
-    main = main_thread().ident
-    Timer(0.1, lambda: signal.pthread_kill(main, signal.SIGINT)).start()
-    with pytest.raises(KeyboardInterrupt):
-        calls[what]()
-    assert not silent._clients.params.busy
-    assert not silent._clients.ping.busy
+    interrupt_main_thread(after=0.1)
+    with keyboard_interrupts(), pytest.raises(KeyboardInterrupt):
+        calls[call]()
+    assert not silent._inner._clients.params.busy
+    assert not silent._inner._clients.ping.busy
     assert found.ping(1).received == 1
 
 
-def test_an_interrupted_call_is_waited_for_until_it_has_cleaned_up() -> None:
+def test_an_interrupted_call_cleans_up_before_it_returns() -> None:
     portal, cleaned = BlockingPortal(), []
 
     async def work() -> None:
@@ -152,16 +151,15 @@ def test_an_interrupted_call_is_waited_for_until_it_has_cleaned_up() -> None:
             await asyncio.sleep(0.2)
             cleaned.append(True)
 
-    main = main_thread().ident
-    Timer(0.1, lambda: signal.pthread_kill(main, signal.SIGINT)).start()
-    with pytest.raises(KeyboardInterrupt):
+    interrupt_main_thread(after=0.1)
+    with keyboard_interrupts(), pytest.raises(KeyboardInterrupt):
         portal.wait(work())
     assert cleaned
     portal.close()
     portal.close()
 
 
-def test_a_cancelled_operation_is_an_error_of_the_tree() -> None:
+def test_a_cancelled_operation_raises_remote_cancelled() -> None:
     node = Node("udpin://127.0.0.1:0").open()
     Timer(0.1, node.close).start()
     with pytest.raises(RemoteCancelled):

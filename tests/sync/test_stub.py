@@ -1,4 +1,4 @@
-"""The stub of the blocking face says what a type checker should believe."""
+"""The stub of the blocking API is up to date, and type checkers read it as they should."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ with Node("udpin://0.0.0.0:14550") as node:
 """
 
 
-def test_it_is_up_to_date() -> None:
+def test_the_stub_is_up_to_date() -> None:
     assert generate.main(["--check"]) == 0
 
 
-def test_type_checkers_see_calls_that_wait(tmp_path: Path) -> None:
+def test_type_checkers_see_blocking_calls(tmp_path: Path) -> None:
     program = tmp_path / "program.py"
     program.write_text(PROGRAM)
     command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", str(program)]
@@ -36,6 +36,6 @@ def test_type_checkers_see_calls_that_wait(tmp_path: Path) -> None:
     assert [line.partition(": ")[2].partition("  [")[0] for line in lines] == [
         'note: Revealed type is "int"',
         'note: Revealed type is "float"',
-        'error: Unexpected keyword argument "patience" for "autopilot" of "Node"',
-        'note: "autopilot" defined in "mavstack.sync"',
+        'error: Unexpected keyword argument "patience" for "wait_for_autopilot" of "Node"',
+        'note: "wait_for_autopilot" defined in "mavstack.sync"',
     ], lines

@@ -1,16 +1,16 @@
-"""The blocking face: the same calls, results and errors, over real sockets, from a plain script."""
+"""The blocking API has the calls, results and errors of the async API, over real sockets."""
 
 from __future__ import annotations
 
 import asyncio
-import signal
-from threading import Event, main_thread
+from threading import Event
 
 import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, LinkURLError, MavstackError, RemoteTimeout
 from mavstack.sync import Node
+from tests.interrupts import interrupt_main_thread, keyboard_interrupts
 
 QUADROTOR, PX4 = common.MavType.QUADROTOR, common.MavAutopilot.PX4
 
@@ -26,7 +26,7 @@ def url_of(vehicle: Node) -> str:
     return f"udpout://{host}:{port}"
 
 
-def test_a_script_finds_commands_and_listens(vehicle: Node) -> None:
+def test_a_script_commands_and_receives(vehicle: Node) -> None:
     @vehicle.on_command(common.MavCmd.DO_SET_SERVO)
     def servo(request) -> common.MavResult:
         return common.MavResult.ACCEPTED if request.command.param1 == 5 else common.MavResult.DENIED
@@ -51,7 +51,7 @@ def test_errors_are_the_same() -> None:
     with pytest.raises(LinkURLError):
         Node("nonsense")
     with Node("udpin://127.0.0.1:0") as lonely:
-        with pytest.raises(RemoteTimeout, match="an autopilot's heartbeat"):
+        with pytest.raises(RemoteTimeout, match="waiting for an autopilot on"):
             lonely.wait_for_autopilot(timeout=0.01)
         with pytest.raises(AttributeError):
             lonely.no_such_thing  # noqa: B018
@@ -60,7 +60,7 @@ def test_errors_are_the_same() -> None:
         lonely.send(common.Heartbeat())
 
 
-def test_a_handler_that_would_wait_for_itself_is_told(vehicle: Node) -> None:
+def test_a_blocking_call_in_a_handler_is_an_error(vehicle: Node) -> None:
     caught = []
 
     @vehicle.on_command(common.MavCmd.DO_SET_SERVO)
@@ -73,15 +73,15 @@ def test_a_handler_that_would_wait_for_itself_is_told(vehicle: Node) -> None:
 
     with Node(url_of(vehicle)) as ground:
         ground.wait_for_autopilot(timeout=10).command(common.MavCmd.DO_SET_SERVO)
-    assert "wait for itself" in caught[0]
+    assert "a callback would wait for its own thread" in caught[0]
 
 
-def test_ctrl_c_leaves_both_ends_clean(vehicle: Node) -> None:
+def test_ctrl_c_cancels_the_operation_on_both_ends(vehicle: Node) -> None:
     stopped = Event()
 
     @vehicle.on_command(common.MavCmd.DO_WINCH)
     async def winch(_request) -> common.MavResult:
-        signal.pthread_kill(main_thread().ident, signal.SIGINT)  # while the script waits for the answer
+        interrupt_main_thread()  # while the script waits for the answer
         try:
             await asyncio.Event().wait()
         finally:
@@ -90,6 +90,6 @@ def test_ctrl_c_leaves_both_ends_clean(vehicle: Node) -> None:
 
     with Node(url_of(vehicle)) as ground:
         found = ground.wait_for_autopilot(timeout=10)
-        with pytest.raises(KeyboardInterrupt):
+        with keyboard_interrupts(), pytest.raises(KeyboardInterrupt):
             found.command(common.MavCmd.DO_WINCH)
         assert stopped.wait(10)

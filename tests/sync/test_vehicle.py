@@ -1,4 +1,4 @@
-"""The blocking face of the vehicle API: a script flies a simulated vehicle over real sockets."""
+"""The blocking vehicle API: a script flies a simulated vehicle over real sockets."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported, CommandDenied, GroupError
 from mavstack.sim.background import BackgroundSimulator
 from mavstack.vehicle import VehicleFound
+from tests.interrupts import interrupt_main_thread, keyboard_interrupts
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +67,51 @@ def test_vehicles_groups_and_events(node):
         group.takeoff(10).check()  # disarmed
 
 
+def test_a_group_runs_blocking_functions_at_the_same_time(node):
+    def climb(vehicle):
+        vehicle.wait_until_ready()
+        vehicle.set_mode("GUIDED")
+        return vehicle.system
+
+    results = node.group().each(climb, name="changing mode")
+    assert {vehicle.system: result for vehicle, result in results.items()} == {1: 1, 2: 2}
+
+    def fail(vehicle):
+        vehicle.component.command(common.MavCmd.DO_ORBIT)
+
+    with pytest.raises(GroupError):
+        node.group().each(fail, max_concurrency=1).check()
+
+
+def test_ctrl_c_in_the_functions_of_a_group(node):
+    interrupt_main_thread(after=0.5)
+    with keyboard_interrupts(), pytest.raises(KeyboardInterrupt):
+        node.group().each(lambda vehicle: vehicle.wait_for_message(common.Ping))
+    assert node.wait_for_vehicle(1).alive
+
+
+def test_objects_are_instances_of_the_blocking_classes(node):
+    vehicle = node.wait_for_vehicle(1)
+    assert type(vehicle) is mavstack.sync.Vehicle
+    assert type(vehicle.params) is mavstack.sync.Params
+    assert isinstance(vehicle.mission, mavstack.sync.VehiclePlan)
+    assert isinstance(node, mavstack.sync.Node)
+    assert type(node.group()) is mavstack.sync.Group
+    with pytest.raises(ImportError):
+        from mavstack.sync import Driver  # noqa: F401
+
+
+def test_assignment_to_what_is_not_settable_is_refused(node):
+    vehicle = node.wait_for_vehicle(1)
+    for name in ("armed", "params", "arm", "altitude", "_inner"):
+        with pytest.raises(AttributeError, match=name):
+            setattr(vehicle, name, 7)
+    (channel,) = node.links[0].channels
+    state = node.channel_state(channel)
+    state.trusted = True
+    assert state.trusted is True
+
+
 def test_events_lead_to_blocking_vehicles(simulated):
     with mavstack.sync.connect(simulated.url) as node, node.events(VehicleFound) as events:
         found = next(events)
@@ -78,5 +124,5 @@ def test_errors_are_the_same(node):
         vehicle.component.command(common.MavCmd.DO_ORBIT)
     with BackgroundSimulator("rover") as rover, mavstack.sync.connect(rover.url) as other:
         driven = other.wait_for_vehicle()
-        with pytest.raises(ActionUnsupported, match="a rover cannot take off"):
+        with pytest.raises(ActionUnsupported, match="cannot take off: it is a rover"):
             driven.takeoff(10)

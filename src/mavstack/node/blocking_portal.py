@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 from concurrent.futures import CancelledError
 from contextlib import suppress
+from dataclasses import dataclass
 from threading import Lock, Thread, get_ident
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -25,6 +26,17 @@ Result = TypeVar("Result")
 CLEANUP_TIMEOUT = 2.0
 
 
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """A function that runs in a thread of its own, and may make blocking calls."""
+
+    #: The outcome, as a future of the loop.
+    result: asyncio.Future[Any]
+    #: Cancels the blocking call that the function waits for, and its later ones.
+    cancel: Callable[[], None]
+
+
 class BlockingPortal:
     """A thread that runs an event loop until `close`."""
 
@@ -33,6 +45,8 @@ class BlockingPortal:
         self._tasks: set[asyncio.Task[Any]] = set()
         self._lock = Lock()
         self._closed = False
+        self._calls: dict[int, Future[Any]] = {}  # by thread: the call that it waits for
+        self._cancelled: set[int] = set()  # workers whose calls are cancelled
         self._thread = Thread(target=self._loop.run_forever, name="mavstack", daemon=True)
         self._thread.start()
 
@@ -57,6 +71,8 @@ class BlockingPortal:
         except BaseException:
             self._abandon(future)
             raise
+        finally:
+            self._calls.pop(get_ident(), None)
 
     def call(self, function: Callable[[], Result]) -> Result:
         """Call a plain function in the loop's thread and return its result."""
@@ -67,6 +83,39 @@ class BlockingPortal:
         if get_ident() == self._thread.ident:
             return function()
         return self.wait(calling())
+
+    def worker(self, function: Callable[[], object]) -> Worker:
+        """Start a function in a thread of its own; to be called in the loop's thread."""
+        result: asyncio.Future[Any] = self._loop.create_future()
+        started: list[int] = []
+
+        def finish(outcome: object, error: BaseException | None) -> None:
+            self._cancelled.difference_update(started)
+            if error is None:
+                result.set_result(outcome)
+            else:
+                result.set_exception(error)
+
+        def run() -> None:
+            started.append(get_ident())
+            outcome: object = None
+            failure: BaseException | None = None
+            try:
+                outcome = function()
+            except BaseException as error:  # noqa: BLE001 (it belongs to the caller)
+                failure = error
+            with suppress(RuntimeError):  # the loop was closed meanwhile
+                self._loop.call_soon_threadsafe(finish, outcome, failure)
+
+        def cancel() -> None:
+            with self._lock:
+                self._cancelled.update(started)
+                calls = [self._calls[thread] for thread in started if thread in self._calls]
+            for call in calls:
+                call.cancel()
+
+        Thread(target=run, name="mavstack worker", daemon=True).start()
+        return Worker(result, cancel)
 
     def close(self) -> None:
         """Cancel all tasks, and stop the loop and its thread. Idempotent."""
@@ -88,7 +137,12 @@ class BlockingPortal:
                 work.close()
                 reason = "the node is closed" if self._closed else "a callback would wait for its own thread"
                 raise InvalidStateError(f"a blocking call is not possible here: {reason}")
-            return asyncio.run_coroutine_threadsafe(self._tracked(work), self._loop)
+            if get_ident() in self._cancelled:
+                work.close()
+                raise CancelledError
+            future = asyncio.run_coroutine_threadsafe(self._tracked(work), self._loop)
+            self._calls[get_ident()] = future
+            return future
 
     async def _tracked(self, work: Coroutine[Any, Any, Result]) -> Result:
         task = asyncio.current_task()

@@ -45,12 +45,12 @@ class ComponentClients:
         for name in ("params", "extended_params"):
             if self.has(name):
                 client = getattr(self, name)
-                client.forget(now)
+                client.clear_cache(now)
                 self.host.wake(client)
         if self.has("modes"):
-            self.modes.forget()
+            self.modes.clear_cache()
         if self.has("mission"):
-            self.mission.forget_progress()
+            self.mission.clear_progress()
 
     @cached_property
     def command(self) -> CommandClient:

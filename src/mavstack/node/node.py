@@ -99,7 +99,7 @@ class Node(Messaging, Serving):
         self._host = NodeHost(engine, Discovery(local, is_echo=engine.is_echo, channel_name=engine.arrival_channel))
         self._heartbeat = HeartbeatSender(local, type, autopilot)
         #: The node's links, in the order in which they were given.
-        self.links = [open_link(link) if isinstance(link, str) else link for link in links]
+        self.links: list[Link] = [open_link(link) if isinstance(link, str) else link for link in links]
         #: The services that every component offers: it receives status texts, and answers PING and TIMESYNC.
         self._common_services = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
         self._version = version

@@ -123,7 +123,7 @@ class Plans:
         host, client = self._clients.host, self._clients.mission
         budget = TimeBudget(timeout, host.now)
         try:
-            operation = set_current_item(seq, reset=restart, timeout=budget.remaining(SET_CURRENT_TIMEOUT))
+            operation = set_current_item(seq, restart=restart, timeout=budget.remaining(SET_CURRENT_TIMEOUT))
             await host.run_operation(self._clients.command, operation)
         except (CommandDenied, CommandTimeout) as error:
             unknown = isinstance(error, CommandTimeout) or error.code == common.MavResult.UNSUPPORTED

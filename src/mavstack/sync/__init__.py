@@ -1,8 +1,24 @@
-"""The same for scripts that block: `with mavstack.sync.connect(url) as node: vehicle = node.wait_for_vehicle()`.
+"""The blocking API, for scripts.
 
-Every name, argument, result and error is that of `mavstack.vehicle` and `mavstack.node`; see `proxy` for how.
+    with mavstack.sync.connect("udpin://0.0.0.0:14550") as connection:
+        vehicle = connection.wait_for_vehicle()
+
+Every name, argument, result and error is that of the async API (`mavstack.node`, `mavstack.vehicle`); calls
+block in place of `await`. The classes can be imported for annotations and `isinstance`, as in `from
+mavstack.sync import Vehicle`.
 """
 
+from __future__ import annotations
+
+from mavstack.sync.classes import CLASSES
 from mavstack.sync.node import Connection, Node, connect
+from mavstack.sync.proxy import Blocking, class_named
 
 __all__ = ["Connection", "Node", "connect"]
+__all__ += [name for name in CLASSES if name not in __all__]
+
+
+def __getattr__(name: str) -> type[Blocking]:
+    if name in CLASSES:
+        return class_named(name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

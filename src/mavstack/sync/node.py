@@ -1,4 +1,4 @@
-"""The blocking node and connection: they open and close with their thread."""
+"""The blocking node and connection, which own the event loop's thread."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from mavstack.node import Node as AsyncNode
 from mavstack.node.blocking_portal import BlockingPortal
-from mavstack.sync.proxy import Blocking
+from mavstack.sync.proxy import Blocking, register
 from mavstack.vehicle import Connection as AsyncConnection
 
 if TYPE_CHECKING:
@@ -15,25 +15,25 @@ if TYPE_CHECKING:
 
 
 class Node(Blocking):
-    """A node whose every call waits; the arguments are those of `mavstack.node.Node`."""
+    """A node with blocking calls; the arguments are those of `mavstack.Node`."""
 
-    _made_by: ClassVar[type[AsyncNode]] = AsyncNode
+    _wrapped: ClassVar[type[AsyncNode]] = AsyncNode
 
     def __init__(self, *links: Any, **options: Any) -> None:  # noqa: ANN401 (the stub has them all)
         portal = BlockingPortal()
         try:
-            super().__init__(portal.call(lambda: self._made_by(*links, **options)), portal)
+            super().__init__(portal.call(lambda: self._wrapped(*links, **options)), portal)
         except BaseException:
             portal.close()
             raise
 
     def open(self) -> Self:
-        """Open the links."""
+        """Open the links; see `mavstack.Node.open`."""
         self._portal.wait(self._inner.open())
         return self
 
     def close(self) -> None:
-        """Close the links and end the thread. Closing twice does nothing."""
+        """Close the links and end the thread. Idempotent."""
         if not self._portal.closed:
             try:
                 self._portal.wait(self._inner.close())
@@ -54,9 +54,13 @@ class Node(Blocking):
 
 
 class Connection(Node):
-    """A connection whose every call waits; the arguments are those of `mavstack.connect`."""
+    """A connection with blocking calls; the arguments are those of `mavstack.connect`."""
 
-    _made_by = AsyncConnection
+    _wrapped = AsyncConnection
+
+
+register(AsyncNode, Node)
+register(AsyncConnection, Connection)
 
 
 def connect(*links: Any, **options: Any) -> Connection:  # noqa: ANN401 (the stub has them all)

@@ -1,26 +1,29 @@
-"""A blocking face over any object of the node: the same names, with waits in place of awaits.
+"""A blocking proxy of any object of the async API: the same names, with blocking calls.
 
-There is no second implementation and nothing to keep up to date but the stub beside it: a proxy looks an
-attribute up in the loop's thread, and what it finds there tells what to give back.
+There is no second implementation. A proxy looks an attribute up in the event loop's thread and converts what
+it finds:
 
-    async method            a method that waits
-    plain method, property  called in the loop's thread
-    async iterator          an iterator
-    async context manager   a context manager
-    object of the node      a proxy of it, and so for a vehicle, a group, an event that tells of a vehicle
-    list, mapping           a copy of it, of proxies if it holds such objects
-    anything else           itself: messages, packets, events and plain values cannot change
+    async method                     a method that blocks until the result
+    plain method, property           called in the loop's thread
+    async iterator                   an iterator
+    async context manager            a context manager
+    object of the node or vehicle    a proxy; in events and group results too
+    list, mapping                    a copy, with proxies of such objects
+    anything else                    unchanged: messages, packets and plain values are immutable
 """
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass
-from functools import wraps
-from inspect import isawaitable
-from typing import TYPE_CHECKING, Any
+from functools import cached_property, wraps
+from importlib import import_module
+from inspect import getattr_static, isawaitable
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from mavstack.vehicle.vehicle_tracker import VehicleEvent
+from mavstack.sync.classes import CLASSES
+from mavstack.vehicle.events import VehicleEvent
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,25 +32,37 @@ if TYPE_CHECKING:
 
     from mavstack.node.blocking_portal import BlockingPortal
 
-#: Whose objects live in the loop's thread.
+#: Packages whose objects belong to the loop's thread.
 PACKAGES = ("mavstack.node.", "mavstack.vehicle.")
 
 
 class Blocking:
-    """The blocking face of one object."""
+    """The blocking proxy of one object."""
 
-    def __init__(self, inner: Any, portal: BlockingPortal) -> None:  # noqa: ANN401 (any object of the node)
-        self._inner = inner
-        self._portal = portal
+    #: The async class that a subclass wraps.
+    _wrapped: ClassVar[type] = object
+
+    def __init__(self, inner: Any, portal: BlockingPortal) -> None:  # noqa: ANN401 (any object of the API)
+        object.__setattr__(self, "_inner", inner)
+        object.__setattr__(self, "_portal", portal)
+
+    _inner: Any
+    _portal: BlockingPortal
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (whatever the object has)
-        if name.startswith("__"):
-            raise AttributeError(name)
+        if name.startswith("_"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         inner = self._inner
-        return self._portal.call(lambda: self._attribute(getattr(inner, name)))
+        return self._portal.call(lambda: self._convert_attribute(getattr(inner, name)))
+
+    def __setattr__(self, name: str, value: object) -> None:
+        inner = self._inner
+        if name.startswith("_") or not _is_settable(inner, name):
+            raise AttributeError(f"{type(self).__name__!r} object has no settable attribute {name!r}")
+        self._portal.call(lambda: setattr(inner, name, _unwrap(value)))
 
     def __dir__(self) -> list[str]:
-        return dir(self._inner)
+        return [name for name in dir(self._inner) if not name.startswith("_") or name.startswith("__")]
 
     def __repr__(self) -> str:
         return f"<blocking {self._inner!r}>"
@@ -56,7 +71,7 @@ class Blocking:
         inner = self._inner
         if hasattr(type(inner), "__anext__"):
             return self
-        return iter([self._face(item) for item in self._portal.call(lambda: list(inner))])
+        return iter([self._wrap(item) for item in self._portal.call(lambda: list(inner))])
 
     def __len__(self) -> int:
         inner = self._inner
@@ -67,31 +82,31 @@ class Blocking:
 
     def __getitem__(self, key: Any) -> Any:  # noqa: ANN401 (whatever the mapping has)
         inner = self._inner
-        return self._face(self._portal.call(lambda: inner[_inner(key)]))
+        return self._wrap(self._portal.call(lambda: inner[_unwrap(key)]))
 
     def __contains__(self, item: object) -> bool:
         inner = self._inner
-        return self._portal.call(lambda: _inner(item) in inner)
+        return self._portal.call(lambda: _unwrap(item) in inner)
 
     def __eq__(self, other: object) -> bool:
-        return self._inner is _inner(other)
+        return self._inner is _unwrap(other)
 
     def __hash__(self) -> int:
         return hash(self._inner)
 
-    def __next__(self) -> Any:  # noqa: ANN401 (what the iterator yields)
+    def __next__(self) -> Any:  # noqa: ANN401 (an item of the iterator)
         inner = self._inner
 
-        async def following() -> tuple[Any, ...]:
+        async def get_next() -> tuple[Any, ...]:
             try:
                 return (await anext(inner),)
             except StopAsyncIteration:
                 return ()
 
-        found = self._portal.wait(following())
-        if not found:
+        items = self._portal.wait(get_next())
+        if not items:
             raise StopIteration
-        return self._face(found[0])
+        return self._wrap(items[0])
 
     def __enter__(self) -> Self:
         self._portal.wait(self._inner.__aenter__())
@@ -100,40 +115,106 @@ class Blocking:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if not self._portal.closed:  # else there is nothing left to leave
+        if not self._portal.closed:  # else the node has cleaned up already
             self._portal.wait(self._inner.__aexit__(kind, error, trace))
 
-    def _attribute(self, found: Any) -> Any:  # noqa: ANN401 (any value)
-        return self._method(found) if callable(found) and not _is_of_node(found) else self._face(found)
+    def _convert_attribute(self, found: Any) -> Any:  # noqa: ANN401 (any value)
+        return self._blocking(found) if callable(found) and not _needs_proxy(found) else self._wrap(found)
 
-    def _method(self, method: Callable[..., Any]) -> Callable[..., Any]:
-        async def called(args: tuple[Any, ...], named: dict[str, Any]) -> Any:  # noqa: ANN401 (as below)
-            result = method(*map(_inner, args), **{name: _inner(value) for name, value in named.items()})
-            return self._face(await result if isawaitable(result) else result)
+    def _blocking(self, method: Callable[..., Any]) -> Callable[..., Any]:
+        async def run(args: tuple[Any, ...], named: dict[str, Any]) -> Any:  # noqa: ANN401 (as below)
+            result = method(*map(_unwrap, args), **{name: _unwrap(value) for name, value in named.items()})
+            return self._wrap(await result if isawaitable(result) else result)
 
         @wraps(method)
-        def blocking(*args: Any, **named: Any) -> Any:  # noqa: ANN401 (the method's own)
-            return self._portal.wait(called(args, named))
+        def call(*args: Any, **named: Any) -> Any:  # noqa: ANN401 (the method's own)
+            return self._portal.wait(run(args, named))
 
-        return blocking
+        return call
 
-    def _face(self, found: Any) -> Any:  # noqa: ANN401 (any value)
-        if _is_of_node(found):
-            return Blocking(found, self._portal)
+    def _wrap(self, found: Any) -> Any:  # noqa: ANN401 (any value)
+        if _needs_proxy(found):
+            return blocking_class(type(found))(found, self._portal)
         if isinstance(found, list):
-            return [self._face(item) for item in found]
+            return [self._wrap(item) for item in found]
         if isinstance(found, Mapping):
-            return {self._face(key): self._face(value) for key, value in found.items()}
+            return {self._wrap(key): self._wrap(value) for key, value in found.items()}
         return found
 
 
-def _inner(argument: Any) -> Any:  # noqa: ANN401 (any value)
+class BlockingGroup(Blocking):
+    """The blocking proxy of a group of vehicles: `each` runs plain functions, each in a thread of its own."""
+
+    def each(self, work: Callable[[Any], Any], **options: Any) -> Any:  # noqa: ANN401 (as in the stub)
+        """Run a function for every vehicle; see `mavstack.Group.each`."""
+        portal = self._portal
+
+        async def run(vehicle: object) -> object:
+            worker = portal.worker(lambda: work(self._wrap(vehicle)))
+            try:
+                return await asyncio.shield(worker.result)
+            except asyncio.CancelledError:
+                worker.cancel()
+                await asyncio.wait([worker.result])
+                worker.result.exception()  # retrieved, so that the loop does not report it
+                raise
+
+        return self._blocking(self._inner.each)(run, **options)
+
+
+#: The blocking class of each async class, once it is needed.
+_classes: dict[type, type[Blocking]] = {}
+
+
+def blocking_class(kind: type) -> type[Blocking]:
+    """Return the blocking class of an async class, or of its nearest public base."""
+    known = _classes.get(kind)
+    if known is None:
+        public = next((each for each in kind.__mro__ if CLASSES.get(each.__name__) == _module_of(each)), None)
+        if public is None:
+            return Blocking
+        base: type[Blocking] = BlockingGroup if public.__name__ == "Group" else Blocking
+        for parent in public.__mro__[1:]:
+            if CLASSES.get(parent.__name__) == _module_of(parent):
+                base = blocking_class(parent)
+                break
+        body = {"__doc__": public.__doc__, "__module__": "mavstack.sync", "_wrapped": public}
+        known = _classes.get(public) or type(public.__name__, (base,), body)
+        _classes[public] = _classes[kind] = known
+    return known
+
+
+def register(kind: type, blocking: type[Blocking]) -> None:
+    """Use a class that is written by hand as the blocking class of an async class."""
+    _classes[kind] = blocking
+
+
+def class_named(name: str) -> type[Blocking]:
+    """Return the blocking class of that name."""
+    return blocking_class(getattr(import_module(f"mavstack.{CLASSES[name]}"), name))
+
+
+def _module_of(kind: type) -> str:
+    return kind.__module__.removeprefix("mavstack.")
+
+
+def _unwrap(argument: Any) -> Any:  # noqa: ANN401 (any value)
     return argument._inner if isinstance(argument, Blocking) else argument  # noqa: SLF001 (of this module)
 
 
-def _is_of_node(found: object) -> bool:
+def _needs_proxy(found: object) -> bool:
     kind = type(found)
     if is_dataclass(kind) and not isinstance(found, VehicleEvent):
         return False
-    lives = kind.__module__.startswith(PACKAGES) and not isinstance(found, str | tuple)
-    return lives or hasattr(kind, "__anext__")
+    belongs = kind.__module__.startswith(PACKAGES) and not isinstance(found, str | tuple)
+    return belongs or hasattr(kind, "__anext__")
+
+
+def _is_settable(inner: object, name: str) -> bool:
+    """Return whether a program may set an attribute: a property with a setter, or a data attribute."""
+    member = getattr_static(type(inner), name, None)
+    if isinstance(member, property):
+        return member.fset is not None
+    if isinstance(member, cached_property) or callable(member):
+        return False
+    return hasattr(inner, name)

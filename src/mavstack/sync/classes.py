@@ -1,0 +1,37 @@
+"""The blocking classes: their names, and the async classes that they wrap."""
+
+from __future__ import annotations
+
+#: Module of each async class that has a blocking counterpart of the same name, relative to `mavstack`.
+CLASSES = {
+    "Subscription": "node.subscription",
+    "Listener": "node.dispatch",
+    "CommandHandlers": "node.command_handlers",
+    "ControlStream": "node.control",
+    "ExtendedParams": "node.extended_params",
+    "Ftp": "node.ftp",
+    "Logs": "node.logs",
+    "Modes": "node.modes",
+    "Params": "node.params",
+    "Plans": "node.plans",
+    "Shell": "node.shell",
+    "RemoteComponent": "node.component",
+    "Node": "node.node",
+    "MessageStream": "vehicle.telemetry.stream",
+    "GuidedSession": "vehicle.guided_session",
+    "VehiclePlan": "vehicle.mission",
+    "Mission": "vehicle.mission",
+    "Vehicle": "vehicle.vehicle",
+    "Results": "vehicle.group",
+    "Group": "vehicle.group",
+    "Connection": "vehicle.connection",
+}
+#: Module of each base class whose members belong to the classes above without a name of their own.
+MIXINS = {
+    "Messaging": "node.messaging",
+    "Serving": "node.serving",
+    "TelemetryProperties": "vehicle.telemetry.properties",
+    "VehicleState": "vehicle.vehicle_state",
+}
+#: Module of the functions of the blocking API.
+FUNCTIONS = {"connect": "vehicle.connection"}
