@@ -1,7 +1,7 @@
 """The entry point of `mav`: runs a command and turns its outcome into an exit code.
 
-Exit codes: 0 success, 1 a failure told in one line on stderr, 2 wrong usage, 130 ended by Ctrl-C. A reader that
-closes the pipe (`mav … | head`) has read enough: that is no failure.
+Exit codes: 0 success, 1 a failure told in one line on stderr, 2 wrong usage, 130 ended by Ctrl-C. A reader
+that closes the pipe (`mav … | head`) has read enough: that is no failure.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
 from mavstack import __version__
-from mavstack.cli.common.log_output import logging_to_outputs
 from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.log_output import logging_to_outputs
 from mavstack.cli.registry import COMMANDS, command_parser, load_command
 from mavstack.errors import LinkURLError, MavstackError, UnknownDialectError
 

@@ -3,6 +3,8 @@
 `python -m mavstack.cli.reference` prints the whole reference; with names of commands, only theirs.
 """
 
+# ruff: noqa: SLF001 (argparse has no public access to the options of a parser)
+
 from __future__ import annotations
 
 import sys
@@ -22,8 +24,8 @@ if TYPE_CHECKING:
 WIDTH: Final = 100
 _INTRODUCTION: Final = """\
 `mav` is one program with a command for each task. Every command has `--help`. The exit code is 0 for success,
-1 for a failure told in one line on stderr, 2 for wrong usage, and 130 after Ctrl-C. These options show the log and
-are understood by every command:
+1 for a failure told in one line on stderr, 2 for wrong usage, and 130 after Ctrl-C. Every command has these
+options for its log:
 """
 _HEADINGS: Final = {"positional": "argument", "options": "option", "vehicle": "vehicle option"}
 
@@ -92,7 +94,7 @@ def _logging_table() -> str:
 def _parser_parts(
     parser: ArgumentParser, *, with_description: bool = True, with_options: bool = True
 ) -> Iterator[str]:
-    """Description, usage, arguments and options, examples."""
+    """Yield the description, the usage, the tables of arguments and options, and the examples."""
     if with_description and parser.description:
         yield parser.description
     yield f"```text\n{_usage(parser)}\n```"
@@ -141,7 +143,7 @@ def _help(parser: ArgumentParser, action: Action) -> str:
 
 
 def _epilog_parts(epilog: str) -> Iterator[str]:
-    """Examples as a code block; indented lines of other paragraphs too."""
+    """Yield the paragraphs of an epilog, with indented lines as code blocks."""
     for paragraph in epilog.strip().split("\n\n"):
         head, *lines = paragraph.splitlines()
         if lines and all(line.startswith("  ") for line in lines):
@@ -160,7 +162,6 @@ def _shell_command_parts(command: Command) -> Iterator[str]:
         yield f"Other names: {', '.join(f'`{alias}`' for alias in command.aliases)}."
     if command.examples:
         yield "Examples:\n\n```text\n" + "\n".join(command.examples) + "\n```"
-
 
 
 def _sentence(text: str, end: str = ".") -> str:

@@ -1,7 +1,7 @@
 """The commands of `mav`: where each is defined, and its argument parser.
 
-A command is a module with `EXAMPLES`, `add_arguments(parser)` and `run(arguments) -> int`. It is imported when it
-is needed, so that `mav --help` loads none of them.
+A command is a module with `EXAMPLES`, `add_arguments(parser)` and `run(arguments) -> int`. It is imported
+when it is needed, so that `mav --help` loads none of them.
 """
 
 from __future__ import annotations
@@ -84,8 +84,8 @@ def command_parser(name: str) -> ArgumentParser:
 def actions_of(parser: ArgumentParser) -> list[tuple[str, str, ArgumentParser]]:
     """Return the actions of a command: name, summary, parser."""
     found: list[tuple[str, str, ArgumentParser]] = []
-    for action in parser._actions:
+    for action in parser._actions:  # noqa: SLF001 (argparse has no public access)
         if isinstance(action, _SubParsersAction):
-            summaries = {each.dest: each.help or "" for each in action._get_subactions()}
+            summaries = {each.dest: each.help or "" for each in action._get_subactions()}  # noqa: SLF001
             found += [(name, summaries.get(name, ""), each) for name, each in action.choices.items()]
     return found

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from mavstack.cli.demo.flights import FLIGHTS, home_of, plan_of
+from mavstack.cli.demo.flights import FLIGHTS, flight_home, flight_plan
 from mavstack.dialects import common
 from mavstack.sim.vehicle_types import Firmware
 
@@ -46,7 +46,7 @@ def test_with_a_link_for_others_it_says_nothing(mav):
 
 @pytest.mark.parametrize("flight", FLIGHTS, ids=lambda flight: f"{flight.firmware}-{flight.type}")
 def test_a_plan_goes_round_for_ever(flight):
-    items = plan_of(flight, home_of(flight)).items
+    items = flight_plan(flight, flight_home(flight)).items
     jump = items[-1]
     assert jump.command == common.MavCmd.DO_JUMP
     assert jump.param2 == -1

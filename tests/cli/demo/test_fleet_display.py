@@ -3,14 +3,14 @@ from __future__ import annotations
 import pytest
 
 from mavstack.cli.demo.fleet_display import draw
-from mavstack.cli.demo.fleet_state import FleetWatch
+from mavstack.cli.demo.fleet_state import FleetState
 from mavstack.dialects import Dialect, ardupilotmega, common
 from mavstack.wire import Encoder, Parser
 
 DIALECT = Dialect.load("all")
 
 
-def heard(watch: FleetWatch, system: int, *messages, now: float = 0.0) -> None:
+def heard(watch: FleetState, system: int, *messages, now: float = 0.0) -> None:
     encoder, parser = Encoder(system, 1), Parser(DIALECT)
     for message in messages:
         for packet in parser.feed(encoder.encode(message)):
@@ -23,8 +23,8 @@ def beat(**fields):
 
 
 @pytest.fixture
-def watch() -> FleetWatch:
-    watch = FleetWatch(DIALECT)
+def watch() -> FleetState:
+    watch = FleetState(DIALECT)
     for system in (1, 12):
         place = common.GlobalPositionInt(lat=470_000_000 + 1000 * system, lon=80_000_000, relative_alt=12_300)
         heard(watch, system, beat(), place, common.VfrHud(groundspeed=4.5, heading=270))
@@ -33,7 +33,7 @@ def watch() -> FleetWatch:
     return watch
 
 
-def lines(watch: FleetWatch, width: int, height: int, now: float = 1.0) -> list[str]:
+def lines(watch: FleetState, width: int, height: int, now: float = 1.0) -> list[str]:
     return [line.plain for line in draw(watch.moment(now), "seven vehicles", width, height, 65.0)]
 
 
@@ -66,20 +66,20 @@ def test_who_is_silent(watch):
 
 
 def test_a_place_that_is_not_known_yet_is_not_on_the_map():
-    watch = FleetWatch(DIALECT)
+    watch = FleetState(DIALECT)
     heard(watch, 1, beat(), common.GlobalPositionInt(lat=0, lon=0))
     assert watch.vehicles[1].latitude is None
     assert not watch.vehicles[1].track
 
 
 def test_ground_stations_are_no_vehicles():
-    watch = FleetWatch(DIALECT)
+    watch = FleetState(DIALECT)
     heard(watch, 255, beat(autopilot=common.MavAutopilot.INVALID, type=common.MavType.GCS))
     assert not watch.vehicles
 
 
 def test_a_moment_does_not_change():
-    watch = FleetWatch(DIALECT)
+    watch = FleetState(DIALECT)
     heard(watch, 1, beat(), common.GlobalPositionInt(lat=1000, lon=1000, relative_alt=1000))
     moment = watch.moment(0.0)
     heard(watch, 1, common.GlobalPositionInt(lat=90000, lon=1000, relative_alt=9000))

@@ -72,7 +72,7 @@ def test_raw_packets_have_no_times(mav, tmp_path):
 
 
 def test_the_last_packet_may_hide_behind_an_unfinished_one(mav, tmp_path):
-    path = tmp_path / "cut.raw"
+    path = tmp_path / "shorten.raw"
     path.write_bytes(b"\xfd\xff\x00\x00" + b"".join(flight(0)))
     assert json.loads(mav("watch", path, "--once", "--json").out)["packets"] == 2
 

@@ -1,4 +1,4 @@
-"""The live picture of a fleet: a map of tracks, a line a vehicle, and what the vehicles said last."""
+"""The live display of a fleet: a map of tracks, one line per vehicle, and the last status texts."""
 
 from __future__ import annotations
 
@@ -7,76 +7,80 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.character_map import MapObject, draw_map
 from mavstack.cli.common.live_display import LiveDisplay, Text
-from mavstack.cli.watch.snapshot import duration_text
+from mavstack.cli.watch.snapshot import elapsed_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.cli.common.character_map import Cell, CharacterMap
-    from mavstack.cli.demo.fleet_state import FleetWatch, Moment, Seen
+    from mavstack.cli.demo.fleet_state import FleetSnapshot, FleetState, FleetVehicle
 
 _STYLES = ("cyan", "green", "yellow", "magenta", "blue", "red", "bright_white")
-_LEAST_MAP, _MOST_TEXTS = 4, 6
+_MIN_MAP_ROWS, _MAX_TEXTS = 4, 6
 _WIDE = 100
-_SILENT = 3.0
+#: Seconds without a HEARTBEAT after which a vehicle is shown as silent.
+_MAX_SILENCE = 3.0
+#: Percent of the battery below which its bar is yellow and red.
 _LOW, _CRITICAL = 30, 15
-_BAR = 8
+_BAR_WIDTH = 8
 
 
-class FleetPicture(LiveDisplay["Moment"]):
-    """Shows what a fleet does, on the whole terminal, and leaves the last picture behind."""
+class FleetDisplay(LiveDisplay["FleetSnapshot"]):
+    """The live display of a fleet."""
 
-    def __init__(self, title: str, watch: FleetWatch) -> None:
+    def __init__(self, title: str, fleet: FleetState) -> None:
         super().__init__()
-        self._title, self._watch = title, watch
-        self._began = monotonic()
+        self._title, self._fleet = title, fleet
+        self._started = monotonic()
 
-    def take(self) -> Moment:
-        return self._watch.moment(monotonic())
+    def snapshot(self) -> FleetSnapshot:
+        """Return a snapshot of the fleet."""
+        return self._fleet.snapshot(monotonic())
 
-    def drawn(self, taken: Moment, width: int, height: int) -> list[Text]:
-        return draw(taken, self._title, width, height, taken.now - self._began)
+    def lines(self, snapshot: FleetSnapshot, width: int, height: int) -> list[Text]:
+        """Return the lines of a snapshot."""
+        return render(snapshot, self._title, width, height, snapshot.now - self._started)
 
 
-def draw(moment: Moment, title: str, width: int, height: int, seconds: float) -> list[Text]:
-    """The picture in at most `height` lines of at most `width` columns."""
+def render(snapshot: FleetSnapshot, title: str, width: int, height: int, seconds: float) -> list[Text]:
+    """Render a snapshot in at most `height` lines of at most `width` columns."""
     top = [_title(title, width, seconds)]
-    table = [*_table(moment, width)]
-    texts = [*_texts(moment, min(_MOST_TEXTS, max(height // 6, 1)))]
+    table = [*_table(snapshot, width)]
+    texts = [*_status_texts(snapshot, min(_MAX_TEXTS, max(height // 6, 1)))]
     bottom = [*table, Text(), *texts, Text(" Ctrl-C ends", style="dim")]
-    room = height - len(top) - len(bottom) - 1
-    lines = [*top, *_map(moment, width, room), *bottom]
+    available = height - len(top) - len(bottom) - 1
+    lines = [*top, *_map(snapshot, width, available), *bottom]
     for line in lines:
         line.no_wrap = True
         line.truncate(width, overflow="ellipsis")
     return lines[:height]
 
 
-def style_of(seen: Seen) -> str:
-    """The colour of a vehicle: the same on the map, in the table and in the texts."""
-    return _STYLES[(seen.system - 1) % len(_STYLES)]
+def style_of(vehicle: FleetVehicle) -> str:
+    """Return the colour of a vehicle on the map, in the table and in the texts."""
+    return _STYLES[(vehicle.system - 1) % len(_STYLES)]
 
 
 def _title(title: str, width: int, seconds: float) -> Text:
-    clock = duration_text(seconds)
+    clock = elapsed_text(seconds)
     line = Text(f" {title}", style="bold reverse")
     line.truncate(width - len(clock) - 2, overflow="ellipsis")
     return line.append(" " * max(width - line.cell_len - len(clock) - 1, 1) + clock + " ")
 
 
-def _map(moment: Moment, width: int, room: int) -> Iterator[Text]:
-    if room < _LEAST_MAP:
+def _map(snapshot: FleetSnapshot, width: int, height: int) -> Iterator[Text]:
+    if height < _MIN_MAP_ROWS:
         return
-    things = [
+    objects = [
         MapObject(
-            _sign(seen.system),
-            style_of(seen),
-            list(seen.track),
-            None if seen.latitude is None or seen.longitude is None else (seen.latitude, seen.longitude),
+            _symbol(each.system),
+            style_of(each),
+            list(each.track),
+            None if each.latitude is None or each.longitude is None else (each.latitude, each.longitude),
         )
-        for seen in moment.vehicles
+        for each in snapshot.vehicles
     ]
-    drawn = draw_map(things, width - 2, room - 1)
+    drawn = draw_map(objects, width - 2, height - 1)
     for row in drawn.rows:
         yield _row(row)
     yield _scale(drawn, width)
@@ -85,50 +89,50 @@ def _map(moment: Moment, width: int, room: int) -> Iterator[Text]:
 def _row(cells: list[Cell]) -> Text:
     line = Text(" ")
     for cell in cells:
-        line.append(cell.sign, cell.style)
+        line.append(cell.symbol, cell.style)
     return line
 
 
-def _scale(drawn: Map, width: int) -> Text:
+def _scale(drawn: CharacterMap, width: int) -> Text:
     bar = f"├{'─' * max(drawn.bar - 2, 0)}┤ {drawn.bar_metres} m" if drawn.bar else ""
     return Text(f"{bar}   N ↑ ".rjust(width - 1), style="dim")
 
 
-def _sign(system: int) -> str:
-    """One character for a system id on the map: 1 to 9, then letters."""
+def _symbol(system: int) -> str:
+    """Return the character of a system id on the map: 1 to 9, then letters."""
     return "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"[system] if system < 36 else "*"
 
 
-def _numbered(system: int) -> str:
-    """A system id, with its sign on the map if that is another."""
-    return str(system) if _sign(system) in (str(system), "*") else f"{_sign(system)}{system}"
+def _id_text(system: int) -> str:
+    """Return a system id, after its symbol on the map if that is another."""
+    return str(system) if _symbol(system) in (str(system), "*") else f"{_symbol(system)}{system}"
 
 
-def _table(moment: Moment, width: int) -> Iterator[Text]:
+def _table(snapshot: FleetSnapshot, width: int) -> Iterator[Text]:
     wide = width >= _WIDE
-    kind, mode = (26, 13) if wide else (21, 11)
+    name, mode = (26, 13) if wide else (21, 11)
     heading, battery = (f"{'HDG':>5}  ", 14) if wide else ("  ", 5)
-    head = f" ID  {'VEHICLE':<{kind}}{'MODE':<{mode}}{'':<9}{'HEIGHT':>8}{'SPEED':>9}"
+    head = f" ID  {'VEHICLE':<{name}}{'MODE':<{mode}}{'':<9}{'HEIGHT':>8}{'SPEED':>9}"
     yield Text(f"{head}{heading}{'BATTERY' if wide else 'BATT':<{battery}}ITEM", style="dim")
-    for seen in moment.vehicles:
-        yield _line(seen, moment.now, kind, mode, wide)
+    for vehicle in snapshot.vehicles:
+        yield _line(vehicle, snapshot.now, name, mode, wide)
 
 
-def _line(seen: Seen, now: float, kind: int, mode: int, wide: bool) -> Text:
-    identity, style = seen.identity, style_of(seen)
-    line = Text().append(f"{_numbered(seen.system):>3}  ", f"bold {style}")
-    if now - seen.heard > _SILENT:
-        return line.append(
-            f"{identity.autopilot} {identity.type_name}  silent for {now - seen.heard:.0f} s", "dim"
-        )
-    line.append(f"{f'{identity.autopilot} {identity.type_name}'[: kind - 1]:<{kind}}")
-    line.append(f"{identity.mode[: mode - 1]:<{mode}}", "yellow")
+def _line(vehicle: FleetVehicle, now: float, name_width: int, mode_width: int, wide: bool) -> Text:
+    identity = vehicle.identity
+    name = f"{identity.autopilot} {identity.type_name}"
+    line = Text().append(f"{_id_text(vehicle.system):>3}  ", f"bold {style_of(vehicle)}")
+    silence = now - vehicle.last_heartbeat
+    if silence > _MAX_SILENCE:
+        return line.append(f"{name}  silent for {silence:.0f} s", "dim")
+    line.append(f"{name[: name_width - 1]:<{name_width}}")
+    line.append(f"{identity.mode[: mode_width - 1]:<{mode_width}}", "yellow")
     line.append(f"{'ARMED' if identity.armed else 'disarmed':<9}", "bold red" if identity.armed else "green")
-    line.append(f"{seen.height:>6.1f} m{seen.speed:>5.1f} m/s")
-    line.append(f"{seen.heading:>4.0f}°  " if wide else "  ")
-    line.append_text(_battery(seen.battery, wide))
-    if seen.item is not None:
-        line.append(f"{seen.item}" + (f"/{seen.items}" if seen.items else ""))
+    line.append(f"{vehicle.height:>6.1f} m{vehicle.speed:>5.1f} m/s")
+    line.append(f"{vehicle.heading:>4.0f}°  " if wide else "  ")
+    line.append_text(_battery(vehicle.battery, wide))
+    if vehicle.item is not None:
+        line.append(f"{vehicle.item}" + (f"/{vehicle.items}" if vehicle.items else ""))
     return line
 
 
@@ -138,13 +142,13 @@ def _battery(percent: int | None, wide: bool) -> Text:
     style = "red" if percent < _CRITICAL else "yellow" if percent < _LOW else "green"
     if not wide:
         return Text(f"{percent:>3}% ", style)
-    full = round(percent / 100 * _BAR)
-    line = Text("█" * full, style).append("░" * (_BAR - full), "dim")
+    full = round(percent / 100 * _BAR_WIDTH)
+    line = Text("█" * full, style).append("░" * (_BAR_WIDTH - full), "dim")
     return line.append(f" {percent:>3}% ", "default")
 
 
-def _texts(moment: Moment, most: int) -> Iterator[Text]:
-    for _, system, text in moment.texts[-most:]:
-        seen = moment.vehicle(system)
-        style = f"bold {style_of(seen)}" if seen is not None else "bold"
-        yield Text(" ").append(f"{_sign(system)}  ", style).append(text, "default")
+def _status_texts(snapshot: FleetSnapshot, maximum: int) -> Iterator[Text]:
+    for _, system, text in snapshot.texts[-maximum:]:
+        vehicle = snapshot.vehicle(system)
+        style = f"bold {style_of(vehicle)}" if vehicle is not None else "bold"
+        yield Text(" ").append(f"{_symbol(system)}  ", style).append(text, "default")

@@ -1,4 +1,4 @@
-"""What is known about each vehicle of a fleet, from what all of them say: for a picture of the whole."""
+"""The state of the vehicles of a fleet, collected from their messages for the live display."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ if TYPE_CHECKING:
     from mavstack.dialects import Dialect
     from mavstack.wire import Packet
 
-#: How many places of a vehicle's track are kept, and how far they are apart at least, in metres.
-TRACK = 400
-_APART = 2.0
-_TEXTS = 100
+#: Places of a track that are kept, and metres between them.
+MAX_TRACK = 400
+_MIN_TRACK_STEP = 2.0
+_MAX_TEXTS = 100
 _METRES_PER_DEGREE = 111_319.5
 _UNKNOWN_PERCENT = -1
 
 
 @dataclass(slots=True)
-class Seen:
-    """One vehicle as it was last heard; places are degrees, heights metres above home, speeds m/s."""
+class FleetVehicle:
+    """The latest state of one vehicle: degrees, metres above home, m/s, battery in percent."""
 
     system: int
     identity: Identity
-    heard: float = 0.0
+    last_heartbeat: float = 0.0
     latitude: float | None = None
     longitude: float | None = None
     height: float = 0.0
@@ -38,10 +38,10 @@ class Seen:
     battery: int | None = None
     item: int | None = None
     items: int | None = None
-    track: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=TRACK))
+    track: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=MAX_TRACK))
 
     def distance_to_track_end(self, latitude: float, longitude: float) -> float:
-        """How far a place is from the last one kept, in metres."""
+        """Return the distance of a place to the last place of the track, in metres."""
         if not self.track:
             return float("inf")
         north, east = self.track[-1]
@@ -49,65 +49,65 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
-    """A fleet at one moment, by system id, and what was said until then: when, by which system, what."""
+class FleetSnapshot:
+    """A fleet at one moment: vehicles by system id, and status texts with time and system id."""
 
     now: float
-    vehicles: tuple[Seen, ...]
+    vehicles: tuple[FleetVehicle, ...]
     texts: tuple[tuple[float, int, str], ...]
 
-    def vehicle(self, system: int) -> Seen | None:
-        """The vehicle of a system id."""
-        return next((seen for seen in self.vehicles if seen.system == system), None)
+    def vehicle(self, system: int) -> FleetVehicle | None:
+        """Return the vehicle with a system id; None if there is none."""
+        return next((each for each in self.vehicles if each.system == system), None)
 
 
-class FleetWatch:
-    """All vehicles heard, by system id, and what they said last."""
+class FleetState:
+    """The vehicles of a fleet by system id, and their last status texts."""
 
     def __init__(self, dialect: Dialect) -> None:
         self._dialect = dialect
-        self.vehicles: dict[int, Seen] = {}
-        self.texts: deque[tuple[float, int, str]] = deque(maxlen=_TEXTS)
+        self.vehicles: dict[int, FleetVehicle] = {}
+        self.texts: deque[tuple[float, int, str]] = deque(maxlen=_MAX_TEXTS)
 
-    def take(self, packet: Packet, now: float) -> None:
-        """Learn from a packet."""
+    def update(self, packet: Packet, now: float) -> None:
+        """Update the state from a packet."""
         message = packet.message
         if isinstance(message, common.Heartbeat):
             self._heartbeat(packet, message, now)
             return
-        seen = self.vehicles.get(packet.system)
-        if seen is None:
+        vehicle = self.vehicles.get(packet.system)
+        if vehicle is None:
             return
         match message:
             case common.GlobalPositionInt(lat=latitude, lon=longitude) if latitude or longitude:
-                _position(seen, message)
+                _update_position(vehicle, message)
             case common.VfrHud(groundspeed=speed, climb=climb, heading=heading):
-                seen.speed, seen.climb, seen.heading = speed, climb, heading
+                vehicle.speed, vehicle.climb, vehicle.heading = speed, climb, heading
             case common.SysStatus(battery_remaining=percent):
-                seen.battery = percent if percent > _UNKNOWN_PERCENT else None
+                vehicle.battery = percent if percent > _UNKNOWN_PERCENT else None
             case common.MissionCurrent(seq=item, total=total):
-                seen.item, seen.items = item, total if 0 < total < 0xFFFF else None
+                vehicle.item, vehicle.items = item, total if 0 < total < 0xFFFF else None
             case common.Statustext(text=text):
                 self.texts.append((now, packet.system, text))
 
-    def moment(self, now: float) -> Moment:
-        """Everything as it is now, for somebody who looks at it while more comes in."""
+    def snapshot(self, now: float) -> FleetSnapshot:
+        """Return a copy of the state, which another thread can read."""
         vehicles = (self.vehicles[system] for system in sorted(self.vehicles))
-        copies = tuple(replace(seen, track=seen.track.copy()) for seen in vehicles)
-        return Moment(now, copies, tuple(self.texts))
+        copies = tuple(replace(vehicle, track=vehicle.track.copy()) for vehicle in vehicles)
+        return FleetSnapshot(now, copies, tuple(self.texts))
 
     def _heartbeat(self, packet: Packet, message: common.Heartbeat, now: float) -> None:
         if message.autopilot == common.MavAutopilot.INVALID:
             return
         identity = identify(packet.component, packet, self._dialect)
-        seen = self.vehicles.get(packet.system)
-        if seen is None:
-            seen = self.vehicles[packet.system] = Seen(packet.system, identity)
-        seen.identity, seen.heard = identity, now
+        vehicle = self.vehicles.get(packet.system)
+        if vehicle is None:
+            vehicle = self.vehicles[packet.system] = FleetVehicle(packet.system, identity)
+        vehicle.identity, vehicle.last_heartbeat = identity, now
 
 
-def _position(seen: Seen, message: common.GlobalPositionInt) -> None:
-    seen.latitude, seen.longitude = message.lat / 1e7, message.lon / 1e7
-    seen.height = message.relative_alt / 1000
-    if seen.distance_to_track_end(seen.latitude, seen.longitude) >= _APART:
-        seen.track.append((seen.latitude, seen.longitude))
+def _update_position(vehicle: FleetVehicle, message: common.GlobalPositionInt) -> None:
+    vehicle.latitude, vehicle.longitude = message.lat / 1e7, message.lon / 1e7
+    vehicle.height = message.relative_alt / 1000
+    if vehicle.distance_to_track_end(vehicle.latitude, vehicle.longitude) >= _MIN_TRACK_STEP:
+        vehicle.track.append((vehicle.latitude, vehicle.longitude))

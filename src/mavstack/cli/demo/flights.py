@@ -1,8 +1,8 @@
-"""What the vehicles of `mav demo` fly: seven types, a plan each, and the ground station that sends them.
+"""The flights of `mav demo`: seven vehicles of different types, a mission for each, and their ground station.
 
-The ground station is a node like any other: it uploads each plan, arms, and starts, over MAVLink. Each plan
-jumps back to its beginning for ever; a vehicle that has come home with an empty battery gets a full one and
-sets out again.
+The ground station is an ordinary node: it uploads each mission, arms and starts the vehicle over MAVLink.
+Each mission jumps back to its beginning without end. A vehicle that has returned with an empty battery gets a
+full one and starts again.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ if TYPE_CHECKING:
 
 _CMD = common.MavCmd
 _T, _F = VehicleType, Firmware
-_FOR_EVER = -1.0
-_AGAIN_AFTER = 5.0
+_UNLIMITED_JUMPS = -1.0
+_RETRY_DELAY = 5.0
 
 
 @dataclass(frozen=True, slots=True)
 class Flight:
-    """One vehicle: where it begins, and the corners of what it flies, around a centre."""
+    """One vehicle with its home, and the polygon that it flies."""
 
     type: VehicleType
     firmware: Firmware
-    #: Metres north and east of the field's middle, where it stands.
+    #: Home of the vehicle in metres north and east of the demo's home.
     place: tuple[float, float]
-    #: The middle of its circuit from there, its radius, corners and height above home.
+    #: Centre of the polygon in metres north and east of the vehicle's home; radius and height in metres.
     centre: tuple[float, float]
     radius: float
     corners: int
@@ -55,20 +55,22 @@ FLIGHTS: Final = (
 )
 
 
-def populate(simulation: Simulation, field: Home = DEFAULT_HOME) -> list[SimulatedVehicle]:
-    """Put the vehicles of all flights into a simulation."""
-    return [simulation.add(flight.type, flight.firmware, home=home_of(flight, field)) for flight in FLIGHTS]
+def add_vehicles(simulation: Simulation, field: Home = DEFAULT_HOME) -> list[SimulatedVehicle]:
+    """Add the vehicles of all flights to a simulation."""
+    return [
+        simulation.add(flight.type, flight.firmware, home=flight_home(flight, field)) for flight in FLIGHTS
+    ]
 
 
-def home_of(flight: Flight, field: Home = DEFAULT_HOME) -> Home:
-    """Where a flight begins."""
+def flight_home(flight: Flight, field: Home = DEFAULT_HOME) -> Home:
+    """Return the home of the vehicle of a flight."""
     frame = LocalFrame(field.latitude, field.longitude, field.altitude)
     latitude, longitude, _ = frame.to_global(*flight.place, 0.0)
     return Home(latitude, longitude, field.altitude)
 
 
-def plan_of(flight: Flight, home: Home) -> Plan:
-    """The mission of a flight from a home."""
+def flight_plan(flight: Flight, home: Home) -> Plan:
+    """Return the mission of a flight."""
     frame = LocalFrame(home.latitude, home.longitude, home.altitude)
     middle_north, middle_east = flight.centre
     items = [_take_off(flight, home)] if flight.type.flies else []
@@ -78,10 +80,10 @@ def plan_of(flight: Flight, home: Home) -> Plan:
         north, east = middle_north + flight.radius * sin(angle), middle_east + flight.radius * cos(angle)
         latitude, longitude, _ = frame.to_global(north, east, 0.0)
         items.append(_item(_CMD.NAV_WAYPOINT, latitude, longitude, flight.height))
-    if flight.firmware is Firmware.ARDUPILOT:  # whose item 0 is home
+    if flight.firmware is Firmware.ARDUPILOT:  # its item 0 is home
         items.insert(0, _item(_CMD.NAV_WAYPOINT, home.latitude, home.longitude, 0.0))
         first += 1
-    items.append(MissionItem(_CMD.DO_JUMP, first, _FOR_EVER, frame=common.MavFrame.MISSION))
+    items.append(MissionItem(_CMD.DO_JUMP, first, _UNLIMITED_JUMPS, frame=common.MavFrame.MISSION))
     return Plan.of(items)
 
 
@@ -95,23 +97,23 @@ def _item(command: int, latitude: float, longitude: float, height: float) -> Mis
     return MissionItem(int(command), param5=latitude, param6=longitude, param7=height)
 
 
-async def direct(ground: Node, vehicles: list[SimulatedVehicle]) -> None:
-    """Let all vehicles fly, for ever."""
+async def fly_missions(ground: Node, vehicles: list[SimulatedVehicle]) -> None:
+    """Have all vehicles fly their missions until cancelled."""
     async with asyncio.TaskGroup() as group:
         for flight, vehicle in zip(FLIGHTS, vehicles, strict=True):
-            group.create_task(_keep_flying(ground, flight, vehicle))
+            group.create_task(_fly_repeatedly(ground, flight, vehicle))
 
 
-async def _keep_flying(ground: Node, flight: Flight, vehicle: SimulatedVehicle) -> None:
+async def _fly_repeatedly(ground: Node, flight: Flight, vehicle: SimulatedVehicle) -> None:
     remote = await ground.wait_for_autopilot(vehicle.address.system)
     while True:
         try:
             await _start(remote, flight)
             await _end_of_flight(remote)
         except MavstackError:
-            await asyncio.sleep(_AGAIN_AFTER)  # not ready yet: its own texts say why
+            await asyncio.sleep(_RETRY_DELAY)  # not ready yet; its status texts say why
         vehicle.faults.inject("battery 100")
-        await asyncio.sleep(_AGAIN_AFTER)
+        await asyncio.sleep(_RETRY_DELAY)
 
 
 async def _end_of_flight(remote: RemoteComponent) -> None:
@@ -122,7 +124,7 @@ async def _end_of_flight(remote: RemoteComponent) -> None:
 
 
 async def _start(remote: RemoteComponent, flight: Flight) -> None:
-    await remote.mission.upload(plan_of(flight, home_of(flight)))
+    await remote.mission.upload(flight_plan(flight, flight_home(flight)))
     if flight.firmware is Firmware.PX4:
         await remote.modes.set("MISSION")
         await remote.command(_CMD.COMPONENT_ARM_DISARM, 1)

@@ -1,4 +1,4 @@
-"""`mav dialect`: message definitions to read, check, compare and import."""
+"""`mav dialect`: list, show, check, compare and import message definitions."""
 
 from __future__ import annotations
 
@@ -8,50 +8,61 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.options import load_dialect
 from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.options import load_dialect
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
 EXAMPLES: Final = """\
 examples:
-  mav dialect list                                  the official dialects
-  mav dialect show common                           all messages and enums of one
-  mav dialect show common ATTITUDE                  one message; an id (30) does too
+  mav dialect list                                  # the official dialects
+  mav dialect show common                           # messages and enums of a dialect
+  mav dialect show common ATTITUDE                  # one message, by its name or id
   mav dialect show ardupilotmega MAV_CMD_NAV_TAKEOFF --json
-  mav dialect check mine.xml                        what is wrong or doubtful, with lines
-  mav dialect diff common mine.xml                  what differs, and what breaks the wire
-  mav dialect import official.xml -o mine.xml       the facts of a definition, without its prose
+  mav dialect check mine.xml                        # errors and warnings with line numbers
+  mav dialect diff common mine.xml                  # differences, and which break the wire format
+  mav dialect import official.xml -o mine.xml       # the facts of a definition, without its prose
 """
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions and their arguments."""
-    action = Actions(parser, "dialect", EXAMPLES).add
-    listing = action("list", "list the official dialects", _list)
-    show = action("show", "show a dialect, or a message, enum or enum entry of it", _show)
-    show.add_argument("dialect", metavar="NAME|FILE.xml")
-    show.add_argument("what", metavar="MESSAGE|ID|ENUM|ENTRY", nargs="?")
-    check = action("check", "check a definition file", _check)
-    check.add_argument("file", metavar="FILE.xml")
-    check.add_argument("--strict", action="store_true", help="warnings fail the check too")
-    diff = action("diff", "compare two dialects", _diff)
-    diff.add_argument("old", metavar="OLD", help="a name or FILE.xml")
-    diff.add_argument("new", metavar="NEW", help="a name or FILE.xml")
-    diff.add_argument("--prose", action="store_true", help="compare descriptions too")
-    diff.add_argument("--exit-code", action="store_true", help="exit with 1 if something breaks the wire")
-    for made in (listing, show, check, diff):
-        made.add_argument("--json", action="store_true", help="JSON for programs")
-    importing = action("import", "write the facts of a definition file to one of your own", _import)
-    importing.add_argument("file", metavar="OFFICIAL.xml")
-    importing.add_argument(
-        "-o", "--output", metavar="FILE.xml", required=True, help="where to; messages' lines stay"
+    add = Actions(parser, "dialect", EXAMPLES).add
+    list_parser = add("list", "list the official dialects", _list)
+    show = add("show", "show a dialect, or a message, enum or enum entry of it", _show)
+    show.add_argument("dialect", metavar="NAME|FILE.xml", help="official dialect or definition file")
+    show.add_argument(
+        "item",
+        metavar="MESSAGE|ID|ENUM|ENTRY",
+        nargs="?",
+        help="message, message id, enum or enum entry (default: the contents of the dialect)",
+    )
+    check = add("check", "check a definition file", _check)
+    check.add_argument("file", metavar="FILE.xml", help="definition file")
+    check.add_argument("--strict", action="store_true", help="fail also for warnings")
+    diff = add("diff", "compare two dialects", _diff)
+    diff.add_argument("old", metavar="OLD", help="official dialect or definition file")
+    diff.add_argument("new", metavar="NEW", help="official dialect or definition file")
+    diff.add_argument("--prose", action="store_true", help="also compare descriptions")
+    diff.add_argument(
+        "--exit-code", action="store_true", help="exit with 1 if a difference breaks the wire format"
+    )
+    for parser_with_json in (list_parser, show, check, diff):
+        parser_with_json.add_argument("--json", action="store_true", help="print JSON")
+    import_parser = add("import", "write the facts of a definition file to a new file", _import)
+    import_parser.add_argument("file", metavar="OFFICIAL.xml", help="definition file to read")
+    import_parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.xml",
+        required=True,
+        help="file to write; descriptions that it already has are kept",
     )
 
 
 def run(arguments: Namespace) -> int:
-    """Do what was asked."""
+    """Run the chosen action."""
     code: int = arguments.run_action(arguments)
     return code
 
@@ -70,7 +81,7 @@ def _show(arguments: Namespace) -> int:
     from mavstack.cli.dialect.pages import contents_page, dialect_facts, find, plain
 
     dialect = load_dialect(arguments.dialect)
-    if arguments.what is None:
+    if arguments.item is None:
         contents = {
             **dialect_facts(dialect),
             "message_names": list(dialect.names),
@@ -78,7 +89,7 @@ def _show(arguments: Namespace) -> int:
         }
         print(json.dumps(contents) if arguments.json else contents_page(dialect))
         return 0
-    found = find(dialect, arguments.what)
+    found = find(dialect, arguments.item)
     print(json.dumps(plain(found.facts)) if arguments.json else found.page)
     return 0
 
@@ -97,8 +108,8 @@ def _check(arguments: Namespace) -> int:
             print(problem)
     failed = errors or (arguments.strict and problems)
     if failed or not arguments.json:
-        told = f"{arguments.file}: {errors} errors, {len(problems) - errors} warnings"
-        print(f"mav dialect: {told}" if failed else told, file=sys.stderr if failed else sys.stdout)
+        summary = f"{arguments.file}: {errors} errors, {len(problems) - errors} warnings"
+        print(f"mav dialect: {summary}" if failed else summary, file=sys.stderr if failed else sys.stdout)
     return 1 if failed else 0
 
 
@@ -115,7 +126,8 @@ def _diff(arguments: Namespace) -> int:
     else:
         for change in changes:
             print(change)
-        print(f"{len(changes)} differences, {broken} of them break the wire" if changes else "no differences")
+        summary = f"{len(changes)} differences, {broken} of them break the wire format"
+        print(summary if changes else "no differences")
     return 1 if broken and arguments.exit_code else 0
 
 
@@ -124,7 +136,7 @@ def _import(arguments: Namespace) -> int:
 
     target = Path(arguments.output)
     if target.exists() and target.samefile(arguments.file):
-        raise UsageError(f"{target} would be overwritten by what is read from it; name another file by -o")
+        raise UsageError(f"{target} is the input file; name another output file with -o")
     definition = import_file(arguments.file, arguments.output)
     print(f"{target}: {len(definition.messages)} messages, {len(definition.enums)} enums")
     return 0

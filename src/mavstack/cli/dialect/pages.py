@@ -1,4 +1,4 @@
-"""Pages of definitions for people: a dialect, a message, an enum, an entry of an enum."""
+"""Definitions as pages of text: a dialect, a message, an enum, an enum entry."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _WIDTH = 100
 
 
 class Found(NamedTuple):
-    """What a name stands for: the definition, and its page."""
+    """A definition that was found by its name, and its page."""
 
     facts: MessageDefinition | EnumDefinition | EnumEntry
     page: str
 
 
 def dialect_facts(dialect: Dialect) -> dict[str, Any]:
-    """A dialect in a few facts."""
+    """Return the name, version and sizes of a dialect as values for JSON."""
     return {
         "name": dialect.name,
         "version": dialect.version,
@@ -46,7 +46,7 @@ def dialect_facts(dialect: Dialect) -> dict[str, Any]:
 
 
 def dialects_page(facts: Sequence[dict[str, Any]]) -> str:
-    """The list of dialects."""
+    """Return a table of dialects."""
     rows = [
         (
             str(item["name"]),
@@ -74,7 +74,11 @@ def contents_page(dialect: Dialect) -> str:
 
 
 def find(dialect: Dialect, name: str) -> Found:
-    """The message, enum or entry called `name`, in any case, or the message with that id."""
+    """Find a message, enum or entry by its name in any letter case, or a message by its id.
+
+    Raises:
+        UnknownMessageError: The dialect has no such definition.
+    """
     if name.isdecimal():
         return _message(dialect[int(name)].definition)
     wanted = name.upper()
@@ -89,7 +93,7 @@ def find(dialect: Dialect, name: str) -> Found:
 
 
 def plain(value: object) -> object:
-    """A definition as plain values, without what it leaves open."""
+    """Return a definition as values for JSON, without its empty attributes."""
     if is_dataclass(value):
         pairs = ((item.name, plain(getattr(value, item.name))) for item in fields(value))
         return {name: found for name, found in pairs if name != "line" and found not in ("", None, [], False)}
@@ -97,7 +101,7 @@ def plain(value: object) -> object:
 
 
 def message_page(message: MessageDefinition) -> str:
-    """A message, its fields as they are declared."""
+    """Return the page of a message with its fields in the order of declaration."""
     extended = f", {message.length} with extensions" if message.length > message.base_length else ""
     head = [
         f"{message.name} ({message.id}), {message.origin}",
@@ -115,7 +119,7 @@ def message_page(message: MessageDefinition) -> str:
 
 
 def enum_page(enum: EnumDefinition) -> str:
-    """An enum and its entries."""
+    """Return the page of an enum with its entries."""
     kind = "a bitmask" if enum.bitmask else "an enum"
     rows = [(_value(entry, enum), entry.name, f"{_marks(entry)}{_labels(entry)}") for entry in enum.entries]
     head = [
@@ -128,7 +132,7 @@ def enum_page(enum: EnumDefinition) -> str:
 
 
 def entry_page(entry: EnumEntry, enum: EnumDefinition) -> str:
-    """An entry of an enum; of a command, its parameters."""
+    """Return the page of an enum entry; for a command with its parameters."""
     head = [
         f"{entry.name} ({_value(entry, enum)}), an entry of {enum.name}",
         *wrap(entry.description, _WIDTH),
@@ -199,20 +203,20 @@ def _value(entry: EnumEntry, enum: EnumDefinition) -> str:
 
 
 def _labels(entry: EnumEntry) -> str:
-    """What an entry says, or of a command what its parameters are."""
+    """Return the description of an entry and the labels of its parameters."""
     labels = ", ".join(param.label for param in entry.params if param.label)
     return _shortened(_joined([entry.description, labels]), 90)
 
 
 def _marks(item: MessageDefinition | EnumEntry) -> str:
-    """A warning in a word, before a line of a list."""
+    """Return a warning in one word for a line of a list; empty if there is none."""
     if item.deprecated:
         return "[deprecated] "
     return "[superseded] " if item.superseded else "[work in progress] " if item.wip else ""
 
 
 def _warnings(item: MessageDefinition | EnumDefinition | EnumEntry) -> Iterator[str]:
-    """Why not to use something, and what instead."""
+    """Yield the warnings about a definition, with its replacement."""
     for word, mark in (("deprecated", item.deprecated), ("superseded", item.superseded)):
         if mark is not None:
             yield f"{word}{_since(mark)}"

@@ -1,4 +1,4 @@
-"""The examinations behind `mav doctor`: each looks at one thing and says how it is, without raising."""
+"""The checks of `mav doctor`; a check that raises becomes a failed finding."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from mavstack.links import Link
 
 _TIMEOUT: Final = 2.0
-#: Distribution, what it gives, the extra that installs it; without an extra it must be there.
+#: Distribution, its purpose, the extra that installs it; one without an extra is required.
 _LIBRARIES: Final = (
     ("numpy", "tables of logs", ""),
     ("rich", "live pictures", "cli"),
-    ("prompt_toolkit", "the shell's line", "cli"),
+    ("prompt_toolkit", "completion in the shell", "cli"),
     ("pyserial", "serial ports", "serial"),
     ("websockets", "WebSocket links", "web"),
 )
@@ -30,7 +30,7 @@ _CPU_FEATURES: Final = ("sha_ni", "sha2", "avx2", "neon", "asimd")
 
 
 class Status(Enum):
-    """How a thing is."""
+    """The result of a check."""
 
     OK = "ok"
     NOTE = "note"
@@ -39,7 +39,7 @@ class Status(Enum):
 
 
 class Finding(NamedTuple):
-    """One thing that was looked at."""
+    """One finding of a check, with a remedy if there is one."""
 
     name: str
     status: Status
@@ -50,13 +50,13 @@ class Finding(NamedTuple):
 Check: TypeAlias = Callable[[], Iterable[Finding]]
 
 
-def examine() -> list[Finding]:
-    """Everything, in the order of reading."""
+def run_checks() -> list[Finding]:
+    """Run all checks and return their findings in order."""
     findings: list[Finding] = []
     for name, check in _CHECKS:
         try:
             findings += check()
-        except Exception as error:  # noqa: BLE001 (whatever is broken here is what the user wants to know)
+        except Exception as error:  # noqa: BLE001 (any error is a finding)
             findings.append(Finding(name, Status.FAILED, f"{type(error).__name__}: {error}"))
     return findings
 
@@ -70,7 +70,7 @@ def _versions() -> Iterable[Finding]:
 
 
 def _cpu_features() -> list[str]:
-    """Those of the processor's features that make the core faster, where the system tells (Linux)."""
+    """Return the processor features that make the core faster; known only on Linux."""
     try:
         words = set(Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").split())
     except OSError:
@@ -79,23 +79,23 @@ def _cpu_features() -> list[str]:
 
 
 def _libraries() -> Iterable[Finding]:
-    for name, gives, extra in _LIBRARIES:
+    for name, purpose, extra in _LIBRARIES:
         try:
-            yield Finding(name, Status.OK, f"{version(name)}, for {gives}")
+            yield Finding(name, Status.OK, f"{version(name)}, for {purpose}")
         except PackageNotFoundError:
             if extra:
-                yield Finding(name, Status.MISSING, f"for {gives}", f"pip install 'mavstack[{extra}]'")
+                yield Finding(name, Status.MISSING, f"for {purpose}", f"pip install 'mavstack[{extra}]'")
             else:
-                yield Finding(name, Status.FAILED, f"for {gives}", f"pip install {name}")
+                yield Finding(name, Status.FAILED, f"for {purpose}", f"pip install {name}")
 
 
 def _core() -> Iterable[Finding]:
-    """The core computes the known checksum, and reads what it writes."""
+    """Check that the core computes a known checksum, and parses the packets that it encodes."""
     from mavstack.dialects import common
     from mavstack.wire import Parser, Signing, crc16, encode
 
     if crc16(b"123456789") != 0x6F91:
-        yield Finding("core", Status.FAILED, "the checksum is computed wrongly")
+        yield Finding("core", Status.FAILED, "the checksum is wrong")
         return
     message = common.Attitude(time_boot_ms=1, roll=0.5)
     for kind, protocol, signing in (
@@ -106,9 +106,9 @@ def _core() -> Iterable[Finding]:
         data = encode(message, system=1, component=1, version=protocol, signing=signing, now=1.5e9)
         found = Parser(common).feed(data)
         if len(found) != 1 or found[0].message != message:
-            yield Finding("core", Status.FAILED, f"a {kind} packet was not read as it was written")
+            yield Finding("core", Status.FAILED, f"a parsed {kind} packet differs from the encoded one")
             return
-    yield Finding("core", Status.OK, "checksum right; MAVLink 1, 2 and signed packets read as written")
+    yield Finding("core", Status.OK, "checksum, MAVLink 1, MAVLink 2 and signed packets are correct")
 
 
 def _dialects() -> Iterable[Finding]:
@@ -119,21 +119,21 @@ def _dialects() -> Iterable[Finding]:
 
 
 def _udp() -> Iterable[Finding]:
-    seconds = asyncio.run(_udp_round())
-    yield Finding("udp", Status.OK, f"a datagram came over 127.0.0.1 in {seconds * 1000:.1f} ms")
+    seconds = asyncio.run(_udp_delay())
+    yield Finding("udp", Status.OK, f"a datagram over 127.0.0.1 took {seconds * 1000:.1f} ms")
 
 
-async def _udp_round() -> float:
-    """How long a datagram takes through two of our links."""
+async def _udp_delay() -> float:
+    """Return the seconds that a datagram takes between two links."""
     from mavstack.links import open_link
 
     loop = asyncio.get_running_loop()
-    async with asyncio.timeout(_TIMEOUT), open_link("udpin://127.0.0.1:0") as here:
-        host, port = here.address or ("", 0)
-        async with open_link(f"udpout://{host}:{port}") as there:
+    async with asyncio.timeout(_TIMEOUT), open_link("udpin://127.0.0.1:0") as receiver:
+        host, port = receiver.address or ("", 0)
+        async with open_link(f"udpout://{host}:{port}") as sender:
             started = loop.time()
-            there.channels[0].write(b"mavstack")
-            await _received(here)
+            sender.channels[0].write(b"mavstack")
+            await _received(receiver)
             return loop.time() - started
 
 
@@ -153,8 +153,8 @@ def _serial_ports() -> Iterable[Finding]:
     for device, description in ports:
         about = f"{device} {description}".strip()
         if sys.platform == "linux" and Path(device).exists() and not os.access(device, os.R_OK | os.W_OK):
-            remedy = "sudo usermod -a -G dialout $USER, then log in anew"
-            yield Finding("serial port", Status.NOTE, f"{about}, but you may not use it", remedy)
+            remedy = "sudo usermod -a -G dialout $USER, then log in again"
+            yield Finding("serial port", Status.NOTE, f"{about}, no permission to open it", remedy)
         else:
             yield Finding("serial port", Status.OK, about)
 

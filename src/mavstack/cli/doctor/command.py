@@ -1,4 +1,4 @@
-"""`mav doctor`: what is installed and working, and what to do about the rest."""
+"""`mav doctor`: check the installation, and show how to mend what fails or is missing."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ if TYPE_CHECKING:
 
 EXAMPLES: Final = """\
 examples:
-  mav doctor           versions, extras, a test of the core, serial ports, UDP on this machine
-  mav doctor --json    the same for programs
+  mav doctor           # versions, extras, the core, serial ports, UDP on this machine
+  mav doctor --json    # the same as JSON
 
-It fails only if something fails that must work everywhere; a missing extra is told, with the line that
-installs it.
+The command fails only if a check fails that must pass everywhere. A missing extra is shown with the command
+that installs it.
 """
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--json", action="store_true", help="one JSON object for programs")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
 def run(arguments: Namespace) -> int:
-    """Examine everything."""
-    from mavstack.cli.doctor.checks import Status, examine
+    """Run all checks."""
+    from mavstack.cli.common.errors import CommandError
     from mavstack.cli.common.output import table_lines
-    from mavstack.errors import MavstackError
+    from mavstack.cli.doctor.checks import Status, run_checks
 
-    findings = examine()
+    findings = run_checks()
     failed = [finding for finding in findings if finding.status is Status.FAILED]
     if arguments.json:
         checks = [
@@ -44,5 +44,5 @@ def run(arguments: Namespace) -> int:
         ]
         print("\n".join(table_lines(("CHECK", "STATUS", "DETAIL"), rows, {"CHECK", "STATUS", "DETAIL"})))
     if failed:
-        raise CommandError(f"{', '.join(item.name for item in failed)} should work, but does not")
+        raise CommandError(f"checks failed: {', '.join(item.name for item in failed)}")
     return 0

@@ -201,7 +201,8 @@ COMMANDS: Final = (
     ),
     Command(
         "disarm", "[force]", "disarm the motors", disarm, examples=("disarm", "disarm force"),
-        details="`force` disarms also in the air.", complete=completion.by_position(completion.choice("force")),
+        details="`force` disarms also in the air.",
+        complete=completion.by_position(completion.choice("force")),
     ),
     Command(
         "takeoff", "[ALTITUDE]", "take off to an altitude, and hold there", takeoff,

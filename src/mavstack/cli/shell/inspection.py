@@ -187,7 +187,8 @@ COMMANDS: Final = (
     ),
     Command(
         "status", "[MESSAGE]…", "show the latest messages; without arguments as info", status,
-        examples=("status HEARTBEAT", "status GPS*"), complete=completion.by_position(rest=completion.messages),
+        examples=("status HEARTBEAT", "status GPS*"),
+        complete=completion.by_position(rest=completion.messages),
     ),
     Command(
         "watch", "MESSAGE… [SECONDS]", "show messages as they arrive, until Ctrl-C", watch,

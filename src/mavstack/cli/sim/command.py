@@ -1,7 +1,7 @@
-"""`mav sim`: simulated vehicles on links of one's own, for any ground station, library or script to fly.
+"""`mav sim`: simulated vehicles that any ground station, library or script can fly.
 
-What the vehicles say and do is told in a line each; a line that is typed is a fault, injected at once (see
-`mavstack.sim.faults`).
+Each event of a vehicle is printed in one line. A line on standard input is a fault, which is injected
+immediately (see `mavstack.sim.faults`).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from mavstack.cli.common.options import seconds, system_id
 from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.options import seconds, system_id
 from mavstack.errors import MavstackError
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
@@ -34,25 +34,25 @@ Kind = TypeVar("Kind", VehicleType, Firmware)
 
 EXAMPLES: Final = """\
 examples:
-  mav sim                                     an ArduPilot copter for any ground station on this machine
-  mav sim --type plane --firmware px4         a PX4 plane
-  mav sim --type copter,rover --count 10      ten vehicles, copters and rovers in turn, on one port
-  mav sim --count 3 --each --out tcpin://0.0.0.0:5760       each on a port of its own: 5760, 5761, 5762
-  mav sim --loss 0.1 --latency 200            over a bad radio
-  mav sim --home 51.4934,-0.0098,20,90 --wind 6,270,0.2     at Greenwich, in a gusty west wind
-  mav sim --fault "30 gps off" --fault "60 battery sag 3"   with things going wrong
-  mav sim --speed 10                          ten times as fast
-  mav sim --storage flights                   its logs and files stay in a folder
+  mav sim                                     # an ArduPilot copter for a ground station on this machine
+  mav sim --type plane --firmware px4         # a PX4 plane
+  mav sim --type copter,rover --count 10      # ten vehicles, copters and rovers in turn, on one port
+  mav sim --count 3 --each --out tcpin://0.0.0.0:5760       # one port per vehicle: 5760, 5761, 5762
+  mav sim --loss 0.1 --latency 200            # over a bad radio link
+  mav sim --home 51.4934,-0.0098,20,90 --wind 6,270,0.2     # at Greenwich, in a gusty west wind
+  mav sim --fault "30 gps off" --fault "60 battery sag 3"   # with faults after 30 and 60 s
+  mav sim --speed 10                          # ten times as fast
+  mav sim --storage flights                   # keep logs and files in a folder
 
 Fly it from another terminal:
   mavproxy.py --master=udpin:0.0.0.0:14550
   mav watch udpin://0.0.0.0:14550
 
-While it runs, type a fault and Enter: gps off, gps on, compass 90, motor 1 off, battery 15, link off, reboot;
-with a system id before it, "2: gps off", for one vehicle alone.
+While it runs, type a fault and Enter: gps off, gps on, compass 90, motor 1 off, battery 15, link off, reboot.
+A system id before the fault selects one vehicle: "2: gps off".
 """
 
-#: Where ground stations listen, and where MAVSDK's programs do.
+#: The ports of ground stations and of MAVSDK programs.
 DEFAULT_OUT: Final = ("udpout://127.0.0.1:14550", "udpout://127.0.0.1:14540")
 
 
@@ -60,40 +60,62 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
     names, firmwares = ", ".join(VehicleType), ", ".join(Firmware)
     add = parser.add_argument
-    add("--type", default="copter", metavar="TYPE", help=f"{names}; several, in turn: copter,plane")
-    add("--firmware", default="ardupilot", metavar="NAME", help=f"{firmwares}; several, in turn")
-    add("--count", type=_count, default=1, metavar="N", help="how many (default: 1)")
+    add("--type", default="copter", metavar="TYPE", help=f"{names}; several in turn: copter,plane")
+    add("--firmware", default="ardupilot", metavar="NAME", help=f"{firmwares}; several in turn")
+    add("--count", type=_count, default=1, metavar="N", help="number of vehicles (default: 1)")
+    add("--system", type=system_id, default=1, metavar="ID", help="system id of the first one (default: 1)")
     add(
         "--home",
         type=_home,
         default=DEFAULT_HOME,
         metavar="LAT,LON,ALT,HDG",
-        help="where the first one stands",
+        help="home of the first vehicle: degrees, metres above sea, heading in degrees",
     )
-    add("--system", type=system_id, default=1, metavar="ID", help="system id of the first one (default: 1)")
-    add("--out", action="append", metavar="URL", help=f"a link (default: {' and '.join(DEFAULT_OUT)})")
-    add("--each", action="store_true", help="a port for each vehicle, counting up from each link's")
-    add("--loss", type=_share, default=0.0, metavar="F", help="share of packets lost on each way, 0 to 1")
-    add("--latency", type=_milliseconds, default=0.0, metavar="MS", help="delay on each way, milliseconds")
-    add("--bandwidth", metavar="BYTES", help="what each way carries in a second, such as 5760 or 64k")
-    add("--wind", type=_wind, metavar="SPEED,FROM[,GUSTS]", help="m/s, degrees it comes from, share of gusts")
-    add("--seed", type=int, default=1, metavar="N", help="of everything random (default: 1)")
+    add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
     add(
         "--speed",
         type=_speed,
         default=1.0,
         metavar="N",
-        help="simulated seconds in a second; max: all it can",
+        help="simulated seconds per second, or max (default: 1)",
     )
-    add("--fault", action="append", default=[], metavar="'SECONDS [ID:] FAULT'", help="what goes wrong when")
-    add("--script", type=Path, metavar="FILE", help="a file of such lines")
-    add("--storage", type=Path, metavar="FOLDER", help="keep files and logs there, a folder a vehicle")
-    add("--for", dest="seconds", type=seconds, metavar="SECONDS", help="end after so many simulated seconds")
-    add("--json", action="store_true", help="what happens as JSON, an object a line")
+    add("--storage", type=Path, metavar="FOLDER", help="keep files and logs here, in a folder per vehicle")
+    add("--for", dest="seconds", type=seconds, metavar="SECONDS", help="end after this simulated time")
+    add("--json", action="store_true", help="print events as JSON, one object per line")
+    _add_link_options(parser)
+    _add_disturbances(parser)
+
+
+def _add_link_options(parser: ArgumentParser) -> None:
+    add = parser.add_argument_group("links").add_argument
+    default = " and ".join(DEFAULT_OUT)
+    add("--out", action="append", metavar="URL", help=f"link; may be repeated (default: {default})")
+    add("--each", action="store_true", help="one port per vehicle, counting up from the port of the link")
+    add("--loss", type=_share, default=0.0, metavar="F", help="share of packets lost per direction, 0 to 1")
+    add("--latency", type=_milliseconds, default=0.0, metavar="MS", help="delay per direction, milliseconds")
+    add("--bandwidth", metavar="BYTES", help="bytes per second in each direction, such as 5760 or 64k")
+
+
+def _add_disturbances(parser: ArgumentParser) -> None:
+    add = parser.add_argument_group("disturbances").add_argument
+    add(
+        "--wind",
+        type=_wind,
+        metavar="SPEED,FROM[,GUSTS]",
+        help="m/s, degrees that it comes from, share of gusts (default: 0.1)",
+    )
+    add(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="'SECONDS [ID:] FAULT'",
+        help="inject a fault at a time; may be repeated",
+    )
+    add("--script", type=Path, metavar="FILE", help="inject the faults of a file, one per line")
 
 
 def run(arguments: Namespace) -> int:
-    """Simulate until Ctrl-C."""
+    """Run `mav sim`, until Ctrl-C unless `--for` is given."""
     return asyncio.run(_simulate(arguments))
 
 
@@ -103,7 +125,7 @@ async def _simulate(arguments: Namespace) -> int:
     from mavstack.sim.runner import Runner
     from mavstack.sim.simulation import Simulation
 
-    simulation = Simulation(seed=arguments.seed, start=_today(), storage=arguments.storage)
+    simulation = Simulation(seed=arguments.seed, start=_start_time(), storage=arguments.storage)
     types = _kinds(VehicleType, arguments.type, "--type")
     firmwares = _kinds(Firmware, arguments.firmware, "--firmware")
     fleet = Fleet(types, firmwares, arguments.count, arguments.home, arguments.system)
@@ -111,21 +133,21 @@ async def _simulate(arguments: Namespace) -> int:
         speed, direction, turbulence = arguments.wind
         simulation.world.set_wind(speed=speed, direction=direction, turbulence=turbulence)
     script = FaultScript([*_lines(arguments.script), *arguments.fault])
-    teller = EventPrinter(arguments.json)
+    printer = EventPrinter(arguments.json)
     vehicles = fleet.add_to(simulation)
     for vehicle in vehicles:
-        vehicle.listeners.append(teller.tell)
+        vehicle.listeners.append(printer.event)
     try:
-        async with Runner(simulation, speed=arguments.speed, on_link_down=teller.link_down) as runner:
+        async with Runner(simulation, speed=arguments.speed, on_link_down=printer.link_down) as runner:
             links = await _connect(runner, vehicles, arguments)
-            teller.begin(vehicles, links)
-            await _run(runner, script, teller, arguments.seconds)
+            printer.begin(vehicles, links)
+            await _run(runner, script, printer, arguments.seconds)
     finally:
         simulation.close()
     return 0
 
 
-def _today() -> float:
+def _start_time() -> float:
     from time import time
 
     return float(int(time()))
@@ -144,24 +166,24 @@ async def _connect(runner: Runner, vehicles: Sequence[SimulatedVehicle], argumen
     ]
 
 
-async def _run(runner: Runner, script: FaultScript, teller: EventPrinter, limit: float | None) -> None:
-    from mavstack.cli.watch.follower import beside
+async def _run(runner: Runner, script: FaultScript, printer: EventPrinter, duration: float | None) -> None:
+    from mavstack.cli.watch.follower import background_tasks
 
-    script.run_in(runner.simulation, lambda timed: teller.fault(timed, runner.simulation.elapsed))
-    async with beside(_read_faults(runner.simulation, teller)):
-        await runner.run(limit)
+    script.run_in(runner.simulation, lambda timed: printer.fault(timed, runner.simulation.elapsed))
+    async with background_tasks(_read_faults(runner.simulation, printer)):
+        await runner.run(duration)
 
 
-async def _read_faults(simulation: Simulation, teller: EventPrinter) -> None:
-    """Inject what is typed."""
+async def _read_faults(simulation: Simulation, printer: EventPrinter) -> None:
+    """Inject the faults of the lines on standard input."""
     from mavstack.cli.common.stdin_lines import stdin_lines
 
     async for line in stdin_lines():
         if text := line.strip():
-            _inject(simulation, text, teller)
+            _inject(simulation, text, printer)
 
 
-def _inject(simulation: Simulation, text: str, teller: EventPrinter) -> None:
+def _inject(simulation: Simulation, text: str, printer: EventPrinter) -> None:
     from mavstack.sim.faults import FaultError, TimedFault
 
     try:
@@ -170,19 +192,19 @@ def _inject(simulation: Simulation, text: str, teller: EventPrinter) -> None:
         print(f"mav sim: {error}", file=sys.stderr)
         return
     typed.inject(simulation)
-    teller.fault(typed, simulation.elapsed)
+    printer.fault(typed, simulation.elapsed)
 
 
 class EventPrinter:
-    """Prints what happens, a line each."""
+    """Prints the events of a simulation, one line each."""
 
     def __init__(self, as_json: bool) -> None:
         self._json = as_json
-        self._began = 0.0
+        self._started = 0.0
 
     def begin(self, vehicles: Sequence[SimulatedVehicle], links: Sequence[Link]) -> None:
-        """Say who is there, and where."""
-        self._began = vehicles[0].now
+        """Print the vehicles and their links."""
+        self._started = vehicles[0].now
         if self._json:
             self._print(
                 "ready",
@@ -199,25 +221,25 @@ class EventPrinter:
         print("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
         print("type a fault (gps off, battery 15, link off, reboot …), or Ctrl-C to end", flush=True)
 
-    def tell(self, vehicle: SimulatedVehicle, kind: str, text: str) -> None:
-        """A vehicle said or did something."""
-        system, seconds_in = vehicle.address.system, vehicle.now - self._began
+    def event(self, vehicle: SimulatedVehicle, kind: str, text: str) -> None:
+        """Print an event of a vehicle."""
+        system, elapsed = vehicle.address.system, vehicle.now - self._started
         if self._json:
-            self._print(kind, time=round(seconds_in, 2), system=system, text=text)
+            self._print(kind, time=round(elapsed, 2), system=system, text=text)
         else:
-            print(f"{seconds_in:8.1f}  {system:3}  {text}", flush=True)
+            print(f"{elapsed:8.1f}  {system:3}  {text}", flush=True)
 
     def fault(self, injected: TimedFault, elapsed: float) -> None:
-        """A fault was injected."""
+        """Print an injected fault."""
         if self._json:
             fields = {"system": injected.system, "text": injected.fault.text}
             self._print("fault", time=round(elapsed, 2), **fields)
         else:
-            whom = injected.system or "all"
-            print(f"{elapsed:8.1f}  {whom:3}  FAULT {injected.fault.text}", flush=True)
+            target = injected.system or "all"
+            print(f"{elapsed:8.1f}  {target:3}  FAULT {injected.fault.text}", flush=True)
 
     def link_down(self, link: Link, reason: str) -> None:
-        """A link has no connection."""
+        """Print that a link has no connection."""
         print(f"mav sim: {link.url}: {reason}", file=sys.stderr)
 
     def _print(self, event: str, **fields: object) -> None:
@@ -248,7 +270,7 @@ def _kinds(kind: type[Kind], text: str, option: str) -> list[Kind]:
     try:
         return [kind(word.strip().lower()) for word in text.split(",")]
     except ValueError:
-        raise UsageError(f"{option} {text}: it is one of {', '.join(kind)}") from None
+        raise UsageError(f"{option} {text}: the choices are {', '.join(kind)}") from None
 
 
 def _count(text: str) -> int:
@@ -277,19 +299,19 @@ def _speed(text: str) -> float:
 
 
 def _wind(text: str) -> tuple[float, float, float]:
-    what = "a wind as SPEED,FROM[,GUSTS], such as 5,270,0.2"
+    expected = "a wind SPEED,FROM[,GUSTS] such as 5,270,0.2"
     parts = text.split(",")
     if not 2 <= len(parts) <= 3:
-        raise ArgumentTypeError(f"{text!r} is not {what}")
-    speed, direction, gusts = (_number(part, -360.0, 360.0, what) for part in (*parts, "0.1")[:3])
+        raise ArgumentTypeError(f"{text!r} is not {expected}")
+    speed, direction, gusts = (_number(part, -360.0, 360.0, expected) for part in (*parts, "0.1")[:3])
     return speed, direction, gusts
 
 
-def _number(text: str, least: float, most: float, what: str) -> float:
+def _number(text: str, minimum: float, maximum: float, expected: str) -> float:
     try:
         value = float(text)
     except ValueError:
         value = inf
-    if not least <= value <= most:
-        raise ArgumentTypeError(f"{text!r} is not {what}")
+    if not minimum <= value <= maximum:
+        raise ArgumentTypeError(f"{text!r} is not {expected}")
     return value

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.actions import Actions
-from mavstack.cli.common.connection import add_vehicle_action, run_on_connection
+from mavstack.cli.common.connection import add_vehicle_action
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.options import finite_number, seconds
 from mavstack.cli.vehicle.flight_progress import (
@@ -15,14 +14,14 @@ from mavstack.cli.vehicle.flight_progress import (
     distance_to_place,
     height_above_home,
 )
-from mavstack.cli.vehicle.info import gather_facts, health_facts, page
-from mavstack.cli.vehicle.selection import add_selection, run_on_vehicles, selected_vehicles, selects_several
+from mavstack.cli.vehicle.selection import add_selection, run_on_vehicles
+from mavstack.cli.vehicle.show import health, info, modes
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Callable
 
-    from mavstack.vehicle import Connection, Vehicle
+    from mavstack.vehicle import Vehicle
 
 EXAMPLES = """\
 examples:
@@ -215,27 +214,6 @@ def mode(arguments: Namespace) -> int:
     return run_on_vehicles(arguments, work)
 
 
-def modes(arguments: Namespace) -> int:
-    """Run `mav vehicle modes`."""
-
-    async def show(vehicle: Vehicle) -> None:
-        found = await vehicle.modes.list()
-        rows = [(each.name, each.custom_mode, each.selectable) for each in found]
-        if arguments.json:
-            keys = ("name", "custom_mode", "selectable")
-            listed = [dict(zip(keys, row, strict=True)) for row in rows]
-            print(json.dumps({"system": vehicle.system, "mode": vehicle.mode, "modes": listed}))
-            return
-        if selects_several(arguments):
-            print(f"vehicle {vehicle.system}:")
-        for name, number, selectable in rows:
-            current = "*" if name.lower() == (vehicle.mode or "").lower() else " "
-            width = max(len(row[0]) for row in rows)
-            print(f"{current} {name:{width}}  {number}{'' if selectable else '  -'}")
-
-    return _show_each(arguments, show)
-
-
 def speed(arguments: Namespace) -> int:
     """Run `mav vehicle speed`."""
 
@@ -286,38 +264,6 @@ def reboot(arguments: Namespace) -> int:
     return run_on_vehicles(arguments, work)
 
 
-def info(arguments: Namespace) -> int:
-    """Run `mav vehicle info`."""
-
-    async def show(vehicle: Vehicle) -> None:
-        facts = await gather_facts(vehicle)
-        print(*([json.dumps(facts, allow_nan=False)] if arguments.json else page(facts)), sep="\n")
-
-    return _show_each(arguments, show)
-
-
-def health(arguments: Namespace) -> int:
-    """Run `mav vehicle health`; the exit code is 0 only if all selected vehicles are ready to arm."""
-    ready: list[bool] = []
-
-    async def show(vehicle: Vehicle) -> None:
-        if arguments.wait:
-            await vehicle.wait_until_ready(timeout=arguments.wait)
-            facts = health_facts(vehicle)
-        else:
-            facts = (await gather_facts(vehicle))["health"]
-        ready.append(bool(facts["ready"]))
-        if arguments.json:
-            print(json.dumps({"system": vehicle.system, **facts}))
-            return
-        head = {True: "ready to arm", False: "not ready to arm", None: "readiness to arm unknown"}
-        print(f"vehicle {vehicle.system}: {head[facts['ready']]}")
-        for problem in facts["problems"]:
-            print(f"  {problem}")
-
-    return _show_each(arguments, show) or (0 if all(ready) else 1)
-
-
 def statustext(arguments: Namespace) -> int:
     """Run `mav vehicle statustext`."""
     if not arguments.text.strip():
@@ -328,17 +274,6 @@ def statustext(arguments: Namespace) -> int:
         return "sent"
 
     return run_on_vehicles(arguments, work)
-
-
-def _show_each(arguments: Namespace, show: Callable[[Vehicle], Awaitable[None]]) -> int:
-    """Show the selected vehicles one after the other."""
-
-    async def work(connection: Connection) -> int:
-        for vehicle in await selected_vehicles(connection, arguments):
-            await show(vehicle)
-        return 0
-
-    return run_on_connection(arguments, work)
 
 
 def _wait_options(arguments: Namespace) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`mav watch`: what is on a link or in a recording, live, as lines, or as a summary."""
+"""`mav watch`: the messages of a link or a recording, as a live display, as lines, or as a summary."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mavstack.cli.common.options import add_dialect_option, load_dialect, messag
 from mavstack.cli.watch.observer import Observer, Selection
 from mavstack.cli.watch.packet_lines import json_line, text_line
 from mavstack.cli.watch.recording import STDIN, read_recording
-from mavstack.cli.watch.snapshot import take
+from mavstack.cli.watch.snapshot import take_snapshot
 from mavstack.cli.watch.summary import summary_json, summary_text
 from mavstack.errors import LinkError, LinkURLError, LogError
 
@@ -27,24 +27,25 @@ if TYPE_CHECKING:
 
 EXAMPLES: Final = """\
 examples:
-  mav watch udpin://0.0.0.0:14550              the live picture of all that comes to port 14550
-  mav watch /dev/ttyACM0,57600 --sort rate     of a serial port, the busiest messages first
-  mav watch udpin://0.0.0.0:14550 --json       one JSON object a packet, until Ctrl-C
-  mav watch tcp:127.0.0.1:5760 --once          listen for 3 s, print a summary
-  mav watch flight.tlog                        what is in a recording
-  mav watch flight.tlog --once --json          the same for programs, as one JSON object
-  mav watch flight.tlog --speed 10             replay it live, ten times as fast as it was
+  mav watch udpin://0.0.0.0:14550              # live display of UDP port 14550
+  mav watch /dev/ttyACM0,57600 --sort rate     # of a serial port, the highest rate first
+  mav watch udpin://0.0.0.0:14550 --json       # one JSON object per packet, until Ctrl-C
+  mav watch tcp:127.0.0.1:5760 --once          # a summary of 3 s
+  mav watch flight.tlog                        # a summary of a recording
+  mav watch flight.tlog --once --json          # the summary as one JSON object
+  mav watch flight.tlog --speed 10             # replay a recording, ten times as fast
   mav watch flight.tlog --json --filter 'GPS*,ATTITUDE' --system 1 | head
 
-Without --once and --json, a link in a pipe gives a line of text a packet. Keys and passwords are
-never shown.
+In a pipe, without --once and --json, a link gives one line of text per packet. Keys and passwords are never
+shown.
 """
 
-_ONCE: Final = 3.0
+#: Seconds of a link that a summary covers.
+_SUMMARY_DURATION: Final = 3.0
 
 
 class Mode(Enum):
-    """What is shown."""
+    """The form of the output."""
 
     SUMMARY = auto()
     LINES = auto()
@@ -54,10 +55,10 @@ class Mode(Enum):
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "source", metavar="URL|FILE", help="a link, a tlog, a file of raw packets, or - for stdin"
+        "source", metavar="URL|FILE", help="link, tlog, file of raw packets, or - for standard input"
     )
     parser.add_argument(
-        "--json", action="store_true", help="one JSON object a packet; with --once, one for all"
+        "--json", action="store_true", help="print one JSON object per packet; with --once, one summary"
     )
     parser.add_argument(
         "--once", action="store_true", help="print a summary (of a link: after 3 s, or --for)"
@@ -67,24 +68,24 @@ def add_arguments(parser: ArgumentParser) -> None:
         dest="seconds",
         type=seconds,
         metavar="SECONDS",
-        help="stop after so long; of a file, recorded time",
+        help="end after this time; of a file, after this recorded time",
     )
     parser.add_argument(
         "--filter", metavar="NAME,…", help="only these messages: names, patterns (GPS*) or ids"
     )
-    parser.add_argument("--system", type=system_id, metavar="N", help="only this system")
+    parser.add_argument("--system", type=system_id, metavar="ID", help="only this system")
     parser.add_argument(
-        "--sort", choices=("name", "rate", "count"), default="name", help="order of the live picture"
+        "--sort", choices=("name", "rate", "count"), default="name", help="order of the live display"
     )
-    parser.add_argument("--speed", metavar="X", help="replay a tlog live, X times as fast as it was (or max)")
+    parser.add_argument("--speed", metavar="X", help="replay a tlog X times as fast as recorded, or max")
     parser.add_argument(
-        "--heartbeat", action="store_true", help="send a ground station's HEARTBEAT once a second"
+        "--heartbeat", action="store_true", help="send the HEARTBEAT of a ground station at 1 Hz"
     )
     add_dialect_option(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """Watch."""
+    """Run `mav watch`."""
     dialect = load_dialect(arguments.dialect)
     ids = message_ids(dialect, arguments.filter) if arguments.filter else None
     observer = Observer(dialect, Selection(ids, arguments.system))
@@ -95,7 +96,7 @@ def run(arguments: Namespace) -> int:
 
 
 def recording_path(source: str) -> str | None:
-    """The path, if the source is a file to be read rather than a link to be followed."""
+    """Return the path of a source that is a file to read; None for a link to follow."""
     if source == STDIN or Path(source).is_file():
         return source
     from mavstack.links import parse_url
@@ -104,7 +105,7 @@ def recording_path(source: str) -> str | None:
         url = parse_url(source)
     except LinkURLError:
         if "://" not in source and Path(source).exists():
-            raise LogError(f"{source}: this is not a file") from None
+            raise LogError(f"{source}: it is not a file") from None
         return None
     return url.path if url.scheme == "file" and not url.options else None
 
@@ -123,9 +124,9 @@ def _watch_file(path: str, observer: Observer, arguments: Namespace) -> int:
             print("\n".join(line(packet, _recorded(packet)) for packet in packets))
 
         read_recording(path, observer, show, arguments.seconds)
-    # A script that asks for the summary reads in it that there is nothing; everyone else is told.
+    # The JSON summary itself shows that there are no packets; in all other cases this is a failure.
     if not observer.totals().packets and not (arguments.once and arguments.json):
-        raise LogError(f"{path}: there is no MAVLink packet in it")
+        raise LogError(f"{path}: it contains no MAVLink packet")
     return 0
 
 
@@ -142,11 +143,11 @@ async def _watch_link(observer: Observer, arguments: Namespace) -> int:
 
     mode = _mode(arguments)
     options = {} if arguments.speed is None else {"speed": arguments.speed}
-    limit = arguments.seconds or (_ONCE if mode is Mode.SUMMARY else None)
+    duration = arguments.seconds or (_SUMMARY_DURATION if mode is Mode.SUMMARY else None)
     link = open_link(arguments.source, **options)
     follower = Follower(observer, _printer(arguments) if mode is Mode.LINES else None)
     async with link:
-        await follow_link(link, follower, arguments, limit, str(link.url))
+        await follow_link(link, follower, arguments, duration, str(link.url))
     if mode is Mode.SUMMARY:
         print_summary(observer, arguments, str(link.url), follower.seconds, follower.note)
     _require_packets(follower, link)
@@ -154,21 +155,21 @@ async def _watch_link(observer: Observer, arguments: Namespace) -> int:
 
 
 async def follow_link(
-    link: Link, follower: Follower, arguments: Namespace, limit: float | None, title: str
+    link: Link, follower: Follower, arguments: Namespace, duration: float | None, title: str
 ) -> None:
-    """Follow an open link, with the live picture if that is what is wanted."""
-    from mavstack.cli.watch.follower import beside, send_heartbeats
+    """Follow an open link for `duration` seconds, None until it ends, with the live display if wanted."""
+    from mavstack.cli.watch.follower import background_tasks, send_heartbeats
 
     jobs = [send_heartbeats(link)] if arguments.heartbeat else []
     if _mode(arguments) is not Mode.LIVE:
-        async with beside(*jobs):
-            await follower.follow(link, limit)
+        async with background_tasks(*jobs):
+            await follower.follow(link, duration)
         return
     from mavstack.cli.watch.live_table import LiveTable
 
     with LiveTable(title, follower, arguments.sort) as table:
-        async with beside(*jobs, table.run()):
-            await follower.follow(link, limit)
+        async with background_tasks(*jobs, table.run()):
+            await follower.follow(link, duration)
 
 
 def _mode(arguments: Namespace) -> Mode:
@@ -182,28 +183,28 @@ def _require_packets(follower: Follower, link: Link) -> None:
         return
     waited = f"in {follower.seconds:.1f} s"
     if follower.bytes:
-        problem = f"{follower.bytes} bytes came {waited}, but no MAVLink packet"
-        raise LinkError(f"{link.url}: {problem}; is it MAVLink, and the baud rate right?")
-    hint = f"; {follower.note}" if follower.note else "; some send only after --heartbeat"
-    raise LinkError(f"{link.url}: nothing came {waited}{hint}")
+        problem = f"{follower.bytes} bytes received {waited}, but no MAVLink packet"
+        raise LinkError(f"{link.url}: {problem}; check that the sender uses MAVLink, and the baud rate")
+    hint = f"; {follower.note}" if follower.note else "; some vehicles send only after --heartbeat"
+    raise LinkError(f"{link.url}: no data received {waited}{hint}")
 
 
-# what both print
+# output of files and links
 
 
 def print_summary(
     observer: Observer, arguments: Namespace, title: str, duration: float | None, note: str = ""
 ) -> None:
-    """Print the summary, as JSON if asked for."""
+    """Print the summary as text or, with `--json`, as JSON."""
     if arguments.json:
         print(summary_json(observer, duration))
         return
-    picture = take(observer, title, monotonic(), duration, note)
-    print(summary_text(picture, _columns()))
+    snapshot = take_snapshot(observer, title, monotonic(), duration, note)
+    print(summary_text(snapshot, _terminal_columns()))
 
 
-def _columns() -> int | None:
-    """The width of the terminal; `None` in a pipe."""
+def _terminal_columns() -> int | None:
+    """Return the width of the terminal; None in a pipe."""
     if not sys.stdout.isatty():
         return None
     from shutil import get_terminal_size

@@ -1,4 +1,4 @@
-"""A live link: its events to the observer, until it ends or the time is up."""
+"""The follower of a live link: passes its data to an observer until the link ends or the time is up."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ MISSION_PLANNER = 190
 
 
 class Follower:
-    """Feeds the observer what comes on a link; `show` prints packets."""
+    """Feeds an observer with the data of a link; `show` prints the packets."""
 
     def __init__(
         self, observer: Observer, show: Callable[[Sequence[Packet], float], None] | None = None
     ) -> None:
         self.observer = observer
-        #: What is to be known about the link itself, in words; empty when all is well.
+        #: Problem of the link in words; empty if there is none.
         self.note = ""
         self.bytes = 0
         self.started = monotonic()
@@ -39,23 +39,23 @@ class Follower:
 
     @property
     def seconds(self) -> float:
-        """How long the link has been followed."""
+        """Seconds since the link is followed."""
         return monotonic() - self.started
 
     async def follow(self, link: Link, seconds: float | None = None) -> None:
         """Follow an open link until it ends, at most for `seconds`."""
         self.started = monotonic()
         try:
-            async with asyncio.timeout(seconds) as limit:
+            async with asyncio.timeout(seconds) as deadline:
                 async for events in link.batches():
                     now = monotonic()
                     for event in events:
                         self._event(event, now)
-                    if self._shown:  # once for all events at hand, not once a packet
+                    if self._shown:  # once per batch of events, not once per packet
                         self._shown = False
                         sys.stdout.flush()
         except TimeoutError:
-            if not limit.expired():
+            if not deadline.expired():
                 raise
 
     def _event(self, event: object, now: float) -> None:
@@ -77,7 +77,7 @@ class Follower:
 
 
 async def send_heartbeats(link: Link) -> None:
-    """Tell all peers once a second that a ground station is here: many send nothing before they hear one."""
+    """Send the HEARTBEAT of a ground station at 1 Hz; many vehicles send no telemetry without one."""
     message = common.Heartbeat(
         type=common.MavType.GCS,
         autopilot=common.MavAutopilot.INVALID,
@@ -94,8 +94,8 @@ async def send_heartbeats(link: Link) -> None:
 
 
 @asynccontextmanager
-async def beside(*jobs: Coroutine[object, object, None]) -> AsyncIterator[None]:
-    """Run jobs in the background, and end them on leaving; what fails in one of them ends everything."""
+async def background_tasks(*jobs: Coroutine[object, object, None]) -> AsyncIterator[None]:
+    """Run jobs while the block runs; an error in one of them ends the block."""
     try:
         async with asyncio.TaskGroup() as group:
             tasks = [group.create_task(job) for job in jobs]

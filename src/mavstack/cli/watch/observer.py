@@ -1,7 +1,7 @@
-"""Bytes in, traffic and link quality out: one parser a channel, and what all of them counted.
+"""The observer of a link: one parser per channel, traffic per message, and link quality.
 
-A channel that closes leaves its counts behind, so that totals only grow. Everything counted here is bounded
-by the ids of MAVLink, not by how much comes.
+The counts of a closed channel are kept, so that totals only grow. Memory is bounded by the number of MAVLink
+ids, not by the amount of data.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ Source: TypeAlias = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which packets count: by message id and by system; `None` is all."""
+    """A selection of packets by message id and by system; None selects all."""
 
     message_ids: frozenset[int] | None = None
     system: int | None = None
 
-    def of(self, packets: Sequence[Packet]) -> Sequence[Packet]:
-        """Those of `packets` that are selected."""
+    def select(self, packets: Sequence[Packet]) -> Sequence[Packet]:
+        """Return the selected packets."""
         ids, system = self.message_ids, self.system
         if ids is not None:
             packets = [packet for packet in packets if packet.message_id in ids]
@@ -39,26 +39,26 @@ class Selection:
 
 
 @dataclass(slots=True)
-class Heard:
-    """How many packets of a source came on a channel, and how many the sequence numbers say are missing."""
+class SourceCounts:
+    """Received packets of a source, and lost packets by the gaps in its sequence numbers."""
 
     received: int = 0
     lost: int = 0
 
     @property
     def loss(self) -> float:
-        """Share of the packets sent that were lost, 0 to 1."""
+        """Share of the sent packets that were lost, 0 to 1."""
         return self.lost / (self.lost + self.received) if self.lost else 0.0
 
     def add(self, received: int, lost: int) -> None:
-        """Count more."""
+        """Add counts."""
         self.received += received
         self.lost += lost
 
 
 @dataclass(slots=True)
 class Totals:
-    """What parsers counted, selected or not."""
+    """Counts of all parsers, for selected and other packets."""
 
     packets: int = 0
     bytes: int = 0
@@ -68,7 +68,7 @@ class Totals:
     unknown: int = 0
     bad_bytes: int = 0
     bad_checksum: int = 0
-    sources: dict[Source, Heard] = field(default_factory=dict)
+    sources: dict[Source, SourceCounts] = field(default_factory=dict)
 
     def add(self, parser: Parser) -> None:
         """Add the counts of one parser."""
@@ -81,20 +81,20 @@ class Totals:
         self.unknown += statistics.unknown
         self.bad_bytes += statistics.bad_bytes
         self.bad_checksum += statistics.bad_checksum
-        for source, heard in parser.sources.items():
-            self.sources.setdefault(source, Heard()).add(heard.received, heard.lost)
+        for source, counts in parser.sources.items():
+            self.sources.setdefault(source, SourceCounts()).add(counts.received, counts.lost)
 
     @property
-    def heard(self) -> Heard:
-        """All sources as one."""
-        whole = Heard()
-        for heard in self.sources.values():
-            whole.add(heard.received, heard.lost)
-        return whole
+    def all_sources(self) -> SourceCounts:
+        """Sum of the counts of all sources."""
+        total = SourceCounts()
+        for counts in self.sources.values():
+            total.add(counts.received, counts.lost)
+        return total
 
 
 class Observer:
-    """Parses what comes on the channels of a link or from a file, and counts it."""
+    """Parses and counts the bytes of the channels of a link or of a file."""
 
     def __init__(self, dialect: Dialect, selection: Selection | None = None) -> None:
         self.dialect = dialect
@@ -103,8 +103,8 @@ class Observer:
         self.channels: dict[str, Parser] = {}
         self.first_recorded: float | None = None
         self.last_recorded: float | None = None
-        #: Whether packets came after the limit that was given.
-        self.beyond_limit = False
+        #: True if a packet was recorded after the end of the duration to read.
+        self.beyond_duration = False
         self._closed = Totals()
 
     def open(self, channel: str, *, timestamped: bool = False) -> None:
@@ -112,23 +112,32 @@ class Observer:
         self.close(channel)
         self.channels[channel] = Parser(self.dialect, timestamped=timestamped)
 
-    def receive(self, channel: str, data: bytes, now: float, limit: float | None = None) -> Sequence[Packet]:
-        """The selected packets that `data` completes, counted; of a recording up to `limit` seconds of it."""
+    def receive(
+        self, channel: str, data: bytes, now: float, duration: float | None = None
+    ) -> Sequence[Packet]:
+        """Parse and count data; return the selected packets.
+
+        Args:
+            channel: Name of the channel.
+            data: Received bytes.
+            now: Time of the reception, in seconds of a monotonic clock.
+            duration: Seconds of a recording after which packets are ignored; None reads all.
+        """
         packets: Sequence[Packet] = self.channels[channel].feed(data)
-        return self._count(packets if limit is None else self._within(packets, limit), now)
+        return self._count(packets if duration is None else self._within(packets, duration), now)
 
     def flush(self, channel: str, now: float) -> Sequence[Packet]:
-        """The last selected packets of a stream that ends."""
+        """Count and return the last selected packets of a stream that ends."""
         return self._count(self.channels[channel].flush(), now)
 
     def close(self, channel: str) -> None:
-        """End a stream; its counts stay."""
+        """End a stream; its counts are kept."""
         parser = self.channels.pop(channel, None)
         if parser is not None:
             self._closed.add(parser)
 
     def totals(self) -> Totals:
-        """What all channels, past ones included, have counted so far."""
+        """Return the counts of all channels, including closed ones."""
         totals = Totals()
         for parser in self.channels.values():
             totals.add(parser)
@@ -136,23 +145,23 @@ class Observer:
 
     @property
     def recorded_seconds(self) -> float | None:
-        """From the earliest recorded time to the latest; `None` without recorded times."""
+        """Seconds from the earliest to the latest recorded time; None without recorded times."""
         if self.first_recorded is None or self.last_recorded is None:
             return None
         return self.last_recorded - self.first_recorded
 
     def _count(self, packets: Sequence[Packet], now: float) -> Sequence[Packet]:
         self._note_times(packets)
-        selected = self.selection.of(packets)
+        selected = self.selection.select(packets)
         self.traffic.add(selected, now)
         return selected
 
-    def _within(self, packets: Sequence[Packet], limit: float) -> list[Packet]:
+    def _within(self, packets: Sequence[Packet], duration: float) -> list[Packet]:
         first = self.first_recorded
         if first is None:
             first = next((recorded_time(packet) for packet in packets if packet.timestamp is not None), 0.0)
-        within = [packet for packet in packets if recorded_time(packet) - first <= limit]
-        self.beyond_limit = len(within) < len(packets)
+        within = [packet for packet in packets if recorded_time(packet) - first <= duration]
+        self.beyond_duration = len(within) < len(packets)
         return within
 
     def _note_times(self, packets: Sequence[Packet]) -> None:
@@ -165,12 +174,12 @@ class Observer:
 
 
 def recorded_time(packet: Packet) -> float:
-    """Unix time in seconds that was recorded before the packet, 0 if none was."""
+    """Return the recorded Unix time of a packet in seconds, 0 if it has none."""
     return (packet.timestamp or 0) / 1e6
 
 
 def _sum(first: Totals, second: Totals) -> Totals:
-    """Both together."""
+    """Add the first totals to the second and return them."""
     for name in (
         "packets",
         "bytes",
@@ -182,6 +191,6 @@ def _sum(first: Totals, second: Totals) -> Totals:
         "bad_checksum",
     ):
         setattr(second, name, getattr(first, name) + getattr(second, name))
-    for source, heard in first.sources.items():
-        second.sources.setdefault(source, Heard()).add(heard.received, heard.lost)
+    for source, counts in first.sources.items():
+        second.sources.setdefault(source, SourceCounts()).add(counts.received, counts.lost)
     return second

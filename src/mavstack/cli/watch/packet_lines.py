@@ -1,4 +1,4 @@
-"""One line a packet: JSON for programs, text for people and pipes."""
+"""One line per packet, as JSON or as text."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 def json_line(packet: Packet, time: float | None) -> str:
-    """A packet as one JSON object; `time` is Unix time in seconds."""
+    """Return a packet as one JSON object without secrets; `time` is Unix time in seconds."""
     message = packet.message
-    # Written by hand: a general encoder takes several times as long, and numbers need no escapes.
+    # Formatted directly: the json module takes several times as long, and numbers need no escapes.
     head = (
         f'{{"time": {"null" if time is None else repr(time)}, "system": {packet.system}, '
         f'"component": {packet.component}, "id": {packet.message_id}, "message": '
@@ -32,7 +32,7 @@ def json_line(packet: Packet, time: float | None) -> str:
 
 
 def text_line(packet: Packet, time: float | None) -> str:
-    """A packet as people read it."""
+    """Return a packet as text without secrets; `time` is Unix time in seconds."""
     clock = f"{datetime.fromtimestamp(time).astimezone():%H:%M:%S.%f}"[:-3] if time else "--:--:--.---"
     source = f"{packet.system}/{packet.component}"
     message = packet.message

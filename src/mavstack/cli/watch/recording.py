@@ -1,7 +1,7 @@
 """A recorded stream of packets: a tlog, raw bytes, or standard input, read piece by piece.
 
-The memory is bounded by one piece of the file and the last packet of each message, whatever the size of the file. An
-index of a mapped file would be faster, but grows with the file.
+The memory is bounded by one piece of the file and the last packet of each message, whatever the size of the
+file. An index of a mapped file would be faster, but grows with the file.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def read_recording(
                     show(packets)
                 done += len(data)
                 progress(done, size)
-                if observer.beyond_limit:
+                if observer.beyond_duration:
                     return
         packets = observer.flush(path, observer.last_recorded or 0.0)
         if show is not None and packets:

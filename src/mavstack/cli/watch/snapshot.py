@@ -1,6 +1,6 @@
-"""What a summary or a live picture shows, as plain values: made from an observer, drawn by others.
+"""A snapshot of an observer as plain values, which the summary and the live display show.
 
-Making one decodes the last packet of each stream, nothing else; it can be drawn in another thread while the
+Making a snapshot decodes only the last packet of each stream. It can be rendered in another thread while the
 observer goes on counting.
 """
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.field_values import UNKNOWN, FieldText, field_texts, raw_hex
 from mavstack.cli.common.identity import Identity, identify
-from mavstack.cli.watch.observer import Heard, Totals
+from mavstack.cli.watch.observer import SourceCounts, Totals
 from mavstack.cli.watch.traffic import Rate
 
 if TYPE_CHECKING:
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 HEARTBEAT = 0
 _TARGETS = frozenset({"target_system", "target_component", "target_network"})
-_LONGEST_VALUE = 50
+_MAX_VALUE_WIDTH = 50
 _TIMES = frozenset({"time_boot_ms", "time_usec"})
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
-    """One message of one component."""
+class MessageRow:
+    """One message of one component: count, rate, last packet."""
 
     system: int
     component: int
@@ -41,53 +41,53 @@ class Row:
 
     @property
     def source(self) -> str:
-        """System and component as people write them."""
+        """System and component: `1/1`."""
         return f"{self.system}/{self.component}"
 
     def values(self) -> list[FieldText]:
-        """The last values that are known, without times, what tells most first."""
+        """Return the known values of the last packet without times; flags and targets come last."""
         message = self.packet.message
         if message is None:
             return [FieldText("raw", raw_hex(self.packet))]
         known = (value for value in field_texts(message) if value.known and value.name not in _TIMES)
-        shortened = [value._replace(text=cut(value.text, _LONGEST_VALUE)) for value in known]
+        shortened = [value._replace(text=shorten(value.text, _MAX_VALUE_WIDTH)) for value in known]
         return sorted(shortened, key=lambda value: value.flags or value.name in _TARGETS)
 
 
 @dataclass(frozen=True, slots=True)
-class Member:
-    """One component of one system."""
+class ComponentRow:
+    """One component of one system: identity and counts."""
 
     system: int
     component: int
     identity: Identity
-    heard: Heard
+    counts: SourceCounts
 
     @property
     def source(self) -> str:
-        """System and component as people write them."""
+        """System and component: `1/1`."""
         return f"{self.system}/{self.component}"
 
     @property
     def state(self) -> str:
-        """Whether it is armed, its mode and its state, in a few words."""
+        """Armed or disarmed, flight mode and MAV_STATE, in a few words."""
         armed = {True: "ARMED", False: "disarmed", None: ""}[self.identity.armed]
         return " ".join(word for word in (armed, self.identity.mode, self.identity.state) if word)
 
 
 @dataclass(frozen=True, slots=True)
-class Quality:
-    """How well one channel is heard."""
+class ChannelQuality:
+    """The reception quality of one channel."""
 
     name: str
     packets: int
     bad_bytes: int
-    heard: Heard
+    counts: SourceCounts
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
-    """All of it, at one moment."""
+class Snapshot:
+    """The state of an observer at one moment."""
 
     title: str
     seconds: float | None
@@ -95,18 +95,28 @@ class Picture:
     untracked: int
     rate: Rate
     totals: Totals
-    channels: list[Quality]
-    members: list[Member]
-    rows: list[Row]
+    channels: list[ChannelQuality]
+    components: list[ComponentRow]
+    messages: list[MessageRow]
     texts: list[str]
     note: str = ""
 
 
-def take(observer: Observer, title: str, now: float, seconds: float | None, note: str = "") -> Picture:
-    """The picture at `now`, `seconds` after it began; `None` if nobody knows."""
+def take_snapshot(
+    observer: Observer, title: str, now: float, seconds: float | None, note: str = ""
+) -> Snapshot:
+    """Return a snapshot of an observer.
+
+    Args:
+        observer: Observer of the link or file.
+        title: Name of the link or file.
+        now: Time of the snapshot, on the clock of the observer.
+        seconds: Duration of the observation; None if it is not known.
+        note: Problem of the link, shown below the title.
+    """
     totals = observer.totals()
-    rows = _rows(observer, now)
-    return Picture(
+    messages = _message_rows(observer, now)
+    return Snapshot(
         title=title,
         seconds=seconds,
         selected=observer.traffic.packets,
@@ -114,41 +124,32 @@ def take(observer: Observer, title: str, now: float, seconds: float | None, note
         rate=_rate(observer, observer.traffic.total, now),
         totals=totals,
         channels=[_quality(name, parser) for name, parser in tuple(observer.channels.items())],
-        members=_members(observer, rows, totals),
-        rows=rows,
-        texts=[_status(packet) for packet in observer.traffic.texts if packet.name == "STATUSTEXT"],
+        components=_component_rows(observer, messages, totals),
+        messages=messages,
+        texts=[_status_text(packet) for packet in observer.traffic.texts if packet.name == "STATUSTEXT"],
         note=note,
     )
 
 
-def cut(line: str, width: int) -> str:
-    """The line, with an ellipsis where it is too long."""
+def shorten(line: str, width: int) -> str:
+    """Return a line of at most `width` letters, with an ellipsis if it was longer."""
     return line if len(line) <= width else f"{line[: width - 1]}…"
 
 
-def loss_text(heard: Heard) -> str:
-    """The loss of a link or a source, in words."""
-    return f"{heard.loss * 100:.1f} %"
-
-
-def size_text(size: float) -> str:
-    """A number of bytes as people read it."""
-    for unit in ("B", "kB", "MB"):
-        if size < 1000:
-            return f"{size:.0f} {unit}" if unit == "B" else f"{size:.1f} {unit}"
-        size /= 1000
-    return f"{size:.1f} GB"
+def loss_text(counts: SourceCounts) -> str:
+    """Return the loss in percent."""
+    return f"{counts.loss * 100:.1f} %"
 
 
 def rate_text(rate: float) -> str:
-    """Packets a second with as many digits as mean something."""
+    """Return a rate in hertz with its significant digits."""
     if rate <= 0:
         return UNKNOWN
     return f"{rate:.2f}" if rate < 1 else f"{rate:.1f}" if rate < 1000 else f"{rate:.0f}"
 
 
-def duration_text(seconds: float | None) -> str:
-    """A duration as people read it."""
+def elapsed_text(seconds: float | None) -> str:
+    """Return an elapsed time: 42.0 s, 3 min 07 s, 2 h 05 min."""
     if seconds is None:
         return "unknown time"
     if seconds < 120:
@@ -159,13 +160,13 @@ def duration_text(seconds: float | None) -> str:
 
 
 def values_text(values: Iterable[FieldText]) -> str:
-    """Values on one line."""
+    """Return values in one line."""
     return "  ".join(f"{value.name} {value.text}" for value in values)
 
 
-def _rows(observer: Observer, now: float) -> list[Row]:
+def _message_rows(observer: Observer, now: float) -> list[MessageRow]:
     return [
-        Row(
+        MessageRow(
             *key,
             name=stream.packet.name or f"unknown id {key[2]}",
             count=stream.count,
@@ -177,7 +178,7 @@ def _rows(observer: Observer, now: float) -> list[Row]:
 
 
 def _rate(observer: Observer, meter: Meter | None, now: float) -> Rate:
-    """Live as it is now; of a recording the average over all of it."""
+    """Return the current rate of a link, or the average rate of a recording."""
     if meter is None:
         return Rate()
     recorded = observer.recorded_seconds
@@ -186,27 +187,27 @@ def _rate(observer: Observer, meter: Meter | None, now: float) -> Rate:
     return Rate(meter.count / recorded, meter.bytes / recorded) if recorded > 0 else Rate()
 
 
-def _members(observer: Observer, rows: list[Row], totals: Totals) -> list[Member]:
-    heartbeats = {(row.system, row.component): row.packet for row in rows if row.message_id == HEARTBEAT}
-    sources = sorted({(row.system, row.component) for row in rows})
+def _component_rows(observer: Observer, messages: list[MessageRow], totals: Totals) -> list[ComponentRow]:
+    heartbeats = {(row.system, row.component): row.packet for row in messages if row.message_id == HEARTBEAT}
+    sources = sorted({(row.system, row.component) for row in messages})
     return [
-        Member(
+        ComponentRow(
             system,
             component,
             identify(component, heartbeats.get((system, component)), observer.dialect),
-            totals.sources.get((system, component), Heard()),
+            totals.sources.get((system, component), SourceCounts()),
         )
         for system, component in sources
     ]
 
 
-def _quality(name: str, parser: Parser) -> Quality:
+def _quality(name: str, parser: Parser) -> ChannelQuality:
     totals = Totals()
     totals.add(parser)
-    return Quality(name, totals.packets, totals.bad_bytes, totals.heard)
+    return ChannelQuality(name, totals.packets, totals.bad_bytes, totals.all_sources)
 
 
-def _status(packet: Packet) -> str:
-    """A status text with its sender and severity."""
+def _status_text(packet: Packet) -> str:
+    """Return a status text with its sender and severity."""
     values = {value.name: value.text for value in field_texts(packet.message)}
     return f"{packet.system}/{packet.component} {values['severity']}: {values['text']}"

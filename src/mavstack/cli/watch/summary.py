@@ -1,4 +1,4 @@
-"""What was found, once and for all: one JSON object, or one page of plain text."""
+"""The summary of a link or a file: one JSON object, or one page of text."""
 
 from __future__ import annotations
 
@@ -6,27 +6,22 @@ import json
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from mavstack.cli.watch.snapshot import (
-    cut,
-    duration_text,
-    loss_text,
-    rate_text,
-    size_text,
-    values_text,
-)
+from mavstack.cli.common.output import table_lines
+from mavstack.cli.common.text import size_text
+from mavstack.cli.watch.snapshot import elapsed_text, loss_text, rate_text, shorten, values_text
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from mavstack.cli.watch.observer import Observer
-    from mavstack.cli.watch.snapshot import Picture, Row
+    from mavstack.cli.watch.snapshot import MessageRow, Snapshot
 
 _PIPE_WIDTH = 160
 _LEFT = frozenset({"MESSAGE", "SOURCE", "SYSTEM", "TYPE", "AUTOPILOT", "STATE", "LAST VALUES"})
 
 
 def summary_object(observer: Observer, seconds: float | None) -> dict[str, Any]:
-    """The counts, for programs."""
+    """Return the counts as values for JSON; `seconds` is the duration, None if it is not known."""
     messages: Counter[str] = Counter()
     unknown: Counter[int] = Counter()
     for (_, _, message_id), stream in observer.traffic.streams.items():
@@ -48,38 +43,38 @@ def summary_object(observer: Observer, seconds: float | None) -> dict[str, Any]:
         "signed": totals.signed,
         "mavlink_1": totals.version_1,
         "mavlink_2": totals.version_2,
-        "lost": totals.heard.lost,
+        "lost": totals.all_sources.lost,
         "sources": [f"{system}/{component}" for system, component in sources],
         "duration_s": None if seconds is None else round(seconds, 6),
     }
 
 
 def summary_json(observer: Observer, seconds: float | None) -> str:
-    """The counts as one line of JSON."""
+    """Return the counts as one line of JSON."""
     return json.dumps(summary_object(observer, seconds), allow_nan=False)
 
 
-def summary_text(picture: Picture, width: int | None = None) -> str:
-    """One page; lines are cut at `width` columns."""
+def summary_text(snapshot: Snapshot, width: int | None = None) -> str:
+    """Return one page of text whose lines are shortened to `width` columns."""
     width = width or _PIPE_WIDTH
-    lines = [*_head(picture), "", *_members(picture), "", *_messages(picture)]
-    if picture.texts:
-        lines += ["", "last texts:", *(f"  {text}" for text in picture.texts)]
-    return "\n".join(cut(line, width).rstrip() for line in lines)
+    lines = [*_head(snapshot), "", *_components(snapshot), "", *_messages(snapshot)]
+    if snapshot.texts:
+        lines += ["", "last status texts:", *(f"  {text}" for text in snapshot.texts)]
+    return "\n".join(shorten(line, width).rstrip() for line in lines)
 
 
-def headline(picture: Picture) -> str:
-    """How much came, and how fast."""
-    speed = f"{rate_text(picture.rate.packets)} msg/s, {size_text(picture.rate.bytes)}/s"
-    known = "" if picture.seconds is None else f" in {duration_text(picture.seconds)}: {speed}"
-    return f"{picture.selected} packets{known}"
+def headline(snapshot: Snapshot) -> str:
+    """Return the number of packets and the rate."""
+    speed = f"{rate_text(snapshot.rate.packets)} msg/s, {size_text(snapshot.rate.bytes)}/s"
+    known = "" if snapshot.seconds is None else f" in {elapsed_text(snapshot.seconds)}: {speed}"
+    return f"{snapshot.selected} packets{known}"
 
 
-def health(picture: Picture) -> str:
-    """What was lost or wrong."""
-    totals, heard = picture.totals, picture.totals.heard
+def quality(snapshot: Snapshot) -> str:
+    """Return the lost, bad, unknown and signed packets, and the protocol versions."""
+    totals, counts = snapshot.totals, snapshot.totals.all_sources
     parts = [
-        f"lost {heard.lost} ({loss_text(heard)})",
+        f"lost {counts.lost} ({loss_text(counts)})",
         f"bad {size_text(totals.bad_bytes)}",
         f"unknown {totals.unknown}",
         f"signed {totals.signed}",
@@ -90,8 +85,8 @@ def health(picture: Picture) -> str:
     return ", ".join(part for part in parts if part)
 
 
-def message_order(rows: Sequence[Row], sort: str = "name") -> list[Row]:
-    """Rows in the order asked for; unknown ids come last by name."""
+def message_order(rows: Sequence[MessageRow], sort: str = "name") -> list[MessageRow]:
+    """Return rows sorted by name, rate or count; by name, unknown ids come last."""
     if sort == "rate":
         return sorted(rows, key=lambda row: (-row.rate.packets, row.name, row.system, row.component))
     if sort == "count":
@@ -99,45 +94,32 @@ def message_order(rows: Sequence[Row], sort: str = "name") -> list[Row]:
     return sorted(rows, key=lambda row: (row.packet.name is None, row.name, row.system, row.component))
 
 
-def columns(
-    head: Sequence[str], rows: Sequence[Sequence[str]], left: Collection[str] = _LEFT
-) -> Iterator[str]:
-    """Lines of a table, columns as wide as needed; those in `left` begin at the left."""
-    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
-    for row in (head, *rows):
-        cells = (
-            f"{cell:<{width}}" if name in left else f"{cell:>{width}}"
-            for name, cell, width in zip(head, row, widths, strict=True)
-        )
-        yield "  ".join(cells).rstrip()
+def _head(snapshot: Snapshot) -> Iterator[str]:
+    yield snapshot.title
+    yield headline(snapshot)
+    yield quality(snapshot)
+    if snapshot.note:
+        yield snapshot.note
+    if snapshot.untracked:
+        yield f"{snapshot.untracked} packets exceed the number of streams that are counted separately"
 
 
-def _head(picture: Picture) -> Iterator[str]:
-    yield picture.title
-    yield headline(picture)
-    yield health(picture)
-    if picture.note:
-        yield picture.note
-    if picture.untracked:
-        yield f"{picture.untracked} packets had more different ids than are kept apart"
-
-
-def _members(picture: Picture) -> Iterator[str]:
+def _components(snapshot: Snapshot) -> Iterator[str]:
     rows = [
         (
-            member.source,
-            member.identity.type_name,
-            member.identity.autopilot,
-            member.state,
-            str(member.heard.received),
-            loss_text(member.heard),
+            row.source,
+            row.identity.type_name,
+            row.identity.autopilot,
+            row.state,
+            str(row.counts.received),
+            loss_text(row.counts),
         )
-        for member in picture.members
+        for row in snapshot.components
     ]
-    return columns(("SYSTEM", "TYPE", "AUTOPILOT", "STATE", "PACKETS", "LOST"), rows)
+    return table_lines(("SYSTEM", "TYPE", "AUTOPILOT", "STATE", "PACKETS", "LOST"), rows, _LEFT)
 
 
-def _messages(picture: Picture) -> Iterator[str]:
+def _messages(snapshot: Snapshot) -> Iterator[str]:
     rows = [
         (
             row.name,
@@ -147,6 +129,6 @@ def _messages(picture: Picture) -> Iterator[str]:
             size_text(row.rate.bytes),
             values_text(row.values()),
         )
-        for row in message_order(picture.rows)
+        for row in message_order(snapshot.messages)
     ]
-    return columns(("MESSAGE", "SOURCE", "COUNT", "HZ", "BYTES/S", "LAST VALUES"), rows)
+    return table_lines(("MESSAGE", "SOURCE", "COUNT", "HZ", "BYTES/S", "LAST VALUES"), rows, _LEFT)

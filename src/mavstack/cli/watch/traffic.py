@@ -1,11 +1,12 @@
-"""Counts packets by system, component and message, and tells rates: a model without clock or output.
+"""Counts and rates of packets by system, component and message, without clock or output.
 
-`add` is called for every packet of a busy link, so it does four assignments a packet and decodes nothing.
-Rates come from marks. A mark is a meter's count at some time; the caller sets marks about once a second,
-and a rate is what came since the oldest of the few marks kept. Times are those of the last packet before
-each end of that window, not of the marks themselves: a steady 1 Hz then reads 1.0 however the window falls,
-and when a stream stops its rate falls from the moment a packet is overdue. Without marks a rate is the
-average over everything. The number of meters is bounded, whatever ids a link makes up.
+`add` is called for every packet of a busy link, so it does four assignments per packet and decodes nothing.
+
+Rates are computed from marks. A mark is the count of a meter at some time; the caller sets marks about once a
+second, and the rate is measured from the oldest of the few marks kept. The times are those of the last packet
+before each end of that window, not of the marks themselves: a steady 1 Hz then reads 1.0 wherever the window
+lies, and the rate of a stream that stops falls from the moment a packet is overdue. Without marks the rate is
+the average over all packets. The number of meters is bounded, whatever ids a link sends.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ _STATUSTEXT = 253
 
 
 class Rate(NamedTuple):
-    """Packets and bytes a second."""
+    """Packets and bytes per second."""
 
     packets: float = 0.0
     bytes: float = 0.0
@@ -46,11 +47,11 @@ class Meter:
         self._marks = deque([(now, count, size)], maxlen=_MARKS)
 
     def mark(self) -> None:
-        """Begin a new piece of the window over which rates are told."""
+        """Set a mark, which moves the window of the rate."""
         self._marks.append((self.time, self.count, self.bytes))
 
     def rate(self, now: float) -> Rate:
-        """The rate at `now`."""
+        """Return the rate at the time `now`."""
         since, count, size = self._marks[0]
         packets = self.count - count
         if packets <= 0:
@@ -63,29 +64,29 @@ class Meter:
 
 
 class Stream(Meter):
-    """One message of one component: how much of it came, and the last of it."""
+    """One message of one component: its meter and its last packet."""
 
     __slots__ = ("packet",)
 
     def __init__(self, now: float, packet: Packet) -> None:
-        # The first packet ends no interval: a rate counts from it on.
+        # The first packet ends no interval, so the rate is counted from it.
         super().__init__(now, 1, len(packet))
         self.packet = packet
 
 
 class Traffic:
-    """Everything that came."""
+    """The streams of all components, and their total."""
 
     def __init__(self) -> None:
         self.streams: dict[Key, Stream] = {}
         self.total: Meter | None = None
-        #: Packets that were one more stream than is kept.
+        #: Packets of streams beyond MAX_STREAMS.
         self.untracked = 0
-        #: The last packets with texts for people.
+        #: The last STATUSTEXT packets.
         self.texts: deque[Packet] = deque(maxlen=_TEXTS)
 
     def add(self, packets: Sequence[Packet], now: float) -> None:
-        """Count packets that came at `now`."""
+        """Count packets received at the time `now`."""
         if not packets:
             return
         streams = self.streams
@@ -105,7 +106,7 @@ class Traffic:
         self._count(packets, size, now)
 
     def mark(self) -> None:
-        """Set a mark at every meter."""
+        """Set a mark in each meter."""
         if self.total is not None:
             self.total.mark()
         for stream in self.streams.values():
@@ -113,7 +114,7 @@ class Traffic:
 
     @property
     def packets(self) -> int:
-        """All packets counted."""
+        """Number of counted packets."""
         return self.total.count if self.total else 0
 
     def _count(self, packets: Sequence[Packet], size: int, now: float) -> None:
