@@ -48,7 +48,7 @@ class ArdupilotHarness(VehicleHarness):
         """Send DO_REPOSITION; return the answer."""
         return self.command(CMD.DO_REPOSITION, -1, 1, 0, nan, *self.at(north, east), altitude, frame=frame)
 
-    def lift(self, height: float = 10.0) -> None:
+    def take_off(self, height: float = 10.0) -> None:
         """Bring the vehicle into the air in GUIDED; a vehicle that cannot fly is armed in it."""
         if self.vehicle.vehicle_type in ("copter", "vtol"):
             self.autopilot.enter(self.autopilot.profile.guided, "test")

@@ -1,4 +1,4 @@
-"""Modes, identity, texts and flight parameters of ArduPilot's firmwares."""
+"""ArduPilot's profile: modes, identity, status texts, flight parameters."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mavstack.sim.vehicle_types import Firmware, VehicleType
 
 from .harness import CMD, RESULT, ArdupilotHarness
 
-WANTED = {
+REQUIRED_MODES = {
     "copter": "STABILIZE ACRO ALT_HOLD AUTO GUIDED LOITER RTL CIRCLE LAND POSHOLD BRAKE SMART_RTL AUTO_RTL",
     "plane": "MANUAL CIRCLE STABILIZE TRAINING ACRO FBWA FBWB CRUISE AUTO RTL LOITER TAKEOFF GUIDED",
     "vtol": "QSTABILIZE QHOVER QLOITER QLAND QRTL FBWA AUTO RTL GUIDED",
@@ -25,89 +25,89 @@ WANTED = {
 }
 
 
-@pytest.mark.parametrize("kind", list(VehicleType))
-def test_modes_have_the_numbers_that_their_names_mean_elsewhere(kind: VehicleType) -> None:
+@pytest.mark.parametrize("vehicle_type", list(VehicleType))
+def test_mode_numbers_match_their_names(vehicle_type: VehicleType) -> None:
     autopilot = Firmware.ARDUPILOT.mav_autopilot
-    names = {mode.name for mode in MODES[kind]}
-    assert names >= set(WANTED[kind].split())
-    for mode in MODES[kind]:
-        assert mode_number(autopilot, kind.mav_type, mode.name) == mode.number
-        assert mode.number in mode_names(autopilot, kind.mav_type)
+    names = {mode.name for mode in MODES[vehicle_type]}
+    assert names >= set(REQUIRED_MODES[vehicle_type].split())
+    for mode in MODES[vehicle_type]:
+        assert mode_number(autopilot, vehicle_type.mav_type, mode.name) == mode.number
+        assert mode.number in mode_names(autopilot, vehicle_type.mav_type)
 
 
-@pytest.mark.parametrize("kind", list(VehicleType))
-def test_every_mode_can_be_entered_and_flown(kind: VehicleType) -> None:
-    bench = ArdupilotHarness(kind)
-    bench.lift(40.0)
-    for mode in MODES[kind]:
+@pytest.mark.parametrize("vehicle_type", list(VehicleType))
+def test_every_mode_can_be_entered(vehicle_type: VehicleType) -> None:
+    harness = ArdupilotHarness(vehicle_type)
+    harness.take_off(40.0)
+    for mode in MODES[vehicle_type]:
         if mode.name in ("AUTO", "AUTO_RTL"):
-            continue  # the mission's tests
-        bench.set_mode("GUIDED")
-        if kind in ("copter", "vtol"):
-            bench.vehicle.body.place(0.0, 0.0, -40.0, 0.0)
-        assert bench.set_mode(mode.name) == RESULT.ACCEPTED, mode.name
-        bench.run(1)
-        heartbeat = [message for message in bench.received if isinstance(message, common.Heartbeat)][-1]
+            continue  # covered by the mission tests
+        harness.set_mode("GUIDED")
+        if vehicle_type in ("copter", "vtol"):
+            harness.vehicle.body.place(0.0, 0.0, -40.0, 0.0)
+        assert harness.set_mode(mode.name) == RESULT.ACCEPTED, mode.name
+        harness.run(1)
+        heartbeat = [message for message in harness.received if isinstance(message, common.Heartbeat)][-1]
         assert heartbeat.custom_mode == mode.number
         assert heartbeat.base_mode & common.MavModeFlag.SAFETY_ARMED
 
 
-def test_a_mode_that_needs_a_position_is_refused_without() -> None:
-    bench = ArdupilotHarness("copter")
-    bench.lift()
-    bench.set_mode("ALT_HOLD")
-    bench.vehicle.body.fail_gps(True)
-    bench.run_until(lambda: not bench.autopilot.has_position)
-    assert bench.set_mode("LOITER") == RESULT.FAILED
-    assert bench.texts[-1] == "Mode change to LOITER failed: requires position"
-    assert bench.command(CMD.NAV_RETURN_TO_LAUNCH) == RESULT.FAILED
-    assert "Mode change to RTL failed: requires position" in bench.texts
+def test_mode_that_needs_a_position_is_refused_without_one() -> None:
+    harness = ArdupilotHarness("copter")
+    harness.take_off()
+    harness.set_mode("ALT_HOLD")
+    harness.vehicle.body.fail_gps(True)
+    harness.run_until(lambda: not harness.autopilot.has_position)
+    assert harness.set_mode("LOITER") == RESULT.FAILED
+    assert harness.texts[-1] == "Mode change to LOITER failed: requires position"
+    assert harness.command(CMD.NAV_RETURN_TO_LAUNCH) == RESULT.FAILED
+    assert "Mode change to RTL failed: requires position" in harness.texts
 
 
-def test_ground_stations_can_be_kept_from_modes() -> None:
-    bench = ArdupilotHarness("copter")
-    bench.vehicle.parameters.set("FLTMODE_GCSBLOCK", 1 << 4)
-    assert bench.set_mode("GUIDED") == RESULT.FAILED
-    assert bench.texts[-1].startswith("Mode change to GUIDED failed: GCS entry disabled")
-    assert bench.set_mode("LOITER") == RESULT.ACCEPTED
+def test_fltmode_gcsblock() -> None:
+    harness = ArdupilotHarness("copter")
+    harness.vehicle.parameters.set("FLTMODE_GCSBLOCK", 1 << 4)
+    assert harness.set_mode("GUIDED") == RESULT.FAILED
+    assert harness.texts[-1].startswith("Mode change to GUIDED failed: GCS entry disabled")
+    assert harness.set_mode("LOITER") == RESULT.ACCEPTED
 
 
-def test_auto_with_nothing_to_fly_is_refused_when_armed() -> None:
-    bench = ArdupilotHarness("copter")
-    bench.accepted(CMD.COMPONENT_ARM_DISARM, 1)
-    assert bench.set_mode("AUTO") == RESULT.FAILED
-    assert bench.texts[-1] == "Mode change to AUTO failed: init failed"
+def test_auto_without_a_mission_is_refused_while_armed() -> None:
+    harness = ArdupilotHarness("copter")
+    harness.accepted(CMD.COMPONENT_ARM_DISARM, 1)
+    assert harness.set_mode("AUTO") == RESULT.FAILED
+    assert harness.texts[-1] == "Mode change to AUTO failed: init failed"
 
 
-@pytest.mark.parametrize("kind", list(VehicleType))
-def test_who_it_is(kind: VehicleType) -> None:
-    bench = ArdupilotHarness(kind)
-    bench.accepted(CMD.REQUEST_MESSAGE, common.AutopilotVersion.__mavlink_row__[0])
-    told = next(message for message in bench.received if isinstance(message, common.AutopilotVersion))
-    version = AutopilotVersion.read(told)
+@pytest.mark.parametrize("vehicle_type", list(VehicleType))
+def test_version_and_banner(vehicle_type: VehicleType) -> None:
+    harness = ArdupilotHarness(vehicle_type)
+    harness.accepted(CMD.REQUEST_MESSAGE, common.AutopilotVersion.__mavlink_row__[0])
+    message = next(message for message in harness.received if isinstance(message, common.AutopilotVersion))
+    version = AutopilotVersion.read(message)
     assert (version.flight.major, version.flight.minor) == (4, 6)
     assert version.can(common.MavProtocolCapability.FTP | common.MavProtocolCapability.COMMAND_INT)
     assert len(version.git_hash) == 8
-    bench.send(common.ParamRequestList(target_system=1, target_component=1))
+    harness.send(common.ParamRequestList(target_system=1, target_component=1))
     firmware = {"copter": "ArduCopter", "plane": "ArduPlane", "vtol": "ArduPlane", "sub": "ArduSub"}.get(
-        kind, "ArduRover"
+        vehicle_type, "ArduRover"
     )
-    assert any(text.startswith(f"{firmware} V4.6.") for text in bench.texts)
+    assert any(text.startswith(f"{firmware} V4.6.") for text in harness.texts)
 
 
-def test_what_is_said_at_the_start_and_when_gps_comes_and_goes() -> None:
-    bench = ArdupilotHarness("copter")
+def test_boot_and_gps_texts() -> None:
+    harness = ArdupilotHarness("copter")
     for text in ("ArduPilot Ready", "EKF3 IMU0 is using GPS", "Field Elevation Set: 488m"):
-        assert text in bench.texts
-    bench.vehicle.body.fail_gps(True)
-    bench.run_until(lambda: "EKF3 IMU0 stopped aiding" in bench.texts)
-    bench.vehicle.body.fail_gps(False)
-    bench.run_until(lambda: bench.texts.count("EKF3 IMU0 is using GPS") == 2)
+        assert text in harness.texts
+    harness.vehicle.body.fail_gps(True)
+    harness.run_until(lambda: "EKF3 IMU0 stopped aiding" in harness.texts)
+    harness.vehicle.body.fail_gps(False)
+    harness.run_until(lambda: harness.texts.count("EKF3 IMU0 is using GPS") == 2)
 
 
-def test_figures_follow_their_parameters() -> None:
-    bench = ArdupilotHarness("copter")
-    parameters, flight_parameters = bench.vehicle.parameters, bench.autopilot.flight_parameters
+def test_flight_parameters_follow_parameters() -> None:
+    harness = ArdupilotHarness("copter")
+    parameters, flight_parameters = harness.vehicle.parameters, harness.autopilot.flight_parameters
     for name, value in (("WPNAV_SPEED", 750), ("RTL_ALT", 3000), ("LAND_SPEED", 70), ("RTL_ALT_FINAL", 500)):
         parameters.set(name, value)
     assert (
@@ -122,17 +122,18 @@ def test_figures_follow_their_parameters() -> None:
         assert flight_parameters.acceptance_radius > 0
         assert flight_parameters.return_altitude >= 0
     parameters.set("ANGLE_MAX", 1500)
-    assert bench.vehicle.body.limits.tilt == pytest.approx(0.2618, abs=1e-3)
+    assert harness.vehicle.body.limits.tilt == pytest.approx(0.2618, abs=1e-3)
 
 
-def test_a_reboot_is_answered_and_the_vehicle_comes_back() -> None:
-    bench = ArdupilotHarness("copter")
-    bench.accepted(CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1)
-    bench.received.clear()
-    bench.run(5)
-    assert "ArduPilot Ready" in bench.texts
-    assert bench.vehicle.uptime < 6
+def test_reboot_command() -> None:
+    harness = ArdupilotHarness("copter")
+    harness.accepted(CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1)
+    harness.received.clear()
+    harness.run(5)
+    assert "ArduPilot Ready" in harness.texts
+    assert harness.vehicle.uptime < 6
     assert isinstance(
-        next(message for message in bench.received if isinstance(message, common.Heartbeat)), common.Heartbeat
+        next(message for message in harness.received if isinstance(message, common.Heartbeat)),
+        common.Heartbeat,
     )
-    assert bench.autopilot.mode.number == ardupilotmega.CopterMode.STABILIZE
+    assert harness.autopilot.mode.number == ardupilotmega.CopterMode.STABILIZE

@@ -125,7 +125,7 @@ def test_expand_series() -> None:
 
 
 def test_parse_type_value_limits_and_flags() -> None:
-    first, second = parse("# a remark\n\nA{1,2} INT16 3 1..9 parse-only volatile\n")
+    first, second = parse("# a remark\n\nA{1,2} INT16 3 1..9 read-only volatile\n")
     assert second == first._replace(name="A2")
     assert first == ("A1", KIND.INT16, 3, 1, 9, True, True)
     (real,) = parse("B REAL32 -0.5 -1..+1")

@@ -1,4 +1,4 @@
-"""INJECT_FAILURE: every failure that is ACCEPTED is felt, and ended again."""
+"""INJECT_FAILURE: every accepted failure has an effect and can be cleared."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.px4.failures import TYPES, UNITS
-from tests.sim.px4.pilot import CMD, RESULT, Pilot
+from tests.sim.px4.harness import CMD, RESULT, Px4Harness
 
 UNIT, TYPE = common.FailureUnit, common.FailureType
-KINDS = {
+FAULTS = {
     UNIT.SENSOR_GPS: "gps",
     UNIT.SENSOR_MAG: "compass",
     UNIT.SENSOR_BARO: "baro",
@@ -20,38 +20,38 @@ KINDS = {
 
 
 @pytest.mark.parametrize("unit", sorted(UNITS.values()))
-@pytest.mark.parametrize("kind", sorted(set(TYPES.values()) - {TYPE.OK}))
-def test_a_failure_is_a_fault_until_it_is_cleared(unit: int, kind: int) -> None:
-    pilot = Pilot()
-    result = pilot.command(CMD.INJECT_FAILURE, unit, kind, 0)
+@pytest.mark.parametrize("failure_type", sorted(set(TYPES.values()) - {TYPE.OK}))
+def test_failure_is_a_fault_until_cleared(unit: int, failure_type: int) -> None:
+    harness = Px4Harness()
+    result = harness.command(CMD.INJECT_FAILURE, unit, failure_type, 0)
     if result == RESULT.UNSUPPORTED:
-        assert not pilot.vehicle.faults.active
+        assert not harness.vehicle.faults.active
         return
     assert result == RESULT.ACCEPTED
-    assert pilot.texts[-1].startswith("Injected: ")
-    pilot.run(0.5)
+    assert harness.texts[-1].startswith("Injected: ")
+    harness.run(0.5)
     if unit == UNIT.SYSTEM_BATTERY:
-        assert pilot.vehicle.body.battery.remaining < 0.05
+        assert harness.vehicle.body.battery.remaining < 0.05
     else:
-        assert all(fault.startswith(KINDS[UNIT(unit)]) for fault in pilot.vehicle.faults.active)
-        assert pilot.vehicle.faults.active
-    if unit != UNIT.SYSTEM_MAVLINK_SIGNAL:  # what would end that is not heard any more
-        assert pilot.command(CMD.INJECT_FAILURE, unit, TYPE.OK, 0) == RESULT.ACCEPTED
-        assert not pilot.vehicle.faults.active
-        assert pilot.texts[-1].startswith("Cleared: ")
+        assert all(fault.startswith(FAULTS[UNIT(unit)]) for fault in harness.vehicle.faults.active)
+        assert harness.vehicle.faults.active
+    if unit != UNIT.SYSTEM_MAVLINK_SIGNAL:  # the command that ends it is not received any more
+        assert harness.command(CMD.INJECT_FAILURE, unit, TYPE.OK, 0) == RESULT.ACCEPTED
+        assert not harness.vehicle.faults.active
+        assert harness.texts[-1].startswith("Cleared: ")
 
 
-def test_one_motor_of_several() -> None:
-    pilot = Pilot().in_the_air(20)
-    assert pilot.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MOTOR, TYPE.OFF, 2) == RESULT.ACCEPTED
-    pilot.run_until(lambda: pilot.height < 0.5, timeout=30)
+def test_failure_of_one_motor() -> None:
+    harness = Px4Harness().take_off(20)
+    assert harness.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MOTOR, TYPE.OFF, 2) == RESULT.ACCEPTED
+    harness.run_until(lambda: harness.height < 0.5, timeout=30)
 
 
-def test_a_transmitter_that_is_not_there_cannot_fail() -> None:
-    assert Pilot().command(CMD.INJECT_FAILURE, UNIT.SYSTEM_RC_SIGNAL, TYPE.OFF) == RESULT.UNSUPPORTED
+def test_rc_failure_without_a_transmitter_is_unsupported() -> None:
+    assert Px4Harness().command(CMD.INJECT_FAILURE, UNIT.SYSTEM_RC_SIGNAL, TYPE.OFF) == RESULT.UNSUPPORTED
 
 
-def test_failures_are_denied_if_the_parameter_says_so() -> None:
-    pilot = Pilot()
-    pilot.vehicle.parameters.set("SYS_FAILURE_EN", 0)
-    assert pilot.command(CMD.INJECT_FAILURE, UNIT.SENSOR_GPS, TYPE.OFF) == RESULT.DENIED
+def test_failures_are_denied_without_sys_failure_en() -> None:
+    harness = Px4Harness()
+    harness.vehicle.parameters.set("SYS_FAILURE_EN", 0)
+    assert harness.command(CMD.INJECT_FAILURE, UNIT.SENSOR_GPS, TYPE.OFF) == RESULT.DENIED

@@ -1,4 +1,4 @@
-"""PX4's flight parameters: every one is finite and flyable on every type, and follows its parameter."""
+"""PX4's flight parameters: finite and flyable on every type, and set by parameters."""
 
 from __future__ import annotations
 
@@ -16,32 +16,32 @@ from mavstack.sim.px4.flight_parameters import (
 )
 from mavstack.sim.px4.identity import CAPABILITIES
 from mavstack.sim.vehicle_types import Firmware, VehicleType
-from tests.sim.px4.pilot import FIELD_ALTITUDE, Pilot
+from tests.sim.px4.harness import FIELD_ALTITUDE, Px4Harness
 
 NAMES = sorted(FlightParameters.__abstractmethods__)
 
 
-def flight_parameters(kind: VehicleType) -> Px4FlightParameters:
-    vehicle = Pilot(kind.value, ready=False).vehicle
+def flight_parameters(vehicle_type: VehicleType) -> Px4FlightParameters:
+    vehicle = Px4Harness(vehicle_type.value, ready=False).vehicle
     return flight_parameters_of(vehicle)
 
 
-@pytest.mark.parametrize("kind", list(VehicleType))
-def test_every_figure_is_a_number_that_can_be_flown(kind: VehicleType) -> None:
-    found = flight_parameters(kind)
+@pytest.mark.parametrize("vehicle_type", list(VehicleType))
+def test_every_flight_parameter_is_valid(vehicle_type: VehicleType) -> None:
+    actual = flight_parameters(vehicle_type)
     for name in NAMES:
-        value = getattr(found, name)
+        value = getattr(actual, name)
         if name == "setpoint_frames":
             assert len(value) == 2
         elif name != "thrust_is_climb":
             assert isinstance(value, float | int), name
             assert not isnan(value), name
-    assert found.cruise_speed > 0.4
-    assert found.acceptance_radius > 0.2
+    assert actual.cruise_speed > 0.4
+    assert actual.acceptance_radius > 0.2
 
 
 @pytest.mark.parametrize(
-    ("parameter", "value", "name", "figure"),
+    ("parameter", "value", "name", "expected"),
     [
         ("MIS_TAKEOFF_ALT", 7.0, "takeoff_altitude", 7.0),
         ("MPC_XY_CRUISE", 4.0, "cruise_speed", 4.0),
@@ -62,17 +62,15 @@ def test_every_figure_is_a_number_that_can_be_flown(kind: VehicleType) -> None:
         ("MPC_LAND_ALT2", 6.0, "land_slow_altitude", 6.0),
     ],
 )
-def test_a_multicopters_figure_follows_its_parameter(
-    parameter: str, value: float, name: str, figure: float
-) -> None:
+def test_multicopter_flight_parameters(parameter: str, value: float, name: str, expected: float) -> None:
     parameters = Parameters(Firmware.PX4, VehicleType.COPTER)
-    found = MulticopterFlightParameters(parameters)
+    actual = MulticopterFlightParameters(parameters)
     parameters.set(parameter, value)
-    assert getattr(found, name) == pytest.approx(figure)
+    assert getattr(actual, name) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(
-    ("parameter", "value", "name", "figure"),
+    ("parameter", "value", "name", "expected"),
     [
         ("FW_AIRSPD_TRIM", 16.0, "cruise_speed", 16.0),
         ("FW_T_CLMB_R_SP", 2.5, "climb_speed", 2.5),
@@ -81,36 +79,36 @@ def test_a_multicopters_figure_follows_its_parameter(
         ("FW_MAN_R_MAX", 30.0, "lean_angle", radians(30)),
     ],
 )
-def test_a_wings_figure_follows_its_parameter(parameter: str, value: float, name: str, figure: float) -> None:
+def test_fixed_wing_flight_parameters(parameter: str, value: float, name: str, expected: float) -> None:
     parameters = Parameters(Firmware.PX4, VehicleType.PLANE)
-    found = FixedWingFlightParameters(parameters)
+    actual = FixedWingFlightParameters(parameters)
     parameters.set(parameter, value)
-    assert getattr(found, name) == pytest.approx(figure, rel=1e-3)
+    assert getattr(actual, name) == pytest.approx(expected, rel=1e-3)
 
 
-def test_a_vtol_is_a_multicopter_until_it_flies_on_its_wing() -> None:
-    pilot = Pilot("vtol").in_the_air(40)
-    assert pilot.autopilot.flight_parameters.cruise_speed == 5.0
-    pilot.vehicle.body.transition_to(True)
-    pilot.run(15.0)
-    assert pilot.autopilot.flight_parameters.cruise_speed == 20.0
+def test_vtol_flight_parameters_follow_the_transition() -> None:
+    harness = Px4Harness("vtol").take_off(40)
+    assert harness.autopilot.flight_parameters.cruise_speed == 5.0
+    harness.vehicle.body.transition_to(True)
+    harness.run(15.0)
+    assert harness.autopilot.flight_parameters.cruise_speed == 20.0
 
 
-def test_the_bodys_limits_follow_their_parameters() -> None:
-    pilot = Pilot()
-    assert pilot.vehicle.body.limits.acceleration == 3.0
-    pilot.vehicle.parameters.set("MPC_ACC_HOR", 2.0)
-    pilot.vehicle.parameters.set("MPC_TILTMAX_AIR", 25.0)
-    assert pilot.vehicle.body.limits.acceleration == 2.0
-    assert pilot.vehicle.body.limits.tilt == pytest.approx(radians(25))
+def test_limits_of_the_body_follow_parameters() -> None:
+    harness = Px4Harness()
+    assert harness.vehicle.body.limits.acceleration == 3.0
+    harness.vehicle.parameters.set("MPC_ACC_HOR", 2.0)
+    harness.vehicle.parameters.set("MPC_TILTMAX_AIR", 25.0)
+    assert harness.vehicle.body.limits.acceleration == 2.0
+    assert harness.vehicle.body.limits.tilt == pytest.approx(radians(25))
 
 
-def test_identity_is_as_px4_tells_it() -> None:
+def test_identity() -> None:
     from mavstack.dialects import common
 
-    pilot = Pilot()
-    (version,) = pilot.request(common.AutopilotVersion)[:1]
+    harness = Px4Harness()
+    (version,) = harness.request(common.AutopilotVersion)[:1]
     assert version.capabilities == CAPABILITIES == 59647
     assert version.flight_sw_version == 0x011000FF
-    assert version.uid & 0xFF == pilot.vehicle.address.system
-    assert pilot.vehicle.body.frame.altitude == FIELD_ALTITUDE
+    assert version.uid & 0xFF == harness.vehicle.address.system
+    assert harness.vehicle.body.frame.altitude == FIELD_ALTITUDE

@@ -1,4 +1,4 @@
-"""How a mission of PX4's ends that ends with a return, as a running PX4 does it."""
+"""End of a PX4 mission whose last item is a return, as in SITL."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.vehicle.world import PX4, fly
 COPTER = (VehicleType.COPTER, PX4)
 
 
-def test_it_is_finished_when_it_begins_to_return():
+def test_mission_is_finished_when_the_return_begins():
     async def scenario(world, vehicle):
         states, reached, texts = [], [], []
         vehicle.add_listener(
@@ -23,16 +23,16 @@ def test_it_is_finished_when_it_begins_to_return():
         await vehicle.mission.upload(there_and_back(world, PX4))
         await vehicle.mission.fly()
         await asyncio.sleep(2)
-        begun = texts.index("Mission finished, loitering")
-        assert texts[begun + 1] == "Returning to launch"
-        assert texts[begun + 2].startswith("RTL: start return")
+        start = texts.index("Mission finished, loitering")
+        assert texts[start + 1] == "Returning to launch"
+        assert texts[start + 2].startswith("RTL: start return")
         assert (2, common.MissionState.COMPLETE) in states
-        assert vehicle.mode == "LOITER"  # and not MISSION, which would begin anew when it is armed
+        assert vehicle.mode == "LOITER"  # not MISSION, which would restart at the next arming
 
     fly(COPTER, scenario)
 
 
-def test_what_was_reached_is_said_again_ten_times_or_until_something_else_is():
+def test_mission_item_reached_is_repeated_ten_times():
     async def scenario(world, vehicle):
         reached = []
         vehicle.add_listener(common.MissionItemReached, lambda message: reached.append(message.seq))

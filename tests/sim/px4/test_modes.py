@@ -1,4 +1,4 @@
-"""PX4's modes: how they are listed, which flags they have, who may enter them."""
+"""PX4's modes: list, HEARTBEAT flags, and who may enter them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.modes.names import px4_modes_of
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.px4.pilot import CMD, RESULT, Pilot
+from tests.sim.px4.harness import CMD, RESULT, Px4Harness
 
 STANDARD, PROPERTY = common.MavStandardMode, common.MavModeProperty
-#: As SITL of PX4 lists them: main and sub mode to name, "" for standard modes.
-NAMES = {
+#: Main and sub mode to name, in the order of PX4's SITL; "" for standard modes.
+LISTED_MODES = {
     (1, 0): "Manual",
     (2, 0): "",
     (3, 0): "",
@@ -32,15 +32,15 @@ TELEMETRY = Address(254, 1)
 
 
 @pytest.fixture(scope="module")
-def copter() -> Pilot:
-    return Pilot()
+def copter() -> Px4Harness:
+    return Px4Harness()
 
 
-def test_available_modes_are_listed_as_px4_lists_them(copter: Pilot) -> None:
+def test_available_modes_are_listed_as_px4_lists_them(copter: Px4Harness) -> None:
     listed = copter.request(common.AvailableModes, 0)
     found = {px4_modes_of(mode.custom_mode): mode.mode_name for mode in listed}
-    assert found == NAMES
-    assert [px4_modes_of(mode.custom_mode) for mode in listed] == list(NAMES)
+    assert found == LISTED_MODES
+    assert [px4_modes_of(mode.custom_mode) for mode in listed] == list(LISTED_MODES)
     hold = next(mode for mode in listed if mode.mode_name == "Hold")
     assert hold.properties == PROPERTY.ADVANCED
     orbit = next(mode for mode in listed if mode.standard_mode == STANDARD.ORBIT)
@@ -51,18 +51,18 @@ def test_available_modes_are_listed_as_px4_lists_them(copter: Pilot) -> None:
     assert position.properties == 0
 
 
-@pytest.mark.parametrize("kind", list(VehicleType))
-def test_a_type_has_the_modes_that_it_can_fly(kind: VehicleType) -> None:
-    pilot = Pilot(kind.value, ready=False)
-    names = {mode.name for mode in pilot.vehicle.profile.modes}
+@pytest.mark.parametrize("vehicle_type", list(VehicleType))
+def test_modes_of_each_type(vehicle_type: VehicleType) -> None:
+    harness = Px4Harness(vehicle_type.value, ready=False)
+    names = {mode.name for mode in harness.vehicle.profile.modes}
     assert {"Manual", "Position", "Hold", "Mission", "Return", "Offboard", "Acro", "Stabilized"} <= names
-    assert ("Takeoff" in names) == ("Land" in names) == ("Orbit" in names) == kind.flies
-    assert ("VTOL Takeoff" in names) == (kind is VehicleType.VTOL)
-    assert ("Altitude" in names) == (not kind.on_surface)
+    assert ("Takeoff" in names) == ("Land" in names) == ("Orbit" in names) == vehicle_type.flies
+    assert ("VTOL Takeoff" in names) == (vehicle_type is VehicleType.VTOL)
+    assert ("Altitude" in names) == (not vehicle_type.on_surface)
 
 
 @pytest.mark.parametrize(
-    ("kind", "standard"),
+    ("vehicle_type", "standard"),
     [
         ("copter", STANDARD.POSITION_HOLD),
         ("plane", STANDARD.CRUISE),
@@ -70,8 +70,8 @@ def test_a_type_has_the_modes_that_it_can_fly(kind: VehicleType) -> None:
         ("rover", STANDARD.NON_STANDARD),
     ],
 )
-def test_position_mode_is_another_standard_mode_for_each_type(kind: str, standard: int) -> None:
-    modes = Pilot(kind, ready=False).vehicle.profile.modes
+def test_standard_mode_of_position_by_type(vehicle_type: str, standard: int) -> None:
+    modes = Px4Harness(vehicle_type, ready=False).vehicle.profile.modes
     assert next(mode for mode in modes if mode.name == "Position").available.standard_mode == standard
 
 
@@ -91,37 +91,37 @@ def test_position_mode_is_another_standard_mode_for_each_type(kind: str, standar
         (7, 0, 0b1010001),
     ],
 )
-def test_heartbeat_has_the_flags_that_px4_sets(copter: Pilot, main: int, sub: int, flags: int) -> None:
+def test_heartbeat_has_the_flags_that_px4_sets(copter: Px4Harness, main: int, sub: int, flags: int) -> None:
     assert copter.set_mode(main, sub) == RESULT.ACCEPTED
     copter.run(1.2)
     assert copter.heartbeat[:2] == (flags, (main, sub))
 
 
-def test_it_boots_in_hold_and_is_uninitialised_until_it_is_ready() -> None:
-    pilot = Pilot(ready=False)
-    pilot.run(1.0)
-    assert pilot.heartbeat == (0b11101, (4, 3), int(common.MavState.UNINIT))
-    pilot.run(4.0)
-    assert pilot.heartbeat == (0b11101, (4, 3), int(common.MavState.STANDBY))
+def test_boots_in_hold_and_uninitialised() -> None:
+    harness = Px4Harness(ready=False)
+    harness.run(1.0)
+    assert harness.heartbeat == (0b11101, (4, 3), int(common.MavState.UNINIT))
+    harness.run(4.0)
+    assert harness.heartbeat == (0b11101, (4, 3), int(common.MavState.STANDBY))
 
 
-def test_disarmed_any_mode_may_be_chosen_and_armed_only_what_can_be_flown() -> None:
-    pilot = Pilot()
-    assert pilot.set_mode(1) == RESULT.ACCEPTED
-    assert pilot.set_mode(4, 3) == RESULT.ACCEPTED
-    pilot.in_the_air()
+def test_mode_selection_disarmed_and_armed() -> None:
+    harness = Px4Harness()
+    assert harness.set_mode(1) == RESULT.ACCEPTED
+    assert harness.set_mode(4, 3) == RESULT.ACCEPTED
+    harness.take_off()
     for main, name in ((1, "Manual"), (2, "Altitude"), (3, "Position"), (5, "Acro"), (6, "Offboard")):
-        assert pilot.set_mode(main) == RESULT.TEMPORARILY_REJECTED
-        assert pilot.texts[-1] == f"Switching to {name} is currently not available"
-    assert pilot.set_mode(4, 4) == RESULT.TEMPORARILY_REJECTED
-    assert pilot.mode == "Hold"
+        assert harness.set_mode(main) == RESULT.TEMPORARILY_REJECTED
+        assert harness.texts[-1] == f"Switching to {name} is currently not available"
+    assert harness.set_mode(4, 4) == RESULT.TEMPORARILY_REJECTED
+    assert harness.mode == "Hold"
 
 
-def test_only_ground_stations_are_told_why() -> None:
-    pilot = Pilot().in_the_air()
-    said = len(pilot.texts)
-    assert pilot.set_mode(6, source=TELEMETRY) == RESULT.TEMPORARILY_REJECTED
-    assert pilot.texts[said:] == []
+def test_refusal_is_explained_to_ground_stations_only() -> None:
+    harness = Px4Harness().take_off()
+    sent = len(harness.texts)
+    assert harness.set_mode(6, source=TELEMETRY) == RESULT.TEMPORARILY_REJECTED
+    assert harness.texts[sent:] == []
 
 
 @pytest.mark.parametrize(
@@ -135,14 +135,14 @@ def test_only_ground_stations_are_told_why() -> None:
         ((0, 0, 0), "Unsupported base mode"),
     ],
 )
-def test_what_is_no_mode_is_rejected_with_its_text(
-    copter: Pilot, params: tuple[float, ...], text: str
+def test_unknown_mode_is_rejected_with_a_text(
+    copter: Px4Harness, params: tuple[float, ...], text: str
 ) -> None:
     assert copter.command(CMD.DO_SET_MODE, *params) == RESULT.TEMPORARILY_REJECTED
     assert copter.texts[-1] == text
 
 
-def test_auto_without_a_sub_mode_is_mission(copter: Pilot) -> None:
+def test_auto_without_a_sub_mode_is_mission(copter: Px4Harness) -> None:
     assert copter.set_mode(4, 0) == RESULT.ACCEPTED
     assert copter.mode == "Mission"
 
@@ -150,12 +150,12 @@ def test_auto_without_a_sub_mode_is_mission(copter: Pilot) -> None:
 @pytest.mark.parametrize(
     ("flags", "name"), [(4, "Mission"), (64, "Manual"), (64 | 16, "Stabilized"), (64 | 8, "Position")]
 )
-def test_modes_may_be_chosen_by_flags(copter: Pilot, flags: int, name: str) -> None:
+def test_modes_by_flags(copter: Px4Harness, flags: int, name: str) -> None:
     assert copter.command(CMD.DO_SET_MODE, flags) == RESULT.ACCEPTED
     assert copter.mode == name
 
 
-def test_standard_modes_are_entered_and_told_as_intended(copter: Pilot) -> None:
+def test_standard_modes(copter: Px4Harness) -> None:
     assert copter.command(CMD.DO_SET_STANDARD_MODE, STANDARD.SAFE_RECOVERY) == RESULT.ACCEPTED
     (current,) = copter.request(common.CurrentMode)[:1]
     assert px4_modes_of(current.custom_mode) == px4_modes_of(current.intended_custom_mode) == (4, 5)
@@ -164,7 +164,7 @@ def test_standard_modes_are_entered_and_told_as_intended(copter: Pilot) -> None:
     assert copter.command(CMD.DO_SET_STANDARD_MODE, 200) == RESULT.FAILED
 
 
-def test_set_mode_message_works_as_the_command_does(copter: Pilot) -> None:
+def test_set_mode_message(copter: Px4Harness) -> None:
     copter.set_mode(4, 3)
     wanted = 7 << 16
     copter.send(common.SetMode(target_system=1, base_mode=1, custom_mode=wanted))
@@ -172,14 +172,14 @@ def test_set_mode_message_works_as_the_command_does(copter: Pilot) -> None:
     copter.set_mode(4, 3)
 
 
-def test_with_sticks_the_pilots_modes_may_be_entered() -> None:
-    pilot = Pilot().in_the_air()
+def test_manual_control_allows_the_pilots_modes() -> None:
+    harness = Px4Harness().take_off()
 
     def hold_sticks() -> None:
-        pilot.send(common.ManualControl(target=1, x=0, y=0, z=500, r=0))
+        harness.send(common.ManualControl(target=1, x=0, y=0, z=500, r=0))
 
-    pilot.run(1.0, hold_sticks)
-    assert pilot.set_mode(3) == RESULT.ACCEPTED
-    pilot.run(3.0, hold_sticks)
-    assert pilot.mode == "Position"
-    assert pilot.height > 10
+    harness.run(1.0, hold_sticks)
+    assert harness.set_mode(3) == RESULT.ACCEPTED
+    harness.run(3.0, hold_sticks)
+    assert harness.mode == "Position"
+    assert harness.height > 10

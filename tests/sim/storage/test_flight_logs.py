@@ -409,7 +409,7 @@ def scenario(seed: int) -> None:
     for step in range(20):
         network.network.at(step / 10, lambda step=step: resume(step))
     entry: LogEntry = random.choice(logs.logs())
-    operation = network.run(network.logs, network.logs.download(entry, network.now, limit=900.0))
+    operation = network.run(network.logs, network.logs.download(entry, network.now, timeout=900.0))
     if operation.error is None:
         data = operation.result()
         assert len(data) >= entry.size

@@ -24,7 +24,7 @@ def make_vehicle(firmware: Firmware, vehicle_type: VehicleType = VehicleType.COP
     address = Address(9, 1)
     return SimpleNamespace(
         firmware=firmware,
-        type=vehicle_type,
+        vehicle_type=vehicle_type,
         address=address,
         parameters=Parameters(firmware, vehicle_type, 9),
         mission=MissionServer(address, validate=lambda plan, source: ACCEPTED if len(plan) < 9 else DENIED),

@@ -18,7 +18,7 @@ from mavstack.sim.telemetry import publish_ardupilot, publish_px4
 from mavstack.sim.vehicle import SimulatedVehicle
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from mavstack.wire import Encoder, Packet, Parser
-from tests.sim.autopilot.stub import TAKEOFF, StubProfile, new_flight_parameters, usual_behaviours
+from tests.sim.autopilot.harness import TAKEOFF, StubProfile, default_behaviours, new_flight_parameters
 from tests.waiting import step_until
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class TelemetryProfile(StubProfile):
     """A firmware profile that has only telemetry."""
 
     def __init__(self, vehicle_type: VehicleType, firmware: Firmware) -> None:
-        super().__init__(new_flight_parameters(vehicle_type), usual_behaviours())
+        super().__init__(new_flight_parameters(vehicle_type), default_behaviours())
         self.transmitter = firmware is Firmware.ARDUPILOT
         self._firmware = firmware
 
@@ -61,7 +61,7 @@ def new_vehicle(
         table.set(name, value)
     profile = TelemetryProfile(vehicle_type, firmware)
     return SimulatedVehicle(
-        world.add(vehicle_type, home), vehicle_type, firmware, Address(system, 1), profile, table, START
+        world.add(vehicle_type, home), vehicle_type, firmware, Address(system, 1), profile, table, now=START
     )
 
 

@@ -18,7 +18,7 @@ from mavstack.sim.telemetry.producers import Producers
 from mavstack.sim.telemetry.px4 import px4_producers
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.wire import Encoder
-from tests.sim.autopilot.stub import GUIDED, LAND, RETURN
+from tests.sim.autopilot.harness import GUIDED, LAND, RETURN
 from tests.sim.telemetry.flight import VEHICLE_IDS, VEHICLES, Flight
 
 if TYPE_CHECKING:
@@ -162,6 +162,6 @@ def test_every_state_of_a_flight(vehicle_type, firmware):
     missing = {
         message_type.__name__
         for message_type in _producers(flight).keys() - every
-        if flight.vehicle.type in TYPES_SENDING.get(message_type, VehicleType)
+        if flight.vehicle.vehicle_type in TYPES_SENDING.get(message_type, VehicleType)
     }
     assert missing <= rare

@@ -58,10 +58,10 @@ def control(state: StateArray, step: float) -> AttitudeCommand:
 
 def _max_bank(state: StateArray) -> Array:
     """Return the bank at which the load of the turn leaves a margin to the stall."""
-    needed = GRAVITY / (
+    required_whole = GRAVITY / (
         MAX_LIFT_SHARE * MAX_LIFT * state.wing * np.maximum(state.airspeed * state.airspeed, 1.0)
     )
-    return np.arccos(np.minimum(needed, np.cos(MIN_BANK)))
+    return np.arccos(np.minimum(required_whole, np.cos(MIN_BANK)))
 
 
 def _path_targets(state: StateArray, ground_speed: Array) -> tuple[Array, Array, Array, Array]:

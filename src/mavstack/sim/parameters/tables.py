@@ -44,7 +44,7 @@ _LAYERS = {
 }
 _LINE = re.compile(
     r"(?P<name>\S+) (?P<kind>[A-Z0-9]+) (?P<value>\S+)"
-    r"(?: (?P<low>[^ .]+)\.\.(?P<high>[^ .]+))?(?P<fixed> parse-only)?(?P<volatile> volatile)?"
+    r"(?: (?P<low>[^ .]+)\.\.(?P<high>[^ .]+))?(?P<fixed> read-only)?(?P<volatile> volatile)?"
 )
 _SERIES = re.compile(r"\{([^}]*)\}")
 _RANGE = re.compile(r"(\d+)\.\.(\d+)")

@@ -64,7 +64,7 @@ class StorageVehicle(Protocol):
     """The vehicle that owns the storage."""
 
     body: Body
-    type: VehicleType
+    vehicle_type: VehicleType
     firmware: Firmware
     address: Address
     parameters: Parameters
@@ -127,7 +127,7 @@ class Storage:
         vehicle = self._vehicle
         if vehicle.firmware is Firmware.PX4:
             return "PX4 v{}.{}.{}".format(*PX4_VERSION)
-        return "{} V{}.{}.{} ({})".format(_NAMES[vehicle.type], *ARDUPILOT_VERSION, GIT_HASH)
+        return "{} V{}.{}.{} ({})".format(_NAMES[vehicle.vehicle_type], *ARDUPILOT_VERSION, GIT_HASH)
 
     def _log_start(self) -> LogStart:
         """Return the facts at the start of a log."""
@@ -139,7 +139,7 @@ class Storage:
             version=PX4_VERSION if vehicle.firmware is Firmware.PX4 else ARDUPILOT_VERSION,
             git_hash=GIT_HASH,
             system=vehicle.address.system,
-            vehicle=vehicle.type.mav_type,
+            vehicle=vehicle.vehicle_type.mav_type,
             parameters=[
                 LoggedParameter(each.name, each.value, each.default) for each in vehicle.parameters.table
             ],
@@ -157,7 +157,7 @@ class Storage:
         """Replace a plan by an uploaded one."""
         mission = self._vehicle.mission
         self._vehicle.touch(mission)
-        if mission.take(plan, EVERYBODY) != common.MavMissionResult.ACCEPTED:
+        if mission.accept(plan, EVERYBODY) != common.MavMissionResult.ACCEPTED:
             raise OSError(EINVAL, "the plan was refused")
 
     def _set_parameters(self, parameters: Sequence[Parameter]) -> None:

@@ -85,7 +85,7 @@ def publish_ardupilot(vehicle: Vehicle) -> None:
     producers = {
         message_type: produce
         for message_type, produce in ardupilot_producers(Producers(vehicle)).items()
-        if vehicle.type in TYPES_SENDING.get(message_type, _ALL)
+        if vehicle.vehicle_type in TYPES_SENDING.get(message_type, _ALL)
     }
     rates, data_streams = {}, {}
     for ending, number, message_types in GROUPS:

@@ -44,7 +44,7 @@ class ControlMessages:
         self._view = view
         self._body = view.body
         self._autopilot = view.autopilot
-        self._motors = _MOTORS.get(view.vehicle.type, 0)
+        self._motors = _MOTORS.get(view.vehicle.vehicle_type, 0)
         self._escs = 0
 
     # RC channels and actuators
@@ -218,7 +218,7 @@ class ControlMessages:
 
         PX4 sends it only for vehicles that fly forward or drive, and have a target.
         """
-        forward = self._body.flies_forward or self._view.vehicle.type not in _MOTORS
+        forward = self._body.flies_forward or self._view.vehicle.vehicle_type not in _MOTORS
         return self.navigation(now) if forward and self._autopilot.target is not None else None
 
     def orbit(self, now: float) -> Message | None:

@@ -48,7 +48,7 @@ class SensorHealth:
         self._view = view
         self._fitted = _ON_EVERY_VEHICLE | _AIRSPEED if view.winged else _ON_EVERY_VEHICLE
         self._ardupilot = self._fitted | _CONTROL | _POSITION | _AHRS | _FENCE
-        if view.vehicle.type is not VehicleType.SUB:
+        if view.vehicle.vehicle_type is not VehicleType.SUB:
             self._ardupilot |= _TERRAIN
 
     def ardupilot(self) -> SensorMasks:

@@ -105,7 +105,7 @@ def link_rates(vehicle: Vehicle, link: LinkMode) -> dict[MessageType, float]:
     """Return the rates (hertz) of a MAVLink mode."""
     column = tuple(LinkMode).index(link)
     rates = {message_type: each[column] for message_type, *each in RATES}
-    wind = vehicle.type in _ESTIMATES_WIND or vehicle.parameters.get(_DRAG_FUSION, 0) == 1
+    wind = vehicle.vehicle_type in _ESTIMATES_WIND or vehicle.parameters.get(_DRAG_FUSION, 0) == 1
     return rates if wind else {**rates, common.WindCov: 0.0}
 
 

@@ -53,7 +53,7 @@ class StatusMessages:
         self._px4 = view.vehicle.firmware is Firmware.PX4
         health = SensorHealth(view)
         self._masks: Callable[[], SensorMasks] = health.px4 if self._px4 else health.ardupilot
-        self._is_vtol = view.vehicle.type is VehicleType.VTOL
+        self._is_vtol = view.vehicle.vehicle_type is VehicleType.VTOL
 
     def system(self, now: float) -> Message:
         """Return SYS_STATUS."""

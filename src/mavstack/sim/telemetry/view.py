@@ -39,7 +39,7 @@ class VehicleView:
         self.body: Body = vehicle.body
         self.parameters = vehicle.parameters
         self.booted_at = vehicle.booted_at
-        self.winged = vehicle.type in _WINGED
+        self.winged = vehicle.vehicle_type in _WINGED
         self._position_at = self._truth_at = self._sensors_at = self._health_at = self._ready_at = _NEVER
         self._sensors: SensorReadings
         self._health: EstimateHealth
