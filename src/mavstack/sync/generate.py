@@ -154,9 +154,9 @@ def _members(item: ast.ClassDef, trees: dict[str, ast.Module]) -> tuple[dict[str
                     ast.unparse(each) for each in part.decorator_list if "." in ast.unparse(each)
                 )
                 members[key] = _method(part)
-        elif isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name):
-            if not part.target.id.startswith("_"):
-                members[part.target.id] = _annotated(part.target.id, part.annotation)
+        elif isinstance(part, ast.AnnAssign) and not ast.unparse(part.target).startswith("_"):
+            name = ast.unparse(part.target)
+            members[name] = _annotated(name, part.annotation)
     return members, bases
 
 
