@@ -15,7 +15,7 @@ from mavstack.services.mission import MissionItem
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import NodeOptions, VehicleLost, VehicleRebooted, VehicleReturned, connect
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 from tests.vehicle.peers import AUTOPILOT, TYPE, play
 from tests.vehicle.world import ARDUPILOT, PX4, fly, named
 
@@ -95,7 +95,7 @@ def test_when_nobody_was_heard_the_error_tells_what_to_look_at(said, text):
             peer = Node(stage.network.link(), system=1, component=1, heartbeat=False)
             await peer.open()
             await asyncio.sleep(0.1)
-            for channel in peer.driver.channels:
+            for channel in peer._host.driver.channels:
                 if isinstance(said, bytes):
                     channel.write(said)
             if not isinstance(said, bytes):
@@ -193,7 +193,7 @@ def test_what_is_asked_in_a_silence_ends_in_its_typed_timeout_and_the_connection
         async with world.node.stream(common.Heartbeat, system=1) as heartbeats:
             await anext(heartbeats)
 
-    fly(kind, scenario, prepare=whisper)
+    fly(kind, scenario, prepare=reduce_telemetry)
 
 
 def test_what_is_under_way_goes_on_after_a_short_silence():
@@ -209,7 +209,7 @@ def test_what_is_under_way_goes_on_after_a_short_silence():
         assert len(uploaded.items) == 300
         await cutting
 
-    fly(COPTERS[0], scenario, prepare=whisper, latency=0.2)
+    fly(COPTERS[0], scenario, prepare=reduce_telemetry, latency=0.2)
 
 
 def test_a_link_that_is_closed_and_opened_again():
@@ -242,20 +242,20 @@ async def outcome(work):
 def test_what_was_known_of_it_is_forgotten_at_a_reboot(kind):
     async def scenario(world, vehicle):
         parameters = await vehicle.params.download()
-        vehicle.component.modes.monitor  # noqa: B018 (it follows from the first use on)
+        vehicle.component._clients.modes  # noqa: B018 (it follows from the first use on)
         await world.wait_until(lambda: vehicle.component.modes.current is not None)
         whole = len(parameters)
         events = world.node.events(VehicleRebooted)
         world.simulated.reboot()
         await anext(events)
         assert not vehicle.params.cached
-        assert not vehicle.params.client.complete
+        assert not vehicle.component._clients.params.complete
         assert len(parameters) == whole  # who was given them keeps them
         assert len(await vehicle.params.download()) == whole
         await world.wait_until(lambda: vehicle.component.modes.current is not None)
         assert not events.drain()
 
-    fly(kind, scenario, prepare=whisper)
+    fly(kind, scenario, prepare=reduce_telemetry)
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
@@ -275,7 +275,7 @@ def test_a_fetch_across_a_reboot_is_whole_or_ends_in_its_error(kind, packed):
         assert fetched is None or fetched.keys() == whole.keys()
         assert len(await vehicle.params.download(packed=packed)) == len(whole)
 
-    fly(kind, scenario, prepare=whisper, latency=0.05)
+    fly(kind, scenario, prepare=reduce_telemetry, latency=0.05)
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
@@ -290,4 +290,4 @@ def test_an_upload_across_a_reboot_is_whole_or_ends_in_its_error(kind):
         await world.wait_until(lambda: vehicle.alive)
         assert len((await vehicle.mission.download()).items) == len((uploaded or before).items)
 
-    fly(kind, scenario, prepare=whisper, latency=0.05)
+    fly(kind, scenario, prepare=reduce_telemetry, latency=0.05)

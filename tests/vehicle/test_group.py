@@ -19,7 +19,7 @@ from mavstack.errors import (
 )
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import Group, VehicleFound, VehicleLost
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 from tests.vehicle.peers import play
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
@@ -121,7 +121,7 @@ def test_cancelling_cancels_all_and_leaves_each_end_clean():
         cancelled = []
         for peer in stage.peers:
             peer.node.add_packet_listener(
-                lambda packet, peer=peer: cancelled.append(peer.node.address.system), common.CommandCancel
+                common.CommandCancel, lambda packet, peer=peer: cancelled.append(peer.node.address.system)
             )
         command = common.MavCmd.DO_SET_HOME
         asking = asyncio.create_task(
@@ -133,7 +133,7 @@ def test_cancelling_cancels_all_and_leaves_each_end_clean():
             await asking
         await asyncio.sleep(1)
         assert sorted(cancelled) == [1, 2]  # the third was not asked yet
-        assert not any(vehicle.component.command_client.busy for vehicle in group)
+        assert not any(vehicle.component._clients.command.busy for vehicle in group)
 
     with_group(3, scenario)
 
@@ -184,7 +184,7 @@ def test_a_vehicle_is_in_a_group_once():
 
 
 def prepare(simulated):
-    whisper(simulated)
+    reduce_telemetry(simulated)
     if simulated.address.system == 5:
         simulated.faults.inject("gps off")
 

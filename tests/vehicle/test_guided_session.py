@@ -11,7 +11,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, ModeTimeout, SetpointError
 from mavstack.services.setpoints import LocalSetpoint
-from mavstack.vehicle.guided_session import BEFOREHAND, quaternion
+from mavstack.vehicle.guided_session import STREAM_LEAD_TIME, quaternion
 from tests.vehicle.failures.scripted import ARDUPILOT, CMD, PX4, play
 
 LOCAL, GLOBAL = common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt
@@ -49,7 +49,7 @@ def test_the_stream_begins_before_the_mode_and_keeps_its_rate(autopilot):
         assert made.vehicle.mode == held
         mode_asked = next(time for time, name in times if name == "CommandLong")
         sent = [time for time, name in times if name != "CommandLong"]
-        assert mode_asked - sent[0] >= BEFOREHAND * 0.9
+        assert mode_asked - sent[0] >= STREAM_LEAD_TIME * 0.9
         gaps = [later - earlier for earlier, later in pairwise(sent)]
         assert max(gaps) < 0.075
         assert len(sent) / (sent[-1] - sent[0]) == pytest.approx(20, rel=0.1)

@@ -10,7 +10,7 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import CommandDenied, HealthTimeout, RemoteTimeout
 from mavstack.services.statustext import chunks_of
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 from tests.vehicle.telemetry.stage import ARDUPILOT as AP
 from tests.vehicle.telemetry.stage import PX4 as PX
 from tests.vehicle.telemetry.stage import on_stage
@@ -77,7 +77,7 @@ FAULTS = [
 
 
 def quiet_with_battery_limits(simulated):
-    whisper(simulated)
+    reduce_telemetry(simulated)
     if simulated.firmware == ARDUPILOT:
         simulated.parameters.set("BATT_LOW_VOLT", 15.5)
 

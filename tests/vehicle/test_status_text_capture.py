@@ -11,8 +11,8 @@ from mavstack.errors import CommandDenied, CommandTimeout, LocalProtocolError, P
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.vehicle.status_text_capture import (
-    AFTERWARDS,
-    MOST_TEXTS,
+    REASON_TIMEOUT,
+    MAX_TEXTS,
     StatusTextCapture,
     attach_status_texts,
     with_status_texts,
@@ -48,13 +48,13 @@ def test_a_refusal_waits_for_its_reason_and_no_longer():
         made.say("because", after=0.4)
         with pytest.raises(CommandDenied, match=r"IT 1/1 failed: DENIED \(because\)"):
             await with_status_texts(made.vehicle, raises(denied()))
-        assert 0.4 <= made.node.now() - begun < AFTERWARDS
+        assert 0.4 <= made.node.now() - begun < REASON_TIMEOUT
         begun = made.node.now()
-        made.say("too late", after=AFTERWARDS + 0.1)
+        made.say("too late", after=REASON_TIMEOUT + 0.1)
         with pytest.raises(CommandDenied) as error:
             await with_status_texts(made.vehicle, raises(denied()))
         assert error.value.status_texts == ()
-        assert made.node.now() - begun == pytest.approx(AFTERWARDS, abs=0.01)
+        assert made.node.now() - begun == pytest.approx(REASON_TIMEOUT, abs=0.01)
 
     play(scenario)
 
@@ -123,7 +123,7 @@ def test_a_listener_keeps_the_last_ones():
             for number in range(50):
                 made.say(f"text {number}")
                 await asyncio.sleep(0.01)
-                assert len(heard.warnings) <= MOST_TEXTS
+                assert len(heard.warnings) <= MAX_TEXTS
             assert heard.warnings == tuple(f"text {number}" for number in range(44, 50))
 
     play(scenario)
@@ -148,7 +148,7 @@ def test_texts_of_its_other_components_count_and_other_systems_do_not():
 def test_a_parameter_that_is_not_answered_takes_along_what_was_told():
     async def scenario(made):
         await made.vehicle.params.get("P_00")
-        made.script.engine.remove(made.script.parameters)
+        made.script._host.engine.remove(made.script.parameters)
         made.say("storage failed", after=0.5)
         made.say("by the way", SEVERITY.INFO, after=0.5)
         with pytest.raises(ParameterTimeout, match="storage failed") as error:
@@ -162,6 +162,6 @@ def test_telling_why():
     error = CommandDenied("IT", "1/1", answer="DENIED", code=int(RESULT.DENIED))
     texts = [StatusText(1.0, SEVERITY.ERROR, name, 1) for name in ("a", "b", "c", "d", "e", "f", "g", "b")]
     attach_status_texts(error, [*texts, StatusText(2.0, common.MavSeverity.DEBUG, "z", 1)])
-    assert error.status_texts == ("a", "c", "d", "e", "f", "g", "b")[-MOST_TEXTS:]
+    assert error.status_texts == ("a", "c", "d", "e", "f", "g", "b")[-MAX_TEXTS:]
     attach_status_texts(error, [StatusText(3.0, SEVERITY.ERROR, "another", 1)])
     assert "another" not in error.status_texts

@@ -17,7 +17,7 @@ from mavstack.vehicle import (
     PayloadReturned,
     SecondAutopilotFound,
     SystemIdConflict,
-    SystemIdConflictOver,
+    SystemIdConflictEnded,
     VehicleEvent,
     VehicleFound,
     VehicleLost,
@@ -160,7 +160,7 @@ def test_two_vehicles_with_one_id_are_told_once_and_are_no_reboots():
         other.quiet = True
         await asyncio.sleep(60)
         (over,) = stage.told(*ALL)
-        assert isinstance(over, SystemIdConflictOver)
+        assert isinstance(over, SystemIdConflictEnded)
         assert not over.vehicle.has_id_conflict
 
     play(scenario)
@@ -222,7 +222,7 @@ def test_payloads_are_told_once_their_vehicle_is_known():
             "vehicle 1 has companion computer 1/191",
         ]
         vehicle = stage.node.vehicles[1]
-        assert {number: info.kind for number, info in vehicle.components.items()} == {
+        assert {number: info.description for number, info in vehicle.components.items()} == {
             100: "camera",
             191: "companion computer",
         }
@@ -279,7 +279,7 @@ def test_another_station_with_our_address_is_told_once():
         await asyncio.sleep(30)
         (taken,) = stage.told(*ALL)
         assert isinstance(taken, OwnAddressConflict)
-        assert taken.component.kind == "ground station"
+        assert taken.component.description == "ground station"
 
     play(scenario)
 

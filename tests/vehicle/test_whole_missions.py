@@ -9,7 +9,7 @@ import pytest
 
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 from tests.sim.whole_flights.plans import triangle, whole_mission
 from tests.vehicle.world import ALL, named, world
 
@@ -57,7 +57,7 @@ async def loaded_and_flown(made, system, plan):
 
 def fly_all(plan_of, **weather):
     async def whole():
-        async with world(*ALL, prepare=whisper, **weather) as made:
+        async with world(*ALL, prepare=reduce_telemetry, **weather) as made:
             flights = [loaded_and_flown(made, number + 1, plan_of(*kind)) for number, kind in enumerate(ALL)]
             return dict(zip(ALL, await asyncio.gather(*flights), strict=True))
 

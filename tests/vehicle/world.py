@@ -18,8 +18,8 @@ from tests.waiting import wait_until
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 
-    from mavstack.sim.vehicle import SimulatedVehicle as Simulated
-    from mavstack.vehicle import SimulatedVehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.vehicle import Vehicle
 
 ARDUPILOT, PX4 = Firmware.ARDUPILOT, Firmware.PX4
 Kind = tuple[VehicleType, Firmware]
@@ -40,7 +40,7 @@ class World:
     network: MemoryNetwork
 
     @property
-    def simulated(self) -> Simulated:
+    def simulated(self) -> SimulatedVehicle:
         return self.simulation.vehicles[0]
 
     async def wait_until(self, holds: Callable[[], bool], *, timeout: float = 60.0) -> None:
@@ -49,7 +49,7 @@ class World:
 
 @asynccontextmanager
 async def world(
-    *kinds: Kind, ready: bool = True, prepare: Callable[[Simulated], None] | None = None, **weather: float
+    *kinds: Kind, ready: bool = True, prepare: Callable[[SimulatedVehicle], None] | None = None, **weather: float
 ) -> AsyncIterator[World]:
     """Vehicles that stand at home, ready to arm, and a connection that need not have heard them yet."""
     simulation = Simulation(seed=5)
@@ -79,7 +79,7 @@ def fly(
     scenario: Callable[[World, SimulatedVehicle], Awaitable[None]],
     *,
     ready: bool = True,
-    prepare: Callable[[Simulated], None] | None = None,
+    prepare: Callable[[SimulatedVehicle], None] | None = None,
     **weather: float,
 ) -> World:
     """Run a scenario with a vehicle (the first of several) in virtual time."""

@@ -1,10 +1,8 @@
-"""The application's API: `connect`, the vehicles that it finds, and what happens to them."""
+"""The application API: `connect`, the vehicles that it finds, groups of them, and their events."""
 
 from mavstack.services.heartbeat import OwnAddressConflict
 from mavstack.vehicle.connection import Connection, NodeOptions, connect
-from mavstack.vehicle.group import Group, Results
-from mavstack.vehicle.vehicle import Vehicle
-from mavstack.vehicle.vehicle_tracker import (
+from mavstack.vehicle.events import (
     GroundStationFound,
     GroundStationLost,
     GroundStationReturned,
@@ -13,13 +11,20 @@ from mavstack.vehicle.vehicle_tracker import (
     PayloadReturned,
     SecondAutopilotFound,
     SystemIdConflict,
-    SystemIdConflictOver,
+    SystemIdConflictEnded,
     VehicleEvent,
     VehicleFound,
     VehicleLost,
     VehicleRebooted,
     VehicleReturned,
 )
+from mavstack.vehicle.group import Group, Results
+from mavstack.vehicle.guided_session import GuidedSession
+from mavstack.vehicle.health import Health, Problem
+from mavstack.vehicle.mission import Mission, VehiclePlan
+from mavstack.vehicle.telemetry import MessageStream
+from mavstack.vehicle.vehicle import Vehicle
+from mavstack.vehicle.vehicle_type import VehicleType
 
 __all__ = [
     "Connection",
@@ -27,20 +32,27 @@ __all__ = [
     "GroundStationLost",
     "GroundStationReturned",
     "Group",
+    "GuidedSession",
+    "Health",
+    "MessageStream",
+    "Mission",
     "NodeOptions",
     "OwnAddressConflict",
     "PayloadFound",
     "PayloadLost",
     "PayloadReturned",
+    "Problem",
     "Results",
     "SecondAutopilotFound",
     "SystemIdConflict",
-    "SystemIdConflictOver",
+    "SystemIdConflictEnded",
     "Vehicle",
     "VehicleEvent",
     "VehicleFound",
     "VehicleLost",
+    "VehiclePlan",
     "VehicleRebooted",
     "VehicleReturned",
+    "VehicleType",
     "connect",
 ]

@@ -1,18 +1,19 @@
-"""Seeing an action through: a vehicle acknowledges at once, and does what it took on over seconds or minutes.
+"""The monitor of an action: a vehicle acknowledges at once, and completes what it accepted much later.
 
-    accepted ── reached ───────────────────► done
-      ├── another mode, disarmed in the air ──► ActionInterrupted, with what the vehicle said
-      ├── silence ────────────────────────────► ContactLost
+    accepted ── goal reached ──────────────────► done
+      ├── another mode, disarmed in the air ──► ActionInterrupted, with the vehicle's status texts
+      ├── no heartbeat ───────────────────────► ContactLost
       ├── the connection is closed ───────────► RemoteCancelled
-      └── `limit`, or no progress for long ───► ActionTimeout
+      └── `timeout`, or progress stalls ──────► ActionTimeout
 
-There is no usual limit, since how long a flight takes nobody knows; what is watched instead is that it gets
-on: `remaining` (metres, or any number that gets smaller) has to fall.
+There is no default timeout, since the duration of a flight is not known; an action fails when its progress
+stalls: when `remaining`, in metres or another number that falls, does not fall.
 """
 
 from __future__ import annotations
 
 import asyncio
+import logging
 from contextlib import suppress
 from dataclasses import dataclass, field
 from math import inf
@@ -29,131 +30,160 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.errors import RemoteError
-    from mavstack.vehicle.vehicle import Vehicle
+    from mavstack.vehicle.vehicle_state import VehicleState
 
-#: Without getting nearer for so many seconds it does not get on.
-PATIENCE = 30.0
-#: Getting nearer by less does not count.
-STEP = 0.5
-#: How often to look if nothing is heard.
-TICK = 0.5
-#: For so long after it was asked a vehicle may still be in the mode that it was in.
-SETTLING = 3.0
-#: For so long it has to do something else: at the end of an action some change their mode before they say
-#: that it has ended.
-AFTER_ALL = 1.5
+#: The time without progress after which an action fails, in seconds.
+STALL_TIMEOUT = 30.0
+#: A smaller fall of `remaining` is no progress.
+MIN_PROGRESS = 0.5
+#: The interval at which the goal is checked if no packet arrives, in seconds.
+CHECK_INTERVAL = 0.5
+#: The time in which the vehicle may still be in its former mode, in seconds.
+SETTLING_TIME = 3.0
+#: The time in another mode after which the action counts as interrupted, in seconds: at the end of an action
+#: some vehicles change their mode before they report that the action ended.
+INTERRUPTION_DELAY = 1.5
 
-#: What tells how a vehicle gets on, and how often it has to, in hertz.
-TOLD_BY: dict[type[Message], float] = {common.GlobalPositionInt: 4.0, common.ExtendedSysState: 2.0}
+#: The messages that report the progress of an action, and their rates in hertz.
+MONITORED_RATES: dict[type[Message], float] = {common.GlobalPositionInt: 4.0, common.ExtendedSysState: 2.0}
+
+logger = logging.getLogger("mavstack.vehicle")
 
 
 @dataclass
 class ActionGoal:
-    """What an action comes to.
+    """The goal of an action.
 
-    `reached` says whether it is done; `remaining` gives what is left, or None if that is not known. `modes`
-    are those it goes on in, lower-cased; `armed` is what it has to stay, or None if either will do; `unit` is
-    what `remaining` counts.
+    Attributes:
+        reached: Returns whether the action is complete.
+        remaining: Returns what is left in `unit`; None if that is not known.
+        unit: The unit of `remaining`.
+        modes: The modes in which the action goes on, in lower case; None: any mode.
+        armed: The armed state in which the action goes on; None: either.
+        stall_timeout: The time without progress after which the action fails, in seconds.
     """
 
-    what: str
     reached: Callable[[], bool]
     remaining: Callable[[], float | None] = field(default=lambda: None)
     unit: str = "m"
     modes: Container[str] | None = None
     armed: bool | None = None
-    limit: float | None = None
-    patience: float = PATIENCE
+    stall_timeout: float = STALL_TIMEOUT
 
 
 class ActionMonitor:
-    """Watches one action; enter it before the vehicle is asked, so that nothing is missed."""
+    """Monitors one action. Enter it before the action is requested, so that no report is missed.
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    `timeout` covers the whole block, in seconds; None sets no overall limit.
+    """
+
+    def __init__(self, vehicle: VehicleState, operation: str, timeout: float | None = None) -> None:
         self._vehicle = vehicle
-        self._node = vehicle.connection
-        self._listener = StatusTextCapture(vehicle)
-        self._news = asyncio.Event()
-        self._strayed_at: float | None = None
-        self._listening = vehicle.connection.add_packet_listener(
-            None, lambda _: self._news.set(), system=vehicle.system
+        self._operation = operation
+        self._timeout = timeout
+        self._timer = asyncio.timeout(timeout)
+        self._connection = vehicle.connection
+        self._texts = StatusTextCapture(vehicle)
+        self._packet_arrived = asyncio.Event()
+        self._interrupted_at: float | None = None
+        self._goal: ActionGoal | None = None
+        self._listener = vehicle.connection.add_packet_listener(
+            None, lambda _: self._packet_arrived.set(), system=vehicle.system
         )
 
-    async def until(self, aim: ActionGoal) -> None:
-        """Wait until it is reached; raises `ActionTimeout`, `ActionInterrupted`, `ContactLost` or, if the
-        connection is closed meanwhile, `RemoteCancelled`.
+    async def wait_until_reached(self, goal: ActionGoal) -> None:
+        """Wait until the goal is reached.
+
+        Raises:
+            ActionTimeout: Progress stalled.
+            ActionInterrupted: The vehicle changed its mode, or was armed or disarmed.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
         """
-        self._check_connection(aim)
-        begun = moved = self._node.now()
+        self._goal = goal
+        self._check_connection()
+        started = progressed = self._connection.now()
         nearest = inf
-        while not aim.reached():
-            now = self._node.now()
-            left = aim.remaining()
-            if left is not None and left < nearest - STEP:
-                nearest, moved = left, now
-            self._check_vehicle(aim, begun, now)
-            if now >= begun + (inf if aim.limit is None else aim.limit):
-                raise self._timeout(aim, f"not done in {aim.limit:g} s", left)
-            if now >= moved + aim.patience:
-                raise self._timeout(aim, f"got no further for {aim.patience:g} s", left)
+        while not goal.reached():
+            now = self._connection.now()
+            remaining = goal.remaining()
+            if remaining is not None and remaining < nearest - MIN_PROGRESS:
+                nearest, progressed = remaining, now
+            self._check_vehicle(goal, started, now)
+            if now >= progressed + goal.stall_timeout:
+                raise self._timed_out(f"no progress for {goal.stall_timeout:g} s")
             await self._wait()
-            self._check_connection(aim)
+            self._check_connection()
 
-    def _check_connection(self, aim: ActionGoal) -> None:
-        if not self._node.is_open:
-            raise self._ended(RemoteCancelled, aim, "the connection was closed")
+    def _check_connection(self) -> None:
+        if not self._connection.is_open:
+            raise self._error(RemoteCancelled, "the connection was closed")
 
-    def _check_vehicle(self, aim: ActionGoal, begun: float, now: float) -> None:
-        vehicle = self._vehicle
-        if not vehicle.alive:
-            raise self._ended(ContactLost, aim, "it fell silent")
-        how = self._strays(aim) if now >= begun + SETTLING else None
-        if how is None:
-            self._strayed_at = None
-        elif self._strayed_at is None:
-            self._strayed_at = now
-        elif now >= self._strayed_at + AFTER_ALL:
-            raise self._ended(ActionInterrupted, aim, how)
+    def _check_vehicle(self, goal: ActionGoal, started: float, now: float) -> None:
+        if not self._vehicle.alive:
+            raise self._error(ContactLost, "it fell silent")
+        interruption = self._interruption(goal) if now >= started + SETTLING_TIME else None
+        if interruption is None:
+            self._interrupted_at = None
+        elif self._interrupted_at is None:
+            self._interrupted_at = now
+        elif now >= self._interrupted_at + INTERRUPTION_DELAY:
+            raise self._error(ActionInterrupted, interruption)
 
-    def _strays(self, aim: ActionGoal) -> str | None:
-        """How it does something else, if it does."""
+    def _interruption(self, goal: ActionGoal) -> str | None:
+        """Return how the vehicle left the action; None if it did not."""
         mode, armed = self._vehicle.mode, self._vehicle.armed
-        if aim.modes is not None and mode is not None and mode.lower() not in aim.modes:
+        if goal.modes is not None and mode is not None and mode.lower() not in goal.modes:
             return f"it changed to {mode}"
-        if aim.armed is not None and armed is not None and armed != aim.armed:
+        if goal.armed is not None and armed is not None and armed != goal.armed:
             return "it was armed" if armed else "it was disarmed"
         return None
 
-    def _timeout(self, aim: ActionGoal, why: str, left: float | None) -> RemoteError:
-        still = "" if left is None else f", {left:.0f} {aim.unit} to go"
-        return self._ended(ActionTimeout, aim, why + still)
+    def _timed_out(self, reason: str) -> RemoteError:
+        goal = self._goal
+        remaining = None if goal is None else goal.remaining()
+        to_go = "" if goal is None or remaining is None else f", {remaining:.0f} {goal.unit} to go"
+        return self._error(ActionTimeout, reason + to_go)
 
-    def _ended(self, kind: type[RemoteError], aim: ActionGoal, how: str) -> RemoteError:
-        error = kind(aim.what, str(self._vehicle.address), answer=how)
-        error.status_texts = self._listener.warnings
+    def _error(self, kind: type[RemoteError], answer: str) -> RemoteError:
+        error = kind(self._operation, str(self._vehicle.address), answer=answer)
+        error.status_texts = self._texts.warnings
         return error
 
     async def _wait(self) -> None:
-        self._news.clear()
+        self._packet_arrived.clear()
         with suppress(TimeoutError):
-            async with asyncio.timeout(TICK):
-                await self._news.wait()
+            async with asyncio.timeout(CHECK_INTERVAL):
+                await self._packet_arrived.wait()
 
     async def __aenter__(self) -> Self:
         try:
-            self._node.now()  # raises if there is no connection, before rates are wished for
-            for kind, rate in TOLD_BY.items():
-                await self._vehicle.telemetry.ensure(kind, rate)
+            self._connection.now()  # raises if the connection is closed, before rates are requested
         except BaseException:
             self._close()
+            raise
+        await self._timer.__aenter__()
+        logger.debug("%s %s started", self._operation, self._vehicle.address)
+        try:
+            for message, rate in MONITORED_RATES.items():
+                await self._vehicle.telemetry.ensure(message, rate)
+        except BaseException as error:
+            await self.__aexit__(type(error), error, error.__traceback__)
             raise
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._close()
+        try:
+            await self._timer.__aexit__(kind, error, trace)
+        except TimeoutError:
+            raise self._timed_out(f"not done in {self._timeout:g} s") from None
+        finally:
+            outcome = "done" if kind is None else f"ended by {kind.__name__}"
+            logger.debug("%s %s %s", self._operation, self._vehicle.address, outcome)
+            self._close()
 
     def _close(self) -> None:
-        self._listening.close()
         self._listener.close()
+        self._texts.close()

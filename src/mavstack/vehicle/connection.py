@@ -1,29 +1,37 @@
-"""A connection to vehicles: a node that knows which of those it hears are vehicles.
+"""A connection to vehicles: a node that knows which of the components that it hears are vehicles.
 
-    async with mavstack.connect("udpin://0.0.0.0:14550") as node:
-        vehicle = await node.wait_for_vehicle()
+    async with mavstack.connect("udpin://0.0.0.0:14550") as connection:
+        vehicle = await connection.wait_for_vehicle()
         await vehicle.arm()
         await vehicle.takeoff(10)
 
-A vehicle is a system with an autopilot; what its heartbeat says it is counts, not its component id. Cameras,
-gimbals, companion computers and other ground stations are components, and never taken for one. What happens
-to vehicles is told among the node's `events`; see `life`.
+A vehicle is a system with an autopilot; the type and autopilot of the heartbeat decide that, not the component
+id. Cameras, gimbals, companion computers and other ground stations are components and never become vehicles.
+The connection's `events` include the events of vehicles; see `mavstack.vehicle.events`.
 """
 
 from __future__ import annotations
 
 import asyncio
+import logging
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypedDict
 
-from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
+from mavstack.errors import InvalidArgumentError, RemoteError
 from mavstack.node import Node
-from mavstack.node.diagnostics import what_was_heard
 from mavstack.services import DEFAULT_WAIT_TIMEOUT
+from mavstack.vehicle.events import (
+    SystemIdConflict,
+    VehicleEvent,
+    VehicleFound,
+    VehicleLost,
+    VehicleRebooted,
+    VehicleReturned,
+)
 from mavstack.vehicle.group import Group
 from mavstack.vehicle.status_text_capture import attach_status_texts
 from mavstack.vehicle.vehicle import Vehicle
-from mavstack.vehicle.vehicle_tracker import VehicleFound, VehicleReturned, VehicleTracker
+from mavstack.vehicle.vehicle_tracker import VehicleTracker
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Mapping
@@ -35,9 +43,12 @@ if TYPE_CHECKING:
     from mavstack.services import Address, Operation, Service
     from mavstack.services.heartbeat import ComponentInfo
 
+logger = logging.getLogger("mavstack.vehicle")
+_WARNINGS = (SystemIdConflict, VehicleLost, VehicleRebooted)
+
 
 class NodeOptions(TypedDict, total=False):
-    """The keywords of `Node`: who we are, and how we speak."""
+    """The keyword arguments of `Node`: the identity of the local component, and how it sends."""
 
     system: int
     component: int
@@ -51,73 +62,108 @@ class NodeOptions(TypedDict, total=False):
 
 
 class Connection(Node):
-    """A node whose vehicles are at hand; made by `connect`, opened by `async with` or `await`."""
+    """A node that finds vehicles; made by `connect`, opened by `async with` or `await`.
+
+    Args:
+        *links: URLs such as "udpin://0.0.0.0:14550", or links.
+        **options: The keyword arguments of `Node`.
+    """
 
     def __init__(self, *links: str | Link, **options: Unpack[NodeOptions]) -> None:
         super().__init__(*links, **options)
-        self._life = VehicleTracker(self.components, self._vehicle_at)
+        self._tracker = VehicleTracker(self.components, self._make_vehicle)
 
     async def wait_for_vehicle(
         self, system: int | None = None, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT
     ) -> Vehicle:
-        """The first vehicle that is there, or that of a system.
+        """Wait for a vehicle.
 
-        Raises `RemoteTimeout` if there is none in time; its text tells what was heard instead.
+        Args:
+            system: The system id of the vehicle; None: the first vehicle that is alive.
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            The vehicle.
+
+        Raises:
+            RemoteTimeout: There was none in time; the text tells what was received instead.
         """
-        what = "a vehicle's heartbeat" if system is None else f"the heartbeat of vehicle {system}"
+        description = "a vehicle" if system is None else f"vehicle {system}"
         found = await self.wait_for_component(
-            lambda info: self._is_vehicle(info, system), what, timeout=timeout
+            lambda info: self._is_vehicle(info, system), description, timeout=timeout
         )
-        return self._life.vehicles[found.address.system]
-
-    @property
-    def vehicles(self) -> Mapping[int, Vehicle]:
-        """Every vehicle that was heard, by its system id, in the order in which they were found."""
-        return MappingProxyType(self._life.vehicles)
-
-    @property
-    def ground_stations(self) -> Mapping[Address, ComponentInfo]:
-        """Every other ground station that was heard, by its address."""
-        return {address: info for address, info in self.components.items() if info.is_ground_station}
-
-    def group(self, *systems: int) -> Group:
-        """The vehicles of these systems (none: all that were heard), to be asked as one."""
-        if unknown := sorted(set(systems) - set(self.vehicles)):
-            known = ", ".join(map(str, self.vehicles)) or "none"
-            raise MavstackError(f"no vehicle has the system id {unknown[0]}; those heard: {known}")
-        return Group(self.vehicles[system] for system in systems or self.vehicles)
+        return self._tracker.vehicles[found.address.system]
 
     async def wait_for_vehicles(self, count: int, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT) -> Group:
-        """All vehicles that are there, as soon as there are so many; raises `RemoteTimeout`."""
+        """Wait until `count` vehicles are alive.
+
+        Args:
+            count: The number of vehicles.
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            All vehicles that are alive, which may be more.
+
+        Raises:
+            RemoteTimeout: There were fewer in time; the text tells what was received.
+        """
         async with self.events(VehicleFound, VehicleReturned) as events:
             try:
                 async with asyncio.timeout(timeout):
-                    while len(there := self._there()) < count:
+                    while len(alive := self._alive_vehicles()) < count:
                         await anext(events)
             except (TimeoutError, StopAsyncIteration):
-                there = self._there()
-                links = ", ".join(str(link.url) for link in self.links) or "no link"
-                answer = f"{len(there)} in {timeout:g} s; {what_was_heard(self)}"
-                raise RemoteTimeout(f"heartbeats of {count} vehicles", links, answer=answer) from None
-        return Group(there)
+                alive = self._alive_vehicles()
+                raise self._wait_error(f"{count} vehicles", str(len(alive)), timeout) from None
+        return Group(alive)
 
-    def _there(self) -> list[Vehicle]:
+    @property
+    def vehicles(self) -> Mapping[int, Vehicle]:
+        """Every vehicle that was heard, by system id, in the order in which they were found."""
+        return MappingProxyType(self._tracker.vehicles)
+
+    @property
+    def ground_stations(self) -> Mapping[Address, ComponentInfo]:
+        """Every other ground station that was heard, by address."""
+        return {address: info for address, info in self.components.items() if info.is_ground_station}
+
+    def group(self, *systems: int) -> Group:
+        """Return a group of vehicles.
+
+        Args:
+            *systems: The system ids of the vehicles; none: all vehicles that were heard.
+
+        Returns:
+            The group.
+
+        Raises:
+            InvalidArgumentError: No vehicle with one of the system ids was heard.
+        """
+        if unknown := sorted(set(systems) - set(self.vehicles)):
+            known = ", ".join(map(str, self.vehicles)) or "none"
+            raise InvalidArgumentError(f"no vehicle with system id {unknown[0]} was heard; known: {known}")
+        return Group(self.vehicles[system] for system in systems or self.vehicles)
+
+    def _alive_vehicles(self) -> list[Vehicle]:
         return [vehicle for vehicle in self.vehicles.values() if vehicle.alive]
 
     def _is_vehicle(self, info: ComponentInfo, system: int | None) -> bool:
-        vehicle = self._life.vehicles.get(info.address.system)
+        vehicle = self._tracker.vehicles.get(info.address.system)
         return vehicle is not None and vehicle.address == info.address and system in (None, vehicle.system)
 
-    def _vehicle_at(self, address: Address) -> Vehicle:
+    def _make_vehicle(self, address: Address) -> Vehicle:
         return Vehicle(self, self.component(*address))
 
-    def _happened(self, event: object, service: Service | None = None) -> None:
-        super()._happened(event, service)
-        for meaning in self._life.follow(event):
-            super()._happened(meaning)
+    def _on_event(self, event: object, service: Service | None = None) -> None:
+        super()._on_event(event, service)
+        for vehicle_event in self._tracker.receive(event):
+            if isinstance(vehicle_event, VehicleEvent):
+                level = logging.WARNING if isinstance(vehicle_event, _WARNINGS) else logging.INFO
+                logger.log(level, "%s", vehicle_event)
+            super()._on_event(vehicle_event)
 
-    def _failed(self, operation: Operation[Any], begun: float) -> None:
-        vehicle = self._life.vehicles.get(operation.target.system)
+    def _on_operation_error(self, operation: Operation[Any], begun: float) -> None:
+        vehicle = self._tracker.vehicles.get(operation.target.system)
         if vehicle is not None and isinstance(operation.error, RemoteError):
             attach_status_texts(operation.error, vehicle.telemetry.status_texts.since(begun))
 
@@ -126,8 +172,17 @@ class Connection(Node):
 
 
 def connect(*links: str | Link, **options: Unpack[NodeOptions]) -> Connection:
-    """Connect to the vehicles on one link or several; the keywords are those of `Node`.
+    """Connect to the vehicles on one link or several.
 
-    The result is awaitable and an async context manager, as websockets' is.
+    Args:
+        *links: URLs such as "udpin://0.0.0.0:14550" or "serial:///dev/ttyACM0?baud=115200", or links.
+        **options: The keyword arguments of `Node`: `system`, `component`, `signing`, `dialect` and others.
+
+    Returns:
+        The connection: an async context manager, which can also be awaited to open it.
+
+    Raises:
+        LinkURLError: A URL is not valid.
+        InvalidArgumentError: An option is not valid.
     """
     return Connection(*links, **options)

@@ -1,14 +1,15 @@
-"""Many vehicles asked as one, and what became of it for each.
+"""Groups of vehicles: one operation on all of them, with the outcome of each.
 
-    fleet = await node.wait_for_vehicles(50)
+    fleet = await connection.wait_for_vehicles(50)
     results = await fleet.arm()
-    for vehicle, error in results.errors.items(): ...        # why it did not
+    for vehicle, error in results.errors.items(): ...        # why it failed
     results = await fleet.each(lambda vehicle: vehicle.params.set("RTL_ALT", 3000), max_concurrency=10)
     results.check()                                          # GroupError if any failed
 
-All are asked at the same time, or `max_concurrency` of them, and one that fails stops no other: what each came to,
-its result or its error, is in the `Results`, also if the error is a defect of the function that was given.
-Cancelling the task cancels what is under way on every vehicle, and waits until each end is clean.
+The operation runs on all vehicles at the same time, or on `max_concurrency` of them, and a failure on one
+stops no other. `Results` holds the outcome of each, its result or its error, even if the error is a defect of
+the function that was passed. Cancelling the task cancels the operation on every vehicle, and waits until it
+has ended on each.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from collections.abc import Collection, Mapping
 from contextlib import nullcontext
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from mavstack.errors import GroupError, LocalProtocolError, RemoteCancelled
+from mavstack.errors import GroupError, InvalidArgumentError, RemoteCancelled
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable, Iterator
@@ -30,20 +31,20 @@ Result = TypeVar("Result")
 
 
 class Results(Mapping["Vehicle", "Result | Exception"], Generic[Result]):
-    """What each vehicle of a group came to: its result, or the error that it ended with."""
+    """The outcome of an operation for each vehicle of a group: its result, or the error that it raised."""
 
-    def __init__(self, outcomes: Mapping[Vehicle, Result | Exception], what: str = "work") -> None:
+    def __init__(self, outcomes: Mapping[Vehicle, Result | Exception], name: str = "work") -> None:
         self._outcomes = dict(outcomes)
-        self._what = what
+        self._name = name
 
     @property
     def ok(self) -> bool:
-        """Whether all did it."""
+        """True if the operation succeeded on all vehicles."""
         return not self.errors
 
     @property
     def succeeded(self) -> dict[Vehicle, Result]:
-        """The results of those that did it."""
+        """The results of the vehicles on which the operation succeeded."""
         return {
             vehicle: outcome
             for vehicle, outcome in self._outcomes.items()
@@ -52,24 +53,31 @@ class Results(Mapping["Vehicle", "Result | Exception"], Generic[Result]):
 
     @property
     def errors(self) -> dict[Vehicle, Exception]:
-        """Why the others did not."""
+        """The errors of the vehicles on which the operation failed."""
         return {
             vehicle: outcome for vehicle, outcome in self._outcomes.items() if isinstance(outcome, Exception)
         }
 
     @property
     def failed(self) -> Group:
-        """Those that did not, to be asked again."""
+        """The group of the vehicles on which the operation failed, to try again."""
         return Group(self.errors)
 
     def check(self) -> dict[Vehicle, Result]:
-        """The results of all; raises `GroupError` if there are errors among them."""
+        """Return the results of all vehicles.
+
+        Returns:
+            The result of each vehicle.
+
+        Raises:
+            GroupError: The operation failed on a vehicle; the error holds the error of each.
+        """
         errors = self.errors
         if not errors:
             return self.succeeded
         by_system = {vehicle.system: error for vehicle, error in errors.items()}
         defect = next((error for error in errors.values() if not GroupError.expects(error)), None)
-        raise GroupError(self._what, by_system, len(self)) from defect
+        raise GroupError(self._name, by_system, len(self)) from defect
 
     def __getitem__(self, vehicle: Vehicle) -> Result | Exception:
         return self._outcomes[vehicle]
@@ -82,12 +90,16 @@ class Results(Mapping["Vehicle", "Result | Exception"], Generic[Result]):
 
     def __repr__(self) -> str:
         errors = {vehicle.system: error for vehicle, error in self.errors.items()}
-        told = f"; errors: {errors}" if errors else ""
-        return f"<Results of {self._what}: {len(self) - len(errors)} of {len(self)} did it{told}>"
+        details = f"; errors: {errors}" if errors else ""
+        return f"<Results of {self._name}: {len(self) - len(errors)} of {len(self)} succeeded{details}>"
 
 
 class Group(Collection["Vehicle"]):
-    """Several vehicles, each once, in the order in which they were given."""
+    """Several vehicles, each once, in the order in which they were given.
+
+    The methods run the method of `Vehicle` with the same name on all vehicles. They raise no error of a
+    vehicle: the returned `Results` hold them, and `Results.check` raises `GroupError`.
+    """
 
     def __init__(self, vehicles: Iterable[Vehicle]) -> None:
         self._vehicles = dict.fromkeys(vehicles)
@@ -97,62 +109,152 @@ class Group(Collection["Vehicle"]):
         work: Callable[[Vehicle], Awaitable[Result]],
         *,
         max_concurrency: int | None = None,
-        what: str = "work",
+        name: str = "work",
     ) -> Results[Result]:
-        """Do something with every vehicle, at the same time or so many `max_concurrency`; `what` names it."""
+        """Run an async function for every vehicle.
+
+        Args:
+            work: The function; it gets the vehicle.
+            max_concurrency: The number of vehicles for which it runs at the same time; None: all.
+            name: The name of the operation in errors, a gerund.
+
+        Returns:
+            The result or the error of each vehicle.
+
+        Raises:
+            InvalidArgumentError: `max_concurrency` is less than 1.
+        """
         if max_concurrency is not None and max_concurrency < 1:
-            raise LocalProtocolError(f"a group cannot be asked {max_concurrency} at once")
-        turns = None if max_concurrency is None else asyncio.Semaphore(max_concurrency)
+            raise InvalidArgumentError(f"max_concurrency must be at least 1, got {max_concurrency}")
+        slots = None if max_concurrency is None else asyncio.Semaphore(max_concurrency)
         async with asyncio.TaskGroup() as tasks:
-            begun = {
-                vehicle: tasks.create_task(_outcome(work, vehicle, what, turns or nullcontext()))
+            running = {
+                vehicle: tasks.create_task(_outcome(work, vehicle, name, slots or nullcontext()))
                 for vehicle in self
             }
-        return Results({vehicle: task.result() for vehicle, task in begun.items()}, what)
+        return Results({vehicle: task.result() for vehicle, task in running.items()}, name)
 
-    # What vehicles can do, done by all of them
+    # The actions of vehicles
 
-    async def arm(self, *, force: bool = False) -> Results[None]:
-        """Let the motors of all run; see `Vehicle.arm`."""
-        return await self.each(lambda vehicle: vehicle.arm(force=force), name="arming")
+    async def arm(self, *, force: bool = False, timeout: float | None = None) -> Results[None]:
+        """Arm all vehicles.
 
-    async def disarm(self, *, force: bool = False) -> Results[None]:
-        """Stop the motors of all; see `Vehicle.disarm`."""
-        return await self.each(lambda vehicle: vehicle.disarm(force=force), name="disarming")
+        Args:
+            force: Skip the firmware's checks, as far as it allows that.
+            timeout: Seconds for each vehicle; None: until retries are exhausted or progress stalls.
 
-    async def set_mode(self, mode: str | int) -> Results[None]:
-        """Let all enter a mode, which each firmware names its own way; see `Vehicle.set_mode`."""
-        return await self.each(lambda vehicle: vehicle.set_mode(mode), name=f"mode {mode}")
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.arm`.
+        """
+        return await self.each(lambda vehicle: vehicle.arm(force=force, timeout=timeout), name="arming")
+
+    async def disarm(self, *, force: bool = False, timeout: float | None = None) -> Results[None]:
+        """Disarm all vehicles.
+
+        Args:
+            force: Stop the motors even in the air.
+            timeout: Seconds for each vehicle; None: until retries are exhausted or progress stalls.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.disarm`.
+        """
+        return await self.each(lambda vehicle: vehicle.disarm(force=force, timeout=timeout), name="disarming")
+
+    async def set_mode(self, mode: str | int, *, timeout: float | None = None) -> Results[None]:
+        """Set the flight mode of all vehicles; each firmware has its own modes.
+
+        Args:
+            mode: The name of the mode, or its custom mode number.
+            timeout: Seconds for each vehicle; None: until retries are exhausted.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.set_mode`.
+        """
+        return await self.each(
+            lambda vehicle: vehicle.set_mode(mode, timeout=timeout), name=f"setting mode {mode}"
+        )
 
     async def takeoff(
         self, altitude: float = 10.0, *, wait: bool = True, timeout: float | None = None
     ) -> Results[None]:
-        """Let all take off; see `Vehicle.takeoff`."""
+        """Let all vehicles take off.
+
+        Args:
+            altitude: Metres above home.
+            wait: Wait until each vehicle has reached the altitude.
+            timeout: Seconds for each vehicle; None sets no overall limit.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.takeoff`.
+        """
         return await self.each(
             lambda vehicle: vehicle.takeoff(altitude, wait=wait, timeout=timeout), name="takeoff"
         )
 
     async def land(self, *, wait: bool = True, timeout: float | None = None) -> Results[None]:
-        """Let all land; see `Vehicle.land`."""
+        """Let all vehicles land.
+
+        Args:
+            wait: Wait until each vehicle has landed.
+            timeout: Seconds for each vehicle; None sets no overall limit.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.land`.
+        """
         return await self.each(lambda vehicle: vehicle.land(wait=wait, timeout=timeout), name="landing")
 
     async def rtl(self, *, wait: bool = True, timeout: float | None = None) -> Results[None]:
-        """Let all return home; see `Vehicle.rtl`."""
-        return await self.each(lambda vehicle: vehicle.rtl(wait=wait, timeout=timeout), name="return home")
+        """Let all vehicles return to home.
 
-    async def hold(self) -> Results[None]:
-        """Let all stay where they are; see `Vehicle.hold`."""
-        return await self.each(lambda vehicle: vehicle.hold(), name="hold")
+        Args:
+            wait: Wait until each vehicle has landed, or has arrived where it does not land.
+            timeout: Seconds for each vehicle; None sets no overall limit.
 
-    async def set_speed(self, speed: float) -> Results[None]:
-        """Let all fly with so many m/s; see `Vehicle.set_speed`."""
-        return await self.each(lambda vehicle: vehicle.set_speed(speed), name="speed")
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.rtl`.
+        """
+        return await self.each(
+            lambda vehicle: vehicle.rtl(wait=wait, timeout=timeout), name="return to launch"
+        )
 
-    async def reboot(self, *, wait: bool = True) -> Results[None]:
-        """Reboot all autopilots; see `Vehicle.reboot`."""
-        return await self.each(lambda vehicle: vehicle.reboot(wait=wait), name="reboot")
+    async def hold(self, *, timeout: float | None = None) -> Results[None]:
+        """Let all vehicles hold their positions.
 
-    # As a collection
+        Args:
+            timeout: Seconds for each vehicle; None: until retries are exhausted.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.hold`.
+        """
+        return await self.each(lambda vehicle: vehicle.hold(timeout=timeout), name="holding the position")
+
+    async def set_speed(self, speed: float, *, timeout: float | None = None) -> Results[None]:
+        """Set the ground speed of all vehicles.
+
+        Args:
+            speed: Metres per second.
+            timeout: Seconds for each vehicle; None: until retries are exhausted.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.set_speed`.
+        """
+        return await self.each(
+            lambda vehicle: vehicle.set_speed(speed, timeout=timeout), name="setting the speed"
+        )
+
+    async def reboot(self, *, wait: bool = True, timeout: float | None = None) -> Results[None]:
+        """Reboot all autopilots.
+
+        Args:
+            wait: Wait until each autopilot is back.
+            timeout: Seconds for each vehicle; None: until retries are exhausted, or it stays away.
+
+        Returns:
+            The outcome of each vehicle; its errors are those of `Vehicle.reboot`.
+        """
+        return await self.each(lambda vehicle: vehicle.reboot(wait=wait, timeout=timeout), name="rebooting")
+
+    # The collection
 
     @property
     def systems(self) -> tuple[int, ...]:
@@ -169,20 +271,21 @@ class Group(Collection["Vehicle"]):
         return len(self._vehicles)
 
     def __repr__(self) -> str:
-        return f"<Group of {', '.join(map(str, self.systems)) or 'nobody'}>"
+        return f"<Group of {', '.join(map(str, self.systems)) or 'no vehicles'}>"
 
 
 async def _outcome(
     work: Callable[[Vehicle], Awaitable[Result]],
     vehicle: Vehicle,
-    what: str,
-    turn: AbstractAsyncContextManager[object],
+    name: str,
+    slot: AbstractAsyncContextManager[object],
 ) -> Result | Exception:
-    """What one vehicle came to; if the group itself was cancelled, the group says so."""
-    async with turn:
+    """Return the result or the error of one vehicle; the group itself is cancelled by `TaskGroup`."""
+    async with slot:
         try:
             return await work(vehicle)
-        except Exception as error:  # noqa: BLE001 (whatever it is, it is told, and the others go on)
+        except Exception as error:  # noqa: BLE001 (every error is an outcome, and the others go on)
             return error
         except asyncio.CancelledError:
-            return RemoteCancelled(what, str(vehicle.address), answer="cancelled by what was to do it")
+            answer = "the function was cancelled"
+            return RemoteCancelled(f"{name} on", str(vehicle.address), answer=answer)

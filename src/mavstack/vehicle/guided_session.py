@@ -1,15 +1,16 @@
-"""Flying by setpoints: guided mode in ArduPilot, offboard mode in PX4.
+"""Flying by setpoints: the guided mode of ArduPilot, the offboard mode of PX4.
 
-    async with vehicle.guided() as guidance:
-        guidance.velocity(north=2)
+    async with vehicle.guided() as guided:
+        guided.velocity(north=2)
         await asyncio.sleep(5)
 
-The newest setpoint is streamed for as long as the block lasts, since PX4 leaves offboard mode half a second
-after the stream ends and ArduPilot stops after three. The stream begins before the mode is entered, as PX4
-wants it. On leaving the block the vehicle is told to hold, before the stream ends. If it leaves the mode
-meanwhile, by a failsafe or a pilot, the next setpoint raises `ActionInterrupted`, and nobody argues with the
-pilot by holding. If it falls silent, the next setpoint raises `ContactLost`; if the connection was closed,
-`RemoteCancelled`. When an error or a cancellation ends the block, holding is tried for a few seconds only.
+The last setpoint is streamed for as long as the block lasts, since PX4 leaves offboard mode half a second
+after the stream ends and ArduPilot stops after three. The stream starts before the mode is entered, as PX4
+requires. At the end of the block the vehicle is told to hold its position before the stream ends. If the
+vehicle leaves the mode meanwhile, by a failsafe or a pilot, the next setpoint raises `ActionInterrupted`, and
+no hold is sent, so that the pilot keeps control. If no heartbeat arrives, the next setpoint raises
+`ContactLost`; after the connection was closed, `RemoteCancelled`. When an error or a cancellation ends the
+block, the hold is tried for a few seconds only.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, ContactLost, RemoteCancelled, RemoteError
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint
+from mavstack.vehicle.deadline import deadline
+from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.status_text_capture import StatusTextCapture, with_status_texts
 
 if TYPE_CHECKING:
@@ -28,81 +31,163 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.services.setpoints import Setpoint
-    from mavstack.vehicle.vehicle import Vehicle
+    from mavstack.vehicle.vehicle_state import VehicleState
 
-#: How long to stream before the mode is asked for, in seconds.
-BEFOREHAND: Final = 0.6
-#: How long to try to hold when the block ends with an error, in seconds.
-HOLD_LIMIT: Final = 5.0
+#: The time for which setpoints are streamed before the mode is entered, in seconds.
+STREAM_LEAD_TIME: Final = 0.6
+#: The time for which the hold is tried if the block ends with an error, in seconds.
+HOLD_TIMEOUT: Final = 5.0
+#: The setpoint to stay where the vehicle is.
 STANDING_STILL: Final = LocalSetpoint(velocity=(0.0, 0.0, 0.0))
+_OPERATION: Final = "following setpoints with"
 
 
 class GuidedSession:
-    """A vehicle that follows setpoints while a block lasts; made by `Vehicle.guided`."""
+    """A block during which a vehicle follows setpoints; made by `Vehicle.guided`.
 
-    def __init__(self, vehicle: Vehicle, rate: float, first: Setpoint) -> None:
+    Every setpoint raises `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if the vehicle does not
+    follow any more, and `SetpointError` for numbers that are not finite.
+    """
+
+    def __init__(self, vehicle: VehicleState, rate: float, first: Setpoint, timeout: float | None) -> None:
         self._vehicle = vehicle
         self._stream = vehicle.component.setpoints(rate)
-        self._listener: StatusTextCapture | None = None
+        self._texts: StatusTextCapture | None = None
         self._first = first
+        self._timeout = timeout
         self._entered = False
 
     @property
     def interrupted(self) -> bool:
-        """Whether the vehicle has left the mode in which it follows."""
-        mode, modes = self._vehicle.mode, self._vehicle.firmware.modes_of("guided")
+        """True if the vehicle has left the mode in which it follows setpoints."""
+        mode, modes = self._vehicle.mode, firmware_of(self._vehicle).modes_of("guided")
         return self._entered and modes is not None and mode is not None and mode.lower() not in modes
 
     def check(self) -> None:
-        """Raise what tells why, if the vehicle follows no longer."""
+        """Raise an error if the vehicle does not follow setpoints any more.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
         if not self._vehicle.connection.is_open:
-            raise self._ended(RemoteCancelled, "the connection was closed")
+            raise self._error(RemoteCancelled, "the connection was closed")
         if not self._vehicle.alive:
-            raise self._ended(ContactLost, "it fell silent")
+            raise self._error(ContactLost, "it fell silent")
         if self.interrupted:
-            raise self._ended(ActionInterrupted, f"it changed to {self._vehicle.mode}")
+            raise self._error(ActionInterrupted, f"it changed to {self._vehicle.mode}")
 
     def set(self, setpoint: Setpoint) -> None:
-        """Follow any setpoint, such as one that leaves axes to the vehicle."""
+        """Follow a setpoint of any type, with NED axes as on the wire.
+
+        Args:
+            setpoint: A `LocalSetpoint`, `GlobalSetpoint` or `AttitudeSetpoint`; axes that it leaves out are
+                left to the vehicle.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
         self.check()
         self._stream.set(setpoint)
 
     def velocity(
-        self, north: float = 0.0, east: float = 0.0, down: float = 0.0, *, yaw: float | None = None
+        self, north: float = 0.0, east: float = 0.0, up: float = 0.0, *, yaw: float | None = None
     ) -> None:
-        """Fly with a velocity in m/s; yaw in degrees."""
-        self.set(LocalSetpoint(velocity=(north, east, down), yaw=_radians(yaw)))
+        """Fly with a velocity (SET_POSITION_TARGET_LOCAL_NED).
+
+        Args:
+            north: Metres per second to the north.
+            east: Metres per second to the east.
+            up: Metres per second upwards.
+            yaw: Heading in degrees; None leaves it to the vehicle.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        self.set(LocalSetpoint(velocity=(north, east, _down(up)), yaw=_radians(yaw)))
 
     def body_velocity(
-        self, forward: float = 0.0, right: float = 0.0, down: float = 0.0, *, yaw_rate: float = 0.0
+        self, forward: float = 0.0, right: float = 0.0, up: float = 0.0, *, yaw_rate: float = 0.0
     ) -> None:
-        """Fly with a velocity in m/s as seen from the vehicle; yaw rate in degrees a second."""
-        self.set(
-            LocalSetpoint(
-                velocity=(forward, right, down), yaw_rate=radians(yaw_rate), frame=common.MavFrame.BODY_NED
-            )
-        )
+        """Fly with a velocity in the axes of the body (SET_POSITION_TARGET_LOCAL_NED in BODY_NED).
 
-    def position(self, north: float, east: float, down: float, *, yaw: float | None = None) -> None:
-        """Go to a place in metres from the vehicle's origin; yaw in degrees."""
-        self.set(LocalSetpoint(position=(north, east, down), yaw=_radians(yaw)))
+        Args:
+            forward: Metres per second forwards.
+            right: Metres per second to the right.
+            up: Metres per second upwards.
+            yaw_rate: Degrees per second, positive clockwise.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        velocity = (forward, right, _down(up))
+        frame = common.MavFrame.BODY_NED
+        self.set(LocalSetpoint(velocity=velocity, yaw_rate=radians(yaw_rate), frame=frame))
+
+    def position(self, north: float, east: float, up: float, *, yaw: float | None = None) -> None:
+        """Go to a position in the local frame (SET_POSITION_TARGET_LOCAL_NED).
+
+        Args:
+            north: Metres north of the origin of the vehicle's local frame.
+            east: Metres east of it.
+            up: Metres above it.
+            yaw: Heading in degrees; None leaves it to the vehicle.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        self.set(LocalSetpoint(position=(north, east, _down(up)), yaw=_radians(yaw)))
 
     def goto(self, latitude: float, longitude: float, altitude: float, *, yaw: float | None = None) -> None:
-        """Go to a place in degrees and metres above home."""
+        """Go to a global position (SET_POSITION_TARGET_GLOBAL_INT).
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above home.
+            yaw: Heading in degrees; None leaves it to the vehicle.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
         self.set(GlobalSetpoint(latitude, longitude, altitude, yaw=_radians(yaw)))
 
     def attitude(self, roll: float, pitch: float, yaw: float, thrust: float) -> None:
-        """RateRequest an attitude in degrees, with a thrust from 0 to 1."""
+        """Hold an attitude (SET_ATTITUDE_TARGET).
+
+        Args:
+            roll: Degrees, positive to the right.
+            pitch: Degrees, positive nose up.
+            yaw: Heading in degrees.
+            thrust: 0 to 1.
+
+        Raises:
+            ActionInterrupted: The vehicle left the mode.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
         self.set(AttitudeSetpoint(quaternion(radians(roll), radians(pitch), radians(yaw)), thrust=thrust))
 
     async def __aenter__(self) -> Self:
         await self._stream.__aenter__()
-        self._listener = StatusTextCapture(self._vehicle)
+        self._texts = StatusTextCapture(self._vehicle)
         try:
             self._stream.set(self._first)
-            await asyncio.sleep(BEFOREHAND)
-            self.check()
-            await with_status_texts(self._vehicle, self._vehicle.firmware.guide())
+            async with deadline(self._timeout, _OPERATION, self._vehicle.address):
+                await asyncio.sleep(STREAM_LEAD_TIME)
+                self.check()
+                await with_status_texts(self._vehicle, firmware_of(self._vehicle).guide())
         except BaseException:
             await self._leave()
             raise
@@ -121,32 +206,37 @@ class GuidedSession:
     async def _hold(self, *, quietly: bool) -> None:
         self._stream.set(STANDING_STILL)
         try:
-            async with asyncio.timeout(HOLD_LIMIT if quietly else None):
-                await with_status_texts(self._vehicle, self._vehicle.firmware.hold())
+            async with asyncio.timeout(HOLD_TIMEOUT if quietly else None):
+                await with_status_texts(self._vehicle, firmware_of(self._vehicle).hold())
         except (RemoteError, TimeoutError):
-            if not quietly:  # else the error that ended the block is what is told
+            if not quietly:  # otherwise the error that ended the block is raised
                 raise
 
-    def _ended(self, kind: type[RemoteError], how: str) -> RemoteError:
-        error = kind("following setpoints", str(self._vehicle.address), answer=how)
-        error.status_texts = () if self._listener is None else self._listener.warnings
+    def _error(self, kind: type[RemoteError], answer: str) -> RemoteError:
+        error = kind(_OPERATION, str(self._vehicle.address), answer=answer)
+        error.status_texts = () if self._texts is None else self._texts.warnings
         return error
 
     async def _leave(self) -> None:
-        if self._listener is not None:
-            self._listener.close()
+        if self._texts is not None:
+            self._texts.close()
         await self._stream.__aexit__(None, None, None)
 
 
 def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
-    """The rotation of these angles in radians, as w, x, y, z."""
-    cr, sr, cp, sp, cy, sy = (turned(angle / 2) for angle in (roll, pitch, yaw) for turned in (cos, sin))
+    """Return the rotation of three angles in radians as w, x, y, z."""
+    cr, sr, cp, sp, cy, sy = (function(angle / 2) for angle in (roll, pitch, yaw) for function in (cos, sin))
     return (
         cr * cp * cy + sr * sp * sy,
         sr * cp * cy - cr * sp * sy,
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy,
     )
+
+
+def _down(up: float) -> float:
+    """Return the component along the down axis; 0 stays 0, not -0."""
+    return 0.0 - up
 
 
 def _radians(degrees: float | None) -> float | None:

@@ -1,16 +1,16 @@
-"""Why a vehicle refused: the texts that it told people meanwhile, put into the error that a program gets.
+"""The status texts that a vehicle sends during an operation, attached to the operation's error.
 
-Firmwares acknowledge a refusal with a bare MAV_RESULT and say the reason by STATUSTEXT, ArduPilot before the
-acknowledgement and PX4 on either side of it. So what is asked for is asked while its texts are collected, and
-a refusal waits a moment for those that come after it. Whatever else fails, a parameter or a file, takes along
-what was told until then; see `Connection`.
+Firmwares acknowledge a refusal with a bare MAV_RESULT and send the reason as STATUSTEXT, ArduPilot before the
+acknowledgement and PX4 before or after it. So the texts are collected while the operation runs, and after a
+refusal for a moment more. Errors of other operations, of parameters or files, get the texts that arrived
+until then; see `Connection`.
 """
 
 from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from mavstack.dialects import common
 from mavstack.errors import RemoteDenied, RemoteError
@@ -21,49 +21,63 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Any, Self
 
-    from mavstack.vehicle.telemetry.values import StatusText
-    from mavstack.vehicle.vehicle import Vehicle
+    from mavstack.node import Node
+    from mavstack.vehicle.telemetry import values
 
 Result = TypeVar("Result")
 
-#: How long the reason of a refusal may come after it, in seconds; a slow link takes longer.
-AFTERWARDS = 0.6
-#: Several reasons are told one after the other within so many seconds.
-TOGETHER = 0.1
-#: Texts that matter less are not reasons.
-LEAST_SEVERITY = common.MavSeverity.WARNING
-MOST_TEXTS = 6
+#: The time in which the reason of a refusal may arrive after it, in seconds.
+REASON_TIMEOUT = 0.6
+#: The time in which the texts of one reason arrive, in seconds.
+REASON_SPAN = 0.1
+#: Texts that are less severe are no reasons.
+MIN_SEVERITY = common.MavSeverity.WARNING
+MAX_TEXTS = 6
+
+
+class StatusTextSource(Protocol):
+    """The system whose status texts are collected."""
+
+    @property
+    def connection(self) -> Node:
+        """The node that receives the texts."""
+        ...
+
+    @property
+    def system(self) -> int:
+        """The system id of the sender."""
+        ...
 
 
 class StatusTextCapture:
-    """Collects what a vehicle tells people while a block lasts."""
+    """Collects the status texts of a vehicle while a block lasts."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: StatusTextSource) -> None:
         self._vehicle = vehicle
         self._texts = vehicle.connection.events(StatusText)
         self._warnings: dict[str, None] = {}
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What was told that may be a reason, each text once, the last ones."""
+        """The last texts of severity WARNING and above, each once, oldest first."""
         for text in self._texts.drain():
-            if text.source.system == self._vehicle.system and text.severity <= LEAST_SEVERITY:
+            if text.source.system == self._vehicle.system and text.severity <= MIN_SEVERITY:
                 self._warnings.pop(text.text, None)
                 self._warnings[text.text] = None
-        while len(self._warnings) > MOST_TEXTS:
+        while len(self._warnings) > MAX_TEXTS:
             del self._warnings[next(iter(self._warnings))]
         return tuple(self._warnings)
 
-    async def wait_for_warning(self, seconds: float) -> None:
-        """Wait for a text that may be a reason, if there is none yet."""
+    async def wait_for_warning(self, timeout: float) -> None:
+        """Wait for a warning for `timeout` seconds, unless there is one."""
         if self.warnings:
             return
         with suppress(TimeoutError):
-            async with asyncio.timeout(seconds):
+            async with asyncio.timeout(timeout):
                 while not self.warnings:
                     if not await self._texts.wait():
                         return
-            await asyncio.sleep(TOGETHER)
+            await asyncio.sleep(REASON_SPAN)
 
     def __enter__(self) -> Self:
         return self
@@ -74,23 +88,23 @@ class StatusTextCapture:
         self.close()
 
     def close(self) -> None:
-        """Listen no more. Closing twice does nothing."""
+        """Stop collecting. Idempotent."""
         self._texts.close()
 
 
-def attach_status_texts(error: RemoteError, texts: Iterable[StatusText]) -> None:
-    """Put those texts that may be reasons into an error, unless it has some."""
-    reasons = [text.text for text in texts if text.severity <= LEAST_SEVERITY]
-    error.status_texts = error.status_texts or tuple(dict.fromkeys(reversed(reasons)))[MOST_TEXTS - 1 :: -1]
+def attach_status_texts(error: RemoteError, texts: Iterable[values.StatusText]) -> None:
+    """Attach the warnings among some texts to an error, unless it has texts."""
+    warnings = [text.text for text in texts if text.severity <= MIN_SEVERITY]
+    error.status_texts = error.status_texts or tuple(dict.fromkeys(reversed(warnings)))[MAX_TEXTS - 1 :: -1]
 
 
-async def with_status_texts(vehicle: Vehicle, asked: Coroutine[Any, Any, Result]) -> Result:
-    """Wait for what was asked; an error that it ends with tells what the vehicle said meanwhile."""
-    with StatusTextCapture(vehicle) as heard:
+async def with_status_texts(vehicle: StatusTextSource, operation: Coroutine[Any, Any, Result]) -> Result:
+    """Await an operation; attach the vehicle's warnings to the error that it raises."""
+    with StatusTextCapture(vehicle) as capture:
         try:
-            return await asked
+            return await operation
         except RemoteError as error:
             if isinstance(error, RemoteDenied):
-                await heard.wait_for_warning(AFTERWARDS)
-            error.status_texts = error.status_texts or heard.warnings
+                await capture.wait_for_warning(REASON_TIMEOUT)
+            error.status_texts = error.status_texts or capture.warnings
             raise

@@ -1,12 +1,11 @@
-"""A vehicle: what it tells, and what it can be asked to do.
+"""A vehicle: its state, and the actions that it can be told to take.
 
-Everything here goes through its autopilot, the component that flies it; `component` is that one with every
-service of MAVLink, for what is not here, and `firmware` is what knows how its firmware wants things asked.
+All calls go to the vehicle's autopilot. `component` is that autopilot with every MAVLink service, for the
+calls that are missing here; `firmware` holds the differences of its firmware.
 
-An action that takes a while waits until it is done, unless `wait=False`, and then raises `ActionTimeout` if
-the vehicle gets no further, `ActionInterrupted` if it does something else, `ContactLost` if it falls silent.
-One that is refused raises `CommandDenied` with what the vehicle said about it. Altitudes are in metres above
-home, angles in degrees.
+An action waits until it is complete, unless `wait=False`, and then raises `ActionTimeout` if its progress
+stalls, `ActionInterrupted` if the vehicle leaves it, `ContactLost` if no heartbeat arrives. A refusal raises
+`CommandDenied` with the vehicle's status texts. Altitudes are in metres above home, angles in degrees.
 """
 
 from __future__ import annotations
@@ -15,139 +14,171 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.services import DEFAULT_WAIT_TIMEOUT
 from mavstack.services.mission import PlanType
-from mavstack.vehicle.actions import arming, flying, home
+from mavstack.vehicle.actions import arming, flying, home, readiness
 from mavstack.vehicle.firmware import Firmware, firmware_of
-from mavstack.vehicle.firmware.firmware import Place
+from mavstack.vehicle.geography import Location
 from mavstack.vehicle.guided_session import STANDING_STILL, GuidedSession
-from mavstack.vehicle.health import Health, health_of, wait_until_ready
 from mavstack.vehicle.mission import Mission, VehiclePlan
 from mavstack.vehicle.status_text_capture import with_status_texts
-from mavstack.vehicle.telemetry import Telemetry, TelemetryProperties
-from mavstack.vehicle.vehicle_type import VehicleType
+from mavstack.vehicle.vehicle_state import VehicleState
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from mavstack.node import RemoteComponent
     from mavstack.node.ftp import Ftp
     from mavstack.node.logs import Logs
-    from mavstack.node.modes import Modes
-    from mavstack.node.params import Params
     from mavstack.node.shell import Shell
-    from mavstack.services import Address
-    from mavstack.services.heartbeat import ComponentInfo
     from mavstack.services.setpoints import Setpoint
-    from mavstack.vehicle.connection import Connection
+    from mavstack.vehicle.health import Health
 
 
-class Vehicle(TelemetryProperties):
-    """One vehicle; made by `Connection.vehicle` and `Connection.vehicles`."""
-
-    def __init__(self, connection: Connection, component: RemoteComponent) -> None:
-        self.connection = connection
-        #: Its autopilot, with every service of MAVLink.
-        self.component = component
-        #: What was heard of it; `TelemetryProperties` shows it.
-        self.telemetry = Telemetry(component)
-
-    # What it is
-
-    @property
-    def address(self) -> Address:
-        """The address of its autopilot."""
-        return self.component.address
-
-    @property
-    def system(self) -> int:
-        """Its system id."""
-        return self.address.system
-
-    @property
-    def alive(self) -> bool:
-        """Whether it was heard lately."""
-        info = self.component.info
-        return info is not None and info.alive
-
-    @property
-    def components(self) -> Mapping[int, ComponentInfo]:
-        """The other components of its system that were heard, by their component ids: cameras, gimbals …"""
-        infos = self.connection.components.values()
-        own = (info for info in infos if info.address.system == self.system and info.address != self.address)
-        return {info.address.component: info for info in own}
-
-    @property
-    def has_id_conflict(self) -> bool:
-        """Whether another vehicle uses its system id as well; see `SystemIdConflict`."""
-        return self.connection.discovery.clash_of(self.address)
-
-    @property
-    def autopilot(self) -> int:
-        """Its MAV_AUTOPILOT."""
-        info = self.component.info
-        return common.MavAutopilot.GENERIC if info is None else info.autopilot
-
-    @property
-    def vehicle_type(self) -> VehicleType:
-        """How it moves."""
-        info = self.component.info
-        found = VehicleType.OTHER if info is None else VehicleType.of(info.type)
-        # A quadplane of ArduPilot's calls itself a plane unless it is told otherwise.
-        hovers = found is VehicleType.PLANE and self.vtol_state
-        return VehicleType.VTOL if hovers else found
+class Vehicle(VehicleState):
+    """One vehicle; made by `Connection.wait_for_vehicle` and found in `Connection.vehicles`."""
 
     @property
     def firmware(self) -> Firmware:
-        """How its firmware wants to be asked."""
+        """The firmware's way to take commands, by the MAV_AUTOPILOT of the heartbeat."""
         return firmware_of(self)
 
-    @property
-    def health(self) -> Health:
-        """Whether it says that it is ready to arm, and what is wrong with it, as far as it was heard."""
-        return health_of(self.telemetry)
+    async def wait_until_ready(self, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT) -> Health:
+        """Wait until the vehicle reports that it is ready to arm.
 
-    async def wait_until_ready(self, *, timeout: float = 60.0) -> Health:
-        """Wait until it is ready to arm; raises `HealthTimeout`, whose text holds the reasons."""
-        return await wait_until_ready(self, timeout)
+        Args:
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            The health of the ready vehicle.
+
+        Raises:
+            HealthTimeout: The vehicle was not ready in time; the text holds its problems.
+            RemoteCancelled: The connection was closed.
+        """
+        return await readiness.wait_until_ready(self, timeout)
 
     # Arming and modes
 
-    async def arm(self, *, force: bool = False) -> None:
-        """Let the motors run; `force` skips the firmware's checks as far as it lets itself be told."""
-        await arming.set_armed(self, armed=True, force=force)
+    async def arm(self, *, force: bool = False, timeout: float | None = None) -> None:
+        """Arm the vehicle: let its motors run (MAV_CMD_COMPONENT_ARM_DISARM).
 
-    async def disarm(self, *, force: bool = False) -> None:
-        """Stop the motors; with `force` in the air, too."""
-        await arming.set_armed(self, armed=False, force=force)
+        Args:
+            force: Skip the firmware's checks, as far as it allows that.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
 
-    async def set_mode(self, mode: str | int) -> None:
-        """Enter a mode of its firmware's, by name or number; `modes` tells which there are."""
-        await with_status_texts(self, self.component.modes.set(mode))
+        Raises:
+            CommandDenied: The vehicle refused; the text holds the failed checks.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await arming.set_armed(self, armed=True, force=force, timeout=timeout)
 
-    @property
-    def modes(self) -> Modes:
-        """Its modes."""
-        return self.component.modes
+    async def disarm(self, *, force: bool = False, timeout: float | None = None) -> None:
+        """Disarm the vehicle: stop its motors (MAV_CMD_COMPONENT_ARM_DISARM).
+
+        Args:
+            force: Stop the motors even in the air.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+
+        Raises:
+            CommandDenied: The vehicle refused, such as in the air.
+            CommandTimeout: The vehicle did not answer.
+            ActionTimeout: The vehicle accepted, and its heartbeat did not confirm it in time.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await arming.set_armed(self, armed=False, force=force, timeout=timeout)
+
+    async def set_mode(self, mode: str | int, *, timeout: float | None = None) -> None:
+        """Set the flight mode (MAV_CMD_DO_SET_MODE), and wait until the heartbeat confirms it.
+
+        Args:
+            mode: The name of a mode of the firmware, or its custom mode number; `modes.list()` returns them.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The vehicle refused the mode, or has none of that name.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted the mode and did not enter it.
+        """
+        await with_status_texts(self, self.component.modes.set(mode, timeout=timeout))
 
     # Flying
 
     async def takeoff(
         self, altitude: float = 10.0, *, wait: bool = True, timeout: float | None = None
     ) -> None:
-        """Take off to an altitude, and stay there."""
-        await flying.takeoff(self, altitude, wait=wait, limit=timeout)
+        """Take off to an altitude and stay there; the vehicle must be armed.
+
+        Args:
+            altitude: Metres above home.
+            wait: Wait until the altitude is reached.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidArgumentError: The altitude is not positive and finite.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await flying.takeoff(self, altitude, wait=wait, timeout=timeout)
 
     async def land(self, *, wait: bool = True, timeout: float | None = None) -> None:
-        """Land where it is; a plane of ArduPilot's lands where its mission says."""
-        await flying.land(self, wait=wait, limit=timeout)
+        """Land at the present position; an ArduPilot plane lands where its mission tells it to.
+
+        Args:
+            wait: Wait until the vehicle has landed.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await flying.land(self, wait=wait, timeout=timeout)
 
     async def rtl(self, *, wait: bool = True, timeout: float | None = None) -> None:
-        """Return home, and land there if that is what it does."""
-        await flying.rtl(self, wait=wait, limit=timeout)
+        """Return to home, and land there if the vehicle does that.
 
-    async def hold(self) -> None:
-        """Stay where it is; a wing circles."""
-        await flying.hold(self)
+        Args:
+            wait: Wait until the vehicle has landed, or has arrived where it does not land.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await flying.rtl(self, wait=wait, timeout=timeout)
+
+    async def hold(self, *, timeout: float | None = None) -> None:
+        """Hold the present position; a wing circles.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The vehicle refused the mode.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted the mode and did not enter it.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+        await flying.hold(self, timeout=timeout)
 
     async def goto(
         self,
@@ -160,9 +191,30 @@ class Vehicle(TelemetryProperties):
         wait: bool = True,
         timeout: float | None = None,
     ) -> None:
-        """Go to a place, at the altitude that it has if none is given; a wing circles it with the radius."""
-        place = Place(latitude, longitude, altitude)
-        await flying.goto(self, place, yaw=yaw, radius=radius, wait=wait, limit=timeout)
+        """Go to a global position and stay there (MAV_CMD_DO_REPOSITION).
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above home; None keeps the present altitude.
+            yaw: Heading in degrees; None leaves it to the vehicle.
+            radius: Metres of the circle that a wing flies around the position; None: the vehicle's default.
+            wait: Wait until the vehicle has arrived.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidArgumentError: The position is not one on Earth.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        location = Location(latitude, longitude, altitude)
+        await flying.goto(self, location, yaw=yaw, radius=radius, wait=wait, timeout=timeout)
 
     async def move(
         self,
@@ -173,9 +225,27 @@ class Vehicle(TelemetryProperties):
         wait: bool = True,
         timeout: float | None = None,
     ) -> None:
-        """Go so many metres from where it is."""
-        place = await flying.place_from_here(self, north, east, up)
-        await flying.goto(self, place, yaw=None, radius=None, wait=wait, limit=timeout)
+        """Move by a distance from the present position (MAV_CMD_DO_REPOSITION).
+
+        Args:
+            north: Metres to the north.
+            east: Metres to the east.
+            up: Metres upwards.
+            wait: Wait until the vehicle has arrived.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            MessageTimeout: The vehicle did not report its position.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await flying.move(self, (north, east, up), wait=wait, timeout=timeout)
 
     async def orbit(
         self,
@@ -188,70 +258,160 @@ class Vehicle(TelemetryProperties):
         wait: bool = True,
         timeout: float | None = None,
     ) -> None:
-        """Circle a place, counter-clockwise if the radius is negative; done when it is on the circle."""
-        place = Place(latitude, longitude, altitude)
-        await flying.orbit(self, place, radius=radius, speed=speed, wait=wait, limit=timeout)
+        """Circle a global position (MAV_CMD_DO_ORBIT, or the firmware's mode for it).
 
-    async def set_speed(self, speed: float, kind: int = common.SpeedType.GROUNDSPEED) -> None:
-        """Fly with so many m/s, over ground unless another SPEED_TYPE is named."""
-        asked = self.component.command(common.MavCmd.DO_CHANGE_SPEED, kind, speed, -1)
-        await with_status_texts(self, asked)
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above home; None keeps the present altitude.
+            radius: Metres; negative: counter-clockwise.
+            speed: Metres per second; None leaves it to the vehicle.
+            wait: Wait until the vehicle is on the circle.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidArgumentError: The position is not one on Earth, or the radius is 0 or not finite.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        center = Location(latitude, longitude, altitude)
+        await flying.orbit(self, center, radius=radius, speed=speed, wait=wait, timeout=timeout)
+
+    async def set_speed(
+        self, speed: float, speed_type: int = common.SpeedType.GROUNDSPEED, *, timeout: float | None = None
+    ) -> None:
+        """Set the speed of flight (MAV_CMD_DO_CHANGE_SPEED).
+
+        Args:
+            speed: Metres per second.
+            speed_type: The SPEED_TYPE; the default is the speed over ground.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+        """
+        command = self.component.command(
+            common.MavCmd.DO_CHANGE_SPEED, speed_type, speed, -1, timeout=timeout
+        )
+        await with_status_texts(self, command)
 
     async def set_yaw(self, heading: float, *, wait: bool = True, timeout: float | None = None) -> None:
-        """Turn to a heading."""
-        await flying.turn(self, heading, wait=wait, limit=timeout)
+        """Turn to a heading on the spot.
 
-    def guided(self, rate: float = 20.0, first: Setpoint = STANDING_STILL) -> GuidedSession:
-        """Let it follow setpoints while a block lasts; `first` is the one that it begins with."""
-        return GuidedSession(self, rate, first)
+        Args:
+            heading: Degrees clockwise from north.
+            wait: Wait until the vehicle has turned.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+        await flying.turn(self, heading, wait=wait, timeout=timeout)
+
+    def guided(
+        self, rate: float = 20.0, first: Setpoint = STANDING_STILL, *, timeout: float | None = None
+    ) -> GuidedSession:
+        """Return a context manager during which the vehicle follows setpoints.
+
+        Args:
+            rate: The rate at which the last setpoint is sent, in hertz.
+            first: The setpoint at the start; the default stays where the vehicle is.
+            timeout: Seconds to enter the mode; None: until retries are exhausted.
+
+        Returns:
+            The session. Entering it raises `CommandDenied`, `CommandTimeout`, `ModeTimeout`, `ActionTimeout`
+            or `ActionUnsupported` if the vehicle does not enter the mode.
+        """
+        return GuidedSession(self, rate, first, timeout)
 
     # Home, and reboots
 
     async def set_home(
-        self, latitude: float | None = None, longitude: float | None = None, altitude: float | None = None
+        self,
+        latitude: float | None = None,
+        longitude: float | None = None,
+        altitude: float | None = None,
+        *,
+        timeout: float | None = None,
     ) -> None:
-        """Make a place home, or the place where it is; this altitude is in metres above mean sea level."""
-        await home.set_home(self, latitude, longitude, altitude)
+        """Set the home position (MAV_CMD_DO_SET_HOME).
 
-    async def reboot(self, *, wait: bool = True) -> None:
-        """Reboot the autopilot, and wait until it is back."""
-        await arming.reboot(self, wait=wait)
+        Args:
+            latitude: Degrees; None with `longitude` None: the present position.
+            longitude: Degrees.
+            altitude: Metres above mean sea level; None keeps the altitude of home.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
 
-    # Its services
+        Raises:
+            InvalidArgumentError: Only one of latitude and longitude is given.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+            MessageTimeout: `altitude` is None, and the altitude of home is not known.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+        await home.set_home(self, latitude, longitude, altitude, timeout)
 
-    @property
-    def params(self) -> Params:
-        """Its parameters."""
-        return self.component.params
+    async def reboot(self, *, wait: bool = True, timeout: float | None = None) -> None:
+        """Reboot the autopilot (MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN).
+
+        Args:
+            wait: Wait until the autopilot is back.
+            timeout: Seconds for the whole call; None: until retries are exhausted, or it stays away.
+
+        Raises:
+            CommandDenied: The vehicle refused, such as in the air.
+            CommandTimeout: The vehicle did not answer.
+            ContactLost: Without `wait`: the vehicle fell silent and did not acknowledge.
+            ActionTimeout: The vehicle did not come back in time.
+            RemoteCancelled: The connection was closed.
+        """
+        await arming.reboot(self, wait=wait, timeout=timeout)
+
+    # Services
 
     @cached_property
     def mission(self) -> Mission:
-        """What it is to fly."""
+        """The mission."""
         return Mission(self)
 
     @cached_property
     def fence(self) -> VehiclePlan:
-        """Where it must stay."""
+        """The geofence."""
         return VehiclePlan(self, PlanType.FENCE)
 
     @cached_property
     def rally(self) -> VehiclePlan:
-        """Where it may land when it returns."""
+        """The rally points."""
         return VehiclePlan(self, PlanType.RALLY)
 
     @property
     def ftp(self) -> Ftp:
-        """The files on it."""
+        """The files on the vehicle (MAVLink FTP)."""
         return self.component.ftp
 
     @property
     def logs(self) -> Logs:
-        """The logs on it."""
+        """The logs on the vehicle."""
         return self.component.logs
 
     def shell(self) -> Shell:
-        """Open its shell while a block lasts."""
-        return self.component.shell()
+        """Return a context manager during which the firmware's shell is open (SERIAL_CONTROL).
 
-    def __repr__(self) -> str:
-        return f"<Vehicle {self.address}>"
+        Returns:
+            The shell.
+        """
+        return self.component.shell()

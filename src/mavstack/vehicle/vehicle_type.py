@@ -1,6 +1,4 @@
-"""The classes of vehicles: how one moves decides what it can be asked, and how its firmware wants it
-asked.
-"""
+"""The types of vehicles: how a vehicle moves decides which actions it supports."""
 
 from __future__ import annotations
 
@@ -17,7 +15,7 @@ _T: Final = common.MavType
 
 
 class VehicleType(StrEnum):
-    """How a vehicle moves."""
+    """The way a vehicle moves, from its MAV_TYPE; the value is its name in texts."""
 
     COPTER = "copter"
     PLANE = "plane"
@@ -29,18 +27,18 @@ class VehicleType(StrEnum):
 
     @property
     def flies(self) -> bool:
-        """Whether it takes off and lands."""
+        """True if vehicles of this type take off and land."""
         return self in _FLYING
 
     @property
     def circles(self) -> bool:
-        """Whether it cannot stand still in the air, or need not."""
+        """True if vehicles of this type may circle a position instead of hovering over it."""
         return self in (VehicleType.PLANE, VehicleType.VTOL)
 
     @classmethod
-    def of(cls, vehicle_type: int) -> VehicleType:
-        """The class of a MAV_TYPE."""
-        return _CLASSES.get(vehicle_type, cls.OTHER)
+    def of(cls, mav_type: int) -> VehicleType:
+        """Return the vehicle type of a MAV_TYPE; `OTHER` for types that are not vehicles."""
+        return _BY_MAV_TYPE.get(mav_type, cls.OTHER)
 
 
 _FLYING: Final = frozenset({VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL, VehicleType.OTHER})
@@ -52,7 +50,7 @@ _VTOLS: Final = (
     _T.VTOL_TAILSITTER_DUOROTOR, _T.VTOL_TAILSITTER_QUADROTOR, _T.VTOL_TILTROTOR, _T.VTOL_FIXEDROTOR,
     _T.VTOL_TAILSITTER, _T.VTOL_TILTWING, _T.VTOL_RESERVED5,
 )  # fmt: skip
-_CLASSES: Final[Mapping[int, VehicleType]] = MappingProxyType(
+_BY_MAV_TYPE: Final[Mapping[int, VehicleType]] = MappingProxyType(
     {
         **dict.fromkeys(_COPTERS, VehicleType.COPTER),
         **dict.fromkeys(_VTOLS, VehicleType.VTOL),

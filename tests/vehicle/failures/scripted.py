@@ -79,8 +79,8 @@ class Scripted(Everything):
 
     def __init__(self, *links, autopilot=PX4, kind=common.MavType.QUADROTOR) -> None:
         super().__init__(*links, autopilot=autopilot if autopilot in MODES else PX4)
-        self.beacon.type, self.beacon.autopilot = kind, autopilot
-        self.logs_server = next(each for each in self.engine._services if isinstance(each, LogServer))
+        self._heartbeat.type, self._heartbeat.autopilot = kind, autopilot
+        self.logs_server = next(each for each in self._host.engine._services if isinstance(each, LogServer))
         self._offer_modes(autopilot, kind)
         self.refused: dict[int, int] = {}
         self.saying: Callable[[], None] = lambda: None
@@ -106,13 +106,13 @@ class Scripted(Everything):
 
     def enter(self, mode: str) -> None:
         """Be in a mode, whoever wanted it."""
-        number = mode_number(self.beacon.autopilot, self.beacon.type, mode)
+        number = mode_number(self._heartbeat.autopilot, self._heartbeat.type, mode)
         assert number is not None, mode
         self.modes._current = self.modes._named(number)
         self._show_mode(number)
 
     def arm(self, armed: bool = True) -> None:
-        self.beacon.base_mode = ARMED if armed else common.MavModeFlag.CUSTOM_MODE_ENABLED
+        self._heartbeat.base_mode = ARMED if armed else common.MavModeFlag.CUSTOM_MODE_ENABLED
         self._soon()
 
     def refuse(self, *commands: int, result: int = RESULT.DENIED) -> None:
@@ -129,7 +129,7 @@ class Scripted(Everything):
 
     def _offer_modes(self, autopilot, kind) -> None:
         names = list(mode_names(autopilot, kind)) or MODES[PX4]
-        self.engine.remove(self.modes)
+        self._host.engine.remove(self.modes)
         standard = {
             0x03040000: common.MavStandardMode.POSITION_HOLD,
             0x04040000: common.MavStandardMode.MISSION,
@@ -142,7 +142,7 @@ class Scripted(Everything):
         server = self.commands.server
         for command, mode in ACCEPTED.items():
             server.support(command, lambda request, mode=mode: self._do(request, mode))
-        self.mission.answer_commands(server, self.engine.touch)
+        self.mission.answer_commands(server, self._host.engine.touch)
         for command in server.supported:
             server.support(command, self._unless_refused(server.handler_of(command)))
 
@@ -159,7 +159,7 @@ class Scripted(Everything):
     def _do(self, request, mode):
         if request.command.command == CMD.COMPONENT_ARM_DISARM and self.acts:
             self.arm(request.command.param1 == 1)
-        if mode and self.acts and self.beacon.autopilot == PX4:
+        if mode and self.acts and self._heartbeat.autopilot == PX4:
             self.enter(mode)
         return RESULT.ACCEPTED
 
@@ -199,32 +199,32 @@ class Scripted(Everything):
         )
 
     def _speak_first(self) -> None:
-        services = tuple(self.engine._services)
+        services = tuple(self._host.engine._services)
         for service in services:
-            self.engine.remove(service)
+            self._host.engine.remove(service)
         self.sayer = Sayer(self.address)
         for service in (self.sayer, *services):
             self.serve(service)
 
     def _mute(self) -> None:
-        said = self.engine.data_to_send
-        self.engine.data_to_send = lambda now: [each for each in said(now) if not self.silent]
+        said = self._host.engine.data_to_send
+        self._host.engine.data_to_send = lambda now: [each for each in said(now) if not self.silent]
 
-    def _happened(self, event, service=None) -> None:
+    def _on_event(self, event, service=None) -> None:
         if type(event).__name__ == "ModeChanged":
             if self.acts:
                 self._show_mode(self.modes.current.custom_mode)
             return
-        super()._happened(event, service)
+        super()._on_event(event, service)
 
     def _show_mode(self, number: int) -> None:
-        self.beacon.custom_mode = number
+        self._heartbeat.custom_mode = number
         self._soon()
 
     def _soon(self) -> None:
         if self.is_open:
-            self.beacon.soon(self.now())
-            self.wake(self.beacon)
+            self._heartbeat.send_now(self.now())
+            self.wake(self._heartbeat)
 
 
 @dataclass
@@ -245,8 +245,8 @@ class Scene:
 
     def watch_registers(self) -> None:
         """Count from now on who listens to packets."""
-        packets = self.node._packets
-        listen, forget = packets.listen, packets.forget
+        packets = self.node._host.packet_dispatch
+        listen, forget = packets.add, packets.remove
         self.listening = set()
 
         def listen_counted(*args):
@@ -258,17 +258,17 @@ class Scene:
             self.listening.discard(listening)
             forget(listening)
 
-        packets.listen, packets.forget = listen_counted, forget_counted
+        packets.add, packets.remove = listen_counted, forget_counted
 
     def registers(self) -> dict[str, int]:
         """How many listen to the connection, and what goes on there."""
         node = self.node
         return {
             "listening": len(self.listening),
-            "subscriptions": len(node._packets._open),
-            "events": len(node._events._open),
-            "services": len(node.engine._services),
-            "waiting": len(node.driver._waiting),
+            "subscriptions": len(node._host.packet_dispatch._open),
+            "events": len(node._host.event_dispatch._open),
+            "services": len(node._host.engine._services),
+            "waiting": len(node._host.driver._waiting),
             "tasks": len(asyncio.all_tasks()),
         }
 

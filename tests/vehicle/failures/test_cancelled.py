@@ -155,7 +155,7 @@ def test_setpoints_end_with_a_cancelled_block(how):
         assert any(isinstance(message, SETPOINTS) for message in made.script.heard)
         made.script.silent = how == "silent"
         if how == "deaf":
-            made.script.engine.remove(made.script.commands.server)
+            made.script._host.engine.remove(made.script.commands.server)
         doing.cancel()
         begun = made.node.now()
         with pytest.raises(asyncio.CancelledError):

@@ -12,11 +12,11 @@ from mavstack.node.shell import Shell
 from mavstack.vehicle import Vehicle
 from mavstack.vehicle.guided_session import GuidedSession
 from mavstack.vehicle.mission import Mission, VehiclePlan
-from mavstack.vehicle.telemetry import Stream, Telemetry
+from mavstack.vehicle.telemetry import MessageStream, Telemetry
 from tests.vehicle.failures.calls import CALLS
 
 FACES = (
-    *(Vehicle, Telemetry, Stream, Mission, VehiclePlan, GuidedSession),
+    *(Vehicle, Telemetry, MessageStream, Mission, VehiclePlan, GuidedSession),
     *(Params, Ftp, Logs, Modes, Shell),
 )
 

@@ -42,9 +42,9 @@ class Stage:
             self.hear_packet(Packet(raw, DIALECT))
 
     def hear_packet(self, packet: Packet) -> None:
-        if packet.message_id in self.node.discovery.handles:
-            self.node.discovery.receive(packet, self.node.now())
-        self.node._packets.deliver(packet)
+        if packet.message_id in self.node._host.discovery.handles:
+            self.node._host.discovery.receive(packet, self.node.now())
+        self.node._host.packet_dispatch.deliver(packet)
 
     def heartbeat(self, autopilot=ARDUPILOT, type=QUADROTOR, **fields) -> None:  # noqa: A002
         self.hear(common.Heartbeat(type=type, autopilot=autopilot, **fields))

@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
 from tests.vehicle.world import PX4 as SIMULATED_PX4
@@ -32,7 +32,7 @@ def test_they_come_again_after_a_reboot(kind):
         await asyncio.sleep(15)
         assert vehicle.age(common.HighresImu) < 0.2
 
-    fly(kind, scenario, prepare=whisper)
+    fly(kind, scenario, prepare=reduce_telemetry)
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
@@ -48,7 +48,7 @@ def test_they_come_again_after_a_reboot_while_the_link_was_gone(kind):
             await asyncio.sleep(15)
             assert vehicle.age(common.HighresImu) < 0.2
 
-    fly(kind, scenario, prepare=whisper)
+    fly(kind, scenario, prepare=reduce_telemetry)
 
 
 def test_all_are_asked_for_at_once_when_a_reboot_shows():

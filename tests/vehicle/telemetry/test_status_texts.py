@@ -7,7 +7,7 @@ import asyncio
 import pytest
 
 from mavstack.dialects import common
-from mavstack.vehicle.telemetry.status_texts import MOST_TEXTS
+from mavstack.vehicle.telemetry.status_texts import MAX_TEXTS
 from tests.vehicle.telemetry.stage import on_stage
 
 
@@ -42,13 +42,13 @@ def test_long_texts_are_put_together_and_what_is_missing_is_marked():
 
 def test_so_many_are_remembered_of_this_vehicle_alone():
     async def scenario(stage):
-        for number in range(MOST_TEXTS + 50):
+        for number in range(MAX_TEXTS + 50):
             await asyncio.sleep(1)
             stage.hear(common.Statustext(text=f"text {number}"))
             stage.hear(common.Statustext(text=f"other {number}"), system=2)
         texts = stage.vehicle.status_texts
-        assert len(texts) == MOST_TEXTS
-        assert texts[-1].text == f"text {MOST_TEXTS + 49}"
+        assert len(texts) == MAX_TEXTS
+        assert texts[-1].text == f"text {MAX_TEXTS + 49}"
         assert texts[0].text == "text 50"
 
     on_stage(scenario)

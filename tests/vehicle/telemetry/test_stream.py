@@ -10,7 +10,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, LocalProtocolError
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry
 from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
 from tests.vehicle.world import PX4 as SIMULATED_PX4
@@ -39,7 +39,7 @@ def test_the_rate_asked_for_is_the_rate_that_comes(kind, rate):
         await asyncio.sleep(5)
         assert vehicle.age(common.HighresImu) == pytest.approx(before + 5), "nobody wants it any more"
 
-    fly(kind, scenario, prepare=whisper)
+    fly(kind, scenario, prepare=reduce_telemetry)
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
@@ -51,7 +51,7 @@ def test_what_does_not_come_by_itself_is_asked_for_and_goes_on(kind):
         await asyncio.sleep(10)
         assert vehicle.age(common.HighresImu) < 0.3
 
-    fly(kind, scenario, prepare=whisper)
+    fly(kind, scenario, prepare=reduce_telemetry)
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
@@ -118,7 +118,7 @@ def test_a_refusal_is_raised_when_nothing_comes(rate):
         peer.answer = RESULT.UNSUPPORTED
         with pytest.raises(CommandDenied, match=r"ODOMETRY at \d Hz 1/1 failed: UNSUPPORTED"):
             await anext(peer.vehicle.stream(common.Odometry, rate=rate))
-        assert not peer.vehicle.connection._packets._open
+        assert not peer.vehicle.connection._host.packet_dispatch._open
 
     with_peer(scenario, autopilot=PX4)
 
@@ -182,11 +182,11 @@ def test_a_stream_that_was_forgotten_ends():
             break
         gc.collect()
         await asyncio.sleep(1)
-        assert not peer.vehicle.connection._packets._open
+        assert not peer.vehicle.connection._host.packet_dispatch._open
         assert peer.asked[-1] == (ATTITUDE, 0)
         peer.vehicle.stream(common.Attitude)  # never used
         gc.collect()
-        assert not peer.vehicle.connection._packets._open
+        assert not peer.vehicle.connection._host.packet_dispatch._open
         task.cancel()
 
     with_peer(scenario)

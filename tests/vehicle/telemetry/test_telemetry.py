@@ -10,7 +10,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, MavstackError, MessageTimeout, RemoteCancelled
-from mavstack.vehicle.telemetry.telemetry import MOST_KINDS
+from mavstack.vehicle.telemetry.telemetry import MAX_MESSAGES
 from tests.vehicle.telemetry.stage import RESULT, on_stage, with_peer
 
 CAMERA = common.MavComponent.CAMERA
@@ -57,12 +57,12 @@ def test_another_vehicle_is_another():
 def test_so_many_kinds_are_kept_and_those_heard_last_stay():
     async def scenario(stage):
         stage.hear(common.SystemTime())
-        for number in range(MOST_KINDS):
+        for number in range(MAX_MESSAGES):
             await asyncio.sleep(0.001)
             stage.hear(common.Attitude(), component=number % 250 + 2)
             odd = SimpleNamespace(system=1, component=1, message_id=60_000 + number, message=None)
-            stage.node._packets.deliver(odd)
-        assert len(stage.telemetry._latest) <= MOST_KINDS
+            stage.node._host.packet_dispatch.deliver(odd)
+        assert len(stage.telemetry._latest) <= MAX_MESSAGES
         assert stage.vehicle.latest(common.Attitude, 249) is not None
         assert stage.vehicle.latest(common.SystemTime) is None
 
@@ -185,7 +185,7 @@ def test_a_next_message_whose_waiter_is_cancelled_leaves_nothing_behind():
         await asyncio.sleep(0.5)
         waiting.cancel()
         await asyncio.gather(waiting, return_exceptions=True)
-        assert not peer.vehicle.connection._packets._open
+        assert not peer.vehicle.connection._host.packet_dispatch._open
         await asyncio.sleep(10)
         assert peer.asked == []
 

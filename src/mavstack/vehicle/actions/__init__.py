@@ -1,1 +1,1 @@
-"""What a vehicle does when it is asked, seen through to its end."""
+"""Actions of a vehicle, each requested as its firmware wants it and monitored until it is complete."""

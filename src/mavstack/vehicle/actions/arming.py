@@ -1,4 +1,4 @@
-"""Arming, disarming, reboots."""
+"""Arming, disarming and rebooting."""
 
 from __future__ import annotations
 
@@ -10,77 +10,87 @@ from mavstack.dialects import common
 from mavstack.errors import ActionTimeout, CommandDenied, ContactLost, RemoteCancelled, RemoteTimeout
 from mavstack.services.heartbeat import ComponentFound, ComponentLost, ComponentRebooted, ComponentReturned
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
+from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from mavstack.node.subscription import Subscription
-    from mavstack.vehicle.vehicle import Vehicle
+    from mavstack.vehicle.vehicle_state import VehicleState
 
-    _News: TypeAlias = ComponentLost | ComponentRebooted | ComponentReturned | ComponentFound
+    _Event: TypeAlias = ComponentLost | ComponentRebooted | ComponentReturned | ComponentFound
 
 _CMD: Final = common.MavCmd
-#: What ArduPilot and PX4 take as a wish to skip their checks.
+#: Param 2 of COMPONENT_ARM_DISARM that makes ArduPilot and PX4 skip their checks.
 FORCE: Final = 21196.0
-#: A heartbeat comes once a second, and some may be lost.
-CONFIRMED_WITHIN: Final = 10.0
-#: How long a vehicle may take to come back from a reboot, in seconds.
-REBOOT_LIMIT: Final = 60.0
-#: How long to wait for its clock before, in seconds: a quick reboot shows by nothing else.
-CLOCK_PATIENCE: Final = 3.0
+#: The time in which a heartbeat confirms the armed state, in seconds: one per second, and some may be lost.
+CONFIRMATION_TIMEOUT: Final = 10.0
+#: The time in which a vehicle is back after a reboot, in seconds.
+REBOOT_TIMEOUT: Final = 60.0
+#: The time to wait for the vehicle's clock before a reboot, in seconds: a quick reboot shows only by the clock.
+CLOCK_TIMEOUT: Final = 3.0
+_REBOOTING: Final = "rebooting"
 _BACK: Final = (ComponentRebooted, ComponentReturned, ComponentFound)
 
 
-async def set_armed(vehicle: Vehicle, *, armed: bool, force: bool) -> None:
-    """Arm or disarm, and see that its heartbeat says so."""
-    what = "arming" if armed else "disarming"
-    async with ActionMonitor(vehicle) as watch:
-        asked = vehicle.component.command(_CMD.COMPONENT_ARM_DISARM, float(armed), FORCE if force else 0.0)
-        await with_status_texts(vehicle, asked)
-        await watch.until(ActionGoal(what, lambda: vehicle.armed == armed, limit=CONFIRMED_WITHIN))
+async def set_armed(vehicle: VehicleState, *, armed: bool, force: bool, timeout: float | None) -> None:
+    """Arm or disarm, and wait until a heartbeat confirms it."""
+    operation = "arming" if armed else "disarming"
+    async with ActionMonitor(vehicle, operation, timeout) as monitor:
+        command = vehicle.component.command(_CMD.COMPONENT_ARM_DISARM, float(armed), FORCE if force else 0.0)
+        await with_status_texts(vehicle, command)
+        await monitor.wait_until_reached(
+            ActionGoal(lambda: vehicle.armed == armed, stall_timeout=CONFIRMATION_TIMEOUT)
+        )
 
 
-async def reboot(vehicle: Vehicle, *, wait: bool) -> None:
-    """Reboot the autopilot, and see it come back.
+async def reboot(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
+    """Reboot the autopilot, and wait until it is back.
 
-    It may be gone before its acknowledgement comes: then it is not asked again, lest it reboots once more.
+    It may be gone before its acknowledgement arrives; then the command is not repeated, since that would
+    reboot it once more.
     """
-    if wait and vehicle.age(common.SystemTime) is None:
-        with suppress(CommandDenied, RemoteTimeout):
-            await vehicle.wait_for_message(common.SystemTime, timeout=CLOCK_PATIENCE)
-    kinds: tuple[type[_News], ...] = (ComponentLost, *_BACK)
-    async with vehicle.connection.events(*kinds) as events:
-        news = await _ask_to_reboot(vehicle, events)
-        if not wait and isinstance(news, ComponentLost):
-            raise ContactLost("reboot", str(vehicle.address), answer="it fell silent and did not acknowledge")
-        if not wait or isinstance(news, _BACK):
-            return
-        try:
-            async with asyncio.timeout(REBOOT_LIMIT):
-                while not isinstance(news, _BACK):
-                    news = await _news_of(vehicle, events)
-        except TimeoutError:
-            answer = f"did not come back in {REBOOT_LIMIT:g} s"
-            raise ActionTimeout("reboot", str(vehicle.address), answer=answer) from None
+    async with deadline(timeout, _REBOOTING, vehicle.address):
+        if wait and vehicle.age(common.SystemTime) is None:
+            with suppress(CommandDenied, RemoteTimeout):
+                await vehicle.wait_for_message(common.SystemTime, timeout=CLOCK_TIMEOUT)
+        kinds: tuple[type[_Event], ...] = (ComponentLost, *_BACK)
+        async with vehicle.connection.events(*kinds) as events:
+            event = await _request_reboot(vehicle, events)
+            if not wait and isinstance(event, ComponentLost):
+                answer = "it fell silent without an acknowledgement"
+                raise ContactLost(_REBOOTING, str(vehicle.address), answer=answer)
+            if wait and not isinstance(event, _BACK):
+                await _wait_until_back(vehicle, events)
 
 
-async def _ask_to_reboot(vehicle: Vehicle, events: Subscription[_News]) -> _News | None:
-    """Ask until it is acknowledged, or something happens to the vehicle, which is the result."""
-    command = vehicle.component.command(_CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1)
-    asking = asyncio.ensure_future(with_status_texts(vehicle, command))
-    watching = asyncio.ensure_future(_news_of(vehicle, events))
+async def _wait_until_back(vehicle: VehicleState, events: Subscription[_Event]) -> None:
     try:
-        await asyncio.wait((asking, watching), return_when=asyncio.FIRST_COMPLETED)
+        async with asyncio.timeout(REBOOT_TIMEOUT):
+            while not isinstance(await _next_event(vehicle, events), _BACK):
+                pass
+    except TimeoutError:
+        answer = f"did not come back in {REBOOT_TIMEOUT:g} s"
+        raise ActionTimeout(_REBOOTING, str(vehicle.address), answer=answer) from None
+
+
+async def _request_reboot(vehicle: VehicleState, events: Subscription[_Event]) -> _Event | None:
+    """Send the command until it is acknowledged; return the event that made it needless, if any."""
+    command = vehicle.component.command(_CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1)
+    acknowledged = asyncio.ensure_future(with_status_texts(vehicle, command))
+    event = asyncio.ensure_future(_next_event(vehicle, events))
+    try:
+        await asyncio.wait((acknowledged, event), return_when=asyncio.FIRST_COMPLETED)
     finally:
-        for task in (asking, watching):
+        for task in (acknowledged, event):
             task.cancel()
-        await asyncio.gather(asking, watching, return_exceptions=True)
-    if not asking.cancelled():
-        asking.result()
-    return None if watching.cancelled() else watching.result()
+        await asyncio.gather(acknowledged, event, return_exceptions=True)
+    if not acknowledged.cancelled():
+        acknowledged.result()
+    return None if event.cancelled() else event.result()
 
 
-async def _news_of(vehicle: Vehicle, events: Subscription[_News]) -> _News:
+async def _next_event(vehicle: VehicleState, events: Subscription[_Event]) -> _Event:
     async for event in events:
         if event.component.address == vehicle.address:
             return event
-    raise RemoteCancelled("reboot", str(vehicle.address), answer="the connection was closed")
+    raise RemoteCancelled(_REBOOTING, str(vehicle.address), answer="the connection was closed")

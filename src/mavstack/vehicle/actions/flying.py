@@ -1,11 +1,11 @@
-"""Taking off, landing, returning, going somewhere: asked as the firmware wants it, and seen through.
+"""Taking off, landing, returning, going somewhere: requested as the firmware wants it, and monitored.
 
-When an action is done, what is heard of the vehicle says, not what its firmware acknowledged:
+An action is complete when the telemetry shows it, not when the firmware acknowledges it:
 
     takeoff   within a metre or a twentieth of the altitude
     land      on the ground and disarmed, or on the ground for a while
-    rtl       the same; what does not land there: at home, within its circle
-    goto      within the radius; a wing: on the circle around the place
+    rtl       the same; a vehicle that does not land there: at home, within its circle
+    goto      within the radius; a wing: on the circle around the location
     orbit     on the circle
     turn      within five degrees
 """
@@ -17,11 +17,12 @@ from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, LocalProtocolError, RemoteError
-from mavstack.vehicle.action_monitor import PATIENCE, ActionGoal, ActionMonitor
-from mavstack.vehicle.actions.home import find_home, find_position
-from mavstack.vehicle.firmware.firmware import Place
-from mavstack.vehicle.geography import distance, moved
+from mavstack.errors import CommandDenied, InvalidArgumentError, RemoteError
+from mavstack.vehicle.action_monitor import STALL_TIMEOUT, ActionGoal, ActionMonitor
+from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondition
+from mavstack.vehicle.deadline import deadline
+from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.geography import Location, distance, offset_location
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.vehicle_type import VehicleType
 
@@ -29,261 +30,261 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
     from typing import Any
 
-    from mavstack.vehicle.vehicle import Vehicle
+    from mavstack.vehicle.vehicle_state import VehicleState
 
-#: As near as this is there: what hovers or drives, and what circles a place at the usual radius.
-NEAR: Final = 2.0
-NEAR_ON_WING: Final = 120.0
-#: A circle around a place is as much wider than its radius at most.
-AROUND: Final = 1.3
-#: How near the circle of an orbit.
-ON_CIRCLE: Final = 5.0
-NEAR_IN_ALTITUDE: Final = 2.0
-NEAR_ON_WING_IN_ALTITUDE: Final = 10.0
-_DEGREES: Final = 5.0
-#: A vehicle that is on the ground for so long and does not disarm has landed all the same.
-STAYS_ARMED: Final = 15.0
-#: One that circles home on its wing for so long does not mean to land: not every quadplane does.
-STAYS_ON_WING: Final = 30.0
-#: For so long a wing may keep its height before it lands, and a vehicle whose home is not known may return.
-_ON_A_PATTERN: Final = 600.0
-_ON_GROUND: Final = common.MavLandedState.ON_GROUND
+#: The distance within which a vehicle that hovers or drives has arrived, in metres.
+ARRIVAL_RADIUS: Final = 2.0
+#: The distance within which a wing circles a location with its default radius, in metres.
+WING_ARRIVAL_RADIUS: Final = 120.0
+#: The largest ratio of the distance to a location and the radius of the circle around it.
+CIRCLE_MARGIN: Final = 1.3
+#: The distance to the circle of an orbit within which the vehicle is on it, in metres.
+ORBIT_TOLERANCE: Final = 5.0
+ALTITUDE_TOLERANCE: Final = 2.0
+WING_ALTITUDE_TOLERANCE: Final = 10.0
+_HEADING_TOLERANCE: Final = 5.0
+#: A vehicle that circles home for so long is not going to land, in seconds: some quadplanes do not.
+CIRCLING_TIME: Final = 30.0
+#: The time in which the remaining distance of a return may not fall, in seconds.
+_RETURN_STALL_TIMEOUT: Final = 90.0
+#: The same for a wing that keeps its altitude in a landing pattern, and for a return to an unknown home.
+_PATTERN_STALL_TIMEOUT: Final = 600.0
 
 
-async def _see_through(
-    vehicle: Vehicle, asked: Coroutine[Any, Any, None], aim: Callable[[], ActionGoal], *, wait: bool
+async def _run(
+    vehicle: VehicleState,
+    operation: str,
+    request: Coroutine[Any, Any, None],
+    goal: Callable[[], ActionGoal],
+    *,
+    wait: bool,
+    timeout: float | None,
 ) -> None:
+    """Request an action, and wait until its goal is reached."""
     try:
-        async with ActionMonitor(vehicle) as watch:
-            await with_status_texts(vehicle, asked)
+        async with ActionMonitor(vehicle, operation, timeout) as monitor:
+            await with_status_texts(vehicle, request)
             if wait:
-                await watch.until(aim())
+                await monitor.wait_until_reached(goal())
     finally:
-        asked.close()  # if it was not come to
+        request.close()  # if it was never awaited
 
 
-async def takeoff(vehicle: Vehicle, altitude: float, *, wait: bool, limit: float | None) -> None:
-    """Rise to an altitude above home."""
+async def takeoff(vehicle: VehicleState, altitude: float, *, wait: bool, timeout: float | None) -> None:
+    """Take off to an altitude in metres above home."""
     if not (isfinite(altitude) and altitude > 0):
-        raise LocalProtocolError(f"nothing takes off to an altitude of {altitude} m")
-    near = max(1.0, altitude / 20)
+        raise InvalidArgumentError(f"takeoff altitude must be positive and finite, got {altitude}")
+    firmware = firmware_of(vehicle)
+    tolerance = max(1.0, altitude / 20)
 
-    def left() -> float | None:
-        height = _height(vehicle)
+    def remaining() -> float | None:
+        height = _relative_altitude(vehicle)
         return None if height is None else abs(altitude - height)
 
-    aim = ActionGoal(
-        f"takeoff to {altitude:g} m",
-        lambda: (rest := left()) is not None and rest <= near,
-        left,
-        modes=vehicle.firmware.modes_of("takeoff"),
+    goal = ActionGoal(
+        lambda: (rest := remaining()) is not None and rest <= tolerance,
+        remaining,
+        modes=firmware.modes_of("takeoff"),
         armed=True,
-        limit=limit,
     )
+    operation = f"takeoff to {altitude:g} m of"
     try:
-        await _see_through(vehicle, vehicle.firmware.takeoff(altitude), lambda: aim, wait=wait)
+        await _run(vehicle, operation, firmware.takeoff(altitude), lambda: goal, wait=wait, timeout=timeout)
     except CommandDenied as error:
         if vehicle.armed is False:
-            error.status_texts = error.status_texts or ("it is disarmed",)  # for which ArduPilot has no text
+            # ArduPilot sends no status text for this reason.
+            error.status_texts = error.status_texts or ("the vehicle is disarmed",)
         raise
 
 
-async def land(vehicle: Vehicle, *, wait: bool, limit: float | None) -> None:
-    """Land, and wait until the motors stand."""
-    aim = ActionGoal(
-        "landing",
-        LandingDetector(vehicle).ended,
-        lambda: _height(vehicle),
-        modes=vehicle.firmware.modes_of("land"),
-        limit=limit,
-        patience=_ON_A_PATTERN if vehicle.vehicle_type is VehicleType.PLANE else PATIENCE,
+async def land(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
+    """Land, and wait until the motors stand still."""
+    firmware = firmware_of(vehicle)
+    plane = vehicle.vehicle_type is VehicleType.PLANE
+    goal = ActionGoal(
+        LandingDetector(vehicle).has_landed,
+        lambda: _relative_altitude(vehicle),
+        modes=firmware.modes_of("land"),
+        stall_timeout=_PATTERN_STALL_TIMEOUT if plane else STALL_TIMEOUT,
     )
-    await _see_through(vehicle, vehicle.firmware.land(), lambda: aim, wait=wait)
+    await _run(vehicle, "landing", firmware.land(), lambda: goal, wait=wait, timeout=timeout)
 
 
-async def rtl(vehicle: Vehicle, *, wait: bool, limit: float | None) -> None:
-    """Return home, and land there if that is what the vehicle does; where home is, it need not tell."""
+async def rtl(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
+    """Return to home, and land there if the vehicle does that; it need not report where home is."""
+    firmware = firmware_of(vehicle)
     landing = LandingDetector(vehicle)
     stays = not vehicle.vehicle_type.flies or vehicle.vehicle_type is VehicleType.PLANE
-    near = NEAR_ON_WING if vehicle.vehicle_type.circles else NEAR
+    radius = WING_ARRIVAL_RADIUS if vehicle.vehicle_type.circles else ARRIVAL_RADIUS
 
-    async def ask() -> None:
-        await vehicle.firmware.rtl()
+    async def request() -> None:
+        await firmware.rtl()
         if wait:
             with suppress(RemoteError):
-                await find_home(vehicle)
+                await vehicle.get_home()
 
-    def from_home() -> float | None:
+    def home_distance() -> float | None:
         home = vehicle.home
-        return None if home is None else _away(vehicle, home.latitude, home.longitude)
+        return None if home is None else _distance_to(vehicle, home.latitude, home.longitude)
 
-    def left() -> float | None:
-        away, height = from_home(), _height(vehicle)
+    def remaining() -> float | None:
+        away, height = home_distance(), _relative_altitude(vehicle)
         return None if away is None or height is None else away + abs(height)
 
-    circling = SustainedCondition(vehicle, STAYS_ON_WING)
+    circling = SustainedCondition(vehicle, CIRCLING_TIME)
 
     def reached() -> bool:
-        away = from_home()
-        at_home = away is not None and away <= near
-        landed = vehicle.vehicle_type.flies and landing.ended()
-        return landed or (stays and at_home) or circling.goes_on(at_home and on_wing(vehicle))
+        away = home_distance()
+        at_home = away is not None and away <= radius
+        landed = vehicle.vehicle_type.flies and landing.has_landed()
+        return landed or (stays and at_home) or circling.update(at_home and flies_on_wing(vehicle))
 
-    def aim() -> ActionGoal:
-        patience = _ON_A_PATTERN if vehicle.home is None else 90.0
-        modes = vehicle.firmware.modes_of("rtl")
-        return ActionGoal("return", reached, left, modes=modes, limit=limit, patience=patience)
+    def goal() -> ActionGoal:
+        stall_timeout = _PATTERN_STALL_TIMEOUT if vehicle.home is None else _RETURN_STALL_TIMEOUT
+        return ActionGoal(reached, remaining, modes=firmware.modes_of("rtl"), stall_timeout=stall_timeout)
 
-    await _see_through(vehicle, ask(), aim, wait=wait)
+    await _run(vehicle, "return to launch of", request(), goal, wait=wait, timeout=timeout)
 
 
-async def place_from_here(vehicle: Vehicle, north: float, east: float, up: float) -> Place:
-    """The place so many metres from where the vehicle is."""
-    here = await find_position(vehicle)
-    latitude, longitude = moved(here.latitude, here.longitude, north, east)
-    return Place(latitude, longitude, None if not up else (here.relative_altitude or 0.0) + up)
+async def move(
+    vehicle: VehicleState, offset: tuple[float, float, float], *, wait: bool, timeout: float | None
+) -> None:
+    """Go to the location at an offset in metres (north, east, up) from the vehicle."""
+    north, east, up = offset
+    started = vehicle.connection.now()
+    async with deadline(timeout, "moving", vehicle.address):
+        position = await vehicle.get_position()
+    altitude = None if not up else (position.relative_altitude or 0.0) + up
+    location = Location(*offset_location(position.latitude, position.longitude, north, east), altitude)
+    left = None if timeout is None else max(timeout - (vehicle.connection.now() - started), 0.0)
+    await goto(vehicle, location, yaw=None, radius=None, wait=wait, timeout=left)
 
 
 async def goto(
-    vehicle: Vehicle,
-    place: Place,
+    vehicle: VehicleState,
+    location: Location,
     *,
     yaw: float | None,
     radius: float | None,
     wait: bool,
-    limit: float | None,
+    timeout: float | None,
 ) -> None:
-    """Go to a place and stay there."""
-    _check_place(place)
-    near_on_wing = NEAR_ON_WING if radius is None else radius * AROUND
+    """Go to a location and stay there."""
+    _check_location(location)
+    firmware = firmware_of(vehicle)
+    wing_radius = WING_ARRIVAL_RADIUS if radius is None else radius * CIRCLE_MARGIN
 
-    def off() -> tuple[float, float] | None:
-        away, height = _away(vehicle, place.latitude, place.longitude), _height(vehicle)
+    def errors() -> tuple[float, float] | None:
+        away = _distance_to(vehicle, location.latitude, location.longitude)
+        height = _relative_altitude(vehicle)
         if away is None or height is None:
             return None
-        return away, 0.0 if place.altitude is None else abs(place.altitude - height)
+        return away, 0.0 if location.altitude is None else abs(location.altitude - height)
 
-    def there() -> bool:
-        near = (near_on_wing, NEAR_ON_WING_IN_ALTITUDE) if on_wing(vehicle) else (NEAR, NEAR_IN_ALTITUDE)
-        rest = off()
-        return rest is not None and rest[0] <= near[0] and rest[1] <= near[1]
+    def reached() -> bool:
+        wing = flies_on_wing(vehicle)
+        tolerances = (wing_radius, WING_ALTITUDE_TOLERANCE) if wing else (ARRIVAL_RADIUS, ALTITUDE_TOLERANCE)
+        rest = errors()
+        return rest is not None and rest[0] <= tolerances[0] and rest[1] <= tolerances[1]
 
-    aim = ActionGoal(
-        f"going to {place.latitude:.6f}, {place.longitude:.6f}",
-        there,
-        lambda: None if (rest := off()) is None else sum(rest),
-        modes=vehicle.firmware.modes_of("goto"),
+    goal = ActionGoal(
+        reached,
+        lambda: None if (rest := errors()) is None else sum(rest),
+        modes=firmware.modes_of("goto"),
         armed=True,
-        limit=limit,
     )
-    asked = vehicle.firmware.goto(place, yaw=yaw, radius=radius)
-    await _see_through(vehicle, asked, lambda: aim, wait=wait)
+    operation = f"going to {location.latitude:.6f}, {location.longitude:.6f} with"
+    request = firmware.goto(location, yaw=yaw, radius=radius)
+    await _run(vehicle, operation, request, lambda: goal, wait=wait, timeout=timeout)
 
 
 async def orbit(
-    vehicle: Vehicle, place: Place, *, radius: float, speed: float | None, wait: bool, limit: float | None
+    vehicle: VehicleState,
+    center: Location,
+    *,
+    radius: float,
+    speed: float | None,
+    wait: bool,
+    timeout: float | None,
 ) -> None:
-    """Circle a place."""
-    _check_place(place)
+    """Circle a location."""
+    _check_location(center)
     if not (isfinite(radius) and radius):
-        raise LocalProtocolError("a circle needs a radius; a negative one is flown counter-clockwise")
-    near = max(ON_CIRCLE, abs(radius) / 4)
+        raise InvalidArgumentError(
+            f"orbit radius must be finite and not 0 (negative: counter-clockwise), got {radius}"
+        )
+    firmware = firmware_of(vehicle)
+    tolerance = max(ORBIT_TOLERANCE, abs(radius) / 4)
 
-    def off() -> float | None:
-        away = _away(vehicle, place.latitude, place.longitude)
+    async def request() -> None:
+        start = await firmware.prepare_orbit(center)
+        if start is not None:
+            await goto(vehicle, start, yaw=None, radius=None, wait=True, timeout=None)
+        await firmware.orbit(center, radius=radius, speed=speed)
+
+    def remaining() -> float | None:
+        away = _distance_to(vehicle, center.latitude, center.longitude)
         return None if away is None else abs(away - abs(radius))
 
-    aim = ActionGoal(
-        f"orbit of {abs(radius):g} m",
-        lambda: (rest := off()) is not None and rest <= near,
-        off,
-        modes=vehicle.firmware.modes_of("orbit"),
+    goal = ActionGoal(
+        lambda: (rest := remaining()) is not None and rest <= tolerance,
+        remaining,
+        modes=firmware.modes_of("orbit"),
         armed=True,
-        limit=limit,
     )
-    asked = vehicle.firmware.orbit(place, radius=radius, speed=speed)
-    await _see_through(vehicle, asked, lambda: aim, wait=wait)
+    operation = f"orbit of {abs(radius):g} m radius with"
+    await _run(vehicle, operation, request(), lambda: goal, wait=wait, timeout=timeout)
 
 
-async def turn(vehicle: Vehicle, heading: float, *, wait: bool, limit: float | None) -> None:
-    """Turn to a heading."""
+async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: float | None) -> None:
+    """Turn to a heading in degrees."""
+    firmware = firmware_of(vehicle)
 
-    def left() -> float | None:
+    def remaining() -> float | None:
         position = vehicle.position
         if position is None or position.heading is None:
             return None
         return abs((position.heading - heading + 180.0) % 360.0 - 180.0)
 
-    aim = ActionGoal(
-        f"turning to {heading % 360:g} degrees",
-        lambda: (rest := left()) is not None and rest <= _DEGREES,
-        left,
+    goal = ActionGoal(
+        lambda: (rest := remaining()) is not None and rest <= _HEADING_TOLERANCE,
+        remaining,
         "degrees",
-        modes=vehicle.firmware.modes_of("turn"),
-        limit=limit,
+        modes=firmware.modes_of("turn"),
     )
-    await _see_through(vehicle, vehicle.firmware.turn(heading), lambda: aim, wait=wait)
+    operation = f"turn to {heading % 360:g} degrees of"
+    await _run(vehicle, operation, firmware.turn(heading), lambda: goal, wait=wait, timeout=timeout)
 
 
-async def hold(vehicle: Vehicle) -> None:
-    """Stay here."""
-    await with_status_texts(vehicle, vehicle.firmware.hold())
+async def hold(vehicle: VehicleState, *, timeout: float | None) -> None:
+    """Stay at the present position."""
+    async with deadline(timeout, "holding the position of", vehicle.address):
+        await with_status_texts(vehicle, firmware_of(vehicle).hold())
 
 
-class SustainedCondition:
-    """Whether something has been so for long."""
-
-    def __init__(self, vehicle: Vehicle, seconds: float) -> None:
-        self._now = vehicle.connection.now
-        self._seconds = seconds
-        self._since: float | None = None
-
-    def goes_on(self, holds: bool) -> bool:
-        """It is so now, or is not; whether it has been for long."""
-        if not holds:
-            self._since = None
-            return False
-        now = self._now()
-        if self._since is None:
-            self._since = now
-        return now >= self._since + self._seconds
-
-
-class LandingDetector:
-    """Whether a vehicle that was in the air has landed."""
-
-    def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle = vehicle
-        self._on_ground = SustainedCondition(vehicle, STAYS_ARMED)
-
-    def ended(self) -> bool:
-        """Disarmed, or on the ground for long."""
-        on_ground = self._on_ground.goes_on(self._vehicle.landed_state == _ON_GROUND)
-        return on_ground or self._vehicle.armed is False
-
-
-def on_wing(vehicle: Vehicle) -> bool:
-    """Whether it cannot stand still now."""
+def flies_on_wing(vehicle: VehicleState) -> bool:
+    """Return whether the vehicle flies on its wing now, and cannot stand still."""
     hovers = vehicle.vtol_state == common.MavVtolState.MC
-    return vehicle.vehicle_type is VehicleType.PLANE or (
-        vehicle.vehicle_type is VehicleType.VTOL and not hovers
-    )
+    kind = vehicle.vehicle_type
+    return kind is VehicleType.PLANE or (kind is VehicleType.VTOL and not hovers)
 
 
-def _height(vehicle: Vehicle) -> float | None:
+def _relative_altitude(vehicle: VehicleState) -> float | None:
     position = vehicle.position
     return None if position is None else position.relative_altitude
 
 
-def _away(vehicle: Vehicle, latitude: float, longitude: float) -> float | None:
+def _distance_to(vehicle: VehicleState, latitude: float, longitude: float) -> float | None:
     position = vehicle.position
     if position is None:
         return None
     return distance(position.latitude, position.longitude, latitude, longitude)
 
 
-def _check_place(place: Place) -> None:
-    fits = abs(place.latitude) <= 90.0 and abs(place.longitude) <= 180.0
-    if not (fits and isfinite(place.altitude or 0.0)):
-        where = f"{place.latitude}, {place.longitude}, {place.altitude}"
-        raise LocalProtocolError(f"{where} is no place on Earth")
+def _check_location(location: Location) -> None:
+    valid = abs(location.latitude) <= 90.0 and abs(location.longitude) <= 180.0
+    if not (valid and isfinite(location.altitude or 0.0)):
+        raise InvalidArgumentError(
+            "a location needs a latitude in -90..90, a longitude in -180..180 and a finite altitude, "
+            f"got {location.latitude}, {location.longitude}, {location.altitude}"
+        )

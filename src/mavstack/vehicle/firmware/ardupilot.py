@@ -1,6 +1,4 @@
-"""ArduPilot: modes rather than commands, altitudes above home, and one set of modes for each class of
-vehicle.
-"""
+"""ArduPilot: modes rather than commands, altitudes above home, and a set of modes for each vehicle type."""
 
 from __future__ import annotations
 
@@ -8,19 +6,22 @@ from math import degrees
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from mavstack.dialects import common
-from mavstack.errors import ActionUnsupported, CommandDenied, ParameterDenied, ParameterTimeout
+from mavstack.dialects import ardupilotmega, common
+from mavstack.errors import CommandDenied, ParameterDenied, ParameterTimeout
 from mavstack.services.setpoints import GlobalSetpoint
-from mavstack.vehicle.actions.home import find_altitude
-from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware, Place
+from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware
 from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from mavstack.dialects import Message
+    from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.vehicle.geography import Location
+
 _GUIDED: Final = frozenset({"guided"})
-#: Where each class stays when it is told to: modes that need no pilot's throttle, where there is such a one.
-_HOLDING: Final[Mapping[VehicleType, str]] = MappingProxyType(
+#: The mode in which each vehicle type stays where it is; it needs no throttle stick where there is a choice.
+_HOLD_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {
         VehicleType.COPTER: "BRAKE",
         VehicleType.PLANE: "LOITER",
@@ -30,22 +31,22 @@ _HOLDING: Final[Mapping[VehicleType, str]] = MappingProxyType(
         VehicleType.SUB: "POSHOLD",
     }
 )
-#: In these a copter or a rover cannot be armed, though it stays in them when it has come home.
-_NOT_ARMABLE: Final = frozenset({"rtl", "smart_rtl", "land", "brake", "circle"})
-_LANDING: Final[Mapping[VehicleType, str]] = MappingProxyType(
+#: Modes in which a copter or a rover refuses arming, though it stays in them after it came home.
+_NO_ARMING_MODES: Final = frozenset({"rtl", "smart_rtl", "land", "brake", "circle"})
+_LAND_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {VehicleType.COPTER: "LAND", VehicleType.VTOL: "QLAND"}
 )
-#: CIRCLE_OPTIONS: the circle's centre is where the mode is entered.
-_CENTRE_IS_HERE: Final = 4
+#: CIRCLE_OPTIONS: the centre of the circle is the position where the mode is entered.
+_CENTER_AT_ENTRY: Final = 4
 _CENTIMETRES: Final = 100.0
-#: The throttle's channel, where RCMAP_THROTTLE does not say else, its middle, how far from it is still it.
-_THROTTLE: Final = 3
-_MIDDLE: Final = 1500
-_DEAD_ZONE: Final = 100
+#: The throttle channel if RCMAP_THROTTLE is not known, its middle and its dead zone in microseconds.
+_DEFAULT_THROTTLE_CHANNEL: Final = 3
+_THROTTLE_MIDDLE: Final = 1500
+_THROTTLE_DEAD_ZONE: Final = 100
 
 
 class ArduPilot(Firmware):
-    """A vehicle that ArduPilot flies or drives."""
+    """A vehicle that runs ArduPilot."""
 
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType(
         {
@@ -60,16 +61,33 @@ class ArduPilot(Firmware):
             "mission": frozenset({"auto", "auto_rtl", "rtl", "qrtl"}),
         }
     )
+    ESTIMATOR_MESSAGE: ClassVar[type[Message]] = ardupilotmega.EkfStatusReport
+    #: All failed checks are sent in one run, when requested and every half minute.
+    PREARM_RUN: ClassVar[float] = 3.0
+    PREARM_LIFETIME: ClassVar[float] = 40.0
+    RAW_IMU_IS_SCALED: ClassVar[bool] = True
+    HEARTBEAT_TELLS_IN_AIR: ClassVar[bool] = True
+
+    @staticmethod
+    def high_latency_armed(summary: common.HighLatency2) -> bool | None:
+        """Return the armed state: `custom0` is the base mode of HEARTBEAT."""
+        return bool(summary.custom0 & common.MavModeFlag.SAFETY_ARMED)
+
+    @staticmethod
+    def in_air(info: ComponentInfo) -> bool | None:
+        """Return whether the vehicle flies: armed on the ground it stands by, in the air it is active."""
+        if not info.armed or info.system_status == common.MavState.STANDBY:
+            return False
+        return True if info.system_status == common.MavState.ACTIVE else None
 
     @property
-    def kind(self) -> VehicleType:
-        """The class of the vehicle."""
+    def _type(self) -> VehicleType:
         return self.vehicle.vehicle_type
 
     async def takeoff(self, altitude: float) -> None:
-        if not self.kind.flies:
+        if not self._type.flies:
             raise self.unsupported("take off")
-        if self.kind is VehicleType.PLANE:
+        if self._type is VehicleType.PLANE:
             await self.vehicle.params.set("TKOFF_ALT", altitude)
             await self.set_mode("TAKEOFF")
             return
@@ -78,110 +96,112 @@ class ArduPilot(Firmware):
 
     async def land(self) -> None:
         """Land here; a plane lands where its mission says, as it has no other way."""
-        if self.kind is VehicleType.PLANE:
+        if self._type is VehicleType.PLANE:
             await self.command(CMD.DO_LAND_START)
-        elif self.kind in _LANDING:
-            await self.set_mode(_LANDING[self.kind])
+        elif self._type in _LAND_MODES:
+            await self.set_mode(_LAND_MODES[self._type])
         else:
             raise self.unsupported("land")
 
     async def rtl(self) -> None:
-        if self.kind is VehicleType.SUB:
+        if self._type is VehicleType.SUB:
             raise self.unsupported("return by itself")
         await self.set_mode("RTL")
 
     async def hold(self) -> None:
-        await self.set_mode(_HOLDING.get(self.kind, "LOITER"))
+        await self.set_mode(_HOLD_MODES.get(self._type, "LOITER"))
 
     async def guide(self) -> None:
         await self.set_mode("GUIDED")
 
-    async def goto(self, place: Place, *, yaw: float | None, radius: float | None) -> None:
-        """By DO_REPOSITION, and by a setpoint where that is not known, which older versions do not."""
+    async def goto(self, location: Location, *, yaw: float | None, radius: float | None) -> None:
+        """Go by DO_REPOSITION, or by a setpoint where an older version does not support the command."""
         await self.set_mode("GUIDED")
-        altitude = place.altitude
-        if altitude is None:
-            altitude = await find_altitude(self.vehicle)
-        turned = 0.0 if yaw is None else self.yaw_of(yaw)
-        if self.kind in (VehicleType.PLANE, VehicleType.VTOL):
-            turned = 0.0  # there it is the direction of the circle
+        altitude = await self._altitude_of(location)
+        heading = 0.0 if yaw is None else self.yaw_of(yaw)
+        if self._type in (VehicleType.PLANE, VehicleType.VTOL):
+            heading = 0.0  # the direction of the circle
         try:
             await self.command(
-                CMD.DO_REPOSITION, -1, CHANGE_MODE, radius or 0.0, turned,
-                place.latitude, place.longitude, altitude, frame=FRAME.GLOBAL_RELATIVE_ALT,
+                CMD.DO_REPOSITION, -1, CHANGE_MODE, radius or 0.0, heading,
+                location.latitude, location.longitude, altitude, frame=FRAME.GLOBAL_RELATIVE_ALT,
             )  # fmt: skip
         except CommandDenied as error:
             if error.code != common.MavResult.UNSUPPORTED:
                 raise
-            there = GlobalSetpoint(place.latitude, place.longitude, altitude)
-            self.vehicle.component.send(there.to_message(self.vehicle.address))
-        if yaw is not None and self.kind is VehicleType.COPTER:
+            setpoint = GlobalSetpoint(location.latitude, location.longitude, altitude)
+            self.vehicle.component.send(setpoint.to_message(self.vehicle.address))
+        if yaw is not None and self._type is VehicleType.COPTER:
             await self.turn(yaw)
 
-    async def orbit(self, place: Place, *, radius: float, speed: float | None) -> None:
-        """A wing circles where it is sent; a copter flies to the centre, and circles it in CIRCLE."""
-        if self.kind in (VehicleType.PLANE, VehicleType.VTOL):
-            await self._loiter(place, radius)
-        elif self.kind is VehicleType.COPTER:
-            self._check_throttle()
-            await self.vehicle.goto(place.latitude, place.longitude, place.altitude)
-            await self._set_up_circle(radius, speed)
+    async def prepare_orbit(self, center: Location) -> Location | None:
+        """Return the centre for a copter, which circles the position where it enters CIRCLE."""
+        if self._type in (VehicleType.PLANE, VehicleType.VTOL):
+            return None
+        if self._type is not VehicleType.COPTER:
+            raise self.unsupported("orbit")
+        self._check_throttle()
+        return center
+
+    async def orbit(self, center: Location, *, radius: float, speed: float | None) -> None:
+        """Send a wing to the location, which it circles; let a copter circle its position in CIRCLE."""
+        if self._type is VehicleType.COPTER:
+            await self._set_circle_parameters(radius, speed)
             await self.set_mode("CIRCLE")
         else:
-            raise self.unsupported("orbit")
+            await self._loiter(center, radius)
 
     async def turn(self, heading: float) -> None:
-        """In GUIDED: elsewhere the command is accepted, and nothing turns."""
-        if self.kind is VehicleType.PLANE:
+        """Turn in GUIDED: in other modes the command is accepted without any effect."""
+        if self._type is VehicleType.PLANE:
             raise self.unsupported("turn on the spot")
         if (self.vehicle.mode or "").lower() not in _GUIDED:
             await self.guide()
         await self.command(CMD.CONDITION_YAW, heading % 360.0, 0, 0, 0)
 
-    async def become_armable(self) -> None:
+    async def prepare_arming(self) -> None:
         mode = (self.vehicle.mode or "").lower()
-        if mode in _NOT_ARMABLE or (mode == "auto" and self.kind is VehicleType.COPTER):
+        if mode in _NO_ARMING_MODES or (mode == "auto" and self._type is VehicleType.COPTER):
             await self.guide()
 
     async def start_mission(self) -> None:
-        """AUTO, and on the ground the command to begin: a copter would wait for the pilot's throttle."""
+        """Enter AUTO, and send MISSION_START: on the ground a copter would wait for the throttle stick."""
         await self.set_mode("AUTO")
-        if self.kind is not VehicleType.PLANE:
+        if self._type is not VehicleType.PLANE:
             await self.command(CMD.MISSION_START)
 
-    def _check_throttle(self) -> None:
-        """In CIRCLE a copter climbs and sinks by the pilot's throttle, if there is one."""
-        rc, channel = self.vehicle.rc, self.vehicle.params.cached.get("RCMAP_THROTTLE")
-        number = _THROTTLE if channel is None else int(channel.value)
-        pulse = rc.channels[number - 1] if rc is not None and number <= len(rc.channels) else None
-        if pulse is not None and abs(pulse - _MIDDLE) > _DEAD_ZONE:
-            answer = (
-                f"its throttle stick is at {pulse} us, and it would climb or sink by it; centre the stick"
-            )
-            raise ActionUnsupported(f"{self.vehicle.address} cannot orbit now: {answer}")
+    async def _altitude_of(self, location: Location) -> float:
+        altitude = location.altitude
+        return await self.vehicle.get_relative_altitude() if altitude is None else altitude
 
-    async def _loiter(self, place: Place, radius: float) -> None:
-        altitude = place.altitude
-        if altitude is None:
-            altitude = await find_altitude(self.vehicle)
+    def _check_throttle(self) -> None:
+        """Raise if the throttle stick is off its middle: in CIRCLE a copter climbs and sinks by it."""
+        channel = self.vehicle.params.cached.get("RCMAP_THROTTLE")
+        pulse = self.vehicle.rc_pulse(_DEFAULT_THROTTLE_CHANNEL if channel is None else int(channel.value))
+        if pulse is not None and abs(pulse - _THROTTLE_MIDDLE) > _THROTTLE_DEAD_ZONE:
+            reason = f"its throttle stick is at {pulse} us and would change the altitude; center the stick"
+            raise self.unsupported("orbit now", reason)
+
+    async def _loiter(self, center: Location, radius: float) -> None:
+        altitude = await self._altitude_of(center)
         direction = 1.0 if radius < 0 else 0.0
         await self.set_mode("GUIDED")
         await self.command(
             CMD.DO_REPOSITION, -1, CHANGE_MODE, abs(radius), direction,
-            place.latitude, place.longitude, altitude, frame=FRAME.GLOBAL_RELATIVE_ALT,
+            center.latitude, center.longitude, altitude, frame=FRAME.GLOBAL_RELATIVE_ALT,
         )  # fmt: skip
 
-    async def _set_up_circle(self, radius: float, speed: float | None) -> None:
+    async def _set_circle_parameters(self, radius: float, speed: float | None) -> None:
         params = self.vehicle.params
         clockwise = 1.0 if radius > 0 else -1.0
         await params.set("CIRCLE_RADIUS", abs(radius) * _CENTIMETRES)
-        if speed is None:  # as fast as it is set to, in this direction
+        if speed is None:  # keep the rate that is set, in the direction asked for
             rate = abs(float((await params.get("CIRCLE_RATE")).value))
         else:
             rate = degrees(speed / abs(radius))
         await params.set("CIRCLE_RATE", clockwise * rate)
         try:
             options = int((await params.get("CIRCLE_OPTIONS")).value)
-            await params.set("CIRCLE_OPTIONS", options | _CENTRE_IS_HERE)
+            await params.set("CIRCLE_OPTIONS", options | _CENTER_AT_ENTRY)
         except (ParameterDenied, ParameterTimeout):
-            return  # before it had that parameter, the centre was always here
+            return  # versions without that parameter always circle the position of entry

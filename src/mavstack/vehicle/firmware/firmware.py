@@ -1,124 +1,178 @@
-"""How a firmware wants to be asked: this one keeps to commands and modes that the standard names.
+"""The base class of firmwares, which keeps to standard commands, modes and messages.
 
-A vehicle is asked for an action by one of these; what follows, seeing it through, is the same for all and not
-here. `MODES` names the mode in which an action goes on; all modes of an action are those in which it is not
-interrupted.
+A firmware class answers two questions. Its class attributes and static methods tell how the firmware reports
+its state where messages leave that open; the telemetry readers use them. Its methods start an action; seeing
+the action through is the same for all firmwares and stands in `mavstack.vehicle.actions`. `MODES` names the
+modes in which an action goes on: the action was interrupted when the vehicle is in another mode.
+
+The methods raise `CommandDenied`, `CommandTimeout` or `ModeTimeout` as the commands that they send do, and
+`ActionUnsupported`, before anything is sent, where the vehicle type or the firmware lacks the action.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import nan
+from math import inf, nan
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import common
 from mavstack.errors import ActionUnsupported
-from mavstack.vehicle.actions.home import home_altitude
+from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.vehicle.vehicle import Vehicle
+    from mavstack.dialects import Message
+    from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.vehicle.firmware.interface import FirmwareVehicle
+    from mavstack.vehicle.geography import Location
 
 CMD: Final = common.MavCmd
 FRAME: Final = common.MavFrame
 _STANDARD: Final = common.MavStandardMode
-#: DO_REPOSITION: change the mode for it.
+_PREARM: Final = common.MavSysStatusSensor.PREARM_CHECK
+#: Param 2 of DO_REPOSITION: change the mode for it.
 CHANGE_MODE: Final = float(common.MavDoRepositionFlags.CHANGE_MODE)
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """Where to go: degrees, and metres above home."""
-
-    latitude: float
-    longitude: float
-    altitude: float | None = None
-
-
 class Firmware:
-    """One vehicle's firmware; made by `firmware_of`."""
+    """The firmware of one vehicle; made by `firmware_of`."""
 
-    #: Modes by action, lower-cased; an action that is not named goes on in any mode.
+    #: The modes in which each action goes on, in lower case; an action that is missing goes on in any mode.
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType({})
+    #: The modes that end on the ground, in lower case.
+    LANDING_MODES: ClassVar[frozenset[str]] = frozenset({"rtl", "land", "qrtl", "qland", "auto_rtl"})
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    #: The message that reports the state estimator's health.
+    ESTIMATOR_MESSAGE: ClassVar[type[Message]] = common.EstimatorStatus
+    #: Prefixes of the status texts that name a failed check before arming.
+    PREARM_PREFIXES: ClassVar[tuple[str, ...]] = ("PreArm: ", "Arm: ", "Preflight Fail: ", "Arming denied: ")
+    #: Status texts that say only that there are failed checks.
+    PREARM_EMPTY_TEXTS: ClassVar[frozenset[str]] = frozenset({"Resolve system health failures first"})
+    #: Status texts of one run of the checks arrive within this time, in seconds.
+    PREARM_RUN: ClassVar[float] = 60.0
+    #: Failed checks are reported again within this time, in seconds; older texts are out of date.
+    PREARM_LIFETIME: ClassVar[float] = inf
+
+    #: True if RAW_IMU has the units of SCALED_IMU.
+    RAW_IMU_IS_SCALED: ClassVar[bool] = False
+    #: True if HIGH_LATENCY2's wind heading is the direction that the wind blows to.
+    HIGH_LATENCY_WIND_TO: ClassVar[bool] = False
+    #: True if `in_air` works.
+    HEARTBEAT_TELLS_IN_AIR: ClassVar[bool] = False
+
+    def __init__(self, vehicle: FirmwareVehicle) -> None:
         self.vehicle = vehicle
 
+    # Reports of its state
+
+    @staticmethod
+    def reports_prearm_check(status: common.SysStatus) -> bool:
+        """Return whether a SYS_STATUS without a healthy pre-arm bit means that the vehicle is not ready."""
+        return bool(
+            (status.onboard_control_sensors_present | status.onboard_control_sensors_enabled) & _PREARM
+        )
+
+    @staticmethod
+    def high_latency_armed(summary: common.HighLatency2) -> bool | None:
+        """Return the armed state that a HIGH_LATENCY2 holds; None if it holds none."""
+        del summary
+        return None
+
+    @staticmethod
+    def high_latency_mode(custom_mode: int) -> int:
+        """Return the custom mode for the one that a HIGH_LATENCY2 holds, which has 16 bits."""
+        return custom_mode
+
+    @staticmethod
+    def in_air(info: ComponentInfo) -> bool | None:
+        """Return whether a heartbeat means that the vehicle flies; None if it leaves that open."""
+        del info
+        return None
+
     def modes_of(self, action: str) -> frozenset[str] | None:
-        """The modes in which an action goes on; None if any will do."""
+        """Return the modes in which an action goes on, in lower case; None if any mode will do."""
         return self.MODES.get(action)
 
-    # What it can be asked
+    def lands_in(self, mode: str | None) -> bool:
+        """Return whether the vehicle lands in a mode."""
+        name = (mode or "").lower()
+        # A plane that returned circles home until it is told something else.
+        circles = name == "rtl" and self.vehicle.vehicle_type is VehicleType.PLANE
+        return name in self.LANDING_MODES and not circles
+
+    # Actions
 
     async def takeoff(self, altitude: float) -> None:
-        """Rise to so many metres above home and stay there."""
+        """Take off to an altitude in metres above home, and stay there."""
         await self.command(CMD.NAV_TAKEOFF, nan, 0, 0, nan, nan, nan, await self.above_sea(altitude))
 
     async def land(self) -> None:
-        """Land here."""
+        """Land at the present position."""
         await self.command(CMD.NAV_LAND, 0, 0, 0, nan, nan, nan, nan)
 
     async def rtl(self) -> None:
-        """Return home."""
+        """Return to home."""
         await self.command(CMD.NAV_RETURN_TO_LAUNCH)
 
     async def hold(self) -> None:
-        """Stay here."""
+        """Stay at the present position."""
         await self.set_standard_mode(_STANDARD.POSITION_HOLD)
 
     async def guide(self) -> None:
         """Follow setpoints from now on."""
-        raise self.unsupported("follow setpoints")
+        raise self.unsupported("follow setpoints", "its firmware has no standard mode for that")
 
-    async def goto(self, place: Place, *, yaw: float | None, radius: float | None) -> None:
-        """Go to a place; yaw in degrees, the radius is that of the circle that a wing flies there."""
-        altitude = nan if place.altitude is None else await self.above_sea(place.altitude)
-        turned = nan if yaw is None else self.yaw_of(yaw)
-        around = 0.0 if radius is None else radius
+    async def goto(self, location: Location, *, yaw: float | None, radius: float | None) -> None:
+        """Go to a location; yaw in degrees, `radius` in metres is that of a wing's circle around it."""
+        altitude = nan if location.altitude is None else await self.above_sea(location.altitude)
+        heading = nan if yaw is None else self.yaw_of(yaw)
         await self.command(
-            CMD.DO_REPOSITION, -1, CHANGE_MODE, around, turned, place.latitude, place.longitude, altitude,
-            frame=FRAME.GLOBAL,
+            CMD.DO_REPOSITION, -1, CHANGE_MODE, 0.0 if radius is None else radius, heading,
+            location.latitude, location.longitude, altitude, frame=FRAME.GLOBAL,
         )  # fmt: skip
 
-    async def orbit(self, place: Place, *, radius: float, speed: float | None) -> None:
-        """Circle a place, the other way round if the radius is negative."""
-        altitude = nan if place.altitude is None else await self.above_sea(place.altitude)
+    async def prepare_orbit(self, center: Location) -> Location | None:
+        """Return where the vehicle has to be before `orbit` is called; None if it may be anywhere."""
+        del center
+        return None
+
+    async def orbit(self, center: Location, *, radius: float, speed: float | None) -> None:
+        """Circle a location with a radius in metres (negative: counter-clockwise) at a speed in m/s."""
+        altitude = nan if center.altitude is None else await self.above_sea(center.altitude)
         yaw = float(common.OrbitYawBehaviour.HOLD_FRONT_TO_CIRCLE_CENTER)
-        tangent = nan if speed is None else speed
         await self.command(
-            CMD.DO_ORBIT, radius, tangent, yaw, nan, place.latitude, place.longitude, altitude,
-            frame=FRAME.GLOBAL,
+            CMD.DO_ORBIT, radius, nan if speed is None else speed, yaw, nan,
+            center.latitude, center.longitude, altitude, frame=FRAME.GLOBAL,
         )  # fmt: skip
 
     async def turn(self, heading: float) -> None:
-        """Turn to a heading in degrees."""
+        """Turn to a heading in degrees clockwise from north."""
         await self.command(CMD.CONDITION_YAW, heading, 0, 0, 0)
 
-    async def become_armable(self) -> None:
-        """Leave a mode in which it does not let itself be armed, such as the one that it landed in."""
+    async def prepare_arming(self) -> None:
+        """Leave a mode in which the firmware refuses arming, such as the one that the vehicle landed in."""
 
     async def start_mission(self) -> None:
-        """Fly the mission, armed or to be armed."""
+        """Fly the mission."""
         await self.set_standard_mode(_STANDARD.MISSION)
 
     async def pause_mission(self) -> None:
-        """Wait where it is; `start_mission` goes on."""
+        """Stay at the present position; `start_mission` resumes the mission."""
         await self.hold()
 
-    # What these are made of
+    # Parts of actions
 
-    def yaw_of(self, degrees: float) -> float:
-        """A heading as DO_REPOSITION wants it, which is in radians."""
-        return (degrees + 180.0) % 360.0 / 180.0 * 3.141592653589793 - 3.141592653589793
+    def yaw_of(self, heading: float) -> float:
+        """Return a heading in degrees as DO_REPOSITION needs it, in radians from -pi to pi."""
+        return (heading + 180.0) % 360.0 / 180.0 * 3.141592653589793 - 3.141592653589793
 
     async def above_sea(self, altitude: float) -> float:
-        """Metres above home as metres above mean sea level."""
-        return altitude + await home_altitude(self.vehicle)
+        """Return metres above home as metres above mean sea level."""
+        return altitude + await self.vehicle.get_home_altitude()
 
     async def command(self, command: int, *params: float, frame: int | None = None) -> None:
-        """Have the vehicle carry out a command."""
+        """Send a command to the autopilot."""
         await self.vehicle.component.command(command, *params, frame=frame)
 
     async def set_standard_mode(self, mode: int) -> None:
@@ -126,11 +180,10 @@ class Firmware:
         await self.vehicle.component.modes.set_standard(mode)
 
     async def set_mode(self, mode: str) -> None:
-        """Enter a mode of its own."""
+        """Enter a mode of the firmware."""
         await self.vehicle.component.modes.set(mode)
 
-    def unsupported(self, action: str) -> ActionUnsupported:
-        """What to raise for what this kind of vehicle cannot do."""
-        return ActionUnsupported(
-            f"a {self.vehicle.vehicle_type} cannot {action} (asked of {self.vehicle.address})"
-        )
+    def unsupported(self, action: str, reason: str | None = None) -> ActionUnsupported:
+        """Return the error for an action that the vehicle type or the firmware lacks."""
+        why = f"it is a {self.vehicle.vehicle_type}" if reason is None else reason
+        return ActionUnsupported(f"vehicle {self.vehicle.address} cannot {action}: {why}")

@@ -1,4 +1,4 @@
-"""PX4: commands with altitudes above the sea, and modes that commands bring along."""
+"""PX4: altitudes above mean sea level, and commands that change the mode by themselves."""
 
 from __future__ import annotations
 
@@ -12,11 +12,16 @@ from mavstack.vehicle.vehicle_type import VehicleType
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from mavstack.dialects import common
+    from mavstack.vehicle.geography import Location
+
 _HOLD = frozenset({"loiter"})
+#: HIGH_LATENCY2 holds the upper half of the custom mode: the main mode and the sub mode.
+_CUSTOM_MODE_SHIFT = 16
 
 
 class Px4(Firmware):
-    """A vehicle that PX4 flies or drives."""
+    """A vehicle that runs PX4."""
 
     MODES: ClassVar[Mapping[str, frozenset[str]]] = MappingProxyType(
         {
@@ -32,6 +37,17 @@ class Px4(Firmware):
             "end of mission": _HOLD,
         }
     )
+    HIGH_LATENCY_WIND_TO: ClassVar[bool] = True
+
+    @staticmethod
+    def reports_prearm_check(status: common.SysStatus) -> bool:
+        """Return True: PX4 never marks the check as present, and sets its health bit all the same."""
+        del status
+        return True
+
+    @staticmethod
+    def high_latency_mode(custom_mode: int) -> int:
+        return custom_mode << _CUSTOM_MODE_SHIFT
 
     async def takeoff(self, altitude: float) -> None:
         if not self.vehicle.vehicle_type.flies:
@@ -49,13 +65,13 @@ class Px4(Firmware):
     async def guide(self) -> None:
         await self.set_mode("OFFBOARD")
 
-    async def orbit(self, place: object, **circle: object) -> None:
+    async def orbit(self, center: Location, *, radius: float, speed: float | None) -> None:
         if not self.vehicle.vehicle_type.flies:
             raise self.unsupported("orbit")
-        await super().orbit(place, **circle)  # type: ignore[arg-type]
+        await super().orbit(center, radius=radius, speed=speed)
 
     async def turn(self, heading: float) -> None:
-        """By DO_REPOSITION to where it is: PX4 takes CONDITION_YAW in missions alone."""
+        """Turn by a DO_REPOSITION to the present position: PX4 takes CONDITION_YAW in missions only."""
         if self.vehicle.vehicle_type is VehicleType.PLANE:
             raise self.unsupported("turn on the spot")
         yaw = self.yaw_of(heading)

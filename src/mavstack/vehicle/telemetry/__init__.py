@@ -1,8 +1,8 @@
-"""What a vehicle tells: typed messages, the latest of each, and values the same of every firmware."""
+"""The telemetry of a vehicle: typed messages, the latest of each, and values the same for every firmware."""
 
 from mavstack.vehicle.telemetry.properties import TelemetryProperties
 from mavstack.vehicle.telemetry.rates import Rates
-from mavstack.vehicle.telemetry.stream import Stream
+from mavstack.vehicle.telemetry.stream import MessageStream
 from mavstack.vehicle.telemetry.telemetry import Telemetry
 from mavstack.vehicle.telemetry.values import (
     Attitude,
@@ -27,12 +27,12 @@ __all__ = [
     "HomePosition",
     "Imu",
     "LocalPosition",
+    "MessageStream",
     "Odometry",
     "Position",
     "Rates",
     "Rc",
     "StatusText",
-    "Stream",
     "Telemetry",
     "TelemetryProperties",
     "Velocity",

@@ -1,6 +1,6 @@
-"""Messages that come when something happens, or as answers: nobody can be asked to send them at a rate.
+"""The difference between periodic messages and those that are sent on an event or as an answer.
 
-Who waits for one of these waits for the event, so its silence is no reason to ask for it.
+A program that waits for a message of the second group waits for the event; the message is not requested.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from mavstack.services.addressing import message_ids
 if TYPE_CHECKING:
     from mavstack.dialects import Message
 
-_OCCASIONAL: Final = message_ids(
+_NOT_PERIODIC: Final = message_ids(
     *(common.Heartbeat, common.Statustext, common.Event, common.CurrentEventSequence),
     *(common.CommandAck, common.CommandLong, common.CommandInt, common.CommandCancel, common.MessageInterval),
     *(common.ParamValue, common.ParamSet, common.ParamExtValue, common.ParamExtAck, common.ParamRequestRead),
@@ -30,6 +30,6 @@ _OCCASIONAL: Final = message_ids(
 )
 
 
-def is_periodic(kind: type[Message]) -> bool:
-    """Whether a message can be asked for at a rate."""
-    return kind.__mavlink_row__[0] not in _OCCASIONAL
+def is_periodic(message: type[Message]) -> bool:
+    """Return whether a message can be requested at a rate."""
+    return message.__mavlink_row__[0] not in _NOT_PERIODIC

@@ -1,4 +1,4 @@
-"""Words for what a vehicle can report as wrong."""
+"""The texts for the problems that a vehicle can report."""
 
 from __future__ import annotations
 
@@ -12,12 +12,7 @@ _E: Final = ardupilotmega.EkfStatusFlags
 _F: Final = common.HlFailureFlag
 _C: Final = common.MavBatteryChargeState
 
-#: How texts begin that say why a vehicle cannot be armed.
-PREFIXES: Final = ("PreArm: ", "Arm: ", "Preflight Fail: ", "Arming denied: ")
-#: What says only that there are reasons.
-SAYS_NOTHING: Final = frozenset({"Resolve system health failures first"})
-
-#: Bits of SYS_STATUS.
+#: Sensor bits of SYS_STATUS.
 SENSORS: Final = (
     (_S.SENSOR_3D_GYRO, "gyroscope"),
     (_S.SENSOR_3D_ACCEL, "accelerometer"),
@@ -26,7 +21,7 @@ SENSORS: Final = (
     (_S.SENSOR_DIFFERENTIAL_PRESSURE, "airspeed sensor"),
     (_S.SENSOR_GPS, "GPS"),
     (_S.SENSOR_OPTICAL_FLOW, "optical flow sensor"),
-    (_S.SENSOR_VISION_POSITION, "position by vision"),
+    (_S.SENSOR_VISION_POSITION, "vision positioning"),
     (_S.SENSOR_LASER_POSITION, "rangefinder"),
     (_S.SENSOR_EXTERNAL_GROUND_TRUTH, "external positioning"),
     (_S.SENSOR_ANGULAR_RATE_CONTROL, "rate control"),
@@ -50,8 +45,8 @@ SENSORS: Final = (
     (_S.OBSTACLE_AVOIDANCE, "obstacle avoidance"),
     (_S.SENSOR_PROPULSION, "propulsion"),
 )
-#: Bits of its extension.
-MORE_SENSORS: Final = (
+#: Extended sensor bits of SYS_STATUS.
+EXTENDED_SENSORS: Final = (
     (_X.RECOVERY_SYSTEM, "parachute"),
     (_X.SENSOR_LEAK, "leak sensor"),
     (_X.SENSOR_3D_GYRO3, "third gyroscope"),
@@ -59,13 +54,14 @@ MORE_SENSORS: Final = (
     (_X.SENSOR_3D_GYRO4, "fourth gyroscope"),
     (_X.SENSOR_3D_ACCEL4, "fourth accelerometer"),
 )
-#: What an estimator should have: one of these flags, which both firmwares number alike.
+#: The estimates that a healthy estimator has: one of the flags each, the same in EKF_STATUS_REPORT and
+#: ESTIMATOR_STATUS.
 ESTIMATES: Final = (
     (_E.ATTITUDE, "attitude"),
     (_E.POS_HORIZ_ABS | _E.POS_HORIZ_REL, "horizontal position"),
     (_E.POS_VERT_ABS | _E.POS_VERT_AGL, "height"),
 )
-#: What disagrees with the estimate, by the fields of EKF_STATUS_REPORT and ESTIMATOR_STATUS.
+#: The test ratios of the estimator, by their fields in EKF_STATUS_REPORT and in ESTIMATOR_STATUS.
 RATIOS: Final = (
     ("velocity_variance", "vel_ratio", "velocity"),
     ("pos_horiz_variance", "pos_horiz_ratio", "horizontal position"),
@@ -73,7 +69,7 @@ RATIOS: Final = (
     ("compass_variance", "mag_ratio", "compass"),
     ("airspeed_variance", "tas_ratio", "airspeed"),
 )
-#: Flags of HIGH_LATENCY2.
+#: Failure flags of HIGH_LATENCY2.
 FAILURES: Final = (
     (_F.GPS, "GPS"),
     (_F.DIFFERENTIAL_PRESSURE, "airspeed sensor"),
@@ -90,17 +86,18 @@ FAILURES: Final = (
     (_F.ESTIMATOR, "estimator"),
     (_F.MISSION, "mission"),
 )
-CHARGE: Final = (
+#: Charge states of BATTERY_STATUS that are problems.
+CHARGE_STATES: Final = (
     (_C.LOW, "is low"),
     (_C.CRITICAL, "is critically low"),
     (_C.EMERGENCY, "is almost empty"),
     (_C.FAILED, "has failed"),
     (_C.UNHEALTHY, "is unhealthy"),
 )
-#: States of HEARTBEAT in which nothing is armed.
+#: States of HEARTBEAT in which a vehicle cannot be armed.
 STATES: Final = (
     (common.MavState.BOOT, "it is starting"),
-    (common.MavState.CALIBRATING, "it is being calibrated"),
+    (common.MavState.CALIBRATING, "it is calibrating"),
     (common.MavState.CRITICAL, "it is in a failsafe"),
     (common.MavState.EMERGENCY, "it is in an emergency"),
     (common.MavState.POWEROFF, "it is switching off"),

@@ -1,7 +1,7 @@
-"""What is wrong with a vehicle, as far as it was heard: in words, its own first, and which message told it.
+"""The problems that a vehicle reports: as texts, its own status texts first, with the message of each.
 
-ArduPilot says all reasons in one go, when asked to and every half minute; PX4 says each when it arises, and
-all when asked to. A reason that was said before the vehicle was ready is no reason any more.
+The firmware class tells how failed checks are reported by status texts. A check that failed before the
+vehicle was ready is out of date.
 """
 
 from __future__ import annotations
@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.dialects import Message, ardupilotmega, common
 from mavstack.vehicle.telemetry.problem_texts import (
-    CHARGE,
+    CHARGE_STATES,
     ESTIMATES,
+    EXTENDED_SENSORS,
     FAILURES,
-    MORE_SENSORS,
-    PREFIXES,
     RATIOS,
-    SAYS_NOTHING,
     SENSORS,
     STATES,
 )
@@ -31,14 +29,10 @@ if TYPE_CHECKING:
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 
-#: What is older was true then, in seconds; PX4 on a slow link sends SYS_STATUS every ten.
-STALE = 30.0
-#: ArduPilot's reasons come within this time, and again before `_REPEATED`; PX4's belong together longer.
-_ONE_GO, _ONE_BY_ONE = 3.0, 60.0
-_REPEATED = 40.0
-#: A test ratio above this says that a sensor does not fit the rest.
-_GATE = 1.0
-_ARDUPILOT: Final = common.MavAutopilot.ARDUPILOTMEGA
+#: Older messages do not count, in seconds; PX4 on a slow link sends SYS_STATUS every ten.
+MAX_AGE = 30.0
+#: A test ratio above this means that a sensor contradicts the estimate.
+_MAX_TEST_RATIO = 1.0
 _GPS: Final = common.MavSysStatusSensor.SENSOR_GPS
 _EKF: Final = ardupilotmega.EkfStatusFlags
 _ESTIMATOR: Final = common.EstimatorStatusFlags
@@ -46,7 +40,7 @@ _ESTIMATOR: Final = common.EstimatorStatusFlags
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something that is wrong, in words, and the message that told it."""
+    """A problem of a vehicle: its text, and the name of the message that reports it."""
 
     text: str
     source: str
@@ -55,73 +49,75 @@ class Problem:
         return self.text
 
 
-def fresh(heard: Telemetry, kind: type[AnyMessage]) -> AnyMessage | None:
-    """The last message of a kind, if it is not too old to count."""
-    age = heard.age(kind)
-    return heard.latest(kind) if age is not None and age <= STALE else None
+def recent(telemetry: Telemetry, message: type[AnyMessage]) -> AnyMessage | None:
+    """Return the last message of a class, or None if it is too old to count."""
+    age = telemetry.age(message)
+    return telemetry.latest(message) if age is not None and age <= MAX_AGE else None
 
 
-def problems_of(heard: Telemetry, *, ready: bool | None) -> tuple[Problem, ...]:
-    """Everything that is wrong, each thing once; what it said counts unless it is ready."""
-    found = [] if ready else [Problem(text, "STATUSTEXT") for text in _said(heard)]
-    for source, look in _LOOKS:
-        found += [Problem(text, source) for text in look(heard)]
-    once: dict[str, Problem] = {}
+def problems_of(telemetry: Telemetry, *, ready: bool | None) -> tuple[Problem, ...]:
+    """Return all problems, each once; status texts count unless the vehicle is ready."""
+    found = [] if ready else [Problem(text, "STATUSTEXT") for text in _failed_checks(telemetry)]
+    for source, find in _FINDERS:
+        found += [Problem(text, source) for text in find(telemetry)]
+    by_text: dict[str, Problem] = {}
     for problem in found:
-        once.setdefault(problem.text, problem)
-    return tuple(once.values())
+        by_text.setdefault(problem.text, problem)
+    return tuple(by_text.values())
 
 
-def _said(heard: Telemetry) -> Iterator[str]:
-    """The reasons in its own words."""
-    since = heard.ready_at or 0.0
-    texts = [text for text in heard.status_texts.since(since) if _is_reason(text, heard)]
+def _failed_checks(telemetry: Telemetry) -> Iterator[str]:
+    """Yield the failed checks that the vehicle reported by status texts."""
+    firmware = telemetry.firmware
+    since = telemetry.ready_at or 0.0
+    texts = [text for text in telemetry.status_texts.since(since) if _is_failed_check(text, telemetry)]
     if not texts:
         return
-    ardupilot = heard.autopilot == _ARDUPILOT
     last = texts[-1].time
-    if ardupilot and last < heard.now() - _REPEATED:
+    if last < telemetry.now() - firmware.PREARM_LIFETIME:
         return
-    begun = last - (_ONE_GO if ardupilot else _ONE_BY_ONE)
-    bare = (_bare(text.text) for text in texts if text.time >= begun)
-    yield from (text for text in bare if text not in SAYS_NOTHING)
+    begun = last - firmware.PREARM_RUN
+    bare = (_without_prefix(text.text) for text in texts if text.time >= begun)
+    yield from (text for text in bare if text not in firmware.PREARM_EMPTY_TEXTS)
 
 
-def _is_reason(text: StatusText, heard: Telemetry) -> bool:
-    return text.component == heard.component.address.component and text.text.startswith(PREFIXES)
+def _is_failed_check(text: StatusText, telemetry: Telemetry) -> bool:
+    return text.component == telemetry.component.address.component and text.text.startswith(
+        telemetry.firmware.PREARM_PREFIXES
+    )
 
 
-def _bare(text: str) -> str:
+def _without_prefix(text: str) -> str:
     return text.partition(": ")[2].strip()
 
 
-def _sensors(heard: Telemetry) -> Iterator[str]:
-    status = fresh(heard, common.SysStatus)
+def _sensors(telemetry: Telemetry) -> Iterator[str]:
+    status = recent(telemetry, common.SysStatus)
     if status is None:
         return
     wrong = status.onboard_control_sensors_enabled & ~status.onboard_control_sensors_health
     more = status.onboard_control_sensors_enabled_extended & ~status.onboard_control_sensors_health_extended
-    if any(_satellites(heard)):
-        wrong &= ~_GPS  # said better there
-    for mask, names in ((wrong, SENSORS), (more, MORE_SENSORS)):
+    if any(_gps_problems(telemetry)):
+        wrong &= ~_GPS  # that problem tells more
+    for mask, names in ((wrong, SENSORS), (more, EXTENDED_SENSORS)):
         yield from (f"{name} is not healthy" for bit, name in names if mask & bit)
 
 
-def _satellites(heard: Telemetry) -> Iterator[str]:
-    gps = read_gps(heard) if fresh(heard, common.GpsRawInt) else None
+def _gps_problems(telemetry: Telemetry) -> Iterator[str]:
+    gps = read_gps(telemetry) if recent(telemetry, common.GpsRawInt) else None
     if gps is None or gps.has_fix:
         return
     if gps.fix == common.GpsFixType.NO_GPS:
-        status = fresh(heard, common.SysStatus)
+        status = recent(telemetry, common.SysStatus)
         if status is None or status.onboard_control_sensors_present & _GPS:
-            yield "no GPS receiver is heard"
+            yield "no GPS receiver is connected"
         return
     seen = "" if gps.satellites is None else f" ({gps.satellites} satellites)"
     yield f"GPS has no 3D fix{seen}"
 
 
-def _ekf(heard: Telemetry) -> Iterator[str]:
-    status = fresh(heard, ardupilotmega.EkfStatusReport)
+def _ekf(telemetry: Telemetry) -> Iterator[str]:
+    status = recent(telemetry, ardupilotmega.EkfStatusReport)
     if status is None:
         return
     if status.flags & _EKF.UNINITIALIZED:
@@ -130,66 +126,68 @@ def _ekf(heard: Telemetry) -> Iterator[str]:
     if status.flags & _EKF.GPS_GLITCHING:
         yield "GPS glitches"
     yield from _missing(status.flags)
-    yield from _misfits(tuple(getattr(status, name) for name, _, _ in RATIOS))
+    yield from _contradictions(tuple(getattr(status, name) for name, _, _ in RATIOS))
 
 
-def _estimator(heard: Telemetry) -> Iterator[str]:
-    status = fresh(heard, common.EstimatorStatus)
+def _estimator(telemetry: Telemetry) -> Iterator[str]:
+    status = recent(telemetry, common.EstimatorStatus)
     if status is None:
         return
     if status.flags & _ESTIMATOR.GPS_GLITCH:
         yield "GPS glitches"
     if status.flags & _ESTIMATOR.ACCEL_ERROR:
-        yield "the accelerometer is not believed"
+        yield "the estimator rejects the accelerometer"
     yield from _missing(status.flags)
-    yield from _misfits(tuple(getattr(status, name) for _, name, _ in RATIOS))
+    yield from _contradictions(tuple(getattr(status, name) for _, name, _ in RATIOS))
 
 
 def _missing(flags: int) -> Iterator[str]:
-    yield from (f"{what} is not estimated" for bits, what in ESTIMATES if not flags & bits)
+    yield from (f"{name} is not estimated" for bits, name in ESTIMATES if not flags & bits)
 
 
-def _misfits(ratios: tuple[float, ...]) -> Iterator[str]:
-    for ratio, (_, _, what) in zip(ratios, RATIOS, strict=True):
-        if ratio > _GATE:
-            yield f"{what} does not fit the estimate"
+def _contradictions(ratios: tuple[float, ...]) -> Iterator[str]:
+    for ratio, (_, _, name) in zip(ratios, RATIOS, strict=True):
+        if ratio > _MAX_TEST_RATIO:
+            yield f"{name} contradicts the estimate"
 
 
-def _battery(heard: Telemetry) -> Iterator[str]:
-    if fresh(heard, common.BatteryStatus) is None:
+def _battery(telemetry: Telemetry) -> Iterator[str]:
+    if recent(telemetry, common.BatteryStatus) is None:
         return
-    for number, battery in read_batteries(heard).items():
+    for number, battery in read_batteries(telemetry).items():
         left = "" if battery.remaining is None else f" ({battery.remaining:.0f} %)"
-        yield from (f"battery {number} {how}{left}" for state, how in CHARGE if battery.charge_state == state)
+        yield from (
+            f"battery {number} {how}{left}" for state, how in CHARGE_STATES if battery.charge_state == state
+        )
         if battery.faults:
             yield f"battery {number} reports a fault"
 
 
-def _home(heard: Telemetry) -> Iterator[str]:
-    if heard.home_refused and heard.latest(common.HomePosition) is None:
+def _home(telemetry: Telemetry) -> Iterator[str]:
+    if telemetry.home_refused and telemetry.latest(common.HomePosition) is None:
         yield "home is not known"
 
 
-def _high_latency(heard: Telemetry) -> Iterator[str]:
-    info = heard.component.info
-    summary = heard.latest(common.HighLatency2)
+def _high_latency(telemetry: Telemetry) -> Iterator[str]:
+    info = telemetry.component.info
+    summary = telemetry.latest(common.HighLatency2)
     if info is not None and info.high_latency and summary is not None:
         flags = summary.failure_flags
         yield from (f"{name} is not healthy" for bit, name in FAILURES if flags & bit)
 
 
-def _heartbeat(heard: Telemetry) -> Iterator[str]:
-    info = heard.component.info
+def _heartbeat(telemetry: Telemetry) -> Iterator[str]:
+    info = telemetry.component.info
     if info is None:
-        yield "it was never heard"
+        yield "no heartbeat was received"
     elif not info.alive:
-        yield f"it is silent for {heard.now() - info.last_seen:.0f} s"
+        yield f"it is silent for {telemetry.now() - info.last_seen:.0f} s"
     elif not info.high_latency:
-        yield from (what for state, what in STATES if info.system_status == state)
+        yield from (text for state, text in STATES if info.system_status == state)
 
 
-_LOOKS: Final[tuple[tuple[str, Callable[[Telemetry], Iterator[str]]], ...]] = (
-    ("GPS_RAW_INT", _satellites),
+_FINDERS: Final[tuple[tuple[str, Callable[[Telemetry], Iterator[str]]], ...]] = (
+    ("GPS_RAW_INT", _gps_problems),
     ("SYS_STATUS", _sensors),
     ("EKF_STATUS_REPORT", _ekf),
     ("ESTIMATOR_STATUS", _estimator),

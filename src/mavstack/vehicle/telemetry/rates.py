@@ -1,19 +1,21 @@
-"""The rates at which a component was asked to send its messages: remembered, and asked for again.
+"""The message rates requested from a component, remembered and requested again.
 
-A vehicle forgets what it was asked for when it restarts, and some when their link was gone. So each rate is
-held as long as somebody wants it, the highest of a message counts, and a task asks again
+A component forgets the requested rates when it reboots, and some forget them when their link was gone. So
+each rate is kept as long as a `RateRequest` holds it, the highest rate of a message counts, and a task
+requests again
 
-- for all of them when the component rebooted or returned;
-- for one that is silent though the component is alive, since a vehicle that sends nothing but heartbeats does
-  not show that it rebooted; each time it waits twice as long.
+- all rates when the component rebooted or returned;
+- the rate of a message that stays out though the component is alive, since a component that sends nothing
+  but heartbeats does not show that it rebooted; each retry waits twice as long as the one before.
 
-What was refused is not asked for again before a reboot or return. When nobody wants a rate any more the
-component is told to send the message as it would by itself.
+A refused rate is not requested again before a reboot or a return. When the last request of a message is
+released, the component is told to send the message at its default rate.
 """
 
 from __future__ import annotations
 
 import asyncio
+import logging
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -27,184 +29,193 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
 
     from mavstack.dialects import Message
-    from mavstack.node import RemoteComponent
+    from mavstack.node import Node, RemoteComponent
     from mavstack.node.subscription import Subscription
 
-    Kind = type[Message]
+    MessageClass = type[Message]
 
-#: How often to look whether what was asked for comes, in seconds.
-LOOK = 5.0
-#: Silent is what did not come for so many of its intervals, and not for `LOOK` either.
-INTERVALS = 5.0
-#: The longest that is waited before a silent message is asked for again.
-LONGEST_WAIT = 60.0
+#: The interval at which missing messages are looked for, in seconds.
+CHECK_INTERVAL = 5.0
+#: A message is missing after this many of its intervals, and not before `CHECK_INTERVAL`.
+MISSING_INTERVALS = 5.0
+#: The longest time between two requests for a missing message, in seconds.
+MAX_RETRY_INTERVAL = 60.0
+
+logger = logging.getLogger("mavstack.vehicle")
 
 
 @dataclass(eq=False, slots=True)
 class RateRequest:
-    """Somebody's wish to have a message at a rate, in hertz."""
+    """A request for a message at a rate in hertz, valid until it is released."""
 
-    kind: Kind
+    message: MessageClass
     rate: float
 
 
 @dataclass(eq=False, slots=True)
-class _Wanted:
-    """All wishes for one message, and what became of them."""
+class _MessageRate:
+    """All requests for one message, and the state of asking the component for them."""
 
-    kind: Kind
-    holds: list[RateRequest] = field(default_factory=list)
+    message: MessageClass
+    requests: list[RateRequest] = field(default_factory=list)
     asked: float | None = None
     denied: CommandDenied | None = None
-    again_at: float = 0.0
-    wait: float = LOOK
-    asking: asyncio.Lock = field(default_factory=asyncio.Lock)
+    retry_at: float = 0.0
+    retry_interval: float = CHECK_INTERVAL
+    lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     @property
     def rate(self) -> float:
-        return max(hold.rate for hold in self.holds)
+        return max(request.rate for request in self.requests)
 
 
 class Rates:
-    """The rates of one component; `age` says how long ago a message came."""
+    """The requested message rates of one component; `age` returns the seconds since a message arrived."""
 
-    def __init__(self, component: RemoteComponent, age: Callable[[Kind], float | None]) -> None:
+    def __init__(
+        self, node: Node, component: RemoteComponent, age: Callable[[MessageClass], float | None]
+    ) -> None:
+        self._node = node
         self._component = component
         self._age = age
-        self._wanted: dict[int, _Wanted] = {}
+        self._rates: dict[int, _MessageRate] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._watching: asyncio.Task[None] | None = None
 
     @property
-    def held(self) -> Mapping[Kind, float]:
-        """What is wanted now, in hertz."""
-        return {wanted.kind: wanted.rate for wanted in self._wanted.values()}
+    def held(self) -> Mapping[MessageClass, float]:
+        """The rates that are requested now, in hertz, by message class."""
+        return {entry.message: entry.rate for entry in self._rates.values()}
 
-    def denied(self, kind: Kind) -> CommandDenied | None:
-        """The refusal of a message's rate, if it was refused."""
-        wanted = self._wanted.get(_id(kind))
-        return None if wanted is None else wanted.denied
+    def denied(self, message: MessageClass) -> CommandDenied | None:
+        """Return the refusal of a message's rate; None if it was not refused."""
+        entry = self._rates.get(_id(message))
+        return None if entry is None else entry.denied
 
-    def hold(self, kind: Kind, rate: float) -> RateRequest:
-        """Want a message at a rate from now on; `ask` says so to the component."""
-        Interval.hertz(rate)  # raises for what is no rate
-        hold = RateRequest(kind, rate)
-        self._wanted.setdefault(_id(kind), _Wanted(kind)).holds.append(hold)
+    def hold(self, message: MessageClass, rate: float) -> RateRequest:
+        """Keep a rate in hertz from now on; `ask` sends it to the component."""
+        Interval.hertz(rate)  # raises for a number that is not a rate
+        request = RateRequest(message, rate)
+        self._rates.setdefault(_id(message), _MessageRate(message)).requests.append(request)
         if self._watching is None or self._watching.done():
             self._watching = self._begin(self._watch())
-        return hold
+        return request
 
-    def release(self, hold: RateRequest) -> None:
-        """Want it no more. Releasing twice does nothing."""
-        wanted = self._wanted.get(_id(hold.kind))
-        if wanted is None or hold not in wanted.holds:
+    def release(self, request: RateRequest) -> None:
+        """Keep a rate no longer. Idempotent."""
+        entry = self._rates.get(_id(request.message))
+        if entry is None or request not in entry.requests:
             return
-        wanted.holds.remove(hold)
-        if not wanted.holds:
-            del self._wanted[_id(hold.kind)]
-        if wanted.asked is not None and self._component.node.is_open:
-            self._begin(self._fall_back(wanted))
+        entry.requests.remove(request)
+        if not entry.requests:
+            del self._rates[_id(request.message)]
+        if entry.asked is not None and self._node.is_open:
+            self._begin(self._fall_back(entry))
 
-    async def ask(self, kind: Kind) -> None:
-        """Ask for a message's rate, unless it was asked for; raises `CommandDenied` or `CommandTimeout`."""
-        wanted = self._wanted.get(_id(kind))
-        if wanted is None:
-            return
-        async with wanted.asking:
-            if wanted.denied is not None:
-                raise wanted.denied
-            if wanted.holds and wanted.asked != wanted.rate:
-                await self._ask(wanted)
+    async def ask(self, message: MessageClass) -> None:
+        """Ask the component for the rate of a message, unless it was asked already.
 
-    async def ensure(self, kind: Kind, rate: float) -> bool:
-        """Have a message come at least about so often for good; False if the component refused or is silent.
-
-        Nothing is asked for while it comes, and a wish like this is remembered once.
+        Raises:
+            CommandDenied: The component refused, now or before.
+            CommandTimeout: The component did not answer.
         """
-        age = self._age(kind)
-        if self.held.get(kind, 0.0) < rate:
-            self.hold(kind, rate)
+        entry = self._rates.get(_id(message))
+        if entry is None:
+            return
+        async with entry.lock:
+            if entry.denied is not None:
+                raise entry.denied
+            if entry.requests and entry.asked != entry.rate:
+                await self._ask(entry)
+
+    async def ensure(self, message: MessageClass, rate: float) -> bool:
+        """Keep a message at `rate` hertz or more for good; return False if it was refused or not answered.
+
+        Nothing is sent while the message arrives often enough, and such a request is kept once.
+        """
+        age = self._age(message)
+        if self.held.get(message, 0.0) < rate:
+            self.hold(message, rate)
         if age is not None and age <= 2.0 / rate:
             return True
         try:
-            await self.ask(kind)
+            await self.ask(message)
         except MavstackError:
             return False
         return True
 
     async def close(self) -> None:
-        """Ask for nothing more."""
+        """Stop asking."""
         tasks = tuple(self._tasks)
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _ask(self, wanted: _Wanted) -> None:
-        rate = wanted.rate
-        now = self._component.node.now()
-        wanted.again_at = now + max(wanted.wait, INTERVALS / rate)
-        wanted.asked = rate  # cancelled, it may have been asked for
+    async def _ask(self, entry: _MessageRate) -> None:
+        rate = entry.rate
+        entry.retry_at = self._node.now() + max(entry.retry_interval, MISSING_INTERVALS / rate)
+        entry.asked = rate  # if this is cancelled, the request may have been sent
         try:
-            await self._component.set_message_rate(wanted.kind, rate)
+            await self._component.set_message_rate(entry.message, rate)
         except CommandDenied as error:
-            wanted.asked, wanted.denied = None, _named(error, wanted.kind, rate)
-            raise wanted.denied from error
+            entry.asked, entry.denied = None, _named(error, entry.message, rate)
+            logger.debug("%s", entry.denied)
+            raise entry.denied from error
         except MavstackError:
-            wanted.asked = None
+            entry.asked = None
             raise
 
-    async def _fall_back(self, wanted: _Wanted) -> None:
-        """Ask for what is left after somebody let go."""
+    async def _fall_back(self, entry: _MessageRate) -> None:
+        """Ask for the rate that is left after a request was released."""
         with suppress(MavstackError):
-            if _id(wanted.kind) in self._wanted:
-                await self.ask(wanted.kind)
-            elif wanted.asked is not None:
-                wanted.asked = None
-                await self._component.set_message_rate(wanted.kind, DEFAULT)
+            if _id(entry.message) in self._rates:
+                await self.ask(entry.message)
+            elif entry.asked is not None:
+                entry.asked = None
+                await self._component.set_message_rate(entry.message, DEFAULT)
 
     async def _watch(self) -> None:
-        node = self._component.node
-        async with node.events(ComponentRebooted, ComponentReturned) as events:
-            while self._wanted:
+        async with self._node.events(ComponentRebooted, ComponentReturned) as events:
+            while self._rates:
                 try:
-                    async with asyncio.timeout(LOOK):
-                        if not await self._lost(events):
+                    async with asyncio.timeout(CHECK_INTERVAL):
+                        if not await self._restarted(events):
                             return
                 except TimeoutError:
-                    await self._ask_for_silent()
+                    await self._ask_for_missing()
                     continue
-                for wanted in self._wanted.values():
-                    wanted.asked = wanted.denied = None
-                    wanted.wait = LOOK
-                await self._ask_each(list(self._wanted.values()))
+                for entry in self._rates.values():
+                    entry.asked = entry.denied = None
+                    entry.retry_interval = CHECK_INTERVAL
+                await self._ask_each(list(self._rates.values()))
 
-    async def _lost(self, events: Subscription[Any]) -> bool:
-        """Wait until the component may have forgotten; False if the node closed."""
+    async def _restarted(self, events: Subscription[Any]) -> bool:
+        """Wait until the component may have forgotten the rates; return False if the node closed."""
         async for event in events:
             if event.component.address == self._component.address:
                 return True
         return False
 
-    async def _ask_for_silent(self) -> None:
+    async def _ask_for_missing(self) -> None:
         info = self._component.info
-        if info is None or not info.alive or not self._component.node.is_open:
+        if info is None or not info.alive or not self._node.is_open:
             return
-        now = self._component.node.now()
-        silent = []
-        for wanted in self._wanted.values():
-            age = self._age(wanted.kind)
-            if age is not None and age <= max(LOOK, INTERVALS / wanted.rate):
-                wanted.wait = LOOK
-            elif wanted.denied is None and now >= wanted.again_at:
-                wanted.asked = None
-                wanted.wait = min(2 * wanted.wait, LONGEST_WAIT)
-                silent.append(wanted)
-        await self._ask_each(silent)
+        now = self._node.now()
+        missing = []
+        for entry in self._rates.values():
+            age = self._age(entry.message)
+            if age is not None and age <= max(CHECK_INTERVAL, MISSING_INTERVALS / entry.rate):
+                entry.retry_interval = CHECK_INTERVAL
+            elif entry.denied is None and now >= entry.retry_at:
+                entry.asked = None
+                entry.retry_interval = min(2 * entry.retry_interval, MAX_RETRY_INTERVAL)
+                missing.append(entry)
+        await self._ask_each(missing)
 
-    async def _ask_each(self, all_wanted: list[_Wanted]) -> None:
-        for wanted in all_wanted:
+    async def _ask_each(self, entries: list[_MessageRate]) -> None:
+        for entry in entries:
             with suppress(MavstackError):
-                await self.ask(wanted.kind)
+                await self.ask(entry.message)
 
     def _begin(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
         task = asyncio.get_running_loop().create_task(work)
@@ -213,13 +224,18 @@ class Rates:
         return task
 
 
-def _named(error: CommandDenied, kind: Kind, rate: float) -> CommandDenied:
-    """The refusal, saying of which message."""
-    what = f"{name_of(kind)} at {rate:g} Hz"
-    named = CommandDenied(what, error.target, attempts=error.attempts, answer=error.answer, code=error.code)
+def _named(error: CommandDenied, message: MessageClass, rate: float) -> CommandDenied:
+    """Return the refusal with the message and its rate as the operation."""
+    named = CommandDenied(
+        f"streaming {name_of(message)} at {rate:g} Hz from",
+        error.target,
+        attempts=error.attempts,
+        answer=error.answer,
+        code=error.code,
+    )
     named.detail, named.status_texts = error.detail, error.status_texts
     return named
 
 
-def _id(kind: Kind) -> int:
-    return int(kind.__mavlink_row__[0])
+def _id(message: MessageClass) -> int:
+    return int(message.__mavlink_row__[0])

@@ -1,4 +1,4 @@
-"""What a vehicle told people, put together from STATUSTEXT and kept for a while."""
+"""The status texts of one system, joined from STATUSTEXT chunks and kept for a while."""
 
 from __future__ import annotations
 
@@ -15,42 +15,43 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.wire import Packet
 
-MOST_TEXTS = 200
+#: The number of texts that are kept.
+MAX_TEXTS = 200
 
 
 class StatusTexts:
-    """The last texts of one system; each packet with one is given to `hear`."""
+    """The last status texts of one system; every STATUSTEXT packet is passed to `receive`."""
 
     def __init__(self, local: Address, now: Callable[[], float]) -> None:
         self._receiver = statustext.StatustextReceiver(local)
         self._now = now
-        self._texts: deque[StatusText] = deque(maxlen=MOST_TEXTS)
+        self._texts: deque[StatusText] = deque(maxlen=MAX_TEXTS)
 
-    def hear(self, packet: Packet) -> None:
-        """Take in a STATUSTEXT."""
+    def receive(self, packet: Packet) -> None:
+        """Take in a STATUSTEXT packet."""
         now = self._now()
         self._receiver.handle_timeout(now)
         self._receiver.receive(packet, now)
-        self._take(now)
+        self._collect(now)
 
     def all(self) -> list[StatusText]:
-        """All that are remembered, the oldest first."""
+        """Return all texts that are kept, oldest first."""
         due = self._receiver.next_timeout()
         if due is not None and self._now() >= due:
             self._receiver.handle_timeout(self._now())
-            self._take(due)
+            self._collect(due)
         return list(self._texts)
 
     def since(self, time: float) -> list[StatusText]:
-        """Those that were told at that time or later."""
+        """Return the texts received at `time` (Unix seconds) or later."""
         return [text for text in self.all() if text.time >= time]
 
-    def _take(self, time: float) -> None:
+    def _collect(self, time: float) -> None:
         for event in self._receiver.events():
             if isinstance(event, statustext.StatusText):
                 severity = event.severity
-                known = common.MavSeverity(severity) if severity in _SEVERITIES else severity
-                self._texts.append(StatusText(time, known, event.text, event.source.component))
+                member = common.MavSeverity(severity) if severity in _SEVERITIES else severity
+                self._texts.append(StatusText(time, member, event.text, event.source.component))
 
 
 _SEVERITIES = frozenset(map(int, common.MavSeverity))

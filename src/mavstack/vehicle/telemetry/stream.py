@@ -1,90 +1,123 @@
-"""A stream of one vehicle's messages, and seeing to it that they come.
+"""A stream of one vehicle's messages, which requests them where the vehicle does not send them by itself.
 
-    begun ── rate given ─────────────────────────────────► asked
-      └── no rate: PATIENCE ── some came ─► done
-                     └── none came ─► asked at the usual rate
-    asked ── accepted ─► done
-      └── refused: GRACE ── some came anyhow ─► done
-                     └── none came ─► the stream raises the refusal
+    started ── rate given ────────────────────────────────────► requested
+      └── no rate: REQUEST_DELAY ── some arrived ──► done
+                     └── none arrived ──► requested at DEFAULT_RATE
+    requested ── accepted ──► done
+      └── refused: REFUSAL_DELAY ── some arrived all the same ──► done
+                     └── none arrived ──► the stream raises the refusal
 
-What a stream asked for with a rate it lets go when it ends; a usual rate stays, since whoever reads a message
-once will want its latest value too. Of several kinds one may be refused while others come: `denied` tells.
+A rate that a stream requested is released when the stream ends. The default rate stays, since a program that
+reads a message once will use its latest value too. If only some of several messages are refused, the stream
+goes on with the others, and `denied` holds the refusals.
 """
 
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from mavstack.dialects import Message
-from mavstack.errors import CommandDenied, LocalProtocolError, MavstackError, RemoteError
+from mavstack.errors import CommandDenied, InvalidArgumentError, MavstackError, RemoteError
 from mavstack.vehicle.telemetry.periodic import is_periodic
 
 if TYPE_CHECKING:
     from types import TracebackType
     from typing import Any, Self
 
+    from mavstack.node import Node
     from mavstack.node.subscription import Subscription
-    from mavstack.vehicle.telemetry.rates import RateRequest
-    from mavstack.vehicle.telemetry.telemetry import Telemetry
+    from mavstack.vehicle.telemetry.rates import RateRequest, Rates
 
 AnyMessage = TypeVar("AnyMessage", bound=Message)
 
-#: The rate asked for where none is given, in hertz.
-USUAL_RATE = 4.0
-#: How long to wait for what may come by itself, in seconds.
-PATIENCE = 1.5
-#: How long after a refusal the message may come anyhow; and for so long what was heard before counts.
-GRACE = 4.0
+#: The rate that is requested if none is given, in hertz.
+DEFAULT_RATE = 4.0
+#: The time to wait for messages that the vehicle may send by itself, in seconds.
+REQUEST_DELAY = 1.5
+#: The time in which messages may arrive in spite of a refusal, in seconds; as old may those be that count.
+REFUSAL_DELAY = 4.0
 
 
-class Stream(Generic[AnyMessage]):
-    """Iterate over it; `async with` ends it with the block, and so does forgetting it."""
+class StreamSource(Protocol):
+    """The telemetry that a stream reads from; `telemetry.Telemetry` is the implementation."""
+
+    @property
+    def node(self) -> Node:
+        """The node that receives the messages."""
+        ...
+
+    @property
+    def rates(self) -> Rates:
+        """The message rates that are requested from the autopilot."""
+        ...
+
+    def received_at(self, message: type[Message]) -> float | None:
+        """Return the time of the last message of a class, in Unix seconds; None if none arrived."""
+        ...
+
+
+class MessageStream(Generic[AnyMessage]):
+    """An async iterator of one vehicle's messages; made by `Vehicle.stream`.
+
+    `async with` ends the stream with the block, and so does dropping the last reference to it. A reader that
+    is too slow loses the oldest messages (`dropped`).
+    """
 
     def __init__(
-        self, telemetry: Telemetry, kinds: tuple[type[AnyMessage], ...], rate: float | None, queue: int
+        self,
+        source: StreamSource,
+        messages: tuple[type[AnyMessage], ...],
+        subscription: Subscription[AnyMessage],
+        rate: float | None,
     ) -> None:
-        if rate is not None and not kinds:
-            raise LocalProtocolError("a rate is asked for of messages that are named")
-        messages = telemetry.component.stream(*kinds, queue=queue)
-        self._supply = _Supply(telemetry, kinds, rate, messages)
-        self._messages = messages
+        if rate is not None and not messages:
+            subscription.close()
+            raise InvalidArgumentError("a rate needs the message classes that it is for")
+        self._request = _StreamRequest(source, messages, rate, subscription)
+        self._subscription = subscription
 
     @property
     def dropped(self) -> int:
-        """How many were lost because they were not read in time."""
-        return self._messages.dropped
+        """The number of messages that were lost because they were not read in time."""
+        return self._subscription.dropped
 
     @property
     def denied(self) -> dict[type[Message], CommandDenied]:
-        """Which of the kinds the vehicle refused to send at the rate asked for."""
-        return dict(self._supply.denied)
+        """The refusals of the rate, by message class."""
+        return dict(self._request.denied)
 
-    def take(self) -> list[AnyMessage]:
-        """All that has come and was not read, without waiting."""
-        return self._messages.drain()
+    def drain(self) -> list[AnyMessage]:
+        """Return all messages that arrived and were not read, without waiting."""
+        return self._subscription.drain()
 
     def close(self) -> None:
-        """Listen no more, and want no rate. Closing twice does nothing."""
-        self._supply.end()
+        """Unsubscribe, and release the requested rate. Idempotent."""
+        self._request.end()
 
     def __aiter__(self) -> Self:
         return self
 
     async def __anext__(self) -> AnyMessage:
-        supply = self._supply
-        if not supply.begun:
-            supply.begin()
+        """Return the next message.
+
+        Raises:
+            CommandDenied: The vehicle refused to send the messages, and none arrived.
+            StopAsyncIteration: The stream or its connection was closed.
+        """
+        request = self._request
+        if not request.started:
+            request.start()
         try:
-            return await self._messages.__anext__()
+            return await self._subscription.__anext__()
         except StopAsyncIteration:
-            if supply.error is None:
+            if request.error is None:
                 raise
-        raise supply.error
+        raise request.error
 
     async def __aenter__(self) -> Self:
-        if not self._supply.begun:
-            self._supply.begin()
+        if not self._request.started:
+            self._request.start()
         return self
 
     async def __aexit__(
@@ -93,91 +126,94 @@ class Stream(Generic[AnyMessage]):
         self.close()
 
     def __del__(self) -> None:
-        supply = self.__dict__.get("_supply")
-        if supply is not None:
-            supply.forgotten()
+        request = self.__dict__.get("_request")
+        if request is not None:
+            request.abandon()
 
 
-class _Supply:
-    """Sees to it that the messages come. It does not know its stream, so that this can be forgotten."""
+class _StreamRequest:
+    """Requests the messages of a stream. It holds no reference to the stream, which can be collected."""
 
     def __init__(
         self,
-        telemetry: Telemetry,
-        kinds: tuple[type[Message], ...],
+        source: StreamSource,
+        messages: tuple[type[Message], ...],
         rate: float | None,
-        messages: Subscription[Any],
+        subscription: Subscription[Any],
     ) -> None:
-        self._telemetry, self._kinds, self._rate, self._messages = telemetry, kinds, rate, messages
-        self._holds: list[RateRequest] = []
+        self._source, self._messages, self._rate = source, messages, rate
+        self._subscription = subscription
+        self._requests: list[RateRequest] = []
         self._task: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._since = 0.0
         self.denied: dict[type[Message], CommandDenied] = {}
         self.error: MavstackError | None = None
-        self.begun = False
+        self.started = False
 
-    def begin(self) -> None:
-        """Wait for the messages, and ask for them if need be."""
-        self.begun = True
-        if not self._kinds or self._messages.closed:
+    def start(self) -> None:
+        """Wait for the messages, and request them if need be."""
+        self.started = True
+        if not self._messages or self._subscription.closed:
             return
-        self._since = self._telemetry.node.now() - GRACE
+        self._since = self._source.node.now() - REFUSAL_DELAY
         if self._rate is not None:
-            self._holds = [self._telemetry.rates.hold(kind, self._rate) for kind in self._kinds]
+            self._requests = [self._source.rates.hold(message, self._rate) for message in self._messages]
         self._loop = asyncio.get_running_loop()
-        self._task = self._loop.create_task(self._supply())
+        self._task = self._loop.create_task(self._run())
 
     def end(self) -> None:
-        """Nobody reads it any more."""
-        self._messages.close()
+        """Unsubscribe, and release the requested rate. Idempotent."""
+        self._subscription.close()
         if self._task is not None:
             self._task.cancel()
-        holds, self._holds = self._holds, []
-        for hold in holds:
-            self._telemetry.rates.release(hold)
+        requests, self._requests = self._requests, []
+        for request in requests:
+            self._source.rates.release(request)
 
-    def forgotten(self) -> None:
-        """The same, from wherever the collector runs."""
+    def abandon(self) -> None:
+        """End the request from any thread, as the garbage collector does."""
         if self._loop is None:
-            self._messages.close()
-        elif not self._loop.is_closed() and (self._holds or not self._messages.closed):
+            self._subscription.close()
+        elif not self._loop.is_closed() and (self._requests or not self._subscription.closed):
             self._loop.call_soon_threadsafe(self.end)
 
-    async def _supply(self) -> None:
+    async def _run(self) -> None:
         try:
             await self._ask()
         except MavstackError as error:
-            if not self._messages.closed:
+            if not self._subscription.closed:
                 self._fail(error)
 
     async def _ask(self) -> None:
-        kinds = self._kinds
+        messages = self._messages
         if self._rate is None:
-            await asyncio.sleep(PATIENCE)
-            kinds = tuple(kind for kind in kinds if is_periodic(kind) and not self._came(kind))
-        for kind in kinds:
-            await self._ask_for(kind)
+            await asyncio.sleep(REQUEST_DELAY)
+            messages = tuple(
+                message for message in messages if is_periodic(message) and not self._arrived(message)
+            )
+        for message in messages:
+            await self._ask_for(message)
         if self.denied:
-            await asyncio.sleep(GRACE)
-            if not any(map(self._came, self._kinds)):
+            await asyncio.sleep(REFUSAL_DELAY)
+            if not any(map(self._arrived, self._messages)):
                 self._fail(next(iter(self.denied.values())))
 
-    async def _ask_for(self, kind: type[Message]) -> None:
-        rates = self._telemetry.rates
-        if self._rate is None and kind not in rates.held:
-            rates.hold(kind, USUAL_RATE)
+    async def _ask_for(self, message: type[Message]) -> None:
+        rates = self._source.rates
+        if self._rate is None and message not in rates.held:
+            rates.hold(message, DEFAULT_RATE)
         try:
-            await rates.ask(kind)
+            await rates.ask(message)
         except CommandDenied as error:
-            self.denied[kind] = error
+            self.denied[message] = error
         except RemoteError:
-            return  # no answer yet: `Rates` goes on asking while the vehicle is alive
+            return  # not answered: `Rates` goes on asking while the vehicle is alive
 
-    def _came(self, kind: type[Message]) -> bool:
-        heard_at = self._telemetry.heard_at(kind)
-        return heard_at is not None and heard_at >= self._since
+    def _arrived(self, message: type[Message]) -> bool:
+        received_at = self._source.received_at(message)
+        return received_at is not None and received_at >= self._since
 
     def _fail(self, error: MavstackError) -> None:
         self.error = error
-        self._messages.close()
+        self._subscription.close()

@@ -1,8 +1,8 @@
-"""What was heard of a vehicle: the latest packet of each kind from each component of its system.
+"""The telemetry of one vehicle: the latest packet of each message from each component of its system.
 
-Packets are kept as they came and decoded when somebody asks, so that what nobody reads costs no more than its
-place in a dictionary. A value belongs to the autopilot unless a component is named: a camera or a gimbal may
-send an ATTITUDE of its own.
+Packets are stored as received and decoded when a value is read, so that messages that no program reads cost
+no more than their place in a dictionary. A value belongs to the autopilot unless a component is named: a
+camera or a gimbal may send an ATTITUDE of its own.
 """
 
 from __future__ import annotations
@@ -11,17 +11,21 @@ import asyncio
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from mavstack.dialects import Message, common
-from mavstack.errors import CommandDenied, MavstackError, MessageTimeout, RemoteCancelled
+from mavstack.errors import CommandDenied, CommandTimeout, MavstackError, MessageTimeout, RemoteCancelled
+from mavstack.services import DEFAULT_WAIT_TIMEOUT
 from mavstack.services.message_request.interval import name_of
+from mavstack.vehicle.deadline import deadline
+from mavstack.vehicle.firmware import firmware_class
 from mavstack.vehicle.telemetry.rates import Rates
 from mavstack.vehicle.telemetry.status_texts import StatusTexts
-from mavstack.vehicle.telemetry.stream import Stream
+from mavstack.vehicle.telemetry.stream import MessageStream
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.node import Node, RemoteComponent
-    from mavstack.node.dispatch import Listening
+    from mavstack.node.dispatch import Listener
+    from mavstack.vehicle.firmware import Firmware
     from mavstack.vehicle.telemetry.rates import RateRequest
     from mavstack.wire import Packet
 
@@ -29,68 +33,74 @@ AnyMessage = TypeVar("AnyMessage", bound=Message)
 Second = TypeVar("Second", bound=Message)
 Third = TypeVar("Third", bound=Message)
 
-#: So many kinds of messages are kept, of all components together; beyond it those heard longest ago go.
-MOST_KINDS = 2048
-#: A coarse message counts when the finer one is so much older, in seconds.
-FRESH = 10.0
-#: Components that are batteries and tell of themselves; what the autopilot tells goes first.
+#: The number of messages that are stored, of all components together; beyond it the oldest are dropped.
+MAX_MESSAGES = 2048
+#: A coarse message counts if the finer one is older by more than this, in seconds.
+FINE_LIFETIME = 10.0
+#: Components that are batteries of their own; the autopilot's report of a battery is preferred.
 _BATTERIES = (common.MavComponent.BATTERY, common.MavComponent.BATTERY2)
-_COMPONENT = 24  # a message id has so many bits; above them stands the component
+#: The number of bits of a message id; the component id stands above them in a key.
+_ID_BITS = 24
 
 
 class Telemetry:
-    """What is heard of one vehicle; `vehicle.telemetry`."""
+    """The messages of one vehicle's system, and the rates requested from its autopilot."""
 
-    def __init__(self, component: RemoteComponent) -> None:
-        self.node: Node = component.node
-        #: Its autopilot.
+    def __init__(self, node: Node, component: RemoteComponent) -> None:
+        self.node = node
+        #: The autopilot.
         self.component = component
-        #: The rates that it was asked for.
-        self.rates = Rates(component, self.age)
-        #: What it told people.
-        self.status_texts = StatusTexts(self.node.address, self.now)
-        #: When it last said that it is ready to arm.
+        #: The message rates that are requested from the autopilot.
+        self.rates = Rates(node, component, self.age)
+        #: The status texts of the whole system.
+        self.status_texts = StatusTexts(node.address, self.now)
+        #: The time when the vehicle last reported that it is ready to arm, in Unix seconds.
         self.ready_at: float | None = None
-        #: Whether it was asked for its home and had none to tell.
+        #: True if HOME_POSITION was requested and the vehicle had none.
         self.home_refused = False
-        self._set: dict[int, RateRequest] = {}
+        self._set_rates: dict[int, RateRequest] = {}
         self._latest: dict[int, tuple[Packet, float]] = {}
         self._batteries: dict[tuple[int, int], common.BatteryStatus] = {}
         system = component.address.system
-        self._listening: tuple[Listening, ...] = (
-            self.node.add_packet_listener(None, self._keep, system=system),
-            self.node.add_packet_listener(common.Statustext, self.status_texts.hear, system=system),
-            self.node.add_packet_listener(common.BatteryStatus, self._hear_battery, system=system),
-            self.node.add_packet_listener(common.SysStatus, self._hear_status, system=system),
+        self._listeners: tuple[Listener, ...] = (
+            node.add_packet_listener(None, self._store, system=system),
+            node.add_packet_listener(common.Statustext, self.status_texts.receive, system=system),
+            node.add_packet_listener(common.BatteryStatus, self._store_battery, system=system),
+            node.add_packet_listener(common.SysStatus, self._receive_status, system=system),
         )
-        _ = component.modes.monitor  # follows the mode from now on
+        _ = component.modes.current  # the first use starts to follow the mode
 
     @property
     def autopilot(self) -> int | None:
-        """The MAV_AUTOPILOT of its heartbeat."""
+        """The MAV_AUTOPILOT of the heartbeat."""
         info = self.component.info
         return None if info is None else info.autopilot
 
-    # What was heard last
+    @property
+    def firmware(self) -> type[Firmware]:
+        """The class that tells how the firmware reports its state."""
+        return firmware_class(self.autopilot)
 
-    def latest(self, kind: type[AnyMessage], component: int | None = None) -> AnyMessage | None:
-        """The last message of a kind, of the autopilot unless a component is named."""
-        kept = self._latest.get(self._key(kind, component))
-        message = None if kept is None else kept[0].message
-        return message if isinstance(message, kind) else None
+    # The latest messages
 
-    def heard_at(self, kind: type[Message], component: int | None = None) -> float | None:
-        """When it was heard, in the node's time."""
-        kept = self._latest.get(self._key(kind, component))
-        return None if kept is None else kept[1]
+    def latest(self, message: type[AnyMessage], component: int | None = None) -> AnyMessage | None:
+        """Return the last message of a class, from the autopilot unless a component is named."""
+        stored = self._latest.get(self._key(message, component))
+        found = None if stored is None else stored[0].message
+        return found if isinstance(found, message) else None
 
-    def age(self, kind: type[Message], component: int | None = None) -> float | None:
-        """How long ago it was heard, in seconds."""
-        heard_at = self.heard_at(kind, component)
-        return None if heard_at is None else self.now() - heard_at
+    def received_at(self, message: type[Message], component: int | None = None) -> float | None:
+        """Return the time when the last message of a class was received, in Unix seconds."""
+        stored = self._latest.get(self._key(message, component))
+        return None if stored is None else stored[1]
+
+    def age(self, message: type[Message], component: int | None = None) -> float | None:
+        """Return the seconds since the last message of a class was received."""
+        received_at = self.received_at(message, component)
+        return None if received_at is None else self.now() - received_at
 
     def now(self) -> float:
-        """The node's time, or what it was when the node was closed."""
+        """Return the node's time; after the node was closed, the time of the last message."""
         return (
             self.node.now()
             if self.node.is_open
@@ -103,125 +113,136 @@ class Telemetry:
     def newest(
         self, first: type[AnyMessage], second: type[Second], third: type[Third], /
     ) -> AnyMessage | Second | Third | None: ...
-    def newest(self, *kinds: type[Any]) -> Any:
-        """That message of these kinds which was heard last."""
-        times = [(heard_at, kind) for kind in kinds if (heard_at := self.heard_at(kind)) is not None]
+    def newest(self, *messages: type[Any]) -> Any:
+        """Return the message of these classes that was received last."""
+        times = [(time, message) for message in messages if (time := self.received_at(message)) is not None]
         return self.latest(max(times, key=lambda each: each[0])[1]) if times else None
 
     @overload
-    def finer(self, first: type[AnyMessage], coarse: type[Second], /) -> AnyMessage | Second | None: ...
+    def finest(self, first: type[AnyMessage], coarse: type[Second], /) -> AnyMessage | Second | None: ...
     @overload
-    def finer(
+    def finest(
         self, first: type[AnyMessage], second: type[Second], coarse: type[Third], /
     ) -> AnyMessage | Second | Third | None: ...
-    def finer(self, *kinds: type[Any]) -> Any:
-        """The newest of these kinds, but the last kind only if the others are much older."""
-        *fine, coarse = kinds
-        heard = [time for kind in fine if (time := self.heard_at(kind)) is not None]
-        coarse_at = self.heard_at(coarse)
-        if heard and (coarse_at is None or max(heard) >= coarse_at - FRESH):
-            return self.latest(max(fine, key=lambda kind: self.heard_at(kind) or 0.0))
+    def finest(self, *messages: type[Any]) -> Any:
+        """Return the newest message of these classes, the last one only if the others are much older."""
+        *fine, coarse = messages
+        times = [time for message in fine if (time := self.received_at(message)) is not None]
+        coarse_at = self.received_at(coarse)
+        if times and (coarse_at is None or max(times) >= coarse_at - FINE_LIFETIME):
+            return self.latest(max(fine, key=lambda message: self.received_at(message) or 0.0))
         return self.latest(coarse)
 
     def battery_messages(self) -> dict[int, common.BatteryStatus]:
-        """The last BATTERY_STATUS of each battery, by its id."""
-        told: dict[int, common.BatteryStatus] = {}
+        """Return the last BATTERY_STATUS of each battery, by its id."""
+        found: dict[int, common.BatteryStatus] = {}
         for source in (*_BATTERIES, self.component.address.component):
-            told |= {each.id: each for (sender, _), each in self._batteries.items() if sender == source}
-        return told
+            found |= {each.id: each for (sender, _), each in self._batteries.items() if sender == source}
+        return found
 
-    # What comes from now on
+    # New messages
 
     def stream(
-        self, *kinds: type[AnyMessage], rate: float | None = None, queue: int = 1000
-    ) -> Stream[AnyMessage]:
-        """The autopilot's messages of these classes, as they come; see `Stream`."""
-        return Stream(self, kinds, rate, queue)
+        self, *messages: type[AnyMessage], rate: float | None = None, queue: int = 1000
+    ) -> MessageStream[AnyMessage]:
+        """Return an async iterator of the autopilot's messages of these classes; see `MessageStream`."""
+        subscription = self.component.stream(*messages, queue=queue)
+        return MessageStream(self, messages, subscription, rate)
 
-    async def wait_for_message(self, kind: type[AnyMessage], *, timeout: float = 10.0) -> AnyMessage:
-        """The next message of a kind; raises `MessageTimeout`, or `CommandDenied` if the vehicle has none."""
-        what, whom = name_of(kind), str(self.component.address)
-        async with self.stream(kind) as messages:
+    async def wait_for_message(
+        self, message: type[AnyMessage], *, timeout: float | None = DEFAULT_WAIT_TIMEOUT
+    ) -> AnyMessage:
+        """Return the next message of a class; see `Vehicle.wait_for_message`."""
+        operation, target = f"waiting for {name_of(message)} from", str(self.component.address)
+        async with self.stream(message) as stream:
             try:
                 async with asyncio.timeout(timeout):
-                    return await anext(messages)
+                    return await anext(stream)
             except TimeoutError:
-                raise MessageTimeout(what, whom, answer=f"none came in {timeout:g} s") from None
+                raise MessageTimeout(operation, target, answer=f"none arrived in {timeout:g} s") from None
             except StopAsyncIteration:
-                raise RemoteCancelled(what, whom, answer="the connection was closed") from None
+                raise RemoteCancelled(operation, target, answer="the connection was closed") from None
 
     def add_listener(
-        self, kind: type[AnyMessage], callback: Callable[[AnyMessage], object], component: int | None = None
-    ) -> Listening:
-        """Call a function with each message of a kind, at once; what it raises goes to the loop's handler."""
+        self,
+        message: type[AnyMessage] | tuple[type[AnyMessage], ...],
+        callback: Callable[[AnyMessage], object],
+        *,
+        component: int | None = None,
+    ) -> Listener:
+        """Call a function with each message of a class; see `Vehicle.add_listener`."""
         system, autopilot = self.component.address
-        name = name_of(kind)
+        names = ", ".join(map(name_of, message if isinstance(message, tuple) else (message,)))
 
-        def hear(packet: Packet) -> None:
+        def deliver(packet: Packet) -> None:
             try:
                 callback(packet.message)
-            except Exception as error:  # noqa: BLE001 (a defect of the program must not deafen the link)
-                told = {"message": f"the callback for {name} failed", "exception": error}
-                asyncio.get_running_loop().call_exception_handler(told)
+            except Exception as error:  # noqa: BLE001 (a defect of the program must not stop the link)
+                context = {"message": f"the listener for {names} failed", "exception": error}
+                asyncio.get_running_loop().call_exception_handler(context)
 
         source = autopilot if component is None else component
-        return self.node.add_packet_listener(kind, hear, system=system, component=source)
+        return self.node.add_packet_listener(message, deliver, system=system, component=source)
 
-    async def ensure(self, kind: type[Message], rate: float) -> bool:
-        """Have a message come at least about so often for good; False if the vehicle refused or is silent."""
-        return await self.rates.ensure(kind, rate)
+    async def ensure(self, message: type[Message], rate: float) -> bool:
+        """Keep a message at `rate` hertz or more for good; return False if it was refused or not answered."""
+        return await self.rates.ensure(message, rate)
 
-    async def set_message_rate(self, kind: type[Message], rate: float | None) -> None:
-        """Have a message come so many times a second for good, or no longer; raises what `Rates.ask` does."""
-        number = self._key(kind, 0)
-        before = self._set.pop(number, None)
+    async def set_message_rate(
+        self, message: type[Message], rate: float | None, *, timeout: float | None = None
+    ) -> None:
+        """Request a message at a rate for good; see `Vehicle.set_message_rate`."""
+        key = self._key(message, 0)
+        before = self._set_rates.pop(key, None)
         if rate is not None:
-            self._set[number] = self.rates.hold(kind, rate)
+            self._set_rates[key] = self.rates.hold(message, rate)
         if before is not None:
             self.rates.release(before)
-        await self.rates.ask(kind)
+        operation = f"setting the rate of {name_of(message)} on"
+        async with deadline(timeout, operation, self.component.address, CommandTimeout):
+            await self.rates.ask(message)
 
-    async def ask_for_home(self) -> None:
-        """Ask for HOME_POSITION, unless it was heard."""
+    async def request_home(self) -> None:
+        """Request HOME_POSITION, unless it was received."""
         if self.latest(common.HomePosition) is None:
             try:
                 await self.component.request_message(common.HomePosition)
             except (CommandDenied, MessageTimeout):
                 self.home_refused = True
             except MavstackError:
-                return  # closed, or nobody there
+                return  # the node was closed, or the vehicle does not answer
             else:
                 self.home_refused = False
 
     async def close(self) -> None:
-        """Hear and ask nothing more."""
-        for listening in self._listening:
-            listening.close()
+        """Unregister all listeners, and request nothing more."""
+        for listener in self._listeners:
+            listener.close()
         await self.rates.close()
 
-    # Each packet, as it comes
+    # Received packets
 
-    def _keep(self, packet: Packet) -> None:
+    def _store(self, packet: Packet) -> None:
         latest = self._latest
-        latest[packet.component << _COMPONENT | packet.message_id] = packet, self.node.now()
-        if len(latest) > MOST_KINDS:
-            self._forget_old()
+        latest[packet.component << _ID_BITS | packet.message_id] = packet, self.node.now()
+        if len(latest) > MAX_MESSAGES:
+            self._drop_oldest()
 
-    def _forget_old(self) -> None:
+    def _drop_oldest(self) -> None:
         by_age = sorted(self._latest.items(), key=lambda item: item[1][1], reverse=True)
-        self._latest = dict(by_age[: MOST_KINDS // 2])
+        self._latest = dict(by_age[: MAX_MESSAGES // 2])
 
-    def _hear_battery(self, packet: Packet) -> None:
+    def _store_battery(self, packet: Packet) -> None:
         own = self.component.address.component
         if packet.component == own or packet.component in _BATTERIES:
             self._batteries[packet.component, packet.message.id] = packet.message
 
-    def _hear_status(self, packet: Packet) -> None:
+    def _receive_status(self, packet: Packet) -> None:
         if packet.component == self.component.address.component:
             health = packet.message.onboard_control_sensors_health
             if health & common.MavSysStatusSensor.PREARM_CHECK:
                 self.ready_at = self.node.now()
 
-    def _key(self, kind: type[Message], component: int | None) -> int:
+    def _key(self, message: type[Message], component: int | None) -> int:
         source = self.component.address.component if component is None else component
-        return int(source << _COMPONENT | kind.__mavlink_row__[0])
+        return int(source << _ID_BITS | message.__mavlink_row__[0])

@@ -1,7 +1,7 @@
-"""What a vehicle tells, in SI units and degrees, the same of every firmware.
+"""Values that a vehicle reports, in SI units and degrees, the same for every firmware.
 
-None stands for what the vehicle does not know, or says that it does not. Directions are degrees clockwise
-from north; north, east and down are the axes of the local frame.
+None means that the vehicle does not know the value, or reports that it does not. Directions are degrees
+clockwise from north; north, east and down are the axes of the local frame (NED).
 """
 
 from __future__ import annotations
@@ -20,7 +20,15 @@ _FIX_3D = 3
 
 @dataclass(frozen=True, slots=True)
 class Position:
-    """Where it is: altitude above mean sea level, and above home, in metres; heading in 0 to 360 degrees."""
+    """A global position.
+
+    Attributes:
+        latitude: Degrees, positive to the north.
+        longitude: Degrees, positive to the east.
+        altitude: Metres above mean sea level.
+        relative_altitude: Metres above home.
+        heading: The direction in which the vehicle points, 0 to 360 degrees.
+    """
 
     latitude: float
     longitude: float
@@ -31,7 +39,7 @@ class Position:
 
 @dataclass(frozen=True, slots=True)
 class LocalPosition:
-    """Where it is, in metres from the origin of its own frame."""
+    """A position in metres from the origin of the vehicle's local frame (NED)."""
 
     north: float
     east: float
@@ -40,7 +48,7 @@ class LocalPosition:
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """How fast it moves over the ground, in m/s."""
+    """A velocity over ground in m/s (NED)."""
 
     north: float
     east: float
@@ -48,13 +56,13 @@ class Velocity:
 
     @property
     def ground_speed(self) -> float:
-        """Its speed along the ground."""
+        """The horizontal speed in m/s."""
         return hypot(self.north, self.east)
 
 
 @dataclass(frozen=True, slots=True)
 class Attitude:
-    """How it is turned, in degrees (yaw from -180 to 180), and how fast it turns, in degrees a second."""
+    """An attitude in degrees (yaw from -180 to 180), and its rates in degrees per second."""
 
     roll: float
     pitch: float
@@ -65,13 +73,20 @@ class Attitude:
 
     @property
     def heading(self) -> float:
-        """Its yaw as a heading of 0 to 360 degrees."""
+        """The yaw as a heading of 0 to 360 degrees."""
         return self.yaw % 360.0
 
 
 @dataclass(frozen=True, slots=True)
 class VfrHud:
-    """VfrHud in m/s as a pilot wants them, and the throttle in remaining."""
+    """The values of a head-up display: speeds in m/s, throttle in percent.
+
+    Attributes:
+        airspeed: Speed through the air, in m/s.
+        ground_speed: Horizontal speed over ground, in m/s.
+        climb: Vertical speed, in m/s, positive up.
+        throttle: Throttle, in percent.
+    """
 
     airspeed: float | None
     ground_speed: float | None
@@ -81,9 +96,21 @@ class VfrHud:
 
 @dataclass(frozen=True, slots=True)
 class Gps:
-    """What its receiver says: fix, satellites, dilution, place in degrees and metres, accuracy in metres.
+    """The state of the satellite navigation receiver.
 
-    `course` is where it moves, `heading` where it points if the receiver has two antennas.
+    Attributes:
+        fix: The GPS_FIX_TYPE.
+        satellites: The number of visible satellites.
+        hdop: Horizontal dilution of precision.
+        vdop: Vertical dilution of precision.
+        latitude: Degrees; None without a fix.
+        longitude: Degrees; None without a fix.
+        altitude: Metres above mean sea level; None without a fix.
+        ground_speed: Metres per second.
+        course: The direction of motion over ground, in degrees.
+        heading: The direction in which the vehicle points, in degrees, from a receiver with two antennas.
+        horizontal_accuracy: Metres.
+        vertical_accuracy: Metres.
     """
 
     fix: common.GpsFixType | int
@@ -101,13 +128,26 @@ class Gps:
 
     @property
     def has_fix(self) -> bool:
-        """Whether it knows its place in all three dimensions."""
+        """True if the receiver has a fix in three dimensions."""
         return self.fix >= _FIX_3D
 
 
 @dataclass(frozen=True, slots=True)
 class Battery:
-    """A battery: voltage, current, remaining left, mAh taken, degrees Celsius, voltage of cells, seconds left."""
+    """The state of a battery.
+
+    Attributes:
+        id: The number of the battery, from 0.
+        voltage: Volts.
+        current: Amperes.
+        remaining: The charge that is left, in percent.
+        consumed: The charge that was drawn, in mAh.
+        temperature: Degrees Celsius.
+        cells: The voltage of each cell, in volts; empty if only the sum is reported.
+        time_remaining: Seconds until the battery is empty.
+        charge_state: The MAV_BATTERY_CHARGE_STATE.
+        faults: The MAV_BATTERY_FAULT flags.
+    """
 
     id: int = 0
     voltage: float | None = None
@@ -123,7 +163,7 @@ class Battery:
 
 @dataclass(frozen=True, slots=True)
 class HomePosition:
-    """Where it was armed, or was told that home is: degrees, and metres above mean sea level."""
+    """The position of home: degrees, and metres above mean sea level."""
 
     latitude: float
     longitude: float
@@ -132,7 +172,12 @@ class HomePosition:
 
 @dataclass(frozen=True, slots=True)
 class Rc:
-    """The radio control: pulses of each channel in microseconds, None if unused; `rssi` in 0 to 254."""
+    """The radio control input.
+
+    Attributes:
+        channels: The pulse of each channel in microseconds, from channel 1; None for an unused channel.
+        rssi: The signal strength, 0 to 254.
+    """
 
     channels: tuple[int | None, ...]
     rssi: int | None = None
@@ -140,7 +185,7 @@ class Rc:
 
 @dataclass(frozen=True, slots=True)
 class Wind:
-    """Where the air moves to, in m/s."""
+    """The velocity of the air in m/s (NED): the direction in which it moves."""
 
     north: float
     east: float
@@ -148,18 +193,25 @@ class Wind:
 
     @property
     def speed(self) -> float:
-        """Its speed along the ground."""
+        """The horizontal wind speed in m/s."""
         return hypot(self.north, self.east)
 
     @property
     def direction(self) -> float:
-        """The direction that it comes from, as a weather report says it."""
+        """The direction from which the wind blows, in degrees, as in a weather report."""
         return degrees(atan2(-self.east, -self.north)) % 360.0
 
 
 @dataclass(frozen=True, slots=True)
 class Imu:
-    """What its inertial unit feels, in the body's axes: m/s², degrees a second, gauss, degrees Celsius."""
+    """The readings of the inertial sensors, in the axes of the body (forward, right, down).
+
+    Attributes:
+        acceleration: Metres per second squared.
+        rotation: Degrees per second.
+        magnetic_field: Gauss.
+        temperature: Degrees Celsius.
+    """
 
     acceleration: Vector
     rotation: Vector
@@ -169,9 +221,17 @@ class Imu:
 
 @dataclass(frozen=True, slots=True)
 class Odometry:
-    """Place, attitude (w, x, y, z) and motion in the frames that it names; `quality` in remaining.
+    """An odometry estimate.
 
-    Metres, m/s and degrees a second; position in `frame`, velocity and rotation in `child_frame`.
+    Attributes:
+        frame: The MAV_FRAME of `position`.
+        child_frame: The MAV_FRAME of `velocity` and `rotation`.
+        position: Metres.
+        quaternion: The attitude as w, x, y, z.
+        velocity: Metres per second.
+        rotation: Degrees per second.
+        quality: Percent.
+        resets: The number of estimator resets.
     """
 
     frame: common.MavFrame | int
@@ -186,7 +246,14 @@ class Odometry:
 
 @dataclass(frozen=True, slots=True)
 class StatusText:
-    """What it told people, and when, in Unix seconds."""
+    """A status text (STATUSTEXT).
+
+    Attributes:
+        time: The time of receipt, in Unix seconds.
+        severity: The MAV_SEVERITY.
+        text: The whole text, joined from its chunks.
+        component: The component id of the sender.
+    """
 
     time: float
     severity: common.MavSeverity | int

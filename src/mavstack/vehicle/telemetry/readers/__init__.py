@@ -1,4 +1,4 @@
-"""How each value is read out of the messages that were heard; nothing here sends or waits."""
+"""The functions that read each value from the received messages; none of them sends or waits."""
 
 from mavstack.vehicle.telemetry.readers.motion import (
     read_attitude,

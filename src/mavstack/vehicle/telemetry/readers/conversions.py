@@ -1,6 +1,6 @@
-"""From the numbers of the wire to values: scaled, or None where the number stands for "not known".
+"""Conversions from field values on the wire to units, with None for the value that means "not known".
 
-What stands for that says the definition of each field; where it is silent, what firmwares send says it.
+The field's definition tells which value that is; where it does not, the firmwares' behaviour does.
 """
 
 from __future__ import annotations
@@ -18,37 +18,37 @@ _POLE, _DATE_LINE = 90.0, 180.0
 
 
 def known(value: int, unknown: int) -> int | None:
-    """The number, unless it is the one that stands for "not known"."""
+    """Return the value, or None if it is the one that means "not known"."""
     return None if value == unknown else value
 
 
 def scaled(value: int, unknown: int, divisor: float) -> float | None:
-    """The number in other units, unless it is the one that stands for "not known"."""
+    """Return the value over `divisor`, or None if it is the one that means "not known"."""
     return None if value == unknown else value / divisor
 
 
 def finite(value: float) -> float | None:
-    """The number, unless it is none."""
+    """Return the value, or None if it is not finite."""
     return value if isfinite(value) else None
 
 
 def finite_degrees(radians: float) -> float | None:
-    """An angle or a rate, unless it is no number."""
+    """Return radians as degrees, or None if they are not finite."""
     return degrees(radians) if isfinite(radians) else None
 
 
 def vector(x: float, y: float, z: float) -> Vector | None:
-    """Three numbers, if all of them are numbers."""
+    """Return three numbers, or None unless all of them are finite."""
     return (x, y, z) if isfinite(x) and isfinite(y) and isfinite(z) else None
 
 
 def vector_in_degrees(x: float, y: float, z: float) -> Vector | None:
-    """Three angles or rates, if all of them are numbers."""
+    """Return three angles or rates in degrees, or None unless all of them are finite."""
     return (degrees(x), degrees(y), degrees(z)) if vector(x, y, z) else None
 
 
-def place(latitude: int, longitude: int) -> tuple[float, float] | None:
-    """A place in degrees; both zero is what ArduPilot sends before it knows one, and no place on earth."""
+def location(latitude: int, longitude: int) -> tuple[float, float] | None:
+    """Return degrees, or None if they are invalid; 0, 0 is sent before the position is known."""
     north, east = latitude / _DEGREES_E7, longitude / _DEGREES_E7
     if (latitude == 0 and longitude == 0) or abs(north) > _POLE or abs(east) > _DATE_LINE:
         return None

@@ -1,7 +1,7 @@
-"""Where the vehicle is and how it moves.
+"""The readers of position, motion and wind.
 
-Of messages that tell the same, the one that was heard last counts. HIGH_LATENCY2 is coarse: what it tells is
-taken only when the finer message has not come for a while.
+Of several messages with the same value, the one that was received last counts. HIGH_LATENCY2 is coarse: its
+values count only if the finer message has not been received for a while.
 """
 
 from __future__ import annotations
@@ -10,13 +10,14 @@ from math import asin, atan2, cos, degrees, hypot, radians, sin
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.vehicle.firmware import firmware_class
 from mavstack.vehicle.telemetry.readers.conversions import (
     INT16_MAX,
     INT32_MAX,
     UINT16_MAX,
     finite,
     finite_degrees,
-    place,
+    location,
     scaled,
     vector,
 )
@@ -30,32 +31,32 @@ Quaternion: TypeAlias = "tuple[float, float, float, float]"
 
 _MILLI, _CENTI = 1000.0, 100.0
 _CIRCLE = 360.0
-#: HIGH_LATENCY2's speeds and rates are so much finer than a m/s, its angles so much coarser than a degree.
+#: The units of HIGH_LATENCY2: speeds in fifths of m/s, rates in tenths of m/s, angles in steps of 2 degrees.
 _FIFTHS, _TENTHS, _DOUBLE = 5.0, 10.0, 2.0
-#: A quaternion much shorter than 1 is not one: zeros stand for "none".
-_LEAST_NORM = 0.5
+#: A shorter quaternion is not a rotation: zeros mean "none".
+_MIN_NORM = 0.5
 
 
-def read_position(heard: Telemetry) -> Position | None:
-    """GLOBAL_POSITION_INT, or HIGH_LATENCY2."""
-    match heard.finer(common.GlobalPositionInt, common.HighLatency2):
+def read_position(telemetry: Telemetry) -> Position | None:
+    """Return the position of GLOBAL_POSITION_INT, or HIGH_LATENCY2."""
+    match telemetry.finest(common.GlobalPositionInt, common.HighLatency2):
         case common.GlobalPositionInt() as fine:
-            where = place(fine.lat, fine.lon)
-            if where is None:
+            coordinates = location(fine.lat, fine.lon)
+            if coordinates is None:
                 return None
             altitude = scaled(fine.alt, INT32_MAX, _MILLI)
             above_home = scaled(fine.relative_alt, INT32_MAX, _MILLI)
-            return Position(*where, altitude, above_home, scaled(fine.hdg, UINT16_MAX, _CENTI))
+            return Position(*coordinates, altitude, above_home, scaled(fine.hdg, UINT16_MAX, _CENTI))
         case common.HighLatency2() as coarse:
-            where = place(coarse.latitude, coarse.longitude)
+            coordinates = location(coarse.latitude, coarse.longitude)
             heading = coarse.heading * _DOUBLE % _CIRCLE
-            return Position(*where, float(coarse.altitude), None, heading) if where else None
+            return Position(*coordinates, float(coarse.altitude), None, heading) if coordinates else None
     return None
 
 
-def read_local_position(heard: Telemetry) -> LocalPosition | None:
-    """LOCAL_POSITION_NED, or an ODOMETRY in the same frame."""
-    match heard.newest(common.LocalPositionNed, common.Odometry):
+def read_local_position(telemetry: Telemetry) -> LocalPosition | None:
+    """Return the position of LOCAL_POSITION_NED, or of an ODOMETRY in the same frame."""
+    match telemetry.newest(common.LocalPositionNed, common.Odometry):
         case common.LocalPositionNed(x=x, y=y, z=z):
             found = vector(x, y, z)
         case common.Odometry(frame_id=common.MavFrame.LOCAL_NED, x=x, y=y, z=z):
@@ -65,35 +66,35 @@ def read_local_position(heard: Telemetry) -> LocalPosition | None:
     return LocalPosition(*found) if found else None
 
 
-def read_velocity(heard: Telemetry) -> Velocity | None:
-    """LOCAL_POSITION_NED or GLOBAL_POSITION_INT."""
+def read_velocity(telemetry: Telemetry) -> Velocity | None:
+    """Return the velocity of LOCAL_POSITION_NED or GLOBAL_POSITION_INT."""
     found: Vector | None = None
-    match heard.newest(common.LocalPositionNed, common.GlobalPositionInt):
+    match telemetry.newest(common.LocalPositionNed, common.GlobalPositionInt):
         case common.LocalPositionNed(vx=x, vy=y, vz=z):
             found = vector(x, y, z)
         case common.GlobalPositionInt(lat=lat, lon=lon, vx=x, vy=y, vz=z):
-            if place(lat, lon) and INT16_MAX not in (x, y, z):
+            if location(lat, lon) and INT16_MAX not in (x, y, z):
                 found = x / _CENTI, y / _CENTI, z / _CENTI
     return Velocity(*found) if found else None
 
 
-def read_attitude(heard: Telemetry) -> Attitude | None:
-    """ATTITUDE or ATTITUDE_QUATERNION."""
-    match heard.newest(common.Attitude, common.AttitudeQuaternion):
-        case common.Attitude() as told:
-            angles = vector(told.roll, told.pitch, told.yaw)
-            rates = told.rollspeed, told.pitchspeed, told.yawspeed
-        case common.AttitudeQuaternion() as told:
-            turned, rates = _for_display(told)
+def read_attitude(telemetry: Telemetry) -> Attitude | None:
+    """Return the attitude of ATTITUDE or ATTITUDE_QUATERNION."""
+    match telemetry.newest(common.Attitude, common.AttitudeQuaternion):
+        case common.Attitude() as message:
+            angles = vector(message.roll, message.pitch, message.yaw)
+            rates = message.rollspeed, message.pitchspeed, message.yawspeed
+        case common.AttitudeQuaternion() as message:
+            turned, rates = _for_display(message)
             angles = euler(turned)
         case _:
             return None
     return Attitude(*map(degrees, angles), *map(finite_degrees, rates)) if angles else None
 
 
-def read_vfr_hud(heard: Telemetry) -> VfrHud | None:
-    """VFR_HUD, or HIGH_LATENCY2."""
-    match heard.finer(common.VfrHud, common.HighLatency2):
+def read_vfr_hud(telemetry: Telemetry) -> VfrHud | None:
+    """Return the speeds and the throttle of VFR_HUD, or HIGH_LATENCY2."""
+    match telemetry.finest(common.VfrHud, common.HighLatency2):
         case common.VfrHud() as fine:
             throttle = scaled(fine.throttle, UINT16_MAX, 1.0)
             return VfrHud(finite(fine.airspeed), finite(fine.groundspeed), finite(fine.climb), throttle)
@@ -107,9 +108,12 @@ def read_vfr_hud(heard: Telemetry) -> VfrHud | None:
     return None
 
 
-def read_wind(heard: Telemetry) -> Wind | None:
-    """WIND_COV, WIND, or HIGH_LATENCY2: ArduPilot tells where it comes from, PX4 where it goes."""
-    match heard.finer(common.WindCov, ardupilotmega.Wind, common.HighLatency2):
+def read_wind(telemetry: Telemetry) -> Wind | None:
+    """Return the wind of WIND_COV, WIND, or HIGH_LATENCY2.
+
+    WIND holds the direction from which the wind blows; in HIGH_LATENCY2 that depends on the firmware.
+    """
+    match telemetry.finest(common.WindCov, ardupilotmega.Wind, common.HighLatency2):
         case common.WindCov() as towards:
             if finite(towards.wind_x) is None or finite(towards.wind_y) is None:
                 return None
@@ -117,7 +121,7 @@ def read_wind(heard: Telemetry) -> Wind | None:
         case ardupilotmega.Wind() as origin:
             return _wind(origin.speed, origin.direction + _CIRCLE / 2, finite(origin.speed_z))
         case common.HighLatency2() as coarse:
-            turn = 0.0 if coarse.autopilot == common.MavAutopilot.PX4 else _CIRCLE / 2
+            turn = 0.0 if firmware_class(coarse.autopilot).HIGH_LATENCY_WIND_TO else _CIRCLE / 2
             return _wind(coarse.windspeed / _FIFTHS, coarse.wind_heading * _DOUBLE + turn, None)
     return None
 
@@ -129,19 +133,19 @@ def _wind(speed: float, towards: float, down: float | None) -> Wind | None:
     return Wind(speed * cos(direction), speed * sin(direction), down)
 
 
-def _for_display(told: common.AttitudeQuaternion) -> tuple[Quaternion, Vector]:
-    """Turned by the offset that a tail-sitter sends, so that level flight is level."""
-    own = told.q1, told.q2, told.q3, told.q4
-    rates = told.rollspeed, told.pitchspeed, told.yawspeed
-    w, x, y, z = offset = told.repr_offset_q
-    if not hypot(*offset) >= _LEAST_NORM:
+def _for_display(message: common.AttitudeQuaternion) -> tuple[Quaternion, Vector]:
+    """Return the attitude and rates rotated by a tail-sitter's offset, so that level flight is level."""
+    own = message.q1, message.q2, message.q3, message.q4
+    rates = message.rollspeed, message.pitchspeed, message.yawspeed
+    w, x, y, z = offset = message.repr_offset_q
+    if not hypot(*offset) >= _MIN_NORM:
         return own, rates
     _, *turned = product(product((w, x, y, z), (0.0, *rates)), (w, -x, -y, -z))
     return product(own, (w, x, y, z)), (turned[0], turned[1], turned[2])
 
 
 def product(a: Quaternion, b: Quaternion) -> Quaternion:
-    """The rotation `b`, then `a`."""
+    """Return the rotation `b`, then `a`."""
     aw, ax, ay, az = a
     bw, bx, by, bz = b
     return (
@@ -153,9 +157,9 @@ def product(a: Quaternion, b: Quaternion) -> Quaternion:
 
 
 def euler(quaternion: Quaternion) -> Vector | None:
-    """Roll, pitch and yaw of a quaternion of any length but nothing."""
+    """Return roll, pitch and yaw of a quaternion in radians; None if it is not a rotation."""
     norm = hypot(*quaternion)
-    if finite(norm) is None or norm < _LEAST_NORM:
+    if finite(norm) is None or norm < _MIN_NORM:
         return None
     w, x, y, z = (part / norm for part in quaternion)
     roll = atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))

@@ -1,7 +1,7 @@
-"""The batteries, out of BATTERY_STATUS of each, SYS_STATUS, or HIGH_LATENCY2.
+"""The reader of batteries, from each battery's BATTERY_STATUS, SYS_STATUS, or HIGH_LATENCY2.
 
-BATTERY_STATUS has a slot a cell. Who knows only the sum puts it into the first slot, and what does not fit
-there into those behind it; then there are no cells to tell.
+BATTERY_STATUS has a slot for each cell. A sender that knows only the sum puts it into the first slot, and the
+part that does not fit there into the next ones; then there are no cells.
 """
 
 from __future__ import annotations
@@ -17,26 +17,28 @@ if TYPE_CHECKING:
     from mavstack.vehicle.telemetry.telemetry import Telemetry
 
 _MILLI, _CENTI = 1000.0, 100.0
-#: The largest voltage of a slot: more follows in the next.
+#: The largest voltage of a slot, in millivolts: the rest follows in the next slot.
 _FULL_SLOT = 65_534
-#: No cell has more, in millivolts: what a slot holds then is a sum.
-_MOST_OF_A_CELL = 6_000
+#: The largest voltage of a cell, in millivolts: a slot with more holds a sum.
+_MAX_CELL_VOLTAGE = 6_000
 
 
-def read_batteries(heard: Telemetry) -> dict[int, Battery]:
-    """Every battery by its id, in their order."""
-    told = {number: _of_its_own(message) for number, message in sorted(heard.battery_messages().items())}
-    summary = _of_the_vehicle(heard)
+def read_batteries(telemetry: Telemetry) -> dict[int, Battery]:
+    """Return every battery by its id, in their order."""
+    batteries = {
+        number: _from_message(message) for number, message in sorted(telemetry.battery_messages().items())
+    }
+    summary = _summary(telemetry)
     if summary is None:
-        return told
-    if not told:
+        return batteries
+    if not batteries:
         return {0: summary}
-    first = next(iter(told))
-    told[first] = _filled_in(told[first], summary)
-    return told
+    first = next(iter(batteries))
+    batteries[first] = _completed(batteries[first], summary)
+    return batteries
 
 
-def _of_its_own(message: common.BatteryStatus) -> Battery:
+def _from_message(message: common.BatteryStatus) -> Battery:
     voltage, cells = _voltages(message)
     return Battery(
         id=message.id,
@@ -57,12 +59,12 @@ def _voltages(message: common.BatteryStatus) -> tuple[float | None, tuple[float,
     slots += [value for value in message.voltages_ext if value != 0]
     if not slots:
         return None, ()
-    is_sum = len(slots) == 1 or slots[0] == _FULL_SLOT or slots[0] > _MOST_OF_A_CELL
+    is_sum = len(slots) == 1 or slots[0] == _FULL_SLOT or slots[0] > _MAX_CELL_VOLTAGE
     return sum(slots) / _MILLI, () if is_sum else tuple(value / _MILLI for value in slots)
 
 
-def _of_the_vehicle(heard: Telemetry) -> Battery | None:
-    match heard.finer(common.SysStatus, common.HighLatency2):
+def _summary(telemetry: Telemetry) -> Battery | None:
+    match telemetry.finest(common.SysStatus, common.HighLatency2):
         case common.SysStatus() as fine:
             battery = Battery(
                 voltage=scaled(fine.voltage_battery, UINT16_MAX, _MILLI),
@@ -76,8 +78,8 @@ def _of_the_vehicle(heard: Telemetry) -> Battery | None:
     return None if battery == Battery() else battery
 
 
-def _filled_in(battery: Battery, summary: Battery) -> Battery:
-    """What its own message leaves open, the vehicle's summary may tell."""
+def _completed(battery: Battery, summary: Battery) -> Battery:
+    """Return a battery with the vehicle's summary for the values that its own message lacks."""
     return replace(
         battery,
         voltage=summary.voltage if battery.voltage is None else battery.voltage,

@@ -1,4 +1,4 @@
-"""What single sensors say: satellites, inertial unit, radio control, and somebody's odometry."""
+"""The readers of satellite navigation, inertial sensors, radio control and odometry."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mavstack.vehicle.telemetry.readers.conversions import (
     UINT16_MAX,
     finite,
     known,
-    place,
+    location,
     scaled,
     vector,
     vector_in_degrees,
@@ -25,91 +25,92 @@ _MILLI, _CENTI = 1000.0, 100.0
 _CIRCLE = 360.0
 _MILLI_G = 9.80665 / 1000.0
 _FIX_2D = 2
-_MOST_CHANNELS = 18
+_MAX_CHANNELS = 18
 
 
-def read_gps(heard: Telemetry) -> Gps | None:
-    """GPS_RAW_INT; its place only while there is a fix."""
-    told = heard.latest(common.GpsRawInt)
-    if told is None:
+def read_gps(telemetry: Telemetry) -> Gps | None:
+    """Return the state of GPS_RAW_INT; its position only while there is a fix."""
+    message = telemetry.latest(common.GpsRawInt)
+    if message is None:
         return None
-    where = place(told.lat, told.lon) if told.fix_type >= _FIX_2D else None
-    latitude, longitude = where or (None, None)
+    coordinates = location(message.lat, message.lon) if message.fix_type >= _FIX_2D else None
+    latitude, longitude = coordinates or (None, None)
     return Gps(
-        fix=told.fix_type,
-        satellites=known(told.satellites_visible, UINT8_MAX),
-        hdop=scaled(told.eph, UINT16_MAX, _CENTI),
-        vdop=scaled(told.epv, UINT16_MAX, _CENTI),
+        fix=message.fix_type,
+        satellites=known(message.satellites_visible, UINT8_MAX),
+        hdop=scaled(message.eph, UINT16_MAX, _CENTI),
+        vdop=scaled(message.epv, UINT16_MAX, _CENTI),
         latitude=latitude,
         longitude=longitude,
-        altitude=told.alt / _MILLI if where else None,
-        ground_speed=scaled(told.vel, UINT16_MAX, _CENTI),
-        course=scaled(told.cog, UINT16_MAX, _CENTI),
-        heading=_two_antennas(told.yaw),
-        horizontal_accuracy=scaled(told.h_acc, 0, _MILLI),
-        vertical_accuracy=scaled(told.v_acc, 0, _MILLI),
+        altitude=message.alt / _MILLI if coordinates else None,
+        ground_speed=scaled(message.vel, UINT16_MAX, _CENTI),
+        course=scaled(message.cog, UINT16_MAX, _CENTI),
+        heading=_antenna_heading(message.yaw),
+        horizontal_accuracy=scaled(message.h_acc, 0, _MILLI),
+        vertical_accuracy=scaled(message.v_acc, 0, _MILLI),
     )
 
 
-def _two_antennas(yaw: int) -> float | None:
-    """0 is a receiver that cannot tell, UINT16_MAX one that cannot tell now; north is 36000."""
+def _antenna_heading(yaw: int) -> float | None:
+    """Return the yaw: 0 is a receiver without yaw, UINT16_MAX one without yaw now, 36000 is north."""
     return None if yaw in (0, UINT16_MAX) else yaw / _CENTI % _CIRCLE
 
 
-def read_imu(heard: Telemetry) -> Imu | None:
-    """HIGHRES_IMU or SCALED_IMU, or RAW_IMU, whose units ArduPilot makes those of SCALED_IMU."""
-    match heard.newest(common.HighresImu, common.ScaledImu):
+def read_imu(telemetry: Telemetry) -> Imu | None:
+    """Return the readings of HIGHRES_IMU or SCALED_IMU, or RAW_IMU where its units are known."""
+    match telemetry.newest(common.HighresImu, common.ScaledImu):
         case common.HighresImu() as fine:
             return _highres(fine)
         case common.ScaledImu() as scaled_imu:
             return _of_integers(scaled_imu)
-    raw = heard.latest(common.RawImu)
-    ardupilot = heard.autopilot == common.MavAutopilot.ARDUPILOTMEGA
-    return _of_integers(raw) if raw is not None and ardupilot else None
+    raw = telemetry.latest(common.RawImu)
+    return _of_integers(raw) if raw is not None and telemetry.firmware.RAW_IMU_IS_SCALED else None
 
 
-def _highres(told: common.HighresImu) -> Imu | None:
-    acceleration = vector(told.xacc, told.yacc, told.zacc)
-    rotation = vector_in_degrees(told.xgyro, told.ygyro, told.zgyro)
+def _highres(message: common.HighresImu) -> Imu | None:
+    acceleration = vector(message.xacc, message.yacc, message.zacc)
+    rotation = vector_in_degrees(message.xgyro, message.ygyro, message.zgyro)
     if acceleration is None or rotation is None:
         return None
-    return Imu(acceleration, rotation, vector(told.xmag, told.ymag, told.zmag), finite(told.temperature))
-
-
-def _of_integers(told: common.ScaledImu | common.RawImu) -> Imu:
     return Imu(
-        (told.xacc * _MILLI_G, told.yacc * _MILLI_G, told.zacc * _MILLI_G),
-        (degrees(told.xgyro / _MILLI), degrees(told.ygyro / _MILLI), degrees(told.zgyro / _MILLI)),
-        (told.xmag / _MILLI, told.ymag / _MILLI, told.zmag / _MILLI),
-        scaled(told.temperature, 0, _CENTI),
+        acceleration, rotation, vector(message.xmag, message.ymag, message.zmag), finite(message.temperature)
     )
 
 
-def read_rc(heard: Telemetry) -> Rc | None:
-    """RC_CHANNELS; a pulse of no length, as ArduPilot has without a receiver, is none."""
-    told = heard.latest(common.RcChannels)
-    if told is None:
+def _of_integers(message: common.ScaledImu | common.RawImu) -> Imu:
+    return Imu(
+        (message.xacc * _MILLI_G, message.yacc * _MILLI_G, message.zacc * _MILLI_G),
+        (degrees(message.xgyro / _MILLI), degrees(message.ygyro / _MILLI), degrees(message.zgyro / _MILLI)),
+        (message.xmag / _MILLI, message.ymag / _MILLI, message.zmag / _MILLI),
+        scaled(message.temperature, 0, _CENTI),
+    )
+
+
+def read_rc(telemetry: Telemetry) -> Rc | None:
+    """Return the pulses of RC_CHANNELS; 0, which ArduPilot sends without a receiver, is no pulse."""
+    message = telemetry.latest(common.RcChannels)
+    if message is None:
         return None
-    count = min(told.chancount, _MOST_CHANNELS)
-    pulses = (int(getattr(told, f"chan{number}_raw")) for number in range(1, count + 1))
+    count = min(message.chancount, _MAX_CHANNELS)
+    pulses = (int(getattr(message, f"chan{number}_raw")) for number in range(1, count + 1))
     channels = tuple(None if pulse in (0, UINT16_MAX) else pulse for pulse in pulses)
-    return Rc(channels, known(told.rssi, UINT8_MAX))
+    return Rc(channels, known(message.rssi, UINT8_MAX))
 
 
-def read_odometry(heard: Telemetry) -> Odometry | None:
-    """ODOMETRY."""
-    told = heard.latest(common.Odometry)
-    if told is None:
+def read_odometry(telemetry: Telemetry) -> Odometry | None:
+    """Return the estimate of ODOMETRY."""
+    message = telemetry.latest(common.Odometry)
+    if message is None:
         return None
-    w, x, y, z = told.q
+    w, x, y, z = message.q
     length = hypot(w, x, y, z)
     return Odometry(
-        frame=told.frame_id,
-        child_frame=told.child_frame_id,
-        position=vector(told.x, told.y, told.z),
+        frame=message.frame_id,
+        child_frame=message.child_frame_id,
+        position=vector(message.x, message.y, message.z),
         quaternion=(w, x, y, z) if finite(length) else None,
-        velocity=vector(told.vx, told.vy, told.vz),
-        rotation=vector_in_degrees(told.rollspeed, told.pitchspeed, told.yawspeed),
-        quality=scaled(told.quality, 0, 1.0),
-        resets=told.reset_counter,
+        velocity=vector(message.vx, message.vy, message.vz),
+        rotation=vector_in_degrees(message.rollspeed, message.pitchspeed, message.yawspeed),
+        quality=scaled(message.quality, 0, 1.0),
+        resets=message.reset_counter,
     )

@@ -1,0 +1,45 @@
+"""Conditions that end an action only after they have held for a while."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.dialects import common
+
+if TYPE_CHECKING:
+    from mavstack.vehicle.vehicle_state import VehicleState
+
+#: A vehicle that stays armed on the ground for so long has landed, in seconds.
+ARMED_LANDING_TIME: Final = 15.0
+
+
+class SustainedCondition:
+    """A condition that is met after it has held without a break for some seconds."""
+
+    def __init__(self, vehicle: VehicleState, seconds: float) -> None:
+        self._now = vehicle.connection.now
+        self._seconds = seconds
+        self._since: float | None = None
+
+    def update(self, holds: bool) -> bool:
+        """Take in whether the condition holds now; return whether it has held for long enough."""
+        if not holds:
+            self._since = None
+            return False
+        now = self._now()
+        if self._since is None:
+            self._since = now
+        return now >= self._since + self._seconds
+
+
+class LandingDetector:
+    """Detects that a vehicle has landed: it is disarmed, or it has been on the ground for a while."""
+
+    def __init__(self, vehicle: VehicleState) -> None:
+        self._vehicle = vehicle
+        self._on_ground = SustainedCondition(vehicle, ARMED_LANDING_TIME)
+
+    def has_landed(self) -> bool:
+        """Return whether the vehicle has landed."""
+        on_ground = self._on_ground.update(self._vehicle.landed_state == common.MavLandedState.ON_GROUND)
+        return on_ground or self._vehicle.armed is False

@@ -1,0 +1,107 @@
+"""Detects the end of a mission, whatever parts of it a firmware reports."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, Protocol
+
+from mavstack.dialects import common
+from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondition
+
+if TYPE_CHECKING:
+    from mavstack.services.mission import MissionProgress
+    from mavstack.vehicle.firmware import Firmware
+    from mavstack.vehicle.vehicle_state import VehicleState
+
+_STATE: Final = common.MissionState
+#: The time after the end in which the vehicle may still enter a landing mode, in seconds: PX4 reports
+#: the end, then enters the mode of the last item, and leaves it before its heartbeat shows it disarmed.
+END_DELAY: Final = 2.5
+#: A vehicle that drives or dives stands still below this speed, in m/s, after so many seconds.
+STANDING_SPEED: Final = 0.3
+STANDING_TIME: Final = 4.0
+
+
+class FlownMission(Protocol):
+    """The mission that is flown; `mission.Mission` is the implementation."""
+
+    @property
+    def progress(self) -> MissionProgress | None:
+        """The last progress that the vehicle reported."""
+        ...
+
+    @property
+    def last_seq(self) -> int:
+        """The sequence number of the last item."""
+        ...
+
+
+class MissionCompletion:
+    """Detects that a mission has ended and that the action of its last item is complete.
+
+    As a container it holds the modes in which the mission goes on. The mode in which a vehicle waits after
+    the end belongs to them only at the end, since before that it is a pause.
+    """
+
+    def __init__(self, vehicle: VehicleState, firmware: Firmware, mission: FlownMission) -> None:
+        self._vehicle = vehicle
+        self._firmware = firmware
+        self._mission = mission
+        self._modes = firmware.modes_of("mission")
+        self._modes_at_end = firmware.modes_of("end of mission") or frozenset()
+        self._landing = LandingDetector(vehicle)
+        self._standing = SustainedCondition(vehicle, STANDING_TIME)
+        self._running = False
+        self._ended_at: float | None = None
+        self._max_seq = 0
+        self._reached: set[int] = set()
+
+    def __contains__(self, mode: object) -> bool:
+        progress = self._mission.progress
+        at_end = self._ended_at is not None or (
+            progress is not None and progress.seq >= self._mission.last_seq
+        )
+        return self._modes is None or mode in self._modes or (at_end and mode in self._modes_at_end)
+
+    def remaining(self) -> float | None:
+        """Return the number of items that are left; None if it is not known."""
+        progress = self._mission.progress
+        return None if progress is None else float(progress.total - progress.seq)
+
+    def update(self, reached: list[int]) -> bool:
+        """Take in the items that were reached since the last call; return whether the mission has ended."""
+        self._reached.update(reached)
+        progress = self._mission.progress
+        if progress is None:
+            return False
+        self._running = self._running or progress.state == _STATE.ACTIVE or bool(self._reached)
+        if self._running:
+            last = self._mission.last_seq
+            left_by_landing = progress.seq >= last and self._lands  # a return that is a mode of its own
+            reported = progress.state != _STATE.UNKNOWN
+            finished = progress.state == _STATE.COMPLETE if reported else last in self._reached
+            done = finished or left_by_landing
+            # A firmware may report the first item again before it reports that it was disarmed.
+            self._max_seq = max(self._max_seq, progress.seq)
+            if done or (self._vehicle.armed is False and self._max_seq >= last):
+                self._ended_at = self._ended_at or self._vehicle.connection.now()
+        return self._ended_at is not None and self._is_at_rest(self._ended_at)
+
+    def _is_at_rest(self, ended_at: float) -> bool:
+        """Return whether the vehicle has landed or stands, or is in no landing mode for a while."""
+        if self._stands() if not self._vehicle.vehicle_type.flies else self._landing.has_landed():
+            return True
+        now = self._vehicle.connection.now()
+        if self._lands:
+            self._ended_at = now
+            return False
+        return now >= ended_at + END_DELAY
+
+    def _stands(self) -> bool:
+        velocity = self._vehicle.velocity
+        slow = velocity is not None and velocity.ground_speed < STANDING_SPEED
+        return self._standing.update(slow)
+
+    @property
+    def _lands(self) -> bool:
+        """True if the last item was a landing or a return, which goes on in a mode of its own."""
+        return self._firmware.lands_in(self._vehicle.mode)

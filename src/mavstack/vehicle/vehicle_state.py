@@ -1,0 +1,201 @@
+"""The state of a vehicle: what it is, what it reports, and the positions that actions start from.
+
+Actions, firmware classes and missions work on this part of a vehicle; `Vehicle` adds the calls that use them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied, MessageTimeout
+from mavstack.vehicle.health import Health, health_of
+from mavstack.vehicle.status_text_capture import with_status_texts
+from mavstack.vehicle.telemetry import Telemetry, TelemetryProperties
+from mavstack.vehicle.vehicle_type import VehicleType
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from mavstack.node import Node, RemoteComponent
+    from mavstack.node.modes import Modes
+    from mavstack.node.params import Params
+    from mavstack.services import Address
+    from mavstack.services.heartbeat import ComponentInfo
+    from mavstack.vehicle.telemetry.values import HomePosition, Position
+
+#: The time to wait for a position, in seconds, if a call has no timeout of its own.
+POSITION_TIMEOUT = 10.0
+
+
+class VehicleState(TelemetryProperties):
+    """The identity, telemetry and health of one vehicle."""
+
+    def __init__(self, connection: Node, component: RemoteComponent) -> None:
+        #: The connection through which the vehicle is reached.
+        self.connection = connection
+        #: The vehicle's autopilot, with every MAVLink service.
+        self.component = component
+        #: The messages that were received; the properties read them.
+        self.telemetry = Telemetry(connection, component)
+
+    # Identity
+
+    @property
+    def address(self) -> Address:
+        """The address of the autopilot: system id and component id."""
+        return self.component.address
+
+    @property
+    def system(self) -> int:
+        """The system id."""
+        return self.address.system
+
+    @property
+    def alive(self) -> bool:
+        """True if heartbeats of the autopilot arrive."""
+        info = self.component.info
+        return info is not None and info.alive
+
+    @property
+    def components(self) -> Mapping[int, ComponentInfo]:
+        """The other components of the system by component id, such as cameras and gimbals."""
+        infos = self.connection.components.values()
+        own = (info for info in infos if info.address.system == self.system and info.address != self.address)
+        return {info.address.component: info for info in own}
+
+    @property
+    def has_id_conflict(self) -> bool:
+        """True if another vehicle uses the same system id; see `SystemIdConflict`."""
+        return self.connection.has_address_conflict(self.address)
+
+    @property
+    def autopilot(self) -> int:
+        """The MAV_AUTOPILOT of the heartbeat."""
+        info = self.component.info
+        return common.MavAutopilot.GENERIC if info is None else info.autopilot
+
+    @property
+    def vehicle_type(self) -> VehicleType:
+        """The way the vehicle moves; `mav_type` is the MAV_TYPE of its heartbeat."""
+        info = self.component.info
+        found = VehicleType.OTHER if info is None else VehicleType.of(info.type)
+        # A quadplane may call itself a plane; its EXTENDED_SYS_STATE has a VTOL state.
+        hovers = found is VehicleType.PLANE and self.vtol_state
+        return VehicleType.VTOL if hovers else found
+
+    @property
+    def health(self) -> Health:
+        """Whether the vehicle reports that it is ready to arm, and the problems that it reports."""
+        return health_of(self.telemetry)
+
+    # Services that actions use
+
+    @property
+    def modes(self) -> Modes:
+        """The flight modes."""
+        return self.component.modes
+
+    @property
+    def params(self) -> Params:
+        """The parameters."""
+        return self.component.params
+
+    # Positions, requested or waited for if they are not known
+
+    def rc_pulse(self, channel: int) -> int | None:
+        """Return the pulse of a radio control channel.
+
+        Args:
+            channel: The number of the channel, from 1.
+
+        Returns:
+            Microseconds, or None if the channel is unused or was not received (RC_CHANNELS).
+        """
+        rc = self.rc
+        return rc.channels[channel - 1] if rc is not None and channel <= len(rc.channels) else None
+
+    async def get_home(self, *, timeout: float | None = None) -> HomePosition:
+        """Return the home position; request it if it was not received (HOME_POSITION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The position in degrees and metres above mean sea level.
+
+        Raises:
+            CommandDenied: The vehicle refused the request.
+            MessageTimeout: The vehicle did not answer, or has no home yet.
+        """
+        if self.home is None:
+            request = self.component.request_message(common.HomePosition, timeout=timeout)
+            await with_status_texts(self, request)
+        home = self.home
+        if home is None:
+            raise MessageTimeout("reading the home position of", str(self.address), answer="it has none yet")
+        return home
+
+    async def get_home_altitude(self, *, timeout: float | None = None) -> float:
+        """Return the altitude of home, which follows from the position if home itself is not known.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            Metres above mean sea level.
+
+        Raises:
+            CommandDenied: The vehicle refused the request for its home, and its position is not known.
+            MessageTimeout: The vehicle did not answer, and its position is not known.
+        """
+        try:
+            return (await self.get_home(timeout=timeout)).altitude
+        except (CommandDenied, MessageTimeout):
+            position = self.position
+            if position is None or position.altitude is None or position.relative_altitude is None:
+                raise
+            return position.altitude - position.relative_altitude
+
+    async def get_position(self, *, timeout: float | None = POSITION_TIMEOUT) -> Position:
+        """Return the position; wait for it if it was not received (GLOBAL_POSITION_INT).
+
+        Args:
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            The position in degrees and metres.
+
+        Raises:
+            MessageTimeout: No position arrived in time, or the vehicle does not know it.
+            CommandDenied: The vehicle refused to send its position.
+            RemoteCancelled: The connection was closed.
+        """
+        if self.position is None:
+            await self.wait_for_message(common.GlobalPositionInt, timeout=timeout)
+        position = self.position
+        if position is None:
+            raise MessageTimeout("reading the position of", str(self.address), answer="it does not know it")
+        return position
+
+    async def get_relative_altitude(self, *, timeout: float | None = POSITION_TIMEOUT) -> float:
+        """Return the altitude above home; wait for it if it was not received (GLOBAL_POSITION_INT).
+
+        Args:
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            Metres above home.
+
+        Raises:
+            MessageTimeout: No position arrived in time, or the vehicle does not know its altitude.
+            CommandDenied: The vehicle refused to send its position.
+            RemoteCancelled: The connection was closed.
+        """
+        altitude = (await self.get_position(timeout=timeout)).relative_altitude
+        if altitude is None:
+            raise MessageTimeout("reading the altitude of", str(self.address), answer="it does not know it")
+        return altitude
+
+    def __repr__(self) -> str:
+        return f"<Vehicle {self.address}>"
