@@ -59,11 +59,11 @@ def assert_physical(body: Body, wind: float) -> None:
     """Check the invariants of any moving body."""
     motion = body.truth
     assert all(math.isfinite(value) for value in (*motion, *body.estimate, *body.battery, body.airspeed))
-    assert speed(motion) < MAX_SPEED[body.type] + wind
+    assert speed(motion) < MAX_SPEED[body.vehicle_type] + wind
     assert abs(motion.pitch) <= math.pi / 2 + 0.1
     assert abs(motion.roll) <= math.pi + 1e-6
     assert max(abs(motion.roll_rate), abs(motion.pitch_rate), abs(motion.yaw_rate)) <= 12.0
-    airframe = AIRFRAMES[body.type]
+    airframe = AIRFRAMES[body.vehicle_type]
     assert airframe.ceiling <= motion.down <= airframe.floor
     assert 0.0 <= body.throttle <= 1.0
     assert 0.0 <= body.transition <= 1.0

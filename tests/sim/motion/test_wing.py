@@ -144,12 +144,12 @@ def test_stays_on_the_ground_in_wind():
     assert horizontal_distance(body.truth, 0, 0) < 1.0
 
 
-@pytest.mark.parametrize("least", [0.0, 9.0, 100.0])
-def test_no_airspeed_limit_makes_it_stall(least):
+@pytest.mark.parametrize("limit", [0.0, 9.0, 100.0])
+def test_no_airspeed_limit_makes_it_stall(limit):
     world, body = cruising()
     for name in ("airspeed_min", "airspeed_cruise", "speed", "airspeed_max"):
-        body.set_limit(name, least)
-    body.circle(0, 0, -90, 60, speed=least)
+        body.set_limit(name, limit)
+    body.circle(0, 0, -90, 60, speed=limit)
     slowest = 99.0
     for _ in range(1000):
         world.step()

@@ -59,9 +59,9 @@ _FRAMES: Final[Mapping[VehicleType, str]] = MappingProxyType(
 )
 
 
-def firmware_name(type: VehicleType) -> str:  # noqa: A002 (HEARTBEAT's name for it)
+def firmware_name(vehicle_type: VehicleType) -> str:
     """Return the firmware of a vehicle type."""
-    return _FIRMWARES[type]
+    return _FIRMWARES[vehicle_type]
 
 
 def version_of(vehicle: Vehicle) -> AutopilotVersion:

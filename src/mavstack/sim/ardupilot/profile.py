@@ -40,10 +40,10 @@ class ArdupilotProfile(FirmwareProfile):
 
     refusal = ""
 
-    def __init__(self, type: VehicleType) -> None:  # noqa: A002 (HEARTBEAT's name for it)
-        self.type = type
-        self.modes = MODES[type]
-        roles = MODE_ROLES[type]
+    def __init__(self, vehicle_type: VehicleType) -> None:
+        self.vehicle_type = vehicle_type
+        self.modes = MODES[vehicle_type]
+        roles = MODE_ROLES[vehicle_type]
         self.initial, self.hold, self.guided = int(roles.initial), int(roles.hold), int(roles.guided)
         self.mission, self.return_to_launch = int(roles.mission), int(roles.return_to_launch)
         self.land, self.takeoff_mode = int(roles.land), int(roles.take_off)
@@ -60,9 +60,9 @@ class ArdupilotProfile(FirmwareProfile):
         register_commands(vehicle)
         vehicle.engine.add(ArdupilotMessages(vehicle))
         flight_parameters_of(vehicle).apply_limits(vehicle.body)
-        if self.type in _WITH_RETURN_PATH:
+        if self.vehicle_type in _WITH_RETURN_PATH:
             autopilot.watches.append(ReturnPath(autopilot))
-        if self.type in _WITH_YAW_CONTROL:
+        if self.vehicle_type in _WITH_YAW_CONTROL:
             autopilot.watches.append(RegionOfInterestYaw(autopilot))
         autopilot.watches.append(PreArmReporter(autopilot))
         autopilot.watches.append(BootTexts(autopilot))
@@ -91,11 +91,11 @@ class ArdupilotProfile(FirmwareProfile):
 
     def armed(self, autopilot: Autopilot) -> None:
         """Report arming."""
-        autopilot.vehicle.send_statustext(armed_text(self.type), common.MavSeverity.INFO)
+        autopilot.vehicle.send_statustext(armed_text(self.vehicle_type), common.MavSeverity.INFO)
 
     def disarmed(self, autopilot: Autopilot) -> None:
         """Report disarming, and reset the mission."""
-        autopilot.vehicle.send_statustext(disarmed_text(self.type), common.MavSeverity.INFO)
+        autopilot.vehicle.send_statustext(disarmed_text(self.vehicle_type), common.MavSeverity.INFO)
         autopilot.mission.reset()
         autopilot.mission.restore(autopilot.mission.first)
 
@@ -128,16 +128,16 @@ class ArdupilotProfile(FirmwareProfile):
     def _is_blocked(self, autopilot: Autopilot, mode: Mode) -> bool:
         """Return whether FLTMODE_GCSBLOCK blocks a mode."""
         blocked = int(autopilot.vehicle.parameters.get("FLTMODE_GCSBLOCK", 0))
-        numbers = BLOCKABLE.get(self.type, ())
+        numbers = BLOCKABLE.get(self.vehicle_type, ())
         return mode.number in numbers and bool(blocked >> numbers.index(mode.number) & 1)
 
     def take_off(self, autopilot: Autopilot, height: float) -> None:
         """Arm and take off to a height in metres from any mode; other types hold their position."""
-        if self.type is VehicleType.PLANE:
+        if self.vehicle_type is VehicleType.PLANE:
             autopilot.vehicle.parameters.set("TKOFF_ALT", height)
         autopilot.enter(self.takeoff_mode, "take-off")
         autopilot.arm(force=True)
-        if self.type in (VehicleType.COPTER, VehicleType.VTOL):
+        if self.vehicle_type in (VehicleType.COPTER, VehicleType.VTOL):
             autopilot.guided.take_off(height)
 
     # Ground stations

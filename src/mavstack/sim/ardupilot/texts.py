@@ -17,14 +17,14 @@ _IMUS = 2
 _MOTOR_TYPES: Final = frozenset({VehicleType.COPTER, VehicleType.SUB})
 
 
-def armed_text(type: VehicleType) -> str:  # noqa: A002 (HEARTBEAT's name for it)
+def armed_text(vehicle_type: VehicleType) -> str:
     """Return the text of arming."""
-    return "Arming motors" if type in _MOTOR_TYPES else "Throttle armed"
+    return "Arming motors" if vehicle_type in _MOTOR_TYPES else "Throttle armed"
 
 
-def disarmed_text(type: VehicleType) -> str:  # noqa: A002 (as above)
+def disarmed_text(vehicle_type: VehicleType) -> str:
     """Return the text of disarming."""
-    return "Disarming motors" if type in _MOTOR_TYPES else "Throttle disarmed"
+    return "Disarming motors" if vehicle_type in _MOTOR_TYPES else "Throttle disarmed"
 
 
 class BootTexts:

@@ -60,8 +60,8 @@ def update_rates(state: StateArray, step: float) -> None:
         np.copyto(command, clip(state.stick[:3], -limit, limit), where=direct)
     command *= state.authority
     command += state.rate_disturbance
-    most = state.angular_acceleration * step
-    state.rates += clip((command - state.rates) * state.rate_response, -most, most)
+    maximum = state.angular_acceleration * step
+    state.rates += clip((command - state.rates) * state.rate_response, -maximum, maximum)
     np.minimum(np.maximum(state.rates, -MAX_RATE, out=state.rates), MAX_RATE, out=state.rates)
 
 

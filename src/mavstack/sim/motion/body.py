@@ -54,10 +54,10 @@ class Body(BodyReader):
             name: The field's name.
             value: The new value in the unit of the field; clipped to the range that the airframe allows.
         """
-        low, high = limit_range(self.type, name)
+        low, high = limit_range(self.vehicle_type, name)
         before = self.limits
         values = before._replace(**{name: finite(value, getattr(before, name), low, high)})
-        if name == "speed" and self.type is VehicleType.PLANE:
+        if name == "speed" and self.vehicle_type is VehicleType.PLANE:
             values = values._replace(airspeed_cruise=values.speed)
         state = self._world.state
         state.data[_LIMITS, self.column] = values
@@ -70,7 +70,7 @@ class Body(BodyReader):
         self, speed: float | None, climb: float | None = None, sink: float | None = None
     ) -> tuple[float, float, float, float]:
         """Clip the requested speeds to the airframe's maxima; the limits replace those that are None."""
-        limits, airframe = self.limits, AIRFRAMES[self.type]
+        limits, airframe = self.limits, AIRFRAMES[self.vehicle_type]
         asked = (speed, climb, sink, speed)
         self._given_speeds = (speed is not None, climb is not None, sink is not None, speed is not None)
         maxima = (airframe.top_speed, airframe.top_climb, airframe.top_climb, limits.airspeed_max)
@@ -115,7 +115,7 @@ class Body(BodyReader):
     def _place(self, north: float, east: float, down: float) -> tuple[float, float, float]:
         """Return a finite position; vehicles on the surface keep their present height."""
         here = self.estimate
-        if self.type.on_surface:
+        if self.vehicle_type.on_surface:
             down = here.down
         return (
             finite(north, here.north, -MAX_DISTANCE, MAX_DISTANCE),
@@ -142,7 +142,7 @@ class Body(BodyReader):
             east: Metres east of the origin.
             down: Metres below the origin.
             start: Where the line begins; None for the present position.
-            speed: Horizontal speed in m/s; None for the limit. The same holds for `climb` and `sink`.
+            speed: Horizontal speed in m/s; None for the limit, as for `climb` and `sink`.
             climb: Climb rate in m/s.
             sink: Sink rate in m/s.
             yaw: Heading in radians; None to look along the line, or to keep the heading on a short one.
@@ -184,12 +184,12 @@ class Body(BodyReader):
             yaw: Heading in radians; None to keep the heading, or to turn at `yaw_rate`.
             yaw_rate: rad/s, used if `yaw` is None.
         """
-        airframe = AIRFRAMES[self.type]
-        most = max(airframe.top_speed, self.limits.airspeed_max)
+        airframe = AIRFRAMES[self.vehicle_type]
+        maximum = max(airframe.top_speed, self.limits.airspeed_max)
         north, east = finite(north, 0.0, -1e3, 1e3), finite(east, 0.0, -1e3, 1e3)
-        shrink = min(1.0, most / max(math.hypot(north, east), 1e-9))
+        shrink = min(1.0, maximum / max(math.hypot(north, east), 1e-9))
         vertical = finite(down, 0.0, -airframe.top_climb, airframe.top_climb)
-        maxima = (airframe.top_speed, airframe.top_climb, airframe.top_climb, most)
+        maxima = (airframe.top_speed, airframe.top_climb, airframe.top_climb, maximum)
         velocity = (north * shrink, east * shrink, vertical)
         demanded = self._yaw_demand(yaw, yaw_rate)
         self._apply(Demand(Mode.VELOCITY, target=velocity, speeds=maxima, yaw=demanded))
@@ -217,7 +217,7 @@ class Body(BodyReader):
             yaw: Heading in radians; None to look at the centre.
         """
         around = finite(radius, 0.0, -MAX_DISTANCE, MAX_DISTANCE)
-        if around == 0.0 and self.type is VehicleType.PLANE:
+        if around == 0.0 and self.vehicle_type is VehicleType.PLANE:
             around = self.limits.loiter_radius
         yaws = (YawMode.CENTRE, 0.0) if yaw is None else (YawMode.HOLD, angle(yaw, self.estimate.yaw))
         centre = self._place(north, east, down)
@@ -255,16 +255,16 @@ class Body(BodyReader):
             yaw: Positive to the right.
         """
         roll, pitch, yaw = (finite(stick, 0.0, -1.0, 1.0) for stick in (roll, pitch, yaw))
-        least = -1.0 if self.type in _REVERSES else 0.0
-        self._apply(Demand(Mode.STICKS, stick=(roll, pitch, yaw, self._thrust(throttle, least))))
+        minimum = -1.0 if self.vehicle_type in _REVERSES else 0.0
+        self._apply(Demand(Mode.STICKS, stick=(roll, pitch, yaw, self._thrust(throttle, minimum))))
 
-    def _thrust(self, thrust: float, least: float) -> float:
+    def _thrust(self, thrust: float, minimum: float) -> float:
         """Return a thrust within its range."""
-        return finite(thrust, 0.0, least, 1.0)
+        return finite(thrust, 0.0, minimum, 1.0)
 
     def transition_to(self, forward: bool) -> None:
         """Start a VTOL's transition to forward flight or back to hover; other types ignore it."""
-        if self.type is VehicleType.VTOL:
+        if self.vehicle_type is VehicleType.VTOL:
             state = self._world.state
             state.forward_requested[self.column] = float(forward)
             if not forward:
@@ -301,10 +301,10 @@ class Body(BodyReader):
 
     def fail_motor(self, number: int, failed: bool = True) -> None:
         """Fail or restore a motor, counted from 1; a number that no motor has changes nothing."""
-        if not 1 <= number <= AIRFRAMES[self.type].motors:
+        if not 1 <= number <= AIRFRAMES[self.vehicle_type].motors:
             return
         (self._failed_motors.add if failed else self._failed_motors.discard)(number)
-        failure = faults.motor_failure(self.type, self._failed_motors)
+        failure = faults.motor_failure(self.vehicle_type, self._failed_motors)
         self._fault("lift_left", failure.lift)
         self._fault("drive_left", failure.drive)
         self._fault("spin", failure.spin)

@@ -39,7 +39,7 @@ class BodyReader:
     """Read access to one body of a world."""
 
     def __init__(self, world: BodyWorld, vehicle_type: VehicleType, home: Home, number: int) -> None:
-        self.type = vehicle_type
+        self.vehicle_type = vehicle_type
         self.home = home
         self.number = number
         self.frame = LocalFrame(home.latitude, home.longitude, home.altitude)
@@ -112,14 +112,14 @@ class BodyReader:
 
         Planes are always 1; all other types 0.
         """
-        return 1.0 if self.type is VehicleType.PLANE else self._read()[_TRANSITION]
+        return 1.0 if self.vehicle_type is VehicleType.PLANE else self._read()[_TRANSITION]
 
     @property
     def flies_forward(self) -> bool:
-        """True if the body flies on a wing, or a VTOL is told to."""
-        if self.type is VehicleType.VTOL:
+        """True if the body flies on a wing, or a VTOL has been commanded to."""
+        if self.vehicle_type is VehicleType.VTOL:
             return bool(self._world.state.forward_requested[self.column] > 0.0)
-        return self.type is VehicleType.PLANE
+        return self.vehicle_type is VehicleType.PLANE
 
     @property
     def running(self) -> bool:
@@ -132,7 +132,7 @@ class BodyReader:
         values = self._read()
         turning = (values[_CONTROLS], values[_CONTROLS + 1], values[_CONTROLS + 2])
         running = values[_RUNNING] > 0.0
-        return servos.outputs(self.type, turning, values[_LIFT], values[_DRIVE], running)
+        return servos.outputs(self.vehicle_type, turning, values[_LIFT], values[_DRIVE], running)
 
     @property
     def battery(self) -> BatteryState:

@@ -42,5 +42,5 @@ def _quad(failed: set[int]) -> MotorFailure:
     corners = [MOTOR_POSITIONS[number] for number in sorted(failed) if number in MOTOR_POSITIONS]
     lift = LIFT_LEFT[len(corners)]
     roll, pitch, spin = (sum(corner[axis] for corner in corners) for axis in range(3))
-    way = max(-1.0, min(1.0, spin))
-    return MotorFailure(lift, 0.0 if PUSHER in failed else 1.0, SPIN * way, (LEAN * roll, LEAN * pitch))
+    direction = max(-1.0, min(1.0, spin))
+    return MotorFailure(lift, 0.0 if PUSHER in failed else 1.0, SPIN * direction, (LEAN * roll, LEAN * pitch))

@@ -52,12 +52,12 @@ def _apply_friction(state: StateArray, resting: Mask, step: float) -> None:
     flat = state.forward * slowed + state.right * slipped
     np.copyto(state.velocity[:2], flat[:2], where=resting)
     roll, pitch = state.attitude[:2]
-    misfit = np.zeros_like(state.attitude)
-    misfit[0] = roll
-    misfit[1] = pitch - clip(pitch, 0.0, state.rest_pitch)
-    state.attitude -= misfit * (LEVELING_SHARE * resting)
+    attitude_error = np.zeros_like(state.attitude)
+    attitude_error[0] = roll
+    attitude_error[1] = pitch - clip(pitch, 0.0, state.rest_pitch)
+    state.attitude -= attitude_error * (LEVELING_SHARE * resting)
     held = np.where(resting, 0.5, 1.0)
     state.rates[0] *= held
-    state.rates[1] *= np.where(misfit[1] != 0.0, held, 1.0)
+    state.rates[1] *= np.where(attitude_error[1] != 0.0, held, 1.0)
     rolling = np.minimum(0.3 * np.abs(ahead), 1.0)
     state.rates[2] *= np.where(resting, rolling, 1.0)

@@ -45,9 +45,9 @@ def update_velocity_command(state: StateArray, step: float) -> None:
             np.copyto(wanted, find(state), where=asked)
     np.copyto(wanted, state.velocity_estimate, where=free)
     change = wanted - state.velocity_command
-    most = state.acceleration_limit * step
-    change[:2] = limit_length(change[:2], most)
-    change[2] = clip(change[2], -most, most)
+    maximum = state.acceleration_limit * step
+    change[:2] = limit_length(change[:2], maximum)
+    change[2] = clip(change[2], -maximum, maximum)
     state.velocity_command += change
     np.divide(change, step, out=state.acceleration_feedforward)
     np.copyto(state.velocity_command, state.velocity_estimate, where=free)

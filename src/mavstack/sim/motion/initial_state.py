@@ -83,5 +83,5 @@ def _initialize_estimate(one: StateArray, home: Home, wander: Array) -> None:
     one.position_error[2] = BARO_DEVIATION * wander[12]
     one.position_estimate[:] = one.position_error
     one.gps[:3] = one.gps_pending[:3] = one.position_error
-    way = math.atan2(wander[3], wander[4])
-    one.drift_bias[:2, 0] = DRIFT_BIAS * math.cos(way), DRIFT_BIAS * math.sin(way)
+    direction = math.atan2(wander[3], wander[4])
+    one.drift_bias[:2, 0] = DRIFT_BIAS * math.cos(direction), DRIFT_BIAS * math.sin(direction)

@@ -96,7 +96,7 @@ def apply_motor_failures(state: StateArray) -> None:
 
 def apply_lift(state: StateArray, wanted: Array) -> None:
     """Bring the lifting motors towards the demanded lift, and add their force."""
-    most = state.lift * state.lift_left * thrust_factor(state)
-    command = np.minimum(clip(wanted, 0.0, state.lift) * thrust_factor(state), most)
+    maximum = state.lift * state.lift_left * thrust_factor(state)
+    command = np.minimum(clip(wanted, 0.0, state.lift) * thrust_factor(state), maximum)
     state.lift_thrust += (command - state.lift_thrust) * state.lift_response
     state.force -= state.below * state.lift_thrust

@@ -55,8 +55,8 @@ def _apply_direct_demands(state: StateArray) -> Array:
 
 def apply_forces(state: StateArray, wanted: Array) -> None:
     """Add the forces of thrusters, water and buoyancy."""
-    most = state.lift
-    command = np.minimum(np.maximum(wanted, -most), most) * (thrust_factor(state) * state.lift_left)
+    maximum = state.lift
+    command = np.minimum(np.maximum(wanted, -maximum), maximum) * (thrust_factor(state) * state.lift_left)
     state.thrust += (command - state.thrust) * state.lift_response
     state.lift_thrust[:] = length(state.thrust)
     drag = DRAG + DRAG_SQUARED * length(state.velocity)

@@ -39,30 +39,30 @@ def control(state: StateArray, step: float) -> tuple[Array, Array]:
     size = np.where(there | (size < STANDSTILL), 0.0, size)
     moving = (size > 0.0) & (state.mode >= Mode.LINE) & (state.mode <= Mode.CIRCLE)
     heading = np.where(moving, np.arctan2(wanted[1], wanted[0]), state.yaw_demand)
-    told = state.yaw_mode == YawMode.RATE
+    demanded = state.yaw_mode == YawMode.RATE
     ahead = (wrap_angle(heading - yaw)) * (moving | (state.yaw_mode == YawMode.HOLD))
-    turn = np.where(told, state.yaw_demand, state.attitude_gain * ahead)
-    speed = size * np.maximum(np.where(told, 1.0, np.cos(ahead)), 0.0) ** 2
-    speed = np.where(np.abs(ahead) > 1.0, np.where(told, speed, 0.0), speed)
+    turn = np.where(demanded, state.yaw_demand, state.attitude_gain * ahead)
+    speed = size * np.maximum(np.where(demanded, 1.0, np.cos(ahead)), 0.0) ** 2
+    speed = np.where(np.abs(ahead) > 1.0, np.where(demanded, speed, 0.0), speed)
     throttle = _throttle(state, speed, step)
     return _apply_direct_demands(state, turn, throttle)
 
 
 def _throttle(state: StateArray, speed: Array, step: float) -> Array:
     """Hold a speed along the heading, within the allowed acceleration."""
-    most = state.acceleration_limit * step
+    maximum = state.acceleration_limit * step
     now = dot(state.velocity_estimate, state.forward)
     guided = (state.mode >= Mode.LINE) & (state.mode <= Mode.CIRCLE)
     command = state.speed_command
-    change = clip(speed - command, -2.0 * most, most)
+    change = clip(speed - command, -2.0 * maximum, maximum)
     command += change
     np.copyto(command, now, where=~guided)
     error = command - now
     moving = guided & (command > STANDSTILL)
     # a saturated motor, or one that still accelerates, says nothing about drag and slope
-    learnt = error * (0.4 * step) * ((np.abs(change) < most) & (np.abs(state.drive_thrust) < SATURATED))
+    learnt = error * (0.4 * step) * ((np.abs(change) < maximum) & (np.abs(state.drive_thrust) < SATURATED))
     state.speed_integral[:] = clip(state.speed_integral + learnt, -0.5, 0.5) * moving
-    ahead = (SPEED_GAIN * error + clip(change, -most, most) / step * guided) / state.drive
+    ahead = (SPEED_GAIN * error + clip(change, -maximum, maximum) / step * guided) / state.drive
     return command / state.drive_speed + ahead + state.speed_integral
 
 

@@ -41,8 +41,8 @@ def update_transition(state: StateArray, step: float) -> None:
     borne = forward & (state.transition >= 1.0) & (state.airspeed > ASSIST_SHARE * state.airspeed_min)
     goal = np.where(borne, 1.0, carried)
     goal = np.where(forward, goal, np.minimum(carried, state.transition) * 0.98)
-    most = step / TRANSITION_TIME
-    moved = state.transition + clip(goal - state.transition, -most, most)
+    maximum = step / TRANSITION_TIME
+    moved = state.transition + clip(goal - state.transition, -maximum, maximum)
     state.transition[:] = np.where(~forward & (moved < 0.02), 0.0, moved)
 
 

@@ -67,7 +67,7 @@ def _max_bank(state: StateArray) -> Array:
 def _path_targets(state: StateArray, ground_speed: Array) -> tuple[Array, Array, Array, Array]:
     """Return course, lateral acceleration feed-forward, climb rate and airspeed."""
     position, target, along = state.position_estimate, state.target, state.line_direction
-    _, most_climb, most_sink, speed = state.speeds
+    _, max_climb, max_sink, speed = state.speeds
     # a line
     off = position - state.start
     done = clip(dot(off, along), 0.0, state.line_length)
@@ -87,26 +87,26 @@ def _path_targets(state: StateArray, ground_speed: Array) -> tuple[Array, Array,
         circle_course, circle_ahead = _circle_course(state, ground_speed, joining)
         course, ahead = np.where(around, circle_course, course), np.where(around, circle_ahead, ahead)
         climb = np.where(around, HEIGHT_GAIN * (position[2] - target[2]), climb)
-    told = state.mode == Mode.VELOCITY
-    if told.any():
+    demanded = state.mode == Mode.VELOCITY
+    if demanded.any():
         still = horizontal_length(target) < 0.5
         bearing = np.where(still, state.yaw_demand, np.arctan2(target[1], target[0]))
-        course, climb = np.where(told, bearing, course), np.where(told, -target[2], climb)
-        speed = np.where(told & ~still, horizontal_length(target), speed)
+        course, climb = np.where(demanded, bearing, course), np.where(demanded, -target[2], climb)
+        speed = np.where(demanded & ~still, horizontal_length(target), speed)
     airspeed = clip(speed, state.airspeed_min, np.maximum(state.airspeed_max, state.airspeed_min))
-    return course, ahead, clip(climb, -most_sink, most_climb), airspeed
+    return course, ahead, clip(climb, -max_sink, max_climb), airspeed
 
 
 def _circle_course(state: StateArray, ground_speed: Array, joining: Array) -> tuple[Array, Array]:
     """Return the course that joins and follows the circle, and the lateral acceleration on it."""
     spoke = state.position_estimate[:2] - state.target[:2]
     distance = np.maximum(np.sqrt(spoke[0] * spoke[0] + spoke[1] * spoke[1]), 1.0)
-    way = np.copysign(1.0, state.radius)
+    direction = np.copysign(1.0, state.radius)
     radius = np.abs(state.radius)
     inward = np.arctan((distance - radius) / joining)
-    course = np.arctan2(spoke[1], spoke[0]) + way * (0.5 * np.pi + inward)
+    course = np.arctan2(spoke[1], spoke[0]) + direction * (0.5 * np.pi + inward)
     near = clip(1.5 - np.abs(distance - radius) / joining, 0.0, 1.0)
-    return course, way * near * ground_speed * ground_speed / np.maximum(distance, radius)
+    return course, direction * near * ground_speed * ground_speed / np.maximum(distance, radius)
 
 
 def _climb_control(state: StateArray, climb: Array, airspeed: Array, step: float) -> tuple[Array, Array]:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mavstack.errors import InvalidArgumentError
 from mavstack.sim.motion import (
     aerodynamics,
     attitude,
@@ -57,12 +58,12 @@ class World:
         rate: Steps per second, 10 to 1000.
 
     Raises:
-        ValueError: The rate is out of range.
+        InvalidArgumentError: The rate is out of range.
     """
 
     def __init__(self, seed: int = 1, rate: float = 50.0) -> None:
         if not 10.0 <= rate <= 1000.0:
-            raise ValueError(f"the rate of a world must be 10 to 1000 Hz, got {rate}")
+            raise InvalidArgumentError(f"the rate of a world must be 10 to 1000 Hz, got {rate}")
         self.rate = rate
         self.step_length = 1.0 / rate
         self.tick = 0
@@ -86,7 +87,7 @@ class World:
         vehicle_type = VehicleType(vehicle_type)
         body = Body(self, vehicle_type, home, len(self.bodies))
         place = ORDER.index(vehicle_type)
-        body.column = sum(1 for other in self.bodies if ORDER.index(other.type) <= place)
+        body.column = sum(1 for other in self.bodies if ORDER.index(other.vehicle_type) <= place)
         for other in self.bodies:
             other.column += other.column >= body.column
         self.bodies.append(body)
@@ -105,7 +106,9 @@ class World:
     def _bind(self, data: Array) -> None:
         """Create the views of the slices of all types and laws."""
         self.state = StateArray(np.ascontiguousarray(data))
-        counts = [sum(1 for body in self.bodies if body.type is vehicle_type) for vehicle_type in ORDER]
+        counts = [
+            sum(1 for body in self.bodies if body.vehicle_type is vehicle_type) for vehicle_type in ORDER
+        ]
         ends = np.cumsum([0, *counts]).tolist()
 
         def part(first: int, last: int) -> StateArray:

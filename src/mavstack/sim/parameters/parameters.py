@@ -40,13 +40,13 @@ class Parameters:
 
     Args:
         firmware: Selects the table and the encoding.
-        type: Selects the table.
+        vehicle_type: Selects the table.
         system: The system id, which is a parameter too.
     """
 
-    def __init__(self, firmware: Firmware, type: VehicleType, system: int = 1) -> None:  # noqa: A002
+    def __init__(self, firmware: Firmware, vehicle_type: VehicleType, system: int = 1) -> None:
         self.table = ParameterTable()
-        for definition in definitions(firmware, type):
+        for definition in definitions(firmware, vehicle_type):
             self.table.add(definition)
         self.encoding = _ENCODINGS[firmware]
         self._system_name = _SYSTEM_NAMES[firmware]

@@ -102,19 +102,19 @@ def parse(text: str) -> Iterator[Row]:
 
 
 @cache
-def rows(firmware: Firmware, type: VehicleType) -> tuple[Row, ...]:  # noqa: A002 (HEARTBEAT's name for it)
+def rows(firmware: Firmware, vehicle_type: VehicleType) -> tuple[Row, ...]:
     """Return the factory parameters of a vehicle, in the order of their indices."""
     found: dict[str, Row] = {}
     folder = files(__package__) / "tables"
-    for layer in _LAYERS[firmware, type]:
+    for layer in _LAYERS[firmware, vehicle_type]:
         text = (folder / f"{firmware}_{layer}.txt").read_text(encoding="ascii")
         found.update((row.name, row) for row in parse(text))
     return tuple(sorted(found.values())) if firmware is Firmware.PX4 else tuple(found.values())
 
 
-def definitions(firmware: Firmware, type: VehicleType) -> list[ParameterDefinition]:  # noqa: A002
+def definitions(firmware: Firmware, vehicle_type: VehicleType) -> list[ParameterDefinition]:
     """Return new parameters for one vehicle."""
-    return [row.definition() for row in rows(firmware, type)]
+    return [row.definition() for row in rows(firmware, vehicle_type)]
 
 
 def _rows_of(line: str, number: int) -> Iterator[Row]:

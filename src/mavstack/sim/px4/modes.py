@@ -143,15 +143,15 @@ _TABLE: Final = (
 )  # fmt: skip
 
 
-def modes_of(type: VehicleType, state: Px4State) -> tuple[Mode, ...]:  # noqa: A002 (HEARTBEAT's name for it)
+def modes_of(vehicle_type: VehicleType, state: Px4State) -> tuple[Mode, ...]:
     """Return the modes of a type, in the order of AVAILABLE_MODES."""
     factories: dict[int, BehaviourFactory] = {
         TAKEOFF: lambda autopilot: Px4Takeoff(autopilot, state),
         ORBIT: lambda autopilot: orbit_behaviour(autopilot, state.orbit),
         VTOL_TAKEOFF: lambda autopilot: Px4Takeoff(autopilot, state, forward=True),
     }
-    rows = (row for row in _TABLE if type in row.types)
-    return tuple(_mode(row, type, factories.get(row.number, row.behaviour)) for row in rows)
+    rows = (row for row in _TABLE if vehicle_type in row.types)
+    return tuple(_mode(row, vehicle_type, factories.get(row.number, row.behaviour)) for row in rows)
 
 
 def _mode(row: _Row, vehicle_type: VehicleType, behaviour: BehaviourFactory) -> Mode:

@@ -39,12 +39,12 @@ class Px4Profile(FirmwareProfile):
     transmitter = False
     refusal = ""
 
-    def __init__(self, type: VehicleType) -> None:  # noqa: A002 (HEARTBEAT's name for it)
-        self.type = type
+    def __init__(self, vehicle_type: VehicleType) -> None:
+        self.vehicle_type = vehicle_type
         self.state = Px4State()
-        self.modes = modes.modes_of(type, self.state)
+        self.modes = modes.modes_of(vehicle_type, self.state)
         self.message_log = MessageLog()
-        self.land = modes.LAND if type.flies else modes.HOLD
+        self.land = modes.LAND if vehicle_type.flies else modes.HOLD
 
     def flight_parameters(self, vehicle: Vehicle) -> Px4FlightParameters:
         """Return the flight parameters; the limits of the body follow them until the next boot."""
@@ -73,7 +73,7 @@ class Px4Profile(FirmwareProfile):
         register_commands(vehicle, self.state)
         vehicle.on_event(ModeChanged, lambda event: self._mode_changed(vehicle, event))
         autopilot.watches.append(PreflightReporter(autopilot, self.state))
-        if self.type.flies:
+        if self.vehicle_type.flies:
             autopilot.watches.append(LandDetector(autopilot, self.state))
         Px4Failsafes(autopilot)
         self.message_log.start(vehicle)
@@ -111,7 +111,7 @@ class Px4Profile(FirmwareProfile):
 
     def take_off(self, autopilot: Autopilot, height: float) -> None:
         """Take off to a height above the ground in metres, armed or not."""
-        if self.type.flies:
+        if self.vehicle_type.flies:
             self.state.takeoff_altitude = (
                 autopilot.body.frame.altitude - autopilot.maneuvers.place[2] + height
             )
