@@ -1,1 +1,1 @@
-"""Measurements of Mavstack against its peers; `python -m benchmarks`, read README.md first."""
+"""Benchmarks of Mavstack against its peers: `python -m benchmarks`; README.md describes them."""

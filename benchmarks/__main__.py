@@ -30,20 +30,20 @@ ROWS: dict[str, Callable[[rows.Bench], Iterator[Row]]] = {
     "memory": lambda bench: iter([rows.log_memory(bench)]),
 }
 ON_ALL_CORES = ("tlog", "memory")
-# Tables of their own.
+# Benchmarks with separate tables.
 SIMULATION = "simulation"
 TELEMETRY = "telemetry"
 BRIEF_TRANSFERS = "brief-transfers"
-TRANSFERS = "transfers"  # only when asked for: it takes an hour
+TRANSFERS = "transfers"  # runs only on request: it takes an hour
 TABLES = (SIMULATION, TELEMETRY, BRIEF_TRANSFERS)
 
 
 def main() -> None:
-    """Measure, and print one table."""
+    """Run the benchmarks, and print the tables."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Measure against the peers.")
     parser.add_argument("--quick", action="store_true", help="fewer messages and turns: about a minute")
     parser.add_argument("--json", action="store_true", help="every turn of every ratio, for a script")
-    parser.add_argument("--only", nargs="+", choices=[*ROWS, *TABLES, TRANSFERS], help="some rows only")
+    parser.add_argument("--only", nargs="+", choices=[*ROWS, *TABLES, TRANSFERS], help="run only these rows")
     parser.add_argument("--vehicles", help="for the transfers: JSON, see transfers/vehicles.py")
     parser.add_argument(
         "--definitions",
@@ -78,8 +78,8 @@ def _flags(options: argparse.Namespace) -> list[str]:
 
 
 def _rows(options: argparse.Namespace, wanted: list[str]) -> None:
-    amounts = rows.QUICK if options.quick else rows.WHOLE
-    _say("building the workload and the C library …")
+    amounts = rows.QUICK if options.quick else rows.FULL
+    _log("building the workload and the C library …")
     try:
         program = c_library.build(options.definitions)
         compiler = program.compiler
@@ -89,21 +89,21 @@ def _rows(options: argparse.Namespace, wanted: list[str]) -> None:
     with tempfile.TemporaryDirectory(prefix="mavstack-bench-") as folder:
         bench = rows.Bench(flight, program, amounts, Path(folder))
         measured = _measure(bench, wanted)
-    told = f"{len(flight):,} messages, {flight.mean_size:.1f} B a packet, seed {workload.SEED}"
-    conditions = report.Conditions(told, compiler, amounts.turns)
+    output = f"{len(flight):,} messages, {flight.mean_size:.1f} B a packet, seed {workload.SEED}"
+    conditions = report.Conditions(output, compiler, amounts.turns)
     print((report.as_json if options.json else report.table)(measured, conditions))
 
 
 def _measure(bench: rows.Bench, wanted: list[str]) -> list[Row]:
     measured: list[Row] = []
     for name in (name for name in ROWS if name in wanted):
-        _say(f"measuring {name} …")
+        _log(f"measuring {name} …")
         with nullcontext() if name in ON_ALL_CORES else pinned():
             measured += ROWS[name](bench)
     return measured
 
 
-def _say(what: str) -> None:
+def _log(what: str) -> None:
     if sys.stderr.isatty():
         print(what, file=sys.stderr)
 

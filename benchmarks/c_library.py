@@ -1,7 +1,7 @@
 """The C peer: headers that pymavlink's mavgen generates from our definitions, and `peer.c` on top.
 
-Everything lands in `benchmarks/.build`, which git ignores, and is made anew when a definition or the
-program changed. Without gcc (or with definitions that mavgen refuses) the C column says so.
+Generated files are in `benchmarks/.build`, which git ignores, and are rebuilt when a definition or the
+program changed. Without gcc, or if mavgen refuses the definitions, the C column says so.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from . import workload
-from .mix import FLOWS
+from .mix import PROFILES
 
 HERE = Path(__file__).parent
 BUILD = HERE / ".build"
@@ -26,18 +26,18 @@ FLAGS = ("-O2", "-std=gnu11", "-w")
 
 
 class PeerMissingError(Exception):
-    """The C peer cannot be built here; the text says why."""
+    """The C peer cannot be built; the text contains the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class CProgram:
-    """The compiled peer."""
+    """The compiled C peer."""
 
     path: Path
     compiler: str
 
     def seconds(self, mode: str, count: int, file: Path | None = None) -> float:
-        """Run one mode and give the seconds per message that it measured itself."""
+        """Run one mode; return the seconds per message that the program measured."""
         where = [] if file is None else [str(file)]
         done = subprocess.run(
             [str(self.path), mode, *where, str(count)], check=True, capture_output=True, text=True
@@ -109,7 +109,7 @@ def _decode_header(target: Path) -> str:
 def _read_three() -> list[str]:
     lines = ["static inline double read_three(const mavlink_message_t *message) {"]
     lines.append("switch (message->msgid) {")
-    for name, fields in {flow.name: flow.three for flow in FLOWS}.items():
+    for name, fields in {profile.name: profile.read_fields for profile in PROFILES}.items():
         lower = name.lower()
         terms = " + ".join(_term(name, field) for field in fields)
         lines.append(f"case MAVLINK_MSG_ID_{name}: {{ mavlink_{lower}_t m;")

@@ -1,10 +1,10 @@
-"""Two-way channels without a clock or sockets: impaired networks, and a half-duplex radio.
+"""Bidirectional channels without clock or sockets: impaired networks, and a half-duplex radio.
 
-A channel is given packets with a direction and hands them over when they have arrived. `Network` is two
-independent `Flow`s of the link layer's own impairment model. `Radio` is what that model has no word for: one
-transmitter shared by both directions, as a pair of serial telemetry radios on one frequency shares it. Each
-end has a queue; a packet that finds no room is dropped whole. When the air is free the end that has not just
-sent goes first, and a packet holds the air for as long as its bytes take.
+A channel takes packets with a direction and returns them when they have arrived. `Network` has two
+independent `Flow`s of the impairment model of `mavstack.links`. `Radio` has one transmitter shared by both
+directions, like a pair of telemetry radios on one frequency, which that model does not support. Each end has
+a queue; a packet that exceeds the queue is dropped. When the air is free, the end that did not send last goes
+first, and a packet occupies the air for the transmission time of its bytes.
 """
 
 from __future__ import annotations
@@ -21,130 +21,138 @@ if TYPE_CHECKING:
 
 
 class Direction(IntEnum):
-    """Which way a packet goes."""
+    """The direction of a packet."""
 
     TO_GROUND = 0
     TO_VEHICLE = 1
 
     @property
     def other(self) -> Direction:
-        """The way back."""
+        """The opposite direction."""
         return Direction(1 - self)
 
 
 class Channel(Protocol):
-    """What the relay drives."""
+    """The interface of a channel, as the relay uses it."""
 
-    splits: bool  # whether it wants single packets, not datagrams
+    splits_datagrams: bool  # true if datagrams are split into packets
 
-    def send(self, way: Direction, data: bytes, now: float) -> bool:
-        """Put something on its way; False if there was no room."""
+    def send(self, direction: Direction, data: bytes, now: float) -> bool:
+        """Send a packet or datagram; return False if the queue is full."""
 
     def receive(self, now: float) -> list[tuple[Direction, bytes]]:
-        """What has arrived by now."""
+        """Return the packets that have arrived."""
 
     def next_timeout(self) -> float | None:
-        """When something arrives next."""
+        """Return the time of the next arrival, or None."""
 
-    def free(self, way: Direction) -> int | None:
-        """The percentage of the queue that is free; None if this is no radio."""
+    def free_percent(self, direction: Direction) -> int | None:
+        """Return the free percentage of the queue, or None for a network."""
 
-    def lost(self, way: Direction) -> int:
-        """How many packets were lost on the air."""
+    def lost(self, direction: Direction) -> int:
+        """Return the number of packets lost in transit."""
 
 
 class Network:
-    """A network with one impairment for both directions, which do not disturb each other."""
+    """A network with the same impairment in both directions, which are independent."""
 
-    splits = False
+    splits_datagrams = False
 
     def __init__(self, impairment: Impairment) -> None:
-        self._flows = {way: Flow(impairment, way.name) for way in Direction}
+        self._flows = {direction: Flow(impairment, direction.name) for direction in Direction}
 
-    def send(self, way: Direction, data: bytes, now: float) -> bool:
-        """Put a datagram on its way."""
-        return self._flows[way].send(data, now)
+    def send(self, direction: Direction, data: bytes, now: float) -> bool:
+        """Send a datagram."""
+        return self._flows[direction].send(data, now)
 
     def receive(self, now: float) -> list[tuple[Direction, bytes]]:
-        """What has arrived by now, of both directions."""
-        return [(way, data) for way, flow in self._flows.items() for data in flow.receive(now)]
+        """Return the datagrams that have arrived, of both directions."""
+        return [(direction, data) for direction, flow in self._flows.items() for data in flow.receive(now)]
 
     def next_timeout(self) -> float | None:
-        """When something arrives next."""
+        """Return the time of the next arrival, or None."""
         due = [flow.next_timeout() for flow in self._flows.values()]
         return min((when for when in due if when is not None), default=None)
 
-    def free(self, way: Direction) -> int | None:
-        """A network does not tell."""
+    def free_percent(self, direction: Direction) -> int | None:
+        """Return None, because a network does not report its queue."""
         return None
 
-    def lost(self, way: Direction) -> int:
-        """How many datagrams were lost on the way."""
-        return self._flows[way].stats.lost
+    def lost(self, direction: Direction) -> int:
+        """Return the number of datagrams lost in transit."""
+        return self._flows[direction].stats.lost
 
 
 class Radio:
-    """A half-duplex radio pair: `bandwidth` bytes a second for both directions together."""
+    """A pair of half-duplex radios: `bandwidth` bytes per second for both directions together."""
 
-    splits = True
+    splits_datagrams = True
 
     def __init__(self, bandwidth: float, queue: int) -> None:
         self._bandwidth = bandwidth
         self._limit = queue
-        self._waiting: dict[Direction, deque[tuple[float, bytes]]] = {way: deque() for way in Direction}
-        self._on_air: deque[tuple[float, Direction, bytes]] = deque()
-        self._free_at = -math.inf
-        self._last = Direction.TO_GROUND
+        self._waiting: dict[Direction, deque[tuple[float, bytes]]] = {
+            direction: deque() for direction in Direction
+        }
+        self._in_transit: deque[tuple[float, Direction, bytes]] = deque()
+        self._idle_from = -math.inf
+        self._last_sender = Direction.TO_GROUND
 
-    def send(self, way: Direction, data: bytes, now: float) -> bool:
-        """Queue a packet; False if it was dropped for want of room."""
+    def send(self, direction: Direction, data: bytes, now: float) -> bool:
+        """Queue a packet; return False if the queue is full."""
         self._advance(now)
-        if self._queued(way) + len(data) > self._limit:
+        if self._queued(direction) + len(data) > self._limit:
             return False
-        self._waiting[way].append((now, data))
+        self._waiting[direction].append((now, data))
         self._advance(now)
         return True
 
     def receive(self, now: float) -> list[tuple[Direction, bytes]]:
-        """The packets whose last byte has arrived."""
+        """Return the packets whose last byte has arrived."""
         self._advance(now)
         arrived = []
-        while self._on_air and self._on_air[0][0] <= now:
-            _, way, data = self._on_air.popleft()
-            arrived.append((way, data))
+        while self._in_transit and self._in_transit[0][0] <= now:
+            _, direction, data = self._in_transit.popleft()
+            arrived.append((direction, data))
         return arrived
 
     def next_timeout(self) -> float | None:
-        """When the packet on the air has arrived."""
-        return self._on_air[0][0] if self._on_air else None
+        """Return when the packet in transit arrives, or None."""
+        return self._in_transit[0][0] if self._in_transit else None
 
-    def free(self, way: Direction) -> int | None:
-        """The percentage of that direction's queue that is free."""
-        return 100 - 100 * self._queued(way) // self._limit
+    def free_percent(self, direction: Direction) -> int | None:
+        """Return the free percentage of the queue of a direction."""
+        return 100 - 100 * self._queued(direction) // self._limit
 
-    def lost(self, way: Direction) -> int:
-        """Nothing is lost on the air."""
+    def lost(self, direction: Direction) -> int:
+        """Return 0, because the radio loses no packets in transit."""
         return 0
 
-    def _queued(self, way: Direction) -> int:
-        return sum(len(data) for _, data in self._waiting[way])
+    def _queued(self, direction: Direction) -> int:
+        return sum(len(data) for _, data in self._waiting[direction])
 
     def _advance(self, now: float) -> None:
-        """Start every packet whose turn came until now."""
-        while (way := self._next_turn()) is not None:
-            queued_at, data = self._waiting[way][0]
-            begin = max(queued_at, self._free_at)
+        """Start the transmission of every packet whose turn has come."""
+        while (direction := self._next_turn()) is not None:
+            queued_at, data = self._waiting[direction][0]
+            begin = max(queued_at, self._idle_from)
             if begin > now:
                 return
-            self._waiting[way].popleft()
-            self._free_at = begin + len(data) / self._bandwidth
-            self._on_air.append((self._free_at, way, data))
-            self._last = way
+            self._waiting[direction].popleft()
+            self._idle_from = begin + len(data) / self._bandwidth
+            self._in_transit.append((self._idle_from, direction, data))
+            self._last_sender = direction
 
     def _next_turn(self) -> Direction | None:
-        """The end that did not send last, unless only the other had something when the air became free."""
-        ready = [way for way in (self._last.other, self._last) if self._waiting[way]]
-        return min(ready, key=lambda way: max(self._waiting[way][0][0], self._free_at), default=None)
+        """Return the end that sends next: the one that did not send last, if it has a packet waiting."""
+        ready = [
+            direction
+            for direction in (self._last_sender.other, self._last_sender)
+            if self._waiting[direction]
+        ]
+        return min(
+            ready, key=lambda direction: max(self._waiting[direction][0][0], self._idle_from), default=None
+        )
 
 
 CONDITIONS: dict[str, tuple[str, Callable[[int], Channel]]] = {

@@ -1,8 +1,8 @@
-"""How a ratio is come by: turns taken, a ratio a turn, the median and the spread of the ratios.
+"""Measuring ratios: interleaved turns, one ratio per turn, and the median and spread of the ratios.
 
-The peers and we take turns on one core, and each turn gives one ratio against what the peer took in
-that same turn, so that a machine which slows down slows both. What is told is the median of the ratios
-and their least and greatest, never a single best.
+Mavstack and the peers take turns on one core. Each turn gives one ratio to the time of the peer in the same
+turn, so that a machine that slows down affects both sides. Reported are the median, minimum and maximum of
+the ratios, never a best single turn.
 """
 
 from __future__ import annotations
@@ -27,29 +27,29 @@ C = "C library"
 
 @dataclass(frozen=True, slots=True)
 class Ratio:
-    """One promise: the ratios seen, turn by turn, and what they must reach."""
+    """The ratios to one peer, turn by turn, and the target that their median must reach."""
 
     label: str
     seen: tuple[float, ...]
-    limit: float | None
+    target: float | None
     at_least: bool = True
 
     @property
     def median(self) -> float:
-        """The figure that counts."""
+        """Median of the ratios."""
         return statistics.median(self.seen)
 
     @property
     def reached(self) -> bool | None:
-        """Whether the median keeps the promise; None where nothing is promised."""
-        if self.limit is None:
+        """True if the median reaches the target; None without a target."""
+        if self.target is None:
             return None
-        return self.median >= self.limit if self.at_least else self.median <= self.limit
+        return self.median >= self.target if self.at_least else self.median <= self.target
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One line of the table: a piece of work, everyone's figure as text, and the ratios."""
+    """A row of the table: the measured work, the figure of each library as text, and the ratios."""
 
     work: str
     figures: Mapping[str, str]
@@ -58,7 +58,7 @@ class Row:
 
 @contextmanager
 def pinned() -> Iterator[None]:
-    """Keep this process and its children on one core, the last one, where the system can."""
+    """Pin this process and its children to the last core, where the system supports it."""
     if not hasattr(os, "sched_setaffinity"):
         yield
         return
@@ -71,7 +71,7 @@ def pinned() -> Iterator[None]:
 
 
 def take_turns(work: Mapping[str, Callable[[], T]], turns: int) -> dict[str, list[T]]:
-    """Run everyone once unheard, then `turns` times in turn; what each run returned, by name."""
+    """Run everything once as warm-up, then `turns` times in turn; return the results by name."""
     for run in work.values():
         run()
     seen: dict[str, list[T]] = {name: [] for name in work}
@@ -82,12 +82,12 @@ def take_turns(work: Mapping[str, Callable[[], T]], turns: int) -> dict[str, lis
     return seen
 
 
-def times_better(seen: Mapping[str, list[float]], peer: str, limit: float | None) -> Ratio:
-    """How many times less than the peer we took, turn by turn."""
+def speed_ratio(seen: Mapping[str, list[float]], peer: str, target: float | None) -> Ratio:
+    """Return the time of the peer over ours, turn by turn."""
     ratios = tuple(theirs / ours for theirs, ours in zip(seen[peer], seen[OURS], strict=True))
-    return Ratio(f"times {peer}", ratios, limit)
+    return Ratio(f"times {peer}", ratios, target)
 
 
 def rates(seen: Mapping[str, list[float]]) -> dict[str, str]:
-    """Everyone's median as millions of messages a second."""
+    """Return the medians as millions of messages per second."""
     return {name: f"{1e-6 / statistics.median(times):.3g} M/s" for name, times in seen.items()}

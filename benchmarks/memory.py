@@ -1,4 +1,4 @@
-"""Runs the probes in processes of their own and watches their memory from outside."""
+"""Memory measurements: the probes run in separate processes, whose memory is sampled from outside."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SAMPLE_SECONDS = 0.0005
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """What a piece of work added to a process: at its peak, and without mapped files."""
+    """Memory growth of a process in bytes: at its peak, without mapped files, and the size of the columns."""
 
     peak: int
     anonymous: int
@@ -27,9 +27,9 @@ class Growth:
 
 
 def first_message(who: str) -> tuple[float, float]:
-    """Seconds and bytes of an import and a first message, in a fresh interpreter."""
+    """Return seconds and bytes of importing a library and encoding a first message in a new interpreter."""
     name = who.rpartition(".")[2]
-    # Installed packages come with their bytecode; a source tree gets it here, whatever the environment says.
+    # Installed packages include bytecode; for a source tree it is cached here.
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     environment["PYTHONPYCACHEPREFIX"] = str(HERE / ".build" / "bytecode")
     command = [sys.executable, str(HERE / "probe_import.py"), name]
@@ -39,7 +39,7 @@ def first_message(who: str) -> tuple[float, float]:
 
 
 def growth(what: str, who: str, warm: Path, path: Path) -> Growth:
-    """Run one memory probe and sample its anonymous memory while it works."""
+    """Run a memory probe, and sample its anonymous memory while it works."""
     command = [sys.executable, "-m", "benchmarks.probe", what, who, str(warm), str(path)]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=HERE.parent

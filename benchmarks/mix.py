@@ -1,16 +1,16 @@
-"""What an ArduCopter sends: each message's rate and the values its fields take.
+"""The telemetry of an ArduCopter: the rate of each message and the values of its fields.
 
-A message is a `Flow`: its name, how often it comes, three fields that a reader would look at, and
-what fills its fields. A value is one of
+A message is a `MessageProfile`: its name, its rate, three fields that a reader accesses, and the values of
+its fields. A value is one of
 
-- a number: the same in every packet (0 where a field is not named, so that trailing zeros are cut on
-  the wire as they are in life: servos 9 to 16, unused battery cells, absent extensions);
-- a pair: uniform between the two, drawn for each packet;
+- a number: equal in every packet (0 for fields not listed, so that trailing zeros are trimmed on the wire as
+  in reality: servos 9 to 16, unused battery cells, absent extensions);
+- a pair: uniformly distributed between the two, drawn for each packet;
 - a list of strings: one of them, drawn for each packet;
-- `"ms"` or `"us"`: the time of sending since boot, `"unix"`: microseconds since 1970.
+- `"ms"` or `"us"`: the time since boot, `"unix"`: microseconds since 1970.
 
-The rates are those of a ground station that asked for the usual streams, tuned so that a packet takes
-36 bytes on the mean, header and checksum included.
+The rates are those of a ground station that requested the usual streams, tuned for a mean packet length of 36
+bytes, including header and checksum.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ TEXTS = ["EKF3 IMU0 is using GPS", "Mission: 7 WP", "PreArm: Compass not calibra
 
 
 @dataclass(frozen=True, slots=True)
-class Flow:
-    """One message of one source: how often, which three fields are read, what its fields hold."""
+class MessageProfile:
+    """One message of one source: its rate, the three fields that are read, and the values of its fields."""
 
     name: str
     hertz: float
@@ -45,8 +45,8 @@ class Flow:
     component: int = 1
 
     @property
-    def three(self) -> tuple[str, str, str]:
-        """The names of the fields that are read."""
+    def read_fields(self) -> tuple[str, str, str]:
+        """Names of the three fields that are read."""
         first, second, third = self.read.split()
         return first, second, third
 
@@ -68,26 +68,26 @@ _IMU: dict[str, Value] = {
 _PRESSURE: dict[str, Value] = {**_BOOT, "press_abs": (940.0, 950.0), "temperature": (2000, 4500)}
 _ALIVE: dict[str, Value] = {"autopilot": 8, "system_status": 4, "mavlink_version": 3}
 
-POSITION: tuple[Flow, ...] = (
-    Flow(
+POSITION: tuple[MessageProfile, ...] = (
+    MessageProfile(
         "ATTITUDE",
         10,
         "roll pitch yaw",
         {**_BOOT, **_same("roll pitch yaw rollspeed pitchspeed yawspeed", ANGLE)},
     ),
-    Flow(
+    MessageProfile(
         "GLOBAL_POSITION_INT",
         5,
         "lat lon relative_alt",
         {**_BOOT, **_PLACE, **_same("vx vy vz", SIGNED), "relative_alt": (0, 120_000), "hdg": (1, 35_999)},
     ),
-    Flow(
+    MessageProfile(
         "LOCAL_POSITION_NED",
         4,
         "x y z",
         {**_BOOT, **_same("x y z", (-500.0, 500.0)), **_same("vx vy vz", (-15.0, 15.0))},
     ),
-    Flow(
+    MessageProfile(
         "GPS_RAW_INT",
         5,
         "lat fix_type satellites_visible",
@@ -99,7 +99,7 @@ POSITION: tuple[Flow, ...] = (
             "satellites_visible": (8, 20),
         },
     ),
-    Flow(
+    MessageProfile(
         "VFR_HUD",
         5,
         "airspeed alt throttle",
@@ -111,13 +111,13 @@ POSITION: tuple[Flow, ...] = (
             "throttle": (1, 100),
         },
     ),
-    Flow(
+    MessageProfile(
         "AHRS2",
         4,
         "roll altitude lat",
         {**_same("roll pitch yaw", ANGLE), "altitude": HEIGHT, "lat": LATITUDE, "lng": LONGITUDE},
     ),
-    Flow(
+    MessageProfile(
         "POSITION_TARGET_GLOBAL_INT",
         2,
         "lat_int lon_int alt",
@@ -130,7 +130,7 @@ POSITION: tuple[Flow, ...] = (
             "coordinate_frame": 5,
         },
     ),
-    Flow(
+    MessageProfile(
         "NAV_CONTROLLER_OUTPUT",
         4,
         "nav_roll alt_error wp_dist",
@@ -140,7 +140,7 @@ POSITION: tuple[Flow, ...] = (
             **_same("nav_bearing target_bearing", (-180, 180)),
         },
     ),
-    Flow(
+    MessageProfile(
         "HOME_POSITION",
         0.2,
         "latitude longitude altitude",
@@ -152,7 +152,7 @@ POSITION: tuple[Flow, ...] = (
             "time_usec": "us",
         },
     ),
-    Flow(
+    MessageProfile(
         "TERRAIN_REPORT",
         3,
         "terrain_height current_height pending",
@@ -166,25 +166,25 @@ POSITION: tuple[Flow, ...] = (
     ),
 )
 
-SENSORS: tuple[Flow, ...] = (
-    Flow("RAW_IMU", 5, "xacc ygyro zmag", {**_IMU, "time_usec": "us"}),
-    Flow("SCALED_IMU2", 5, "xacc ygyro zmag", {**_IMU, **_BOOT}),
-    Flow("SCALED_IMU3", 3, "xacc ygyro zmag", {**_IMU, **_BOOT}),
-    Flow("SCALED_PRESSURE", 4, "press_abs press_diff temperature", _PRESSURE),
-    Flow("SCALED_PRESSURE2", 2, "press_abs press_diff temperature", _PRESSURE),
-    Flow(
+SENSORS: tuple[MessageProfile, ...] = (
+    MessageProfile("RAW_IMU", 5, "xacc ygyro zmag", {**_IMU, "time_usec": "us"}),
+    MessageProfile("SCALED_IMU2", 5, "xacc ygyro zmag", {**_IMU, **_BOOT}),
+    MessageProfile("SCALED_IMU3", 3, "xacc ygyro zmag", {**_IMU, **_BOOT}),
+    MessageProfile("SCALED_PRESSURE", 4, "press_abs press_diff temperature", _PRESSURE),
+    MessageProfile("SCALED_PRESSURE2", 2, "press_abs press_diff temperature", _PRESSURE),
+    MessageProfile(
         "VIBRATION",
         4,
         "vibration_x vibration_z clipping_0",
         {"time_usec": "us", **_same("vibration_x vibration_y vibration_z", (0.0, 30.0))},
     ),
-    Flow(
+    MessageProfile(
         "AHRS",
         4,
         "omegaIx error_rp error_yaw",
         {**_same("omegaIx omegaIy omegaIz", (-0.01, 0.01)), **_same("error_rp error_yaw", (0.001, 0.1))},
     ),
-    Flow(
+    MessageProfile(
         "EKF_STATUS_REPORT",
         4,
         "velocity_variance compass_variance flags",
@@ -193,25 +193,25 @@ SENSORS: tuple[Flow, ...] = (
             "flags": 831,
         },
     ),
-    Flow(
+    MessageProfile(
         "WIND",
         3,
         "direction speed speed_z",
         {"direction": (-180.0, 180.0), "speed": (0.0, 10.0), "speed_z": (-1.0, 1.0)},
     ),
-    Flow(
+    MessageProfile(
         "SERVO_OUTPUT_RAW",
         4,
         "servo1_raw servo2_raw port",
         {"time_usec": (1, 4e9), **_channels("servo{}_raw", 8)},
     ),
-    Flow(
+    MessageProfile(
         "RC_CHANNELS",
         5,
         "chan1_raw chan3_raw rssi",
         {**_BOOT, **_channels("chan{}_raw", 16), "chancount": 16, "rssi": (1, 254)},
     ),
-    Flow(
+    MessageProfile(
         "ESC_TELEMETRY_1_TO_4",
         2,
         "voltage rpm temperature",
@@ -226,8 +226,8 @@ SENSORS: tuple[Flow, ...] = (
     ),
 )
 
-STATE: tuple[Flow, ...] = (
-    Flow(
+STATE: tuple[MessageProfile, ...] = (
+    MessageProfile(
         "SYS_STATUS",
         4,
         "voltage_battery battery_remaining load",
@@ -240,7 +240,7 @@ STATE: tuple[Flow, ...] = (
             "current_battery": (0, 4000),
         },
     ),
-    Flow(
+    MessageProfile(
         "BATTERY_STATUS",
         2.2,
         "current_battery battery_remaining temperature",
@@ -255,9 +255,11 @@ STATE: tuple[Flow, ...] = (
             "charge_state": 1,
         },
     ),
-    Flow("POWER_STATUS", 2, "Vcc Vservo flags", {"Vcc": (4900, 5200), "flags": 3}),
-    Flow("MEMINFO", 2, "brkval freemem freemem32", {"freemem": 65_535, "freemem32": (100_000, 131_072)}),
-    Flow(
+    MessageProfile("POWER_STATUS", 2, "Vcc Vservo flags", {"Vcc": (4900, 5200), "flags": 3}),
+    MessageProfile(
+        "MEMINFO", 2, "brkval freemem freemem32", {"freemem": 65_535, "freemem32": (100_000, 131_072)}
+    ),
+    MessageProfile(
         "MCU_STATUS",
         2,
         "MCU_temperature MCU_voltage id",
@@ -266,16 +268,18 @@ STATE: tuple[Flow, ...] = (
             "MCU_temperature": (3000, 5000),
         },
     ),
-    Flow("SYSTEM_TIME", 3, "time_unix_usec time_boot_ms time_boot_ms", {**_BOOT, "time_unix_usec": "unix"}),
-    Flow("TIMESYNC", 0.2, "tc1 ts1 ts1", {"tc1": "unix", "ts1": "unix"}),
-    Flow(
+    MessageProfile(
+        "SYSTEM_TIME", 3, "time_unix_usec time_boot_ms time_boot_ms", {**_BOOT, "time_unix_usec": "unix"}
+    ),
+    MessageProfile("TIMESYNC", 0.2, "tc1 ts1 ts1", {"tc1": "unix", "ts1": "unix"}),
+    MessageProfile(
         "MISSION_CURRENT",
         3,
         "seq total mission_state",
         {"seq": (0, 60), "total": 60, "mission_state": 3, "mission_mode": 1},
     ),
-    Flow("COMMAND_ACK", 0.1, "command result result", {"command": (400, 600), "result": (0, 4)}),
-    Flow(
+    MessageProfile("COMMAND_ACK", 0.1, "command result result", {"command": (400, 600), "result": (0, 4)}),
+    MessageProfile(
         "PARAM_VALUE",
         2,
         "param_value param_index param_id",
@@ -287,8 +291,8 @@ STATE: tuple[Flow, ...] = (
             "param_id": PARAMETERS,
         },
     ),
-    Flow("STATUSTEXT", 0.3, "severity text id", {"severity": (2, 6), "text": TEXTS}),
-    Flow(
+    MessageProfile("STATUSTEXT", 0.3, "severity text id", {"severity": (2, 6), "text": TEXTS}),
+    MessageProfile(
         "HEARTBEAT",
         1,
         "type base_mode custom_mode",
@@ -301,8 +305,10 @@ STATE: tuple[Flow, ...] = (
             "mavlink_version": 3,
         },
     ),
-    Flow("HEARTBEAT", 1, "type base_mode custom_mode", {**_ALIVE, "type": 26}, component=154),
-    Flow("HEARTBEAT", 1, "type base_mode custom_mode", {**_ALIVE, "type": 6}, system=255, component=190),
+    MessageProfile("HEARTBEAT", 1, "type base_mode custom_mode", {**_ALIVE, "type": 26}, component=154),
+    MessageProfile(
+        "HEARTBEAT", 1, "type base_mode custom_mode", {**_ALIVE, "type": 6}, system=255, component=190
+    ),
 )
 
-FLOWS = POSITION + SENSORS + STATE
+PROFILES = POSITION + SENSORS + STATE

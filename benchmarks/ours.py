@@ -1,4 +1,4 @@
-"""Our side: the public interface of `mavstack`, and the same loops that the peers run."""
+"""The benchmarks of Mavstack: its public API, in the same loops as those of the peers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import mavstack
 from mavstack.dialects import ardupilotmega
 
-from .mix import FLOWS
+from .mix import PROFILES
 from .workload import SIGNING_KEY, START_UNIX_US
 
 if TYPE_CHECKING:
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 
 def _readers() -> dict[type, attrgetter[Any]]:
     dialect = mavstack.Dialect.load("ardupilotmega")
-    return {dialect[flow.name]: attrgetter(*flow.three) for flow in FLOWS}
+    return {dialect[profile.name]: attrgetter(*profile.read_fields) for profile in PROFILES}
 
 
-def _checked(seen: int, count: int, start: float, end: float) -> float:
+def _seconds_per_message(seen: int, count: int, start: float, end: float) -> float:
     if seen != count:
         raise RuntimeError(f"mavstack saw {seen} of {count} messages")
     return (end - start) / count
 
 
 def live(chunks: list[bytes], count: int) -> float:
-    """Chunks of a stream to typed messages, three fields read from each."""
+    """Parse chunks of a stream to typed messages, and read three fields of each."""
     parser, read, seen = mavstack.Parser(ardupilotmega), _readers(), 0
     start = perf_counter()
     for chunk in chunks:
@@ -37,11 +37,11 @@ def live(chunks: list[bytes], count: int) -> float:
             message = packet.message
             read[type(message)](message)
         seen += len(packets)
-    return _checked(seen, count, start, perf_counter())
+    return _seconds_per_message(seen, count, start, perf_counter())
 
 
 def single(packets: list[bytes]) -> float:
-    """The same, one call a packet."""
+    """Parse one packet per call to typed messages, and read three fields of each."""
     parser, read, seen = mavstack.Parser(ardupilotmega), _readers(), 0
     start = perf_counter()
     for data in packets:
@@ -49,11 +49,11 @@ def single(packets: list[bytes]) -> float:
             message = packet.message
             read[type(message)](message)
             seen += 1
-    return _checked(seen, len(packets), start, perf_counter())
+    return _seconds_per_message(seen, len(packets), start, perf_counter())
 
 
 def encode(values: list[tuple[Any, ...]]) -> float:
-    """ATTITUDE's seven fields to a packet's bytes."""
+    """Encode the seven fields of ATTITUDE to packets."""
     encoder = mavstack.Encoder(system=1, component=1)
     attitude = ardupilotmega.Attitude
     start = perf_counter()
@@ -73,17 +73,17 @@ def encode(values: list[tuple[Any, ...]]) -> float:
 
 
 def verify(chunks: list[bytes], count: int) -> float:
-    """Signed packets, in chunks, to verified packets; no message objects."""
+    """Verify signed packets in chunks, without creating messages."""
     signing = mavstack.Signing(SIGNING_KEY)
     parser, seen, now = mavstack.Parser(ardupilotmega, signing=signing), 0, START_UNIX_US / 1e6
     start = perf_counter()
     for chunk in chunks:
         seen += len(parser.feed(chunk, now=now))
-    return _checked(seen, count, start, perf_counter())
+    return _seconds_per_message(seen, count, start, perf_counter())
 
 
 def columns(path: Path, threads: int = 0) -> dict[str, Any]:
-    """A telemetry log to columns: every message, every field, and the time; by default on all cores."""
+    """Decode a tlog to columns: all messages, all fields and the times; by default on all cores."""
     log = mavstack.open_log(path, threads=threads)
     log.load()
     tables = {name: log[name] for name in log}
@@ -94,15 +94,15 @@ def columns(path: Path, threads: int = 0) -> dict[str, Any]:
 
 
 def tlog(path: Path, count: int, threads: int = 0) -> float:
-    """The seconds that `columns` takes per message."""
+    """Return the seconds per message of `columns`."""
     start = perf_counter()
     tables = columns(path, threads)
     end = perf_counter()
-    return _checked(sum(len(table) for table in tables.values()), count, start, end)
+    return _seconds_per_message(sum(len(table) for table in tables.values()), count, start, end)
 
 
 def stream(path: Path, size: int) -> int:
-    """A log of any size through the parser, a chunk at a time: the messages seen."""
+    """Parse a log of any size in chunks; return the number of messages."""
     parser, seen = mavstack.Parser(ardupilotmega, timestamped=True), 0
     with path.open("rb") as file:
         while chunk := file.read(size):

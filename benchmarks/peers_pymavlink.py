@@ -1,9 +1,8 @@
-"""pymavlink's side: the calls its own documentation and tools make, written as fast as they go.
+"""The benchmarks of pymavlink: the calls of its documentation and tools, in their fastest form.
 
-Every function does its work once and gives the seconds it took per message. The dialect module is the
-one that PyPI ships. Where pymavlink has a cheaper call for the same work it gets it: `parse_char` with a
-whole packet (one call less than `parse_buffer`), positional fields, `pack` instead of `send` (no file, no
-callback).
+Every function does its work once and returns the seconds per message. The dialect module is the one on PyPI.
+Where pymavlink has a cheaper call for the same work, that is used: `parse_char` with a whole packet (one call
+less than `parse_buffer`), positional fields, `pack` instead of `send` (no file, no callback).
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .mix import FLOWS
+from .mix import PROFILES
 from .workload import SIGNING_KEY, layout, metadata
 
 if TYPE_CHECKING:
@@ -27,17 +26,17 @@ if TYPE_CHECKING:
 
 
 def _readers() -> dict[type, attrgetter[Any]]:
-    return {layout(flow.name): attrgetter(*flow.three) for flow in FLOWS}
+    return {layout(profile.name): attrgetter(*profile.read_fields) for profile in PROFILES}
 
 
-def _checked(seen: int, count: int, start: float, end: float) -> float:
+def _seconds_per_message(seen: int, count: int, start: float, end: float) -> float:
     if seen != count:
         raise RuntimeError(f"pymavlink saw {seen} of {count} messages")
     return (end - start) / count
 
 
 def live(chunks: list[bytes], count: int) -> float:
-    """Chunks of a stream to message objects, three fields read from each."""
+    """Parse chunks of a stream to message objects, and read three fields of each."""
     mav, read, seen = metadata().MAVLink(None), _readers(), 0
     start = perf_counter()
     for chunk in chunks:
@@ -45,22 +44,22 @@ def live(chunks: list[bytes], count: int) -> float:
         for message in messages:
             read[type(message)](message)
         seen += len(messages)
-    return _checked(seen, count, start, perf_counter())
+    return _seconds_per_message(seen, count, start, perf_counter())
 
 
 def single(packets: list[bytes]) -> float:
-    """The same, one call a packet."""
+    """Parse one packet per call to message objects, and read three fields of each."""
     mav, read, seen = metadata().MAVLink(None), _readers(), 0
     start = perf_counter()
     for packet in packets:
         message = mav.parse_char(packet)
         read[type(message)](message)
         seen += 1
-    return _checked(seen, len(packets), start, perf_counter())
+    return _seconds_per_message(seen, len(packets), start, perf_counter())
 
 
 def encode(values: list[tuple[Any, ...]]) -> float:
-    """ATTITUDE's seven fields to a packet's bytes."""
+    """Encode the seven fields of ATTITUDE to packets."""
     mav = metadata().MAVLink(None, srcSystem=1, srcComponent=1)
     start = perf_counter()
     for boot, roll, pitch, yaw, rollspeed, pitchspeed, yawspeed in values:
@@ -69,18 +68,18 @@ def encode(values: list[tuple[Any, ...]]) -> float:
 
 
 def verify(chunks: list[bytes], count: int) -> float:
-    """Signed packets, in chunks, to verified messages (it has no way not to make them)."""
+    """Verify signed packets in chunks; pymavlink always creates the messages."""
     mav, seen = metadata().MAVLink(None), 0
     mav.signing.secret_key = SIGNING_KEY
     start = perf_counter()
     for chunk in chunks:
         seen += len(mav.parse_buffer(chunk) or ())
     end = perf_counter()
-    return _checked(min(seen, mav.signing.goodsig_count), count, start, end)
+    return _seconds_per_message(min(seen, mav.signing.goodsig_count), count, start, end)
 
 
 def columns(path: Path) -> dict[str, dict[str, NDArray[Any]]]:
-    """A telemetry log to columns: every message, every field, and the time."""
+    """Decode a tlog to columns: all messages, all fields and the times."""
     os.environ["MAVLINK20"] = "1"
     mavutil = importlib.import_module("pymavlink.mavutil")
     log = mavutil.mavlink_connection(str(path), dialect="ardupilotmega")
@@ -98,8 +97,8 @@ def columns(path: Path) -> dict[str, dict[str, NDArray[Any]]]:
 
 
 def tlog(path: Path, count: int) -> float:
-    """The seconds that `columns` takes per message."""
+    """Return the seconds per message of `columns`."""
     start = perf_counter()
     tables = columns(path)
     end = perf_counter()
-    return _checked(sum(len(table["_timestamp"]) for table in tables.values()), count, start, end)
+    return _seconds_per_message(sum(len(table["_timestamp"]) for table in tables.values()), count, start, end)

@@ -1,14 +1,13 @@
-"""Memory at its peak, in a process of its own.
+"""Peak memory of decoding a log, in a separate process.
 
     python -m benchmarks.probe columns mavstack|pymavlink WARM.tlog FLIGHT.tlog
     python -m benchmarks.probe stream mavstack WARM.tlog FLIGHT.tlog
 
-The work is done once on a small log first, so that what is imported and made once is no growth. Growth
-is what the kernel says of this process: the peak of its resident set (`VmHWM`, reset before the work)
-less what was resident before. That counts pages of a mapped file, which the kernel drops whenever it
-wants them back; `RssAnon`, memory without a file behind it, does not, but has no peak in the kernel, so
-the parent samples it: the probe prints a line when it is ready and waits for one before it starts.
-Prints JSON, a line each time.
+A small log is decoded first, so that imports and caches do not count as growth. The growth is the peak of the
+resident set (`VmHWM`, reset before the work) minus the resident set before. It includes pages of the mapped
+file, which the kernel can reclaim at any time; `RssAnon`, memory without a file behind it, excludes them, but
+the kernel records no peak of it, so the parent process samples it: the probe prints a line when it is ready
+and waits for a line before it starts. Each output line is JSON.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ CHUNK = 1 << 20
 
 
 def status(process: int | str = "self") -> dict[str, int]:
-    """The memory lines of /proc/PID/status, in bytes."""
+    """Return the memory values of /proc/PID/status in bytes."""
     lines = Path(f"/proc/{process}/status").read_text(encoding="ascii", errors="replace").splitlines()
     pairs = (line.split(":", 1) for line in lines if line.endswith(" kB"))
     return {name: int(value.split()[0]) * 1024 for name, value in pairs}
@@ -35,28 +34,28 @@ def _reset_peak() -> None:
 
 
 class Work:
-    """One piece of work on a log; it keeps what it made until the process ends."""
+    """One benchmark on a log, which keeps its result until the process ends."""
 
     def __init__(self, what: str, who: str) -> None:
-        self.kept: object = None
+        self.result: object = None
         self.size = 0
         self._run = self._stream if what == "stream" else self._ours if who == "mavstack" else self._theirs
 
     def __call__(self, path: Path) -> int:
-        """Do it; the bytes of columns made."""
-        self.kept = None
+        """Run the benchmark; return the size of the columns in bytes."""
+        self.result = None
         return self._run(path)
 
     def _ours(self, path: Path) -> int:
         from . import ours
 
-        self.kept = tables = ours.columns(path)
+        self.result = tables = ours.columns(path)
         return sum(table.nbytes for table in tables.values())
 
     def _theirs(self, path: Path) -> int:
         from . import peers_pymavlink
 
-        self.kept = tables = peers_pymavlink.columns(path)
+        self.result = tables = peers_pymavlink.columns(path)
         return sum(column.nbytes for table in tables.values() for column in table.values())
 
     def _stream(self, path: Path) -> int:
@@ -67,7 +66,7 @@ class Work:
 
 
 def main(what: str, who: str, warm: str, flight: str) -> None:
-    """Warm up, say so, wait, work, tell."""
+    """Warm up, report ready, wait, run the benchmark, and print the growth."""
     work = Work(what, who)
     work(Path(warm))
     _reset_peak()
@@ -76,8 +75,8 @@ def main(what: str, who: str, warm: str, flight: str) -> None:
     sys.stdin.readline()
     size = work(Path(flight))
     after = status()
-    told = {"peak": after["VmHWM"] - before["VmRSS"], "anonymous": after["RssAnon"], "columns": size}
-    print(json.dumps(told), flush=True)
+    output = {"peak": after["VmHWM"] - before["VmRSS"], "anonymous": after["RssAnon"], "columns": size}
+    print(json.dumps(output), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-"""From a bare interpreter to the first packet of a dialect: seconds and bytes.
+"""Time and memory from a bare interpreter to the first packet of a dialect.
 
     python benchmarks/probe_import.py mavstack|pymavlink|mavutil
 
-Run as a file, and itself importing nothing that is not built in, so that what a library pulls in is
-counted as its own. Prints the seconds, the growth of the resident set's peak in bytes, and the packet.
+The script imports only built-in modules, so that all imports of a library are counted as its own. It prints
+the seconds, the growth of the peak resident set in bytes, and the packet.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from time import perf_counter
 
 
 def resident(name: str) -> int:
-    """One line of /proc/self/status, in bytes."""
+    """Return one value of /proc/self/status in bytes."""
     with open("/proc/self/status", encoding="ascii") as lines:  # noqa: PTH123 (pathlib would be an import)
         for line in lines:
             if line.startswith(name):
@@ -50,7 +50,7 @@ def with_mavutil() -> bytes:
 
 
 def main(who: str) -> None:
-    """Make the first packet with one library and print what it cost."""
+    """Encode the first packet with one library, and print its time and memory."""
     work = {"mavstack": with_mavstack, "pymavlink": with_pymavlink, "mavutil": with_mavutil}[who]
     before = resident("VmRSS")
     start = perf_counter()

@@ -1,12 +1,12 @@
-"""A UDP relay between a vehicle and a ground station that is as bad as a link can be.
+"""A UDP relay between a vehicle and a ground station with an impaired channel.
 
     python -m benchmarks.relay --vehicle 14550 --ground 14600 --condition c --seed 1
 
-Both ends are heard on a port each, and answered where their last datagram came from; `--vehicle-at` names a
-vehicle that waits to be spoken to. What happens between them is a channel's (see `channels`). A radio also
-tells both ends, once a second, how much of the queue towards the other end is free: RADIO_STATUS from system
-51, component 68, as SiK radios do; `--silent` switches that off. It prints `ready`, runs until its standard
-input is closed, and then prints what it carried as JSON.
+The relay listens on one port per end, and answers to the address of the last datagram; `--vehicle-at` is the
+port of a vehicle that waits for a first datagram. A channel determines what happens between both ends (see
+`channels`). For a radio the relay also sends RADIO_STATUS to both ends once per second, from system 51,
+component 68, as SiK radios do, with the free part of the queue towards the other end; `--silent` disables it.
+The relay prints `ready`, runs until its standard input is closed, and then prints its counters as JSON.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 RADIO_SYSTEM, RADIO_COMPONENT = 51, 68
-STATUS_PERIOD = 1.0
+STATUS_INTERVAL = 1.0
 MAVLINK_1, MAVLINK_2 = 0xFE, 0xFD
 SIGNED = 0x01
 
 
 @dataclass(slots=True)
 class Carried:
-    """What one direction carried: everything sent into it, what came out, and what did not."""
+    """Counters of one direction: sent, delivered, dropped and lost packets."""
 
     packets: int = 0
     bytes: int = 0
@@ -50,87 +50,89 @@ class Carried:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a relay carried each way."""
+    """Counters of both directions."""
 
     to_ground: Carried
     to_vehicle: Carried
 
 
 class Relay:
-    """Two sockets and a channel between them."""
+    """Two sockets with a channel between them."""
 
     def __init__(self, channel: Channel, vehicle: int, ground: int, *, vehicle_at: int = 0) -> None:
-        self.carried = {way: Carried() for way in Direction}
+        self.carried = {direction: Carried() for direction in Direction}
         self._channel = channel
-        self._sockets = {Direction.TO_GROUND: _bound(ground), Direction.TO_VEHICLE: _bound(vehicle)}
+        self._sockets = {Direction.TO_GROUND: _bind(ground), Direction.TO_VEHICLE: _bind(vehicle)}
         self._peers: dict[Direction, tuple[str, int]] = {}
         if vehicle_at:
             self._peers[Direction.TO_VEHICLE] = (HOST, vehicle_at)
         self._encoder = Encoder(system=RADIO_SYSTEM, component=RADIO_COMPONENT)
 
     def run(self, *, silent: bool) -> None:
-        """Carry packets until standard input is closed."""
+        """Relay packets until standard input is closed."""
         selector = selectors.DefaultSelector()
-        for way, endpoint in self._sockets.items():
-            selector.register(endpoint, selectors.EVENT_READ, way.other)
+        for direction, endpoint in self._sockets.items():
+            selector.register(endpoint, selectors.EVENT_READ, direction.other)
         selector.register(sys.stdin, selectors.EVENT_READ, None)
-        status_at = math.inf if silent else monotonic() + STATUS_PERIOD
+        status_at = math.inf if silent else monotonic() + STATUS_INTERVAL
         while True:
             due = min(status_at, self._channel.next_timeout() or math.inf)
             wait = None if due == math.inf else max(0.0, due - monotonic())
             for key, _ in selector.select(wait):
                 if key.data is None:
                     return
-                self._take(key.data)
+                self._receive(key.data)
             self._deliver(monotonic())
             if monotonic() >= status_at:
-                status_at += STATUS_PERIOD
-                self._tell_status()
+                status_at += STATUS_INTERVAL
+                self._send_status()
 
     def close(self) -> Report:
-        """Give the ports back, and tell what was carried."""
-        for way, endpoint in self._sockets.items():
+        """Close the sockets, and return the counters."""
+        for direction, endpoint in self._sockets.items():
             endpoint.close()
-            self.carried[way].lost = self._channel.lost(way)
+            self.carried[direction].lost = self._channel.lost(direction)
         return Report(self.carried[Direction.TO_GROUND], self.carried[Direction.TO_VEHICLE])
 
-    def _take(self, way: Direction) -> None:
-        """Read all that waits at one end, and send it on its way."""
-        carried = self.carried[way]
-        while (heard := _read(self._sockets[way.other])) is not None:
-            datagram, self._peers[way.other] = heard
-            for piece in split(datagram) if self._channel.splits else (datagram,):
+    def _receive(self, direction: Direction) -> None:
+        """Read all waiting datagrams of one end, and send them through the channel."""
+        carried = self.carried[direction]
+        while (received := _read(self._sockets[direction.other])) is not None:
+            datagram, self._peers[direction.other] = received
+            for piece in split(datagram) if self._channel.splits_datagrams else (datagram,):
                 carried.packets += 1
                 carried.bytes += len(piece)
-                carried.overflowed += not self._channel.send(way, piece, monotonic())
+                carried.overflowed += not self._channel.send(direction, piece, monotonic())
 
     def _deliver(self, now: float) -> None:
-        for way, data in self._channel.receive(now):
-            if self._write(way, data):
-                self.carried[way].delivered += 1
-                self.carried[way].delivered_bytes += len(data)
+        for direction, data in self._channel.receive(now):
+            if self._write(direction, data):
+                self.carried[direction].delivered += 1
+                self.carried[direction].delivered_bytes += len(data)
 
-    def _tell_status(self) -> None:
-        """Tell each end how much room its own queue has."""
-        for way in Direction:
-            free = self._channel.free(way)
-            if free is not None:
-                status = ardupilotmega.RadioStatus(rssi=200, remrssi=200, txbuf=free, noise=50, remnoise=50)
-                self._write(way.other, self._encoder.encode(status))
+    def _send_status(self) -> None:
+        """Send each end the free part of its queue."""
+        for direction in Direction:
+            free_percent = self._channel.free_percent(direction)
+            if free_percent is not None:
+                status = ardupilotmega.RadioStatus(
+                    rssi=200, remrssi=200, txbuf=free_percent, noise=50, remnoise=50
+                )
+                self._write(direction.other, self._encoder.encode(status))
 
-    def _write(self, way: Direction, data: bytes) -> bool:
-        peer = self._peers.get(way)
+    def _write(self, direction: Direction, data: bytes) -> bool:
+        peer = self._peers.get(direction)
         if peer is None:
             return False
         try:
-            self._sockets[way].sendto(data, peer)
-        except OSError:  # nobody is there at the moment
+            self._sockets[direction].sendto(data, peer)
+        except OSError:  # no program listens at the moment
             return False
         return True
 
 
 def split(datagram: bytes) -> Iterator[bytes]:
-    """The MAVLink packets of a datagram; what is none goes on as it is."""
+    """Yield the MAVLink packets of a datagram; other bytes are one piece."""
     at = 0
     while at < len(datagram):
         size = _packet_size(datagram, at)
@@ -147,7 +149,7 @@ def _packet_size(data: bytes, at: int) -> int:
     return min(rest, data[at + 1] + (25 if data[at + 2] & SIGNED else 12))
 
 
-def _bound(port: int) -> socket.socket:
+def _bind(port: int) -> socket.socket:
     endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
     endpoint.setblocking(False)
@@ -160,14 +162,16 @@ def _read(endpoint: socket.socket) -> tuple[bytes, tuple[str, int]] | None:
         data, peer = endpoint.recvfrom(65536)
     except BlockingIOError:
         return None
-    except OSError:  # the other end's port is closed, as the system tells after a send
+    except OSError:  # an ICMP error: the port of the other end is closed
         return None
     return data, peer
 
 
 def main() -> None:
-    """Relay until standard input is closed."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.relay", description="A bad link over UDP.")
+    """Run the relay until standard input is closed."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.relay", description="An impaired link over UDP."
+    )
     parser.add_argument("--vehicle", type=int, default=14550, help="the port that the vehicle sends to")
     parser.add_argument("--vehicle-at", type=int, default=0, help="the port of a vehicle that waits")
     parser.add_argument("--ground", type=int, default=14600, help="the port that the ground station sends to")
@@ -179,7 +183,7 @@ def main() -> None:
     relay = Relay(channel, options.vehicle, options.ground, vehicle_at=options.vehicle_at)
     print("ready", flush=True)
     try:
-        relay.run(silent=options.silent or channel.free(Direction.TO_GROUND) is None)
+        relay.run(silent=options.silent or channel.free_percent(Direction.TO_GROUND) is None)
     except KeyboardInterrupt:
         pass
     finally:

@@ -1,4 +1,4 @@
-"""The table, and the same as JSON."""
+"""The report of a run: a table for the terminal, or JSON."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HEAD = ("work", OURS, PYMAVLINK, C, "ratio", "least … greatest", "must reach",
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """Under what the run was made."""
+    """The conditions of a run."""
 
     workload: str
     compiler: str
@@ -28,7 +28,7 @@ class Conditions:
 
 
 def machine() -> str:
-    """The processor, the cores, the versions."""
+    """Return the processor, the number of cores and the versions."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         model = next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
@@ -41,11 +41,13 @@ def machine() -> str:
 
 
 def table(rows: Iterable[Row], conditions: Conditions) -> str:
-    """Everything that was measured, for a terminal."""
+    """Return all measurements as a table."""
     lines = [HEAD, *(line for row in rows for line in _lines(row))]
-    widths = [max(len(line[place]) for line in lines) for place in range(len(HEAD))]
-    told = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
-    told.insert(1, "  ".join("-" * width for width in widths))
+    widths = [max(len(line[index]) for line in lines) for index in range(len(HEAD))]
+    output = [
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines
+    ]
+    output.insert(1, "  ".join("-" * width for width in widths))
     facts = (
         f"machine     {machine()}",
         f"C library   {conditions.compiler}",
@@ -53,11 +55,11 @@ def table(rows: Iterable[Row], conditions: Conditions) -> str:
         f"turns       {conditions.turns}, interleaved; the ratio is the median of the turns' ratios",
         f"load        {' '.join(f'{load:.2f}' for load in os.getloadavg())} (1, 5, 15 minutes)",
     )
-    return "\n".join((*(line.rstrip() for line in told), "", *facts))
+    return "\n".join((*(line.rstrip() for line in output), "", *facts))
 
 
 def as_json(rows: Iterable[Row], conditions: Conditions) -> str:
-    """Everything that was measured, every turn of it, for a script."""
+    """Return all measurements with every turn as JSON."""
     return json.dumps(
         {
             "machine": machine(),
@@ -79,7 +81,7 @@ def _ratio(ratio: Ratio) -> dict[str, object]:
         "ratio": ratio.label,
         "median": ratio.median,
         "seen": list(ratio.seen),
-        "limit": ratio.limit,
+        "target": ratio.target,
         "sense": "at least" if ratio.at_least else "at most",
         "reached": ratio.reached,
     }
@@ -88,16 +90,16 @@ def _ratio(ratio: Ratio) -> dict[str, object]:
 def _lines(row: Row) -> list[Sequence[str]]:
     names = (row.work, *(row.figures.get(name, "-") for name in (OURS, PYMAVLINK, C)))
     blank = ("", "", "", "")
-    return [(*(blank if place else names), *_verdict(ratio)) for place, ratio in enumerate(row.ratios)]
+    return [(*(blank if index else names), *_verdict(ratio)) for index, ratio in enumerate(row.ratios)]
 
 
 def _verdict(ratio: Ratio) -> tuple[str, str, str, str]:
     figure = f"{_short(ratio.median)} {ratio.label}"
     spread = f"{_short(min(ratio.seen))} … {_short(max(ratio.seen))}"
-    if ratio.limit is None:
+    if ratio.target is None:
         return figure, spread, "", ""
     sign = "≥" if ratio.at_least else "≤"
-    return figure, spread, f"{sign} {ratio.limit:g}", "yes" if ratio.reached else "NO"
+    return figure, spread, f"{sign} {ratio.target:g}", "yes" if ratio.reached else "NO"
 
 
 def _short(value: float) -> str:

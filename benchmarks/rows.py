@@ -1,7 +1,7 @@
-"""The rows of the table: what each one runs, how much of it, and what it must reach.
+"""The rows of the table: the benchmarks, their amounts, and their targets.
 
-A peer that is slow gets fewer messages than one that is fast: all figures are per message, and every
-amount takes long enough to measure. `Amounts` holds them, whole and quick.
+A slow peer gets fewer messages than a fast one: all figures are per message, and every amount takes long
+enough to be measured. `Amounts` are the amounts of a full and of a quick run.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from . import memory, ours, peers_pymavlink
-from .measure import MAVUTIL, OURS, PYMAVLINK, C, Ratio, Row, rates, take_turns, times_better
+from .measure import MAVUTIL, OURS, PYMAVLINK, C, Ratio, Row, rates, speed_ratio, take_turns
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -26,7 +26,7 @@ CHUNK = 16384
 
 @dataclass(frozen=True, slots=True)
 class Amounts:
-    """How many messages each side gets, and how many turns are taken."""
+    """Number of messages of each side, and number of turns."""
 
     log: int
     fast: int
@@ -35,13 +35,13 @@ class Amounts:
     starts: int
 
 
-WHOLE = Amounts(log=1_000_000, fast=500_000, slow=100_000, turns=11, starts=15)
+FULL = Amounts(log=1_000_000, fast=500_000, slow=100_000, turns=11, starts=15)
 QUICK = Amounts(log=1_000_000, fast=100_000, slow=20_000, turns=5, starts=7)
 
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """What every row works on."""
+    """The common input of all rows."""
 
     flight: Workload
     program: CProgram | None
@@ -49,28 +49,28 @@ class Bench:
     folder: Path
 
     def file(self, name: str, content: Callable[[], bytes]) -> Path:
-        """A file of the workload, written anew."""
+        """Write a file of the workload; return its path."""
         path = self.folder / name
         path.write_bytes(content())
         return path
 
     def c(self, mode: str, count: int, file: Path | None = None) -> dict[str, Callable[[], float]]:
-        """The C library's runner, if there is one."""
+        """Return the runner of the C library, if it was built."""
         return {} if self.program is None else {C: partial(self.program.seconds, mode, count, file)}
 
-    def versus(
+    def compare(
         self, title: str, work: dict[str, Callable[[], float]], pymavlink: float | None, c: float | None
     ) -> Row:
-        """Take turns, and compare."""
+        """Take turns, and compare the results."""
         seen = take_turns(work, self.amounts.turns)
         limits = {PYMAVLINK: pymavlink, C: c}
         peers = [name for name in work if name != OURS]
         figures = {C: "-" if self.program else "not built"} | rates(seen)
-        return Row(title, figures, tuple(times_better(seen, peer, limits[peer]) for peer in peers))
+        return Row(title, figures, tuple(speed_ratio(seen, peer, limits[peer]) for peer in peers))
 
 
 def live(bench: Bench) -> Row:
-    """A live stream to typed messages, three fields read from each."""
+    """Parse a live stream to typed messages, and read three fields of each."""
     many, few = bench.amounts.fast, bench.amounts.slow
     flight = bench.flight
     file = bench.file("flight.bin", lambda: flight.stream)
@@ -79,22 +79,22 @@ def live(bench: Bench) -> Row:
         **bench.c("live", many, file),
         OURS: partial(ours.live, flight.chunks(CHUNK, many), many),
     }
-    return bench.versus("live stream to messages, three fields of each", work, 30, None)
+    return bench.compare("live stream to messages, read_fields fields of each", work, 30, None)
 
 
 def single(bench: Bench) -> Row:
-    """The same with one call a packet."""
+    """Parse one packet per call to typed messages."""
     many, few = bench.amounts.fast // 2, bench.amounts.slow
     packets = bench.flight.packets(many)
     work: dict[str, Callable[[], float]] = {
         PYMAVLINK: partial(peers_pymavlink.single, packets[:few]),
         OURS: partial(ours.single, packets),
     }
-    return bench.versus("the same from one call a packet", work, 10, None)
+    return bench.compare("the same from one call a packet", work, 10, None)
 
 
 def encode(bench: Bench) -> Row:
-    """Fields to a packet."""
+    """Encode fields to packets."""
     many = bench.amounts.fast
     values: list[tuple[Any, ...]] = [
         (index, *((index % 4096) * 0.0007 + 0.1 + offset for offset in range(6))) for index in range(many)
@@ -104,11 +104,11 @@ def encode(bench: Bench) -> Row:
         **bench.c("encode", many * 4),
         OURS: partial(ours.encode, values),
     }
-    return bench.versus("fields to packet (ATTITUDE)", work, 12, None)
+    return bench.compare("fields to packet (ATTITUDE)", work, 12, None)
 
 
 def verify(bench: Bench) -> Row:
-    """Signatures checked, no message objects."""
+    """Verify signatures without creating messages."""
     many, few = bench.amounts.fast // 2, bench.amounts.slow
     packets = bench.flight.signed(many)
     stream = b"".join(packets)
@@ -119,7 +119,7 @@ def verify(bench: Bench) -> Row:
         **bench.c("signed", many, file),
         OURS: partial(ours.verify, _cut(stream), many),
     }
-    return bench.versus("verify signed packets", work, None, 2)
+    return bench.compare("verify signed packets", work, None, 2)
 
 
 def _cut(stream: bytes) -> list[bytes]:
@@ -127,23 +127,23 @@ def _cut(stream: bytes) -> list[bytes]:
 
 
 def tlog(bench: Bench, threads: int = 0) -> Row:
-    """A telemetry log to columns: all messages, all fields; on all cores unless told otherwise."""
+    """Decode a tlog to columns: all messages and fields, by default on all cores."""
     many, few = bench.amounts.log, bench.amounts.slow
     whole = bench.file("flight.tlog", partial(bench.flight.tlog, many))
     slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
-    _agree(ours.columns(slice_, threads), peers_pymavlink.columns(slice_))
+    _assert_equal(ours.columns(slice_, threads), peers_pymavlink.columns(slice_))
     work: dict[str, Callable[[], float]] = {
         PYMAVLINK: partial(peers_pymavlink.tlog, slice_, few),
         **bench.c("tlog", many, whole),
         OURS: partial(ours.tlog, whole, many, threads),
     }
     if threads:
-        return bench.versus("the same on one core", work, None, None)
-    return bench.versus("tlog to columns, CRC checked", work, 400, 4)
+        return bench.compare("the same on one core", work, None, None)
+    return bench.compare("tlog to columns, CRC checked", work, 400, 4)
 
 
-def _agree(mine: dict[str, Any], theirs: dict[str, Any]) -> None:
-    """Refuse to time two readers that read different things."""
+def _assert_equal(mine: dict[str, Any], theirs: dict[str, Any]) -> None:
+    """Raise if both readers decode different columns."""
     if set(mine) != set(theirs):
         raise RuntimeError(f"tables differ: {sorted(set(mine) ^ set(theirs))}")
     for name, table in theirs.items():
@@ -155,7 +155,7 @@ def _agree(mine: dict[str, Any], theirs: dict[str, Any]) -> None:
 
 
 def log_memory(bench: Bench) -> Row:
-    """The peak of memory for a log, against the size of its columns."""
+    """Compare the peak memory of decoding a log to the size of its columns."""
     many, few = bench.amounts.log, bench.amounts.slow
     warm = bench.file("warm.tlog", partial(bench.flight.tlog, few // 10))
     slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
@@ -174,22 +174,22 @@ def log_memory(bench: Bench) -> Row:
         (
             Ratio("times its columns", tuple(one.anonymous / size for one in mine), 1.5, at_least=False),
             Ratio("with the mapped file's pages", tuple(one.peak / size for one in mine), None),
-            Ratio("streamed, nothing kept", (streamed.peak / size,), None),
+            Ratio("streamed, nothing result", (streamed.peak / size,), None),
         ),
     )
 
 
 def first_message(bench: Bench) -> Iterator[Row]:
-    """Import, and the first message of a dialect: time, then memory."""
+    """Compare time and memory of the import and the first message."""
     names = (PYMAVLINK, MAVUTIL, OURS)
     starts = take_turns({who: partial(memory.first_message, who) for who in names}, bench.amounts.starts)
-    for place, title, unit, scale in ((0, "time", "ms", 1e3), (1, "memory", "MB", 1e-6)):
-        values = {who: [start[place] for start in seen] for who, seen in starts.items()}
+    for index, title, unit, scale in ((0, "time", "ms", 1e3), (1, "memory", "MB", 1e-6)):
+        values = {who: [start[index] for start in seen] for who, seen in starts.items()}
         figures = {who: f"{statistics.median(seen) * scale:.1f} {unit}" for who, seen in values.items()}
         shares = (_share(values, PYMAVLINK, 0.5), _share(values, MAVUTIL, None))
         yield Row(f"import and first message, {title}", figures, shares)
 
 
-def _share(seen: dict[str, list[float]], peer: str, limit: float | None) -> Ratio:
+def _share(seen: dict[str, list[float]], peer: str, target: float | None) -> Ratio:
     shares = tuple(mine / theirs for mine, theirs in zip(seen[OURS], seen[peer], strict=True))
-    return Ratio(f"of {peer}", shares, limit, at_least=False)
+    return Ratio(f"of {peer}", shares, target, at_least=False)

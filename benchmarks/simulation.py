@@ -1,15 +1,15 @@
-"""`python -m benchmarks.simulation [--seconds N] [--sitl NAME=COMMAND …]`: what simulated vehicles cost.
+"""`python -m benchmarks.simulation [--seconds N] [--sitl NAME=COMMAND …]`: the cost of simulated vehicles.
 
-Each line is a program of its own that sends to a UDP port of this machine: `mav sim` with fleets of several
-sizes, and with `--sitl` real autopilots in simulation, whose command has `{port}` where the port belongs. A
-listener on the other core sends a ground station's heartbeat once a second, takes everything in and counts
-it; the program is pinned to one core. After its first heartbeat it gets a while to settle, then is watched:
+Each line is a program that sends to a UDP port of this machine: `mav sim` with fleets of several sizes, and
+with `--sitl` real autopilots in simulation, whose command contains `{port}`. A listener on another core sends
+the heartbeat of a ground station once per second, and receives and counts all packets; the program is pinned
+to one core. After its first heartbeat it runs for a settling time, and is then measured:
 
-    start      from the start of the process to the first heartbeat received
-    CPU        of the process and its children, over real time: 100 % is one core
-    memory     unique to it (USS), so that what several processes share counts for none
-    msg/s      received, all vehicles together, and packets lost on the way by their sequence numbers
-    to a core  how many such vehicles one core could run: by the CPU of the line, divided among its vehicles
+    start      from the start of the process to the first heartbeat
+    CPU        of the process and its children, relative to real time: 100 % is one core
+    memory     unique set size (USS), which excludes memory shared between processes
+    msg/s      received from all vehicles, and the fraction lost, from the sequence numbers
+    to a core  number of such vehicles that one core could run, from the CPU per vehicle
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 FLEETS = (1, 10, 50, 200)
-SETTLE = 5.0
-PATIENCE = 60.0
+SETTLE_TIME = 5.0
+START_TIMEOUT = 60.0
 _TICKS = os.sysconf("SC_CLK_TCK")
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
-    """What one run of a program showed."""
+class Measurement:
+    """The measurements of one run."""
 
     start: float
     cpu: float
@@ -52,7 +52,7 @@ class Seen:
 
 
 class Listener:
-    """A ground station's end: counts what comes."""
+    """The ground station: receives and counts packets."""
 
     def __init__(self) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -65,13 +65,13 @@ class Listener:
         self.systems: set[int] = set()
         self.peers: set[tuple[str, int]] = set()
         self._encoder = Encoder(255, 190)
-        self._beat_due = 0.0
+        self._next_heartbeat = 0.0
 
-    def listen(self, seconds: float, *, for_heartbeat: bool = False) -> bool:
-        """Take in what comes for so long; True as soon as there is a heartbeat, if that is waited for."""
+    def receive(self, seconds: float, *, until_heartbeat: bool = False) -> bool:
+        """Receive for a number of seconds; return True at the first heartbeat if `until_heartbeat`."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            self._beat()
+            self._send_heartbeat()
             try:
                 data, peer = self.socket.recvfrom(1 << 16)
             except TimeoutError:
@@ -81,27 +81,27 @@ class Listener:
                 self.packets += 1
                 if packet.message_id == 0 and packet.component == 1:
                     self.systems.add(packet.system)
-                    if for_heartbeat:
+                    if until_heartbeat:
                         return True
         return False
 
     @property
     def lost(self) -> int:
-        """Packets that were sent and did not come."""
+        """Number of packets lost between the vehicle and the listener."""
         return sum(source.lost for source in self.parser.sources.values())
 
-    def _beat(self) -> None:
+    def _send_heartbeat(self) -> None:
         now = time.monotonic()
-        if now >= self._beat_due:
-            self._beat_due = now + 1.0
-            beat = common.Heartbeat(type=6, autopilot=8, system_status=4, mavlink_version=3)
+        if now >= self._next_heartbeat:
+            self._next_heartbeat = now + 1.0
+            heartbeat = common.Heartbeat(type=6, autopilot=8, system_status=4, mavlink_version=3)
             for peer in self.peers:
-                self.socket.sendto(self._encoder.encode(beat), peer)
+                self.socket.sendto(self._encoder.encode(heartbeat), peer)
 
 
-def run(command: list[str], listener: Listener, seconds: float) -> Seen:
-    """Start a program, watch it, end it."""
-    began = time.monotonic()
+def run(command: list[str], listener: Listener, seconds: float) -> Measurement:
+    """Start a program, measure it, and end it."""
+    started = time.monotonic()
     process = subprocess.Popen(
         command,
         stdin=subprocess.DEVNULL,
@@ -111,21 +111,21 @@ def run(command: list[str], listener: Listener, seconds: float) -> Seen:
     )
     try:
         _pin(process.pid)
-        if not listener.listen(PATIENCE, for_heartbeat=True):
-            raise SystemExit(f"no heartbeat of {' '.join(command)} in {PATIENCE:g} s")
-        start = time.monotonic() - began
-        listener.listen(SETTLE)
+        if not listener.receive(START_TIMEOUT, until_heartbeat=True):
+            raise SystemExit(f"no heartbeat of {' '.join(command)} in {START_TIMEOUT:g} s")
+        start = time.monotonic() - started
+        listener.receive(SETTLE_TIME)
         before, packets, lost = _cpu(process.pid), listener.packets, listener.lost
         watched = time.monotonic()
-        listener.listen(seconds)
+        listener.receive(seconds)
         passed = time.monotonic() - watched
-        got = listener.packets - packets
-        return Seen(
+        received = listener.packets - packets
+        return Measurement(
             start,
             (_cpu(process.pid) - before) / passed,
             _memory(process.pid),
-            got / passed,
-            (listener.lost - lost) / max(got, 1),
+            received / passed,
+            (listener.lost - lost) / max(received, 1),
             len(listener.systems),
         )
     finally:
@@ -140,8 +140,8 @@ def _pin(pid: int) -> None:
         os.sched_setaffinity(0, set(cores[:-1]))
 
 
-def _family(pid: int) -> list[int]:
-    """A process and all below it."""
+def _process_tree(pid: int) -> list[int]:
+    """Return a process and all its descendants."""
     family = [pid]
     for each in family:
         for task in Path(f"/proc/{each}/task").glob("*/children"):
@@ -150,18 +150,18 @@ def _family(pid: int) -> list[int]:
 
 
 def _cpu(pid: int) -> float:
-    """Seconds of processor time."""
+    """Return the processor time of a process tree in seconds."""
     total = 0
-    for each in _family(pid):
+    for each in _process_tree(pid):
         fields = Path(f"/proc/{each}/stat").read_text().rpartition(")")[2].split()
         total += int(fields[11]) + int(fields[12])
     return total / _TICKS
 
 
 def _memory(pid: int) -> float:
-    """Megabytes of its own."""
+    """Return the unique memory of a process tree in megabytes."""
     total = 0
-    for each in _family(pid):
+    for each in _process_tree(pid):
         for line in Path(f"/proc/{each}/smaps_rollup").read_text().splitlines():
             if line.startswith("Private_"):
                 total += int(line.split()[1])
@@ -169,13 +169,13 @@ def _memory(pid: int) -> float:
 
 
 def ours(count: int, firmware: str) -> str:
-    """The command line of a fleet of ours."""
+    """Return the command line of a fleet of `mav sim`."""
     program = f"{shlex.quote(sys.executable)} -m mavstack sim"
     return f"{program} --count {count} --firmware {firmware} --out udpout://127.0.0.1:{{port}}"
 
 
 def programs(options: argparse.Namespace) -> dict[str, str]:
-    """What to run, by name."""
+    """Return the commands of all programs by name."""
     table = {
         f"mavstack, {count} {firmware}": ours(count, firmware)
         for firmware in ("ardupilot", "px4")
@@ -185,16 +185,16 @@ def programs(options: argparse.Namespace) -> dict[str, str]:
 
 
 def main(words: Sequence[str] | None = None) -> None:
-    """Measure, and print a table."""
+    """Measure all programs, and print a table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.simulation", description=__doc__)
     parser.add_argument("--seconds", type=float, default=10.0, help="how long each run is watched")
-    parser.add_argument("--turns", type=int, default=3, help="runs of each; medians are told")
+    parser.add_argument("--turns", type=int, default=3, help="runs of each; medians are output")
     parser.add_argument("--fleets", type=int, nargs="+", default=FLEETS, help="sizes of fleets")
     parser.add_argument(
         "--sitl", action="append", default=[], help="NAME=COMMAND of an autopilot, {port} in it"
     )
     options = parser.parse_args(words)
-    seen: dict[str, list[Seen]] = {}
+    seen: dict[str, list[Measurement]] = {}
     for _ in range(options.turns):
         for name, command in programs(options).items():
             listener = Listener()
@@ -203,7 +203,7 @@ def main(words: Sequence[str] | None = None) -> None:
     _print(seen)
 
 
-def _print(seen: dict[str, list[Seen]]) -> None:
+def _print(seen: dict[str, list[Measurement]]) -> None:
     head = f"{'program':<28}{'start':>8}{'CPU':>9}{'memory':>10}{'each':>9}"
     print(f"{head}{'msg/s':>9}{'lost':>7}{'to a core':>11}")
     for name, runs in seen.items():

@@ -1,10 +1,10 @@
-"""A synthetic flight: any number of valid packets from a fixed seed, made in a few seconds.
+"""A synthetic flight: any number of valid packets from a fixed seed, generated in a few seconds.
 
-The packets come from neither Mavstack nor a peer's encoder: numpy fills the payloads of a message as
-the rows of one structured array, cuts trailing zeros, numbers the packets and runs the checksum down
-the columns. Only the layouts (order of fields, CRC_EXTRA) are asked of pymavlink's metadata, and every
-reader of the run has to count exactly the packets that were made. Each source (system, component) has
-its own rising sequence; the messages are interleaved by the times at which their rates make them due.
+Neither Mavstack nor a peer encodes the packets: numpy fills the payloads of a message as rows of one
+structured array, trims trailing zeros, numbers the packets and computes the checksums column by column. Only
+the layouts (order of fields, CRC_EXTRA) are taken from pymavlink, and every reader must count exactly the
+generated packets. Each source (system, component) counts its own sequence numbers; the messages are
+interleaved by the times given by their rates.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .mix import FLOWS, Flow, Value
+from .mix import PROFILES, MessageProfile, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,7 +39,7 @@ NUMPY_TYPES |= {"Q": "<u8", "q": "<i8", "f": "<f4", "d": "<f8"}
 
 @dataclass(frozen=True)
 class Workload:
-    """A log's packets end to end, and where each one starts."""
+    """The packets of a log in one buffer, and their positions."""
 
     stream: bytes
     starts: NDArray[np.int64]
@@ -50,25 +50,25 @@ class Workload:
 
     @property
     def mean_size(self) -> float:
-        """Bytes a packet, header and checksum included."""
+        """Mean packet length in bytes, including header and checksum."""
         return len(self.stream) / len(self.starts)
 
     @cached_property
     def ends(self) -> NDArray[np.int64]:
-        """Where each packet ends."""
+        """End positions of the packets."""
         return np.append(self.starts[1:], len(self.stream))
 
     def packets(self, count: int) -> list[bytes]:
-        """The first packets, one object each."""
+        """Return the first packets as separate objects."""
         return [self.stream[a:b] for a, b in zip(self.starts[:count], self.ends[:count], strict=True)]
 
     def chunks(self, size: int, count: int) -> list[bytes]:
-        """The first packets as chunks of `size` bytes, cut wherever they fall."""
+        """Return the first packets as chunks of `size` bytes, cut at any position."""
         end = int(self.ends[count - 1])
         return [self.stream[at : min(at + size, end)] for at in range(0, end, size)]
 
     def tlog(self, count: int) -> bytes:
-        """The first packets as a telemetry log: a big-endian time of 8 bytes before each."""
+        """Return the first packets as a tlog: with a big-endian timestamp of 8 bytes before each."""
         end = int(self.ends[count - 1])
         is_stamp = np.zeros(end + STAMP * count, np.bool_)
         places = self.starts[:count] + STAMP * np.arange(count)
@@ -79,20 +79,20 @@ class Workload:
         return out.tobytes()
 
     def signed(self, count: int) -> list[bytes]:
-        """The first packets, signed with `SIGNING_KEY` on link 0 and rising timestamps."""
+        """Return the first packets, signed with `SIGNING_KEY` on link 0 with increasing timestamps."""
         return list(_signed(self.packets(count)))
 
 
 def build(count: int) -> Workload:
-    """Make the flight of `count` packets."""
+    """Generate a flight of `count` packets."""
     random = np.random.default_rng(SEED)
     due, kinds = _schedule(count)
     sequences = _sequences(kinds)
     lengths = np.empty(count, np.int64)
     rows: list[tuple[NDArray[np.int64], Bytes2D]] = []
-    for kind, flow in enumerate(FLOWS):
+    for kind, profile in enumerate(PROFILES):
         at = np.flatnonzero(kinds == kind)
-        packets, sizes = _packets(flow, due[at], sequences[at], random)
+        packets, sizes = _packets(profile, due[at], sequences[at], random)
         lengths[at] = sizes
         rows.append((at, packets))
     starts = np.cumsum(lengths) - lengths
@@ -106,21 +106,21 @@ def build(count: int) -> Workload:
 
 
 def metadata() -> ModuleType:
-    """The dialect module that pymavlink ships."""
+    """Return the dialect module of pymavlink."""
     return importlib.import_module("pymavlink.dialects.v20.ardupilotmega")
 
 
 def layout(name: str) -> type[Any]:
-    """The class that pymavlink has for a message."""
+    """Return the class of a message in pymavlink."""
     found: type[Any] = getattr(metadata(), f"MAVLink_{name.lower()}_message")
     return found
 
 
 def _schedule(count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    seconds = count / sum(flow.hertz for flow in FLOWS) * 1.01 + 10
+    seconds = count / sum(profile.hertz for profile in PROFILES) * 1.01 + 10
     due, kinds = [], []
-    for kind, flow in enumerate(FLOWS):
-        moments = (np.arange(int(seconds * flow.hertz) + 1) + kind / len(FLOWS)) / flow.hertz
+    for kind, profile in enumerate(PROFILES):
+        moments = (np.arange(int(seconds * profile.hertz) + 1) + kind / len(PROFILES)) / profile.hertz
         due.append((moments * 1e6).astype(np.int64))
         kinds.append(np.full(len(moments), kind))
     times, which = np.concatenate(due), np.concatenate(kinds)
@@ -129,7 +129,7 @@ def _schedule(count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 
 def _sequences(kinds: NDArray[np.int64]) -> NDArray[np.uint8]:
-    source_of_kind = np.array([flow.system << 8 | flow.component for flow in FLOWS])
+    source_of_kind = np.array([profile.system << 8 | profile.component for profile in PROFILES])
     sources = source_of_kind[kinds]
     sequences = np.empty(len(kinds), np.uint8)
     for source in np.unique(sources):
@@ -139,17 +139,17 @@ def _sequences(kinds: NDArray[np.int64]) -> NDArray[np.uint8]:
 
 
 def _packets(
-    flow: Flow, due: NDArray[np.int64], sequences: NDArray[np.uint8], random: np.random.Generator
+    profile: MessageProfile, due: NDArray[np.int64], sequences: NDArray[np.uint8], random: np.random.Generator
 ) -> tuple[Bytes2D, NDArray[np.int64]]:
-    message = layout(flow.name)
-    payload = _payloads(message, flow, due, random)
+    message = layout(profile.name)
+    payload = _payloads(message, profile, due, random)
     lengths = _trimmed(payload)
     count, full = payload.shape
     packets = np.zeros((count, HEADER + full + 2), np.uint8)
     packets[:, 0] = 0xFD
     packets[:, 1] = lengths
     packets[:, 4] = sequences
-    packets[:, 5:7] = flow.system, flow.component
+    packets[:, 5:7] = profile.system, profile.component
     packets[:, 7:10] = message.id & 255, message.id >> 8 & 255, message.id >> 16
     packets[:, HEADER:-2] = payload
     checksum = _checksums(packets, HEADER + lengths, message.crc_extra)
@@ -159,13 +159,15 @@ def _packets(
     return packets, HEADER + lengths + 2
 
 
-def _payloads(message: type[Any], flow: Flow, due: NDArray[np.int64], random: np.random.Generator) -> Bytes2D:
+def _payloads(
+    message: type[Any], profile: MessageProfile, due: NDArray[np.int64], random: np.random.Generator
+) -> Bytes2D:
     dtype = _dtype(message)
-    missing = (set(flow.values) | set(flow.three)) - set(dtype.names or ())
+    missing = (set(profile.values) | set(profile.read_fields)) - set(dtype.names or ())
     if missing:
-        raise LookupError(f"{flow.name} has no {', '.join(sorted(missing))}")
+        raise LookupError(f"{profile.name} has no {', '.join(sorted(missing))}")
     rows = np.zeros(len(due), dtype)
-    for name, value in flow.values.items():
+    for name, value in profile.values.items():
         rows[name] = _column(value, rows[name], due, random)
     return rows.view(np.uint8).reshape(len(due), dtype.itemsize)
 
@@ -204,7 +206,7 @@ def _trimmed(payload: Bytes2D) -> NDArray[np.int64]:
 
 
 def _checksums(packets: Bytes2D, ends: NDArray[np.int64], extra: int) -> NDArray[np.uint16]:
-    """CRC-16/MCRF4XX of every row at once, bytes 1 to its end, then the extra byte."""
+    """Calculate the CRC-16/MCRF4XX of all rows: bytes 1 to the end, then CRC_EXTRA."""
     table = np.array(_TABLE, np.uint16)
     crc = np.full(len(packets), 0xFFFF, np.uint16)
     for place in range(1, int(ends.max())):

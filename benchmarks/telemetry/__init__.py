@@ -1,1 +1,1 @@
-"""Live telemetry: what a message costs from the socket to the program's own function, beside the peers."""
+"""Live telemetry: the cost of a message from the socket to the program's function, compared with peers."""

@@ -1,10 +1,10 @@
-"""The frame of a receiver's program: it says when it is ready, connects when told, and tells what it heard.
+"""The entry point of a receiver's program, which connects on a command and reports its messages at the end.
 
-    python -m benchmarks.telemetry.MODULE WAY PORT COUNTER
+    python -m benchmarks.telemetry.MODULE METHOD PORT COUNTER
 
-`COUNTER` is a file of eight bytes in which the number of messages heard stands: the flood's sender looks at
-it, so that it never sends more than a receiver can hold. A thread that waits for the word to end takes no
-time meanwhile; it writes down what was heard and ends the process, whatever the receiver is doing.
+`COUNTER` is a file of eight bytes with the number of received messages: the sender of the flood reads it, so
+that it never exceeds the receive buffer. A thread that waits for the command to end uses no time; it writes
+the report and ends the process, whatever the receiver is doing.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 READY, GO = "ready", "go"
-#: Of a receiver that does not know what it hears.
+#: Message id of a receiver that does not decode messages.
 UNKNOWN = -1
-#: When more is heard in one process, only the number is kept: it is a flood.
-MOST_KEPT = 100_000
-#: Three fields of each of the messages that come often; of all others the name is enough.
+#: In a flood only the number of further messages is recorded.
+MAX_RECORDED = 100_000
+#: Three fields of each frequent message; of the others no field is read.
 FIELDS: Mapping[str, tuple[str, str, str]] = {
     "ATTITUDE": ("roll", "pitch", "yaw"),
     "ATTITUDE_QUATERNION": ("q1", "q2", "q3"),
@@ -42,8 +42,8 @@ FIELDS: Mapping[str, tuple[str, str, str]] = {
 }
 
 
-class Ear:
-    """What the receiver's function calls for each message, as the last thing that it does."""
+class MessageRecorder:
+    """The recorder that the receiver's function calls last for each message."""
 
     def __init__(self, port: int, counter: Path) -> None:
         self.port = port
@@ -54,34 +54,34 @@ class Ear:
         with counter.open("r+b") as file:
             self._counter = memoryview(mmap.mmap(file.fileno(), 8)).cast("q")
 
-    def hear(self, message_id: int = UNKNOWN) -> None:
-        """A message of this id is with the program now."""
+    def record(self, message_id: int = UNKNOWN) -> None:
+        """Record that a message of this id has reached the program."""
         now = perf_counter_ns()
-        self._heard = heard = self._heard + 1
-        self._counter[0] = heard
-        if heard <= MOST_KEPT:
+        self._heard = received = self._heard + 1
+        self._counter[0] = received
+        if received <= MAX_RECORDED:
             self.times.append(now)
             self.ids.append(message_id)
 
     def report(self) -> str:
-        """Everything, as JSON; times are those of the monotonic clock, the same in all processes."""
+        """Return all records as JSON; times are of the monotonic clock, which all processes share."""
         return json.dumps({"began": self.began, "ids": self.ids.tolist(), "times": self.times.tolist()})
 
 
-def serve(ways: Mapping[str, Callable[[Ear], None]]) -> None:
-    """Receive in the way that the command line names, which never returns."""
-    ear = Ear(int(sys.argv[2]), Path(sys.argv[3]))
-    told = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what a peer itself prints must not get between
-    print(READY, file=told, flush=True)
+def serve(methods: Mapping[str, Callable[[MessageRecorder], None]]) -> None:
+    """Receive by the method that the command line names; never returns."""
+    recorder = MessageRecorder(int(sys.argv[2]), Path(sys.argv[3]))
+    output = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # output of the peer itself must not mix with the report
+    print(READY, file=output, flush=True)
     sys.stdin.readline()
 
     def end() -> None:
         sys.stdin.readline()
-        told.write(ear.report())
-        told.flush()
-        os._exit(0)  # a peer's threads may never end
+        output.write(recorder.report())
+        output.flush()
+        os._exit(0)  # threads of a peer may never end
 
     Thread(target=end, daemon=True).start()
-    ear.began = perf_counter_ns()
-    ways[sys.argv[1]](ear)
+    recorder.began = perf_counter_ns()
+    methods[sys.argv[1]](recorder)

@@ -1,4 +1,4 @@
-"""Mavstack: a function called with each packet, or an `async for` over the messages."""
+"""Mavstack: a callback for each packet, or an `async for` over the messages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mavstack import connect
 from mavstack.dialects import Dialect
 
-from .child import FIELDS, Ear, serve
+from .child import FIELDS, MessageRecorder, serve
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,38 +24,41 @@ def _getters() -> dict[type[Message], Callable[[Any], object]]:
     return {dialect[name]: attrgetter(*fields) for name, fields in FIELDS.items()}
 
 
-async def _called(ear: Ear) -> None:
-    """By the function that `listen` is given."""
+async def _called(recorder: MessageRecorder) -> None:
+    """Receive by a packet listener."""
     getters = _getters()
-    hear = ear.hear
+    record = recorder.record
 
-    def take(packet: Packet) -> None:
+    def callback(packet: Packet) -> None:
         message = packet.message
         read = getters.get(type(message))
         if read is not None:
             read(message)
-        hear(packet.message_id)
+        record(packet.message_id)
 
-    async with connect(f"udpin://127.0.0.1:{ear.port}") as node:
-        await node.wait_for_vehicle()
-        node.add_packet_listener(take)
-        await node.serve_forever()
+    async with connect(f"udpin://127.0.0.1:{recorder.port}") as connection:
+        await connection.wait_for_vehicle()
+        connection.add_packet_listener(None, callback)
+        await connection.serve_forever()
 
 
-async def _iterated(ear: Ear) -> None:
-    """By a task that reads a subscription."""
+async def _iterated(recorder: MessageRecorder) -> None:
+    """Receive by a task that iterates over a subscription."""
     getters = _getters()
-    async with connect(f"udpin://127.0.0.1:{ear.port}") as node:
-        await node.wait_for_vehicle()
-        messages: Subscription[Message] = node.stream(keep_all=True)
+    async with connect(f"udpin://127.0.0.1:{recorder.port}") as connection:
+        await connection.wait_for_vehicle()
+        messages: Subscription[Message] = connection.stream(keep_all=True)
         async for message in messages:
             read = getters.get(type(message))
             if read is not None:
                 read(message)
-            ear.hear(type(message).__mavlink_row__[0])
+            recorder.record(type(message).__mavlink_row__[0])
 
 
 if __name__ == "__main__":
     serve(
-        {"called": lambda ear: asyncio.run(_called(ear)), "iterated": lambda ear: asyncio.run(_iterated(ear))}
+        {
+            "called": lambda recorder: asyncio.run(_called(recorder)),
+            "iterated": lambda recorder: asyncio.run(_iterated(recorder)),
+        }
     )

@@ -1,8 +1,7 @@
-"""MAVSDK through its own Python package: every message as JSON, or what its telemetry plugin has.
+"""MAVSDK by its own Python package: every message as JSON, or the values of its telemetry plugin.
 
-The plugin calls a function with an object of its own kind for the messages that it knows; the ids below are
-those whose arrival makes it call. The others are never with the program, but MAVSDK takes them in all the
-same.
+The plugin calls a function with its own value type for the messages that it supports, whose ids are listed
+below. The other messages never reach the program, but MAVSDK receives them too.
 """
 
 from __future__ import annotations
@@ -15,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import Dialect
 
-from .child import FIELDS, Ear, serve
+from .child import FIELDS, MessageRecorder, serve
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-HEARD_WITHIN = 15.0
+CONNECT_TIMEOUT = 15.0
 PLUGIN: Mapping[str, tuple[int, str]] = {
     "attitude_quaternion": (31, "w x y"),
     "position": (33, "latitude_deg longitude_deg absolute_altitude_m"),
@@ -31,19 +30,19 @@ PLUGIN: Mapping[str, tuple[int, str]] = {
 
 
 class _Station:
-    """A connection, whose own threads do the work, and the autopilot found on it."""
+    """A connection, whose threads do the work, and the autopilot found on it."""
 
-    def __init__(self, ear: Ear) -> None:
+    def __init__(self, recorder: MessageRecorder) -> None:
         mavsdk: Any = importlib.import_module("mavsdk")
         configuration = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
         self._mavsdk = mavsdk.Mavsdk(configuration)
-        self._mavsdk.add_any_connection(f"udpin://127.0.0.1:{ear.port}")
-        self.system = self._mavsdk.first_autopilot(HEARD_WITHIN)
+        self._mavsdk.add_any_connection(f"udpin://127.0.0.1:{recorder.port}")
+        self.system = self._mavsdk.first_autopilot(CONNECT_TIMEOUT)
         if self.system is None:
-            raise SystemExit("MAVSDK heard no autopilot")
+            raise SystemExit("MAVSDK received no autopilot")
 
 
-def _direct(ear: Ear) -> None:
+def _direct(recorder: MessageRecorder) -> None:
     dialect = Dialect.load("all")
     ids = {name: dialect[name].__mavlink_row__[0] for name in dialect.names}
     readers = {name: itemgetter(*fields) for name, fields in FIELDS.items()}
@@ -53,27 +52,29 @@ def _direct(ear: Ear) -> None:
         read = readers.get(message.message_name)
         if read is not None:
             read(json.loads(message.fields_json))
-        ear.hear(ids[message.message_name])
+        recorder.record(ids[message.message_name])
 
-    station = _Station(ear)
+    station = _Station(recorder)
     direct = plugin(station.system)
     direct.subscribe_message("", take)
     Event().wait()
 
 
-def _plugin(ear: Ear) -> None:
+def _plugin(recorder: MessageRecorder) -> None:
     plugin = importlib.import_module("mavsdk.plugins.telemetry").Telemetry
-    station = _Station(ear)
+    station = _Station(recorder)
     telemetry = plugin(station.system)
     for name, (message_id, fields) in PLUGIN.items():
-        getattr(telemetry, f"subscribe_{name}")(_taker(ear, message_id, attrgetter(*fields.split())))
+        getattr(telemetry, f"subscribe_{name}")(_callback(recorder, message_id, attrgetter(*fields.split())))
     Event().wait()
 
 
-def _taker(ear: Ear, message_id: int, read: Callable[[Any], object]) -> Callable[[Any, Any], None]:
+def _callback(
+    recorder: MessageRecorder, message_id: int, read: Callable[[Any], object]
+) -> Callable[[Any, Any], None]:
     def take(value: Any, _: Any) -> None:  # noqa: ANN401
         read(value)
-        ear.hear(message_id)
+        recorder.record(message_id)
 
     return take
 

@@ -1,4 +1,4 @@
-"""pymavlink: the loop over `recv_match` that its examples have, and hooks that it calls with each message."""
+"""The loop over pymavlink's `recv_match` as in its examples, and message hooks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ os.environ["MAVLINK20"] = "1"
 
 from pymavlink import mavutil
 
-from .child import FIELDS, Ear, serve
+from .child import FIELDS, MessageRecorder, serve
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,28 +18,28 @@ if TYPE_CHECKING:
 READERS: dict[str, Callable[[Any], object]] = {name: attrgetter(*fields) for name, fields in FIELDS.items()}
 
 
-def _connected(ear: Ear) -> Any:  # noqa: ANN401 (the package has no types)
-    connection = mavutil.mavlink_connection(f"udpin:127.0.0.1:{ear.port}")
+def _connected(recorder: MessageRecorder) -> Any:  # noqa: ANN401 (the package has no types)
+    connection = mavutil.mavlink_connection(f"udpin:127.0.0.1:{recorder.port}")
     connection.wait_heartbeat()
     return connection
 
 
-def _take(ear: Ear, message: Any) -> None:  # noqa: ANN401
+def _receive(recorder: MessageRecorder, message: Any) -> None:  # noqa: ANN401
     read = READERS.get(message.get_type())
     if read is not None:
         read(message)
-    ear.hear(message.get_msgId())
+    recorder.record(message.get_msgId())
 
 
-def _loop(ear: Ear) -> None:
-    connection = _connected(ear)
+def _loop(recorder: MessageRecorder) -> None:
+    connection = _connected(recorder)
     while True:
-        _take(ear, connection.recv_match(blocking=True))
+        _receive(recorder, connection.recv_match(blocking=True))
 
 
-def _hooks(ear: Ear) -> None:
-    connection = _connected(ear)
-    connection.message_hooks.append(lambda _connection, message: _take(ear, message))
+def _hooks(recorder: MessageRecorder) -> None:
+    connection = _connected(recorder)
+    connection.message_hooks.append(lambda _connection, message: _receive(recorder, message))
     while True:
         if connection.recv_msg() is None:
             connection.select(0.5)

@@ -1,4 +1,4 @@
-"""A receiver's process as the one who measures sees it: started, told to connect, watched, ended."""
+"""A receiver's process as seen by the benchmark: started, connected, measured, ended."""
 
 from __future__ import annotations
 
@@ -26,37 +26,37 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """One way to receive: a module, what it calls the way, and the distribution that it needs."""
+class Method:
+    """A method to receive: a module, the name of the method in it, and the distribution that it needs."""
 
     name: str
     module: str
-    way: str
+    method: str
     needs: str = "mavstack"
-    floods: bool = True  # whether it hears every message, so that a flood can be counted
+    floods: bool = True  # true if it counts every message, as a flood needs
 
 
-BARE = "socket, asyncio"
-WAYS = (
-    Way("socket, blocking", "bare", "blocking"),
-    Way(BARE, "bare", "asyncio"),
-    Way(OURS, "ours", "called"),
-    Way(f"{OURS}, async for", "ours", "iterated"),
-    Way("pymavlink, recv_match", "peer_pymavlink", "loop", "pymavlink"),
-    Way("pymavlink, hooks", "peer_pymavlink", "hooks", "pymavlink"),
-    Way("MAVSDK, direct", "peer_mavsdk", "direct", "mavsdk"),
-    Way("MAVSDK, telemetry", "peer_mavsdk", "plugin", "mavsdk", floods=False),
+BARE_READER = "socket, asyncio"
+METHODS = (
+    Method("socket, blocking", "bare_sockets", "blocking"),
+    Method(BARE_READER, "bare_sockets", "asyncio"),
+    Method(OURS, "ours", "called"),
+    Method(f"{OURS}, async for", "ours", "iterated"),
+    Method("pymavlink, recv_match", "peer_pymavlink", "loop", "pymavlink"),
+    Method("pymavlink, hooks", "peer_pymavlink", "hooks", "pymavlink"),
+    Method("MAVSDK, direct", "peer_mavsdk", "direct", "mavsdk"),
+    Method("MAVSDK, telemetry", "peer_mavsdk", "plugin", "mavsdk", floods=False),
 )
 
 
-def installed() -> list[Way]:
-    """The ways that can be taken here."""
-    return [way for way in WAYS if find_spec(way.needs) is not None]
+def installed() -> list[Method]:
+    """Return the methods whose distribution is installed."""
+    return [method for method in METHODS if find_spec(method.needs) is not None]
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
-    """What a receiver told at its end: times in nanoseconds of the monotonic clock."""
+class Received:
+    """The report of a receiver; times in nanoseconds of the monotonic clock."""
 
     began: int
     ids: Sequence[int]
@@ -64,9 +64,9 @@ class Heard:
 
 
 class Receiver:
-    """A program that receives, on a core of its own where there are several."""
+    """A receiving program, pinned to one core."""
 
-    def __init__(self, way: Way) -> None:
+    def __init__(self, method: Method) -> None:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
@@ -74,9 +74,9 @@ class Receiver:
         self._file.write(bytes(8))
         self._file.flush()
         self._counter = memoryview(mmap.mmap(self._file.fileno(), 8)).cast("q")
-        module = f"benchmarks.telemetry.{way.module}"
+        module = f"benchmarks.telemetry.{method.module}"
         self._process = subprocess.Popen(
-            [sys.executable, "-m", module, way.way, str(self.port), self._file.name],
+            [sys.executable, "-m", module, method.method, str(self.port), self._file.name],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -87,30 +87,30 @@ class Receiver:
         if hasattr(os, "sched_setaffinity"):
             os.sched_setaffinity(self._process.pid, {max(os.sched_getaffinity(self._process.pid))})
         if self._answer() != f"{READY}\n":
-            raise RuntimeError(f"{way.name} did not start")
+            raise RuntimeError(f"{method.name} did not start")
 
     @property
     def count(self) -> int:
-        """How many messages were with the program until now."""
+        """Number of messages that have reached the program."""
         return self._counter[0]
 
     @property
     def cpu(self) -> float:
-        """Seconds of processor time that the process took until now, all threads together."""
-        return time.clock_gettime(~self._process.pid << 3 | 2)  # what clock_getcpuclockid(3) gives
+        """Processor time of the process and all its threads in seconds."""
+        return time.clock_gettime(~self._process.pid << 3 | 2)  # the clock of clock_getcpuclockid(3)
 
     def connect(self) -> None:
-        """Tell it to begin."""
-        self._say()
+        """Send the command to connect."""
+        self._log()
 
-    def end(self) -> Heard:
-        """Tell it to end, and take its report."""
-        self._say()
+    def end(self) -> Received:
+        """Send the command to end, and return the report."""
+        self._log()
         report = json.loads(self._answer())
         self._process.wait()
-        return Heard(report["began"], report["ids"], report["times"])
+        return Received(report["began"], report["ids"], report["times"])
 
-    def _say(self) -> None:
+    def _log(self) -> None:
         assert self._process.stdin is not None
         self._process.stdin.write("\n")
         self._process.stdin.flush()

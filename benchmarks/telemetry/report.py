@@ -1,4 +1,4 @@
-"""The tables of the telemetry: a line a receiver, medians over the turns, and the least and the greatest."""
+"""The tables of the telemetry: one line per receiver with medians, minima and maxima over the turns."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.measure import OURS
 
-from .receiver import BARE
+from .receiver import BARE_READER
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -26,29 +26,29 @@ FLOOD_HEAD = ("receiver", "msg/s", "least … greatest", "of ours", "CPU µs", "
 
 
 @dataclass(slots=True)
-class Seen:
-    """Every turn of one receiver."""
+class Measurements:
+    """The turns of one receiver."""
 
     paced: dict[str, list[Paced]] = field(default_factory=dict)  # by the pace
     flooded: list[Flooded] = field(default_factory=list)
 
 
-def table(seen: dict[str, Seen], facts: Iterable[str]) -> str:
-    """Everything, for a terminal."""
-    paces = {pace: None for each in seen.values() for pace in each.paced}
-    parts = [_paced(pace, {name: each.paced[pace] for name, each in seen.items()}) for pace in paces]
-    flooded = {name: each.flooded for name, each in seen.items() if each.flooded}
+def table(measured: dict[str, Measurements], facts: Iterable[str]) -> str:
+    """Return the tables."""
+    paces = {pace: None for each in measured.values() for pace in each.paced}
+    parts = [_paced(pace, {name: each.paced[pace] for name, each in measured.items()}) for pace in paces]
+    flooded = {name: each.flooded for name, each in measured.items() if each.flooded}
     return "\n\n".join((*parts, *([_flooded(flooded)] if flooded else []), "\n".join(facts)))
 
 
-def as_json(seen: dict[str, Seen]) -> str:
-    """Every turn, for a script."""
-    return json.dumps({name: asdict(each) for name, each in seen.items()}, indent=2, ensure_ascii=False)
+def as_json(measured: dict[str, Measurements]) -> str:
+    """Return every turn as JSON."""
+    return json.dumps({name: asdict(each) for name, each in measured.items()}, indent=2, ensure_ascii=False)
 
 
 def _paced(pace: str, turns: dict[str, list[Paced]]) -> str:
     rate = statistics.median(turn.rate for each in turns.values() for turn in each)
-    bare, ours = turns.get(BARE), turns.get(OURS)
+    bare, ours = turns.get(BARE_READER), turns.get(OURS)
     rows = [
         (
             name,
@@ -87,15 +87,15 @@ def _flooded(turns: dict[str, list[Flooded]]) -> str:
 
 
 def _lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    widths = [max(len(line[place]) for line in (head, *rows)) for place in range(len(head))]
-    told = [
+    widths = [max(len(line[index]) for line in (head, *rows)) for index in range(len(head))]
+    output = [
         "  ".join(
-            cell.rjust(width) if place else cell.ljust(width)
-            for place, (cell, width) in enumerate(zip(line, widths, strict=True))
+            cell.rjust(width) if index else cell.ljust(width)
+            for index, (cell, width) in enumerate(zip(line, widths, strict=True))
         )
         for line in (head, ["-" * width for width in widths], *rows)
     ]
-    return "\n".join(line.rstrip() for line in told)
+    return "\n".join(line.rstrip() for line in output)
 
 
 def _median(turns: Sequence[Paced] | Sequence[Flooded], of: Callable[..., float]) -> float:
@@ -109,7 +109,7 @@ def _range(values: Sequence[float], digits: int) -> str:
 def _against(
     turns: Sequence[Paced], base: Sequence[Paced] | None, of: Callable[[Paced], float], form: str
 ) -> str:
-    """The median of what each turn was over the bare reader's of the same turn."""
+    """Return the median difference to the bare reader of the same turn."""
     if base is None or base is turns:
         return ""
     differences = [of(mine) - of(theirs) for mine, theirs in zip(turns, base, strict=True)]
@@ -121,7 +121,7 @@ def _times(
     ours: Sequence[Paced] | Sequence[Flooded] | None,
     of: Callable[..., float],
 ) -> str:
-    """The median of the turns' ratios."""
+    """Return the median of the ratios of the turns."""
     if ours is None or ours is turns:
         return ""
     return f"{statistics.median(of(theirs) / of(mine) for theirs, mine in zip(turns, ours, strict=True)):.2f}"

@@ -1,1 +1,1 @@
-"""Transfers over good and bad links: ours and the peers' clients against the same vehicles."""
+"""Transfers over good and bad links: the clients of Mavstack and of the peers with the same vehicles."""

@@ -19,46 +19,53 @@ if TYPE_CHECKING:
 TURNS, QUICK_TURNS = 5, 3
 BRIEF_TURNS, QUICK_BRIEF_TURNS = 3, 1
 CLEAN = "a"
-LIMIT = 180.0
+DEFAULT_TIMEOUT = 180.0
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure, and print the table."""
+    """Run the transfers, and print the table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.transfers", description="Compare transfers.")
-    parser.add_argument("--vehicles", type=Path, help="JSON, see transfers/vehicles.py; else our own")
+    parser.add_argument(
+        "--vehicles", type=Path, help="JSON file, see transfers/vehicles.py; default: Mavstack"
+    )
     parser.add_argument("--conditions", nargs="+", choices=list(CONDITIONS), default=list(CONDITIONS))
     parser.add_argument("--works", nargs="+", type=Work, choices=list(Work), default=list(Work))
-    parser.add_argument("--clients", nargs="+", default=[], help="some clients only, by name")
-    parser.add_argument("--only", nargs="+", default=[], help="some vehicles only, by name")
+    parser.add_argument("--clients", nargs="+", default=[], help="names of clients; default: all")
+    parser.add_argument("--only", nargs="+", default=[], help="names of vehicles; default: all")
     parser.add_argument("--turns", type=int, default=TURNS)
-    parser.add_argument("--limit", type=float, default=LIMIT, help="seconds that count as never")
+    parser.add_argument(
+        "--timeout",
+        type=float,
+        default=DEFAULT_TIMEOUT,
+        help="seconds after which a transfer counts as failed",
+    )
     parser.add_argument("--quick", action="store_true", help=f"{QUICK_TURNS} turns")
     parser.add_argument("--json", action="store_true", help="every turn, for a script")
     parser.add_argument(
         "--brief",
         action="store_true",
-        help="a simulated vehicle over a clean link: minutes, not an hour",
+        help="a simulated vehicle over a clean link, which takes minutes instead of an hour",
     )
     options = parser.parse_args(arguments)
     turns = QUICK_TURNS if options.quick else options.turns
     if options.brief:
         options.conditions, turns = [CLEAN], QUICK_BRIEF_TURNS if options.quick else BRIEF_TURNS
-    run = session.Run(options.conditions, options.works, turns, options.limit, _say, options.clients)
+    run = session.Run(options.conditions, options.works, turns, options.timeout, _log, options.clients)
     with tempfile.TemporaryDirectory(prefix="mavstack-vehicle-") as folder:
-        known = _known(options, Path(folder))
-        chosen = [one for one in known if not options.only or one.name in options.only]
+        known = _vehicles(options, Path(folder))
+        chosen = [item for item in known if not options.only or item.name in options.only]
         cells = list(session.measure(chosen, run))
     print((report.as_json if options.json else report.table)(cells))
 
 
-def _known(options: argparse.Namespace, folder: Path) -> list[vehicles.Vehicle]:
+def _vehicles(options: argparse.Namespace, folder: Path) -> list[vehicles.Vehicle]:
     if options.vehicles:
         return vehicles.read(options.vehicles)
     return [vehicles.simulated() if options.brief else vehicles.ours(folder)]
 
 
-def _say(what: str) -> None:
-    print(what, file=sys.stderr, flush=True)
+def _log(operation: str) -> None:
+    print(operation, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

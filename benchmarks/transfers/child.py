@@ -1,7 +1,7 @@
-"""The frame of a peer's program: a job on standard input, an answer on standard output, both JSON.
+"""The entry point of a peer's program: a job on standard input, an answer on standard output, both as JSON.
 
-Every peer works in a process of its own, so that one which never returns can be ended, and nothing that one
-leaves behind (threads, sessions, imports) is there for the next.
+Every peer runs in a separate process, so that a hanging peer can be killed and no threads, sessions or
+imports of one peer affect the next.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ if TYPE_CHECKING:
 
 
 class Job(TypedDict):
-    """What the program is to know."""
+    """The parameters of one transfer."""
 
     port: int
     folder: str
-    limit: float
+    timeout: float
     remote_file: str
     plan: list[tuple[int, int, int, int, float]]
 
 
 class Answer(TypedDict, total=False):
-    """What it says: the seconds, and what it got."""
+    """The result of one transfer: the seconds, and the received data."""
 
     seconds: float
     problem: str
@@ -35,15 +35,15 @@ class Answer(TypedDict, total=False):
 
 
 def serve(works: Mapping[str, Callable[[Job], Answer]]) -> None:
-    """Do the work that the command line names."""
+    """Run the work that the command line names."""
     job: Job = json.load(sys.stdin)
-    told = os.dup(1)
-    os.dup2(2, 1)  # what the peer itself prints must not get between
+    output = os.dup(1)
+    os.dup2(2, 1)  # output of the peer itself must not mix with the answer
     try:
         answer = works[sys.argv[1]](job)
-    except Exception as problem:  # noqa: BLE001 (whatever a peer raises is its answer)
+    except Exception as problem:  # noqa: BLE001 (every error of a peer is its answer)
         answer = {"problem": f"{type(problem).__name__}: {problem}".partition("; params")[0][:200]}
-    with os.fdopen(told, "w", encoding="utf-8") as out:
+    with os.fdopen(output, "w", encoding="utf-8") as out:
         json.dump(answer, out)
     sys.stdout.flush()
-    os._exit(0)  # a peer's threads may never end
+    os._exit(0)  # threads of a peer may never end

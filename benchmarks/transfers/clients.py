@@ -1,4 +1,4 @@
-"""Everyone who takes part, in the order of the table."""
+"""All clients, in the order of the table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .model import Transfer
     from .vehicles import Vehicle
 
-# name, the module with its program, the distribution it needs, and its works by the program's own names
+# name, module of the program, required distribution, and the works with their names in the program
 PEERS: tuple[tuple[str, str, str, tuple[tuple[Work, str], ...]], ...] = (
     (
         OURS,
@@ -70,10 +70,10 @@ PACKED = "packed"
 
 
 def transfers(work: Work, vehicle: Vehicle) -> Iterator[Transfer]:
-    """Everyone who can do that work with that vehicle, and is installed."""
+    """Yield the installed clients that can do a piece of work with a vehicle."""
     for name, module, needs, works in PEERS:
         if find_spec(needs) is None:
             continue
-        for can, what in works:
-            if can == work and (vehicle.packed or what != PACKED):
-                yield Program(name, work, module, what)
+        for can, operation in works:
+            if can == work and (vehicle.packed or operation != PACKED):
+                yield Program(name, work, module, operation)

@@ -1,4 +1,4 @@
-"""What a transfer is: the work, where it is done, what came of it, and the shape of every client's driver."""
+"""The model of a transfer: the work, the endpoint, the result, and the interface of the clients."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PLAN_LENGTH = 200
 
 
 class Work(StrEnum):
-    """The pieces of work that are timed."""
+    """The timed pieces of work."""
 
     PARAMETERS = "parameters"
     FILE = "file"
@@ -23,7 +23,7 @@ class Work(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """A mission item, as far as it is compared."""
+    """The compared part of a mission item."""
 
     frame: int
     command: int
@@ -34,20 +34,20 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """Where a ground station speaks to, and what it needs to know to do its work there."""
+    """The address of the relay, and the parameters of the work."""
 
     port: int
-    folder: Path  # for what is downloaded
-    limit: float  # seconds until a transfer counts as never ending
+    folder: Path  # for downloaded files
+    timeout: float  # seconds after which a transfer counts as failed
     remote_file: str = ""
     plan: tuple[Item, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What one transfer says of itself; only what the work was about is filled in."""
+    """The result that a client reports; only the data of its work is set."""
 
-    seconds: float | None  # None: did not end, or said that it failed
+    seconds: float | None  # None: timed out or failed
     problem: str = ""
     parameters: dict[str, float] = field(default_factory=dict)
     plan: tuple[Item, ...] = ()
@@ -55,42 +55,42 @@ class Result:
 
 
 class Transfer(Protocol):
-    """One client doing one piece of work."""
+    """One client with one piece of work."""
 
     @property
     def name(self) -> str:
-        """Who does it, and how."""
+        """Name of the client, and how it does the work."""
 
     @property
     def work(self) -> Work:
-        """What it does."""
+        """The work of the client."""
 
     def run(self, endpoint: Endpoint) -> Result:
-        """Do it once; the clock runs from the first request, with the vehicle already heard, to the end."""
+        """Run the work once; the time counts from the first request, after the vehicle was found."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """One turn of one client, judged: the seconds it took, or why it does not count."""
+    """The validated result of one turn: the seconds, or why the turn does not count."""
 
     seconds: float | None
     problem: str = ""
 
     @property
     def finished(self) -> bool:
-        """Whether everything arrived, and rightly."""
+        """True if all data arrived and is right."""
         return self.seconds is not None and not self.problem
 
 
 def sample_plan(length: int = PLAN_LENGTH) -> tuple[Item, ...]:
-    """Waypoints 30 m apart in rows of twenty, near the simulators' home."""
+    """Return waypoints 30 m apart in rows of twenty, near the home of the simulators."""
     return tuple(
         Item(
-            frame=3,  # MAV_FRAME_GLOBAL_RELATIVE_ALT, which an old ArduPilot takes too
+            frame=3,  # MAV_FRAME_GLOBAL_RELATIVE_ALT, which old versions of ArduPilot accept too
             command=16,  # MAV_CMD_NAV_WAYPOINT
-            x=-353632610 + 2700 * (place % 20),
-            y=1491652300 + 3300 * (place // 20),
-            z=50.0 + place % 7,
+            x=-353632610 + 2700 * (index % 20),
+            y=1491652300 + 3300 * (index // 20),
+            z=50.0 + index % 7,
         )
-        for place in range(length)
+        for index in range(length)
     )

@@ -1,6 +1,6 @@
-"""Mavstack as the vehicle: 955 parameters, a file of 300 kB, a mission; telemetry as over a radio.
+"""Mavstack as the vehicle: 955 parameters, a file of 300 kB, a mission, and telemetry as over a radio.
 
-`python -m benchmarks.transfers.our_vehicle PORT CONDITION` is run as any other vehicle program.
+`python -m benchmarks.transfers.our_vehicle PORT CONDITION` is started like any other vehicle program.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ FILE_SIZE = 300_000
 
 
 def file_content() -> bytes:
-    """What the file holds: the same in every process, and not compressible."""
+    """Return the content of the file: equal in every process, and not compressible."""
     return Random(0).randbytes(FILE_SIZE)
 
 
 def telemetry(node: Node, rate: float) -> None:
-    """What a vehicle tells at `rate` a second of each."""
+    """Publish four telemetry messages at `rate` hertz each."""
     begun = monotonic()
 
     def attitude(_now: float) -> common.Attitude:
@@ -44,7 +44,7 @@ def telemetry(node: Node, rate: float) -> None:
 
 
 async def fly(port: int, condition: str) -> None:
-    """Be a vehicle until the process is ended."""
+    """Run the vehicle until the process is ended."""
     capability = common.MavProtocolCapability
     async with Node(
         f"udpout://127.0.0.1:{port}",

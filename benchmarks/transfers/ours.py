@@ -1,4 +1,4 @@
-"""Mavstack as a client: the calls that a program makes, on a node over UDP."""
+"""Mavstack as a client: the calls of a program, on a node over UDP."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .child import Answer, Job, serve
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-HEARD_WITHIN = 15.0
+CONNECT_TIMEOUT = 15.0
 GLOBAL_SCALE = 1e7
 
 Task: TypeAlias = "Callable[[RemoteComponent, Job], Awaitable[Answer]]"
@@ -63,12 +63,12 @@ async def _mission_down(vehicle: RemoteComponent, _job: Job) -> Answer:
     }
 
 
-async def _timed(work: Task, job: Job) -> Answer:
+async def _measure(work: Task, job: Job) -> Answer:
     async with Node(f"udpout://127.0.0.1:{job['port']}") as node:
-        vehicle = await node.wait_for_autopilot(timeout=HEARD_WITHIN)
+        vehicle = await node.wait_for_autopilot(timeout=CONNECT_TIMEOUT)
         start = perf_counter()
         try:
-            async with asyncio.timeout(job["limit"]):
+            async with asyncio.timeout(job["timeout"]):
                 answer = await work(vehicle, job)
         except MavstackError as problem:
             return {"problem": f"{type(problem).__name__}: {problem}", "seconds": perf_counter() - start}
@@ -76,7 +76,7 @@ async def _timed(work: Task, job: Job) -> Answer:
 
 
 def _program(work: Task) -> Callable[[Job], Answer]:
-    return lambda job: asyncio.run(_timed(work, job))
+    return lambda job: asyncio.run(_measure(work, job))
 
 
 if __name__ == "__main__":

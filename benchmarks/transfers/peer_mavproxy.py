@@ -1,7 +1,7 @@
-"""MAVProxy as a client: the program itself, spoken to as a person would, its output read for the end.
+"""MAVProxy as a client: the program itself, controlled by commands, whose output is read for the end.
 
-For parameters the clock runs from its word that the vehicle is there, at which it begins to fetch them by
-itself, to its word that it has them; for a mission from the command to its word.
+For parameters the time counts from its line that the vehicle was detected, at which it begins to download
+them, to its line that it received them; for a mission from the command to its line.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from .child import Answer, Job, serve
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-HEARD = "Detected vehicle"
+DETECTED = "Detected vehicle"
 HEADER = "QGC WPL 110"
-WITH_FLOATS = {6: 3}  # the frame as its file format writes it
+FLOAT_FRAME = {6: 3}  # the frame in its file format
 
 
-class _Console:
+class _Process:
     """A running MAVProxy."""
 
     def __init__(self, job: Job, modules: str, *commands: str) -> None:
@@ -42,14 +42,14 @@ class _Console:
             cwd=job["folder"],
         )
 
-    def say(self, command: str) -> None:
-        """Type a command."""
+    def send(self, command: str) -> None:
+        """Send a command."""
         if self._process.stdin is not None:
             self._process.stdin.write(command + "\n")
             self._process.stdin.flush()
 
     def wait(self, *words: str) -> float:
-        """Read until a line has all the words; when that was."""
+        """Read until a line contains all words; return the time."""
         assert self._process.stdout is not None
         for line in self._process.stdout:
             print(line, end="", file=sys.stderr)
@@ -58,49 +58,51 @@ class _Console:
         raise RuntimeError("MAVProxy ended")
 
     def close(self) -> None:
-        """End it."""
+        """Kill the process."""
         self._process.kill()
 
 
 def _parameters(job: Job, *, packed: bool) -> Answer:
-    console = _Console(job, "ftp,param", *(() if packed else ("set param_ftp 0",)))
-    start = console.wait(HEARD)
-    end = console.wait("Received ", " parameters")  # a list, where the packed file failed
+    console = _Process(job, "ftp,param", *(() if packed else ("set param_ftp 0",)))
+    start = console.wait(DETECTED)
+    end = console.wait("Received ", " parameters")  # from a list if the packed file failed
     saved = Path(job["folder"]) / "mavproxy.parm"
-    console.say(f"param save {saved}")
+    console.send(f"param save {saved}")
     console.wait("Saved ")
     console.close()
     pairs = (line.split() for line in saved.read_text(encoding="utf-8").splitlines() if line.strip())
     return {"seconds": end - start, "parameters": {pair[0]: float(pair[1]) for pair in pairs}}
 
 
-def _row(at: int, frame: int, command: int, x: int, y: int, z: float) -> str:
-    """An item as a line of a plan's file: place, current, frame, command, four params, position, continue."""
-    place = (f"{x / 1e7:.8f}", f"{y / 1e7:.8f}", f"{z:.6f}")
-    cells = (at, int(at == 0), WITH_FLOATS.get(frame, frame), command, 0, 0, 0, 0, *place, 1)
+def _row(seq: int, frame: int, command: int, x: int, y: int, z: float) -> str:
+    """Return an item as a line of a plan file."""
+    index = (f"{x / 1e7:.8f}", f"{y / 1e7:.8f}", f"{z:.6f}")
+    cells = (seq, int(seq == 0), FLOAT_FRAME.get(frame, frame), command, 0, 0, 0, 0, *index, 1)
     return "\t".join(map(str, cells))
 
 
 def _mission_up(job: Job) -> Answer:
     file = Path(job["folder"]) / "up.waypoints"
-    rows = (_row(at, *item) for at, item in enumerate(job["plan"]))
+    rows = (_row(seq, *item) for seq, item in enumerate(job["plan"]))
     file.write_text("\n".join((HEADER, *rows, "")), encoding="utf-8")
-    console = _Console(job, "wp")
-    console.wait(HEARD)
+    console = _Process(job, "wp")
+    console.wait(DETECTED)
     start = perf_counter()
-    console.say(f"wp load {file}")
+    console.send(f"wp load {file}")
     console.wait("Loaded ", " from ")
-    end = console.wait("Got MISSION_ACK", "ACCEPTED")  # "Loaded … in" is said before the last item is there
+    end = console.wait(
+        "Got MISSION_ACK", "ACCEPTED"
+    )  # "Loaded … in" is printed before the last item is acknowledged
     console.close()
     return {"seconds": end - start}
 
 
 def _mission_down(job: Job) -> Answer:
     file = Path(job["folder"]) / "down.waypoints"
-    console = _Console(job, "wp")
-    console.wait(HEARD)
+    console = _Process(job, "wp")
+    console.wait(DETECTED)
     start = perf_counter()
-    console.say(f"wp save {file}")
+    console.send(f"wp save {file}")
     end = console.wait("Saved ")
     console.close()
     return {"seconds": end - start, "plan": _read_plan(file)}

@@ -1,4 +1,4 @@
-"""MAVSDK as a client, through its own Python package: the calls that its examples make, blocking."""
+"""MAVSDK as a client, by its own Python package: the blocking calls of its examples."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from .child import Answer, Job, serve
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-HEARD_WITHIN = 15.0
+CONNECT_TIMEOUT = 15.0
 
 
 class _Session:
-    """A connection, and the autopilot found on it; its plugins live as long as it does."""
+    """A connection with the autopilot found on it; its plugins live as long as the session."""
 
     def __init__(self, job: Job) -> None:
         mavsdk: Any = importlib.import_module("mavsdk")
         configuration = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
         self._mavsdk = mavsdk.Mavsdk(configuration)
         self._mavsdk.add_any_connection(f"udpout://127.0.0.1:{job['port']}")
-        self._system = self._mavsdk.first_autopilot(HEARD_WITHIN)
+        self._system = self._mavsdk.first_autopilot(CONNECT_TIMEOUT)
         if self._system is None:
-            raise TimeoutError("no autopilot was heard")
+            raise TimeoutError("no autopilot was received")
 
     def plugin(self, module: str, name: str) -> Any:  # noqa: ANN401 (the package has no types)
-        """One of MAVSDK's plugins for that autopilot."""
+        """Return a plugin of MAVSDK for the autopilot."""
         return getattr(importlib.import_module(f"mavsdk.plugins.{module}"), name)(self._system)
 
 
@@ -39,7 +39,7 @@ def _parameters(job: Job) -> Answer:
     everything = plugin.get_all_params()
     seconds = perf_counter() - start
     both = (*everything.int_params, *everything.float_params)
-    return {"seconds": seconds, "parameters": {one.name: float(one.value) for one in both}}
+    return {"seconds": seconds, "parameters": {item.name: float(item.value) for item in both}}
 
 
 def _file(job: Job, *, burst: bool) -> Answer:
@@ -55,7 +55,7 @@ def _file(job: Job, *, burst: bool) -> Answer:
 
     start = perf_counter()
     plugin.download_async(job["remote_file"], job["folder"], burst, progress)
-    if not ended.wait(job["limit"]):
+    if not ended.wait(job["timeout"]):
         return {"problem": "never ended"}
     seconds = perf_counter() - start
     name = results[0].name
@@ -67,8 +67,8 @@ def _mission_up(job: Job) -> Answer:
     plugin = session.plugin("mission_raw", "MissionRaw")
     item: Any = importlib.import_module("mavsdk.plugins.mission_raw").MissionItem
     items = [
-        item(seq=at, frame=f, command=c, current=int(at == 0), autocontinue=1, x=x, y=y, z=z)
-        for at, (f, c, x, y, z) in enumerate(job["plan"])
+        item(seq=seq, frame=f, command=c, current=int(seq == 0), autocontinue=1, x=x, y=y, z=z)
+        for seq, (f, c, x, y, z) in enumerate(job["plan"])
     ]
     start = perf_counter()
     plugin.upload_mission(items)

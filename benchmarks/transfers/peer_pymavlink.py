@@ -1,7 +1,7 @@
-"""pymavlink as a client: its own `mavftp`, and the plain scripts that people write around `mavutil`.
+"""pymavlink as a client: its `mavftp`, and plain scripts around `mavutil`.
 
-The scripts ask once, take what comes, and after a second of silence ask for what is missing: ten parameters
-at a time, as MAVProxy does, or the item that is due. An upload leaves asking again to the vehicle.
+The scripts send one request, receive, and after a second without a message request what is missing: ten
+parameters at a time, as MAVProxy does, or the next item. In an upload they leave retries to the vehicle.
 """
 
 from __future__ import annotations
@@ -18,26 +18,26 @@ from .child import Answer, Job, serve
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-HEARD_WITHIN = 15.0
-SILENCE = 1.0
-AT_ONCE = 10
-STREAM_RATE = 2  # Hz, of all streams of a vehicle that is asked for them
+CONNECT_TIMEOUT = 15.0
+RECEIVE_TIMEOUT = 1.0
+MAX_REQUESTS = 10
+STREAM_RATE = 2  # hertz, of all streams of a vehicle with REQUEST_DATA_STREAM
 RESET_SESSIONS = 2
 SESSION_TIMEOUT = 3.5
 TRANSFERRED = ["PARAM_VALUE", "FILE_TRANSFER_PROTOCOL", "MISSION_REQUEST", "MISSION_REQUEST_INT"]
-PX4 = 12  # MAV_AUTOPILOT_PX4, which puts integers into the float's bytes
+PX4 = 12  # MAV_AUTOPILOT_PX4, which encodes integers bytewise in the float
 INTEGERS = {1: "<B", 2: "<b", 3: "<H", 4: "<h", 5: "<I", 6: "<i"}
 MISSION_REQUESTS = ["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"]
 
 
 def connect(job: Job) -> Any:  # noqa: ANN401 (the package has no types)
-    """A connection that has heard the vehicle, and speaks MAVLink 2."""
+    """Return a MAVLink 2 connection that has received a heartbeat of the vehicle."""
     os.environ["MAVLINK20"] = "1"
     mavutil: Any = importlib.import_module("pymavlink.mavutil")
     link = mavutil.mavlink_connection(
         f"udpout:127.0.0.1:{job['port']}", source_system=255, source_component=190
     )
-    deadline = monotonic() + HEARD_WITHIN
+    deadline = monotonic() + CONNECT_TIMEOUT
     while monotonic() < deadline:
         link.mav.heartbeat_send(6, 8, 0, 0, 0)
         heartbeat = link.recv_match(type="HEARTBEAT", blocking=True, timeout=1)
@@ -45,7 +45,7 @@ def connect(job: Job) -> Any:  # noqa: ANN401 (the package has no types)
             link.target_system, link.target_component = heartbeat.get_srcSystem(), 1
             link.is_px4 = heartbeat.autopilot == PX4
             return link
-    raise TimeoutError("no autopilot was heard")
+    raise TimeoutError("no autopilot was received")
 
 
 def _value(link: Any, message: Any) -> float:  # noqa: ANN401
@@ -63,7 +63,7 @@ def _parameters(job: Job) -> Answer:
     start = perf_counter()
     link.mav.param_request_list_send(link.target_system, link.target_component)
     while count is None or len(seen) < count:
-        message = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=SILENCE)
+        message = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=RECEIVE_TIMEOUT)
         if message is None:
             _ask_again(link, seen, count)
         elif message.param_index < message.param_count:
@@ -79,7 +79,7 @@ def _ask_again(link: Any, seen: set[int], count: int | None) -> None:  # noqa: A
         link.mav.param_request_list_send(*target)
         return
     missing = [index for index in range(count) if index not in seen]
-    for index in missing[:AT_ONCE]:
+    for index in missing[:MAX_REQUESTS]:
         link.mav.param_request_read_send(*target, b"", index)
 
 
@@ -90,7 +90,7 @@ def _packed(job: Job) -> Answer:
     start = perf_counter()
     ftp = mavftp.MAVFTP(link, link.target_system, link.target_component)
     ftp.cmd_get(["@PARAM/param.pck"], callback=lambda file: got.append(file.read() if file else b""))
-    result = ftp.process_ftp_reply("OpenFileRO", timeout=job["limit"])
+    result = ftp.process_ftp_reply("OpenFileRO", timeout=job["timeout"])
     seconds = perf_counter() - start
     decoded = mavftp.MAVFTP.ftp_param_decode(got[0]) if got and got[0] else None
     if decoded is None:
@@ -108,7 +108,7 @@ def _file(job: Job) -> Answer:
     start = perf_counter()
     ftp = mavftp.MAVFTP(link, link.target_system, link.target_component)
     ftp.cmd_get([job["remote_file"], str(local)])
-    result = ftp.process_ftp_reply("OpenFileRO", timeout=job["limit"])
+    result = ftp.process_ftp_reply("OpenFileRO", timeout=job["timeout"])
     seconds = perf_counter() - start
     if result.error_code != mavftp.FtpError.Success:
         return {"problem": f"mavftp error {result.return_code}", "seconds": seconds}
@@ -122,7 +122,7 @@ def _mission_up(job: Job) -> Answer:
     start = perf_counter()
     link.mav.mission_count_send(*target, len(job["plan"]), 0)
     while True:
-        message = link.recv_match(type=MISSION_REQUESTS, blocking=True, timeout=SILENCE)
+        message = link.recv_match(type=MISSION_REQUESTS, blocking=True, timeout=RECEIVE_TIMEOUT)
         if message is None:
             if not asked:
                 link.mav.mission_count_send(*target, len(job["plan"]), 0)
@@ -143,12 +143,14 @@ def _mission_down(job: Job) -> Answer:
     start = perf_counter()
     link.mav.mission_request_list_send(*target, 0)
     while count is None or len(items) < count:
-        message = link.recv_match(type=["MISSION_COUNT", "MISSION_ITEM_INT"], blocking=True, timeout=SILENCE)
+        message = link.recv_match(
+            type=["MISSION_COUNT", "MISSION_ITEM_INT"], blocking=True, timeout=RECEIVE_TIMEOUT
+        )
         if message is not None and message.get_type() == "MISSION_COUNT":
             count = message.count
         elif message is not None and message.seq == len(items):
             items.append((message.frame, message.command, message.x, message.y, message.z))
-        elif message is not None:  # a duplicate must not be asked for again
+        elif message is not None:  # a duplicate must not trigger a request
             continue
         if count is None:
             link.mav.mission_request_list_send(*target, 0)
@@ -168,10 +170,10 @@ def _mission_clear(job: Job) -> Answer:
 
 
 def _settle(job: Job) -> Answer:
-    """Close what an earlier client left open, wait until nothing is sent for it, and ask for telemetry.
+    """Close the sessions of an earlier client, wait until nothing is sent for it, and request telemetry.
 
-    PX4 is told to reset its sessions. ArduPilot lets go of one after three seconds without a request, and a
-    reset would make it answer the next client as if it were this one.
+    PX4 gets a request to reset its sessions. ArduPilot closes a session after three seconds without a
+    request, and a reset would make it answer the next client as if it were this one.
     """
     link = connect(job)
     start = perf_counter()
@@ -181,8 +183,8 @@ def _settle(job: Job) -> Answer:
         link.mav.file_transfer_protocol_send(0, system, component, reset)
     else:
         link.mav.request_data_stream_send(system, component, 0, STREAM_RATE, 1)
-    quiet = SESSION_TIMEOUT if job["remote_file"] and not link.is_px4 else SILENCE
-    while perf_counter() - start < job["limit"]:
+    quiet = SESSION_TIMEOUT if job["remote_file"] and not link.is_px4 else RECEIVE_TIMEOUT
+    while perf_counter() - start < job["timeout"]:
         if link.recv_match(type=TRANSFERRED, blocking=True, timeout=quiet) is None:
             break
     return {"seconds": perf_counter() - start}

@@ -1,4 +1,4 @@
-"""A transfer that a program of its own does: started, given its job, and ended when its time is over."""
+"""A transfer by a separate program: started, given its job, and killed after its timeout."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from .model import Endpoint, Item, Result, Work
 if TYPE_CHECKING:
     from .child import Answer
 
-GRACE = 20.0  # for the start, and for hearing the vehicle, which are not timed
+START_TIMEOUT = 20.0  # seconds for the start and the first heartbeat, which are not timed
 
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """One peer's module with one piece of work; `what` is the name it knows that by."""
+    """One piece of work of one peer's module; `operation` is the name of the work in that module."""
 
     name: str
     work: Work
     module: str
-    what: str
+    operation: str
 
     def run(self, endpoint: Endpoint) -> Result:
-        """Do it once in a fresh process."""
-        command = [sys.executable, "-m", f"benchmarks.transfers.{self.module}", self.what]
+        """Run the work once in a new process."""
+        command = [sys.executable, "-m", f"benchmarks.transfers.{self.module}", self.operation]
         with subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
@@ -41,10 +41,10 @@ class Program:
             cwd=Path(__file__).parents[2],
         ) as process:
             try:
-                said, _ = process.communicate(_job(endpoint), timeout=endpoint.limit + GRACE)
+                said, _ = process.communicate(_job(endpoint), timeout=endpoint.timeout + START_TIMEOUT)
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
-                return Result(None, f"had not ended after {endpoint.limit:.0f} s")
+                return Result(None, f"timed out after {endpoint.timeout:.0f} s")
         if not said:
             return Result(None, f"its process ended with {process.returncode}")
         answer: Answer = json.loads(said)
@@ -56,7 +56,7 @@ def _job(endpoint: Endpoint) -> str:
         {
             "port": endpoint.port,
             "folder": str(endpoint.folder),
-            "limit": endpoint.limit,
+            "timeout": endpoint.timeout,
             "remote_file": endpoint.remote_file,
             "plan": [astuple(item) for item in endpoint.plan],
         }
@@ -66,7 +66,7 @@ def _job(endpoint: Endpoint) -> str:
 def _result(answer: Answer, endpoint: Endpoint) -> Result:
     file = endpoint.folder / Path(endpoint.remote_file).name if endpoint.remote_file else None
     seconds = answer.get("seconds")
-    late = seconds is not None and seconds > endpoint.limit
+    late = seconds is not None and seconds > endpoint.timeout
     return Result(
         seconds=None if late else seconds,
         problem=f"took {seconds:.0f} s" if late else answer.get("problem", ""),

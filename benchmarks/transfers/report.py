@@ -1,4 +1,4 @@
-"""The table of the transfers: everyone's median and spread, how often one never ended, ours against each."""
+"""The table of the transfers: median and spread of each client, failures, and our ratio to each."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ WHY_WIDTH = 60
 
 
 def median(outcomes: Sequence[Outcome]) -> float | None:
-    """The median of the turns that finished; None unless more than half of them did."""
-    seen = [one.seconds for one in outcomes if one.finished and one.seconds is not None]
+    """Return the median of the finished turns; None unless more than half of the turns finished."""
+    seen = [item.seconds for item in outcomes if item.finished and item.seconds is not None]
     return statistics.median(seen) if 2 * len(seen) > len(outcomes) else None
 
 
 def best_peer(cell: Cell) -> str | None:
-    """The peer with the least median."""
+    """Return the peer with the smallest median."""
     medians = {name: median(seen) for name, seen in cell.outcomes.items() if not name.startswith(OURS)}
     return (
         min((m, name) for name, m in medians.items() if m is not None)[1] if any(medians.values()) else None
@@ -47,7 +47,7 @@ def best_peer(cell: Cell) -> str | None:
 
 
 def ratio(cell: Cell, peer: str) -> Ratio | None:
-    """Ours over the peer's seconds, turn by turn, where both finished."""
+    """Return our seconds over those of the peer, turn by turn, where both finished."""
     pairs = zip(cell.outcomes.get(OURS, ()), cell.outcomes[peer], strict=False)
     seen = tuple(
         ours.seconds / theirs.seconds
@@ -58,17 +58,19 @@ def ratio(cell: Cell, peer: str) -> Ratio | None:
 
 
 def table(cells: Iterable[Cell]) -> str:
-    """Everything, for a terminal; the best peer of a cell has an asterisk."""
+    """Return the table; the best peer of a cell is marked by an asterisk."""
     lines = [HEAD, *(line for cell in cells for line in _lines(cell))]
-    widths = [max(len(line[place]) for line in lines) for place in range(len(HEAD))]
-    told = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
-    told.insert(1, "  ".join("-" * width for width in widths))
-    facts = [f"{letter}  {what}" for letter, (what, _) in CONDITIONS.items()]
-    return "\n".join((*(line.rstrip() for line in told), "", *facts))
+    widths = [max(len(line[index]) for line in lines) for index in range(len(HEAD))]
+    output = [
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines
+    ]
+    output.insert(1, "  ".join("-" * width for width in widths))
+    facts = [f"{letter}  {operation}" for letter, (operation, _) in CONDITIONS.items()]
+    return "\n".join((*(line.rstrip() for line in output), "", *facts))
 
 
 def as_json(cells: Iterable[Cell]) -> str:
-    """Every turn of everyone, for a script."""
+    """Return every turn of every client as JSON."""
     return json.dumps([asdict(cell) for cell in cells], indent=2, ensure_ascii=False)
 
 
@@ -87,7 +89,7 @@ def _lines(cell: Cell) -> list[tuple[str, ...]]:
 
 
 def _figures(seen: Sequence[Outcome]) -> tuple[str, str, str]:
-    seconds = [one.seconds for one in seen if one.finished and one.seconds is not None]
+    seconds = [item.seconds for item in seen if item.finished and item.seconds is not None]
     middle = median(seen)
     return (
         "never" if middle is None else _short(middle),
@@ -97,14 +99,14 @@ def _figures(seen: Sequence[Outcome]) -> tuple[str, str, str]:
 
 
 def _against(cell: Cell, name: str) -> tuple[str, str]:
-    told = ratio(cell, name) if not name.startswith(OURS) else None
-    if told is None:
+    output = ratio(cell, name) if not name.startswith(OURS) else None
+    if output is None:
         return "", ""
-    return f"{told.median:.2f}", f"{min(told.seen):.2f} … {max(told.seen):.2f}"
+    return f"{output.median:.2f}", f"{min(output.seen):.2f} … {max(output.seen):.2f}"
 
 
 def _why(seen: Sequence[Outcome]) -> str:
-    problems = Counter(one.problem for one in seen if one.problem)
+    problems = Counter(item.problem for item in seen if item.problem)
     return problems.most_common(1)[0][0][:WHY_WIDTH] if problems else ""
 
 

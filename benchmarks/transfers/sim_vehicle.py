@@ -1,6 +1,6 @@
-"""A simulated PX4 copter with 1,500 parameters, as `mav sim` flies it, with its whole telemetry.
+"""A simulated PX4 copter with 1,500 parameters and its full telemetry, as in `mav sim`.
 
-`python -m benchmarks.transfers.sim_vehicle PORT CONDITION` is run as any other vehicle program.
+`python -m benchmarks.transfers.sim_vehicle PORT CONDITION` is started like any other vehicle program.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ PARAMETERS = 1500
 
 
 async def fly(port: int) -> None:
-    """Be a vehicle until the process is ended."""
+    """Run the vehicle until the process is ended."""
     simulation = Simulation()
     vehicle = simulation.add("copter", "px4")
     server = vehicle.services.parameters

@@ -1,10 +1,10 @@
-"""The vehicles: programs that are started for a run, our own or those that a JSON file describes.
+"""The vehicles: programs that are started for a run, our own or those of a JSON file.
 
     [{"name": "PX4", "command": ["/path/to/start"], "works": ["parameters", "file"],
       "remote_file": "300k.bin", "local_file": "/path/to/300k.bin", "packed": false, "home_first": false}]
 
-The command gets two more arguments: the UDP port of 127.0.0.1 that it sends to, where the relay listens, and
-the letter of the condition, so that it can send what is normal over such a link.
+The command gets two additional arguments: the UDP port of 127.0.0.1 on which the relay listens, and the
+letter of the condition, so that the vehicle can adapt its telemetry to the link.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
-    """A vehicle, and what is known of it beforehand."""
+    """A vehicle program and its properties."""
 
     name: str
     command: tuple[str, ...]
@@ -36,11 +36,11 @@ class Vehicle:
     remote_file: str = ""
     local_file: str = ""
     packed: bool = False  # has @PARAM/param.pck
-    home_first: bool = False  # item 0 is its home, which it chooses itself
+    home_first: bool = False  # item 0 is the home position, which the vehicle sets itself
 
     @contextmanager
     def running(self, port: int, condition: str) -> Iterator[None]:
-        """Start it, and end it with all that it started."""
+        """Start the program, and kill it with all its children."""
         with subprocess.Popen(
             [*self.command, str(port), condition],
             stdin=subprocess.DEVNULL,
@@ -55,12 +55,12 @@ class Vehicle:
                 os.killpg(process.pid, signal.SIGKILL)
 
     def file(self) -> bytes:
-        """What its file holds."""
+        """Return the content of its file."""
         return Path(self.local_file).read_bytes()
 
 
 def ours(folder: Path) -> Vehicle:
-    """Mavstack itself as the vehicle; `folder` gets a copy of its file, to compare with."""
+    """Return Mavstack as the vehicle; its file is written to `folder` for comparison."""
     local_file = folder / REMOTE_FILE
     local_file.write_bytes(file_content())
     program = "benchmarks.transfers.our_vehicle"
@@ -68,23 +68,23 @@ def ours(folder: Path) -> Vehicle:
 
 
 def simulated() -> Vehicle:
-    """A simulated PX4, which has 1,500 parameters and no file worth reading."""
+    """Return a simulated PX4 with 1,500 parameters and no large file."""
     program = "benchmarks.transfers.sim_vehicle"
     works = (Work.PARAMETERS, Work.MISSION_UP, Work.MISSION_DOWN)
     return Vehicle("simulated PX4", (sys.executable, "-m", program), works)
 
 
 def read(path: Path) -> list[Vehicle]:
-    """The vehicles that a file describes."""
+    """Read the vehicles of a JSON file."""
     return [
         Vehicle(
-            name=one["name"],
-            command=tuple(one["command"]),
-            works=tuple(Work(work) for work in one.get("works", list(Work))),
-            remote_file=one.get("remote_file", ""),
-            local_file=one.get("local_file", ""),
-            packed=one.get("packed", False),
-            home_first=one.get("home_first", False),
+            name=item["name"],
+            command=tuple(item["command"]),
+            works=tuple(Work(work) for work in item.get("works", list(Work))),
+            remote_file=item.get("remote_file", ""),
+            local_file=item.get("local_file", ""),
+            packed=item.get("packed", False),
+            home_first=item.get("home_first", False),
         )
-        for one in json.loads(path.read_text(encoding="utf-8"))
+        for item in json.loads(path.read_text(encoding="utf-8"))
     ]

@@ -1,7 +1,7 @@
-"""Whether what arrived is all of it and right: against a reading over the clean relay, or what was sent.
+"""Validation of transferred data: compared with a reading over the clean relay, or with the sent data.
 
-A parameter that differs between two readings over the clean relay is one that the vehicle itself changes, and
-only its name counts.
+A parameter that differs between two readings over the clean relay is changed by the vehicle itself, and only
+its name is compared.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from .model import Item, Outcome, Result, Work
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-UNCOUNTED = frozenset({"_HASH_CHECK"})  # not in a list's count
-SAME_FRAME = {0: 5, 3: 6, 10: 11}  # the frame with floats, and the same with integers
+NOT_COUNTED = frozenset({"_HASH_CHECK"})  # not in the parameter count
+INTEGER_FRAME = {0: 5, 3: 6, 10: 11}  # frames with float and with integer coordinates
 
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """What is right."""
+    """The expected data."""
 
     parameters: Mapping[str, float]
     volatile: frozenset[str]
@@ -31,12 +31,12 @@ class Expected:
 
 
 def volatile(first: Mapping[str, float], second: Mapping[str, float]) -> frozenset[str]:
-    """The parameters that changed between two readings."""
+    """Return the parameters that changed between two readings."""
     return frozenset(name for name, value in first.items() if second.get(name) != value)
 
 
 def outcome(work: Work, result: Result, expected: Expected) -> Outcome:
-    """The result, judged."""
+    """Validate a result."""
     if result.seconds is None or result.problem:
         return Outcome(None, result.problem or "failed")
     wrong = {
@@ -49,7 +49,7 @@ def outcome(work: Work, result: Result, expected: Expected) -> Outcome:
 
 
 def _wrong_parameters(got: Mapping[str, float], expected: Expected) -> str:
-    names = set(expected.parameters) - UNCOUNTED
+    names = set(expected.parameters) - NOT_COUNTED
     missing = names - set(got)
     if missing:
         return f"{len(missing)} of {len(names)} parameters missing"
@@ -77,10 +77,10 @@ def _wrong_plan(got: Sequence[Item], expected: Expected) -> str:
 
 
 def _same(mine: Item, theirs: Item) -> bool:
-    """Equal but for what a vehicle's own storage rounds."""
+    """Return whether items are equal, except for rounding in the vehicle's storage."""
     return (
         mine.command == theirs.command
-        and SAME_FRAME.get(mine.frame, mine.frame) == SAME_FRAME.get(theirs.frame, theirs.frame)
+        and INTEGER_FRAME.get(mine.frame, mine.frame) == INTEGER_FRAME.get(theirs.frame, theirs.frame)
         and abs(mine.x - theirs.x) <= 1
         and abs(mine.y - theirs.y) <= 1
         and abs(mine.z - theirs.z) <= 0.02
