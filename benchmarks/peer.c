@@ -75,7 +75,7 @@ static tally_t tlog(buffer_t input, long count) {
     size_t at = 0;
     while (at + STAMP < input.size && tally.messages < count) {
         uint64_t stamp = 0;
-        for (int place = 0; place < STAMP; place++) {
+        for (int index = 0; index < STAMP; index++) {
             stamp = stamp << 8 | input.bytes[at++];
         }
         while (at < input.size && !mavlink_parse_char(MAVLINK_COMM_0, input.bytes[at++], &message, &status)) {

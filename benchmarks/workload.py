@@ -71,8 +71,8 @@ class Workload:
         """Return the first packets as a tlog: with a big-endian timestamp of 8 bytes before each."""
         end = int(self.ends[count - 1])
         is_stamp = np.zeros(end + STAMP * count, np.bool_)
-        places = self.starts[:count] + STAMP * np.arange(count)
-        is_stamp[(places[:, None] + np.arange(STAMP)).ravel()] = True
+        positions = self.starts[:count] + STAMP * np.arange(count)
+        is_stamp[(positions[:, None] + np.arange(STAMP)).ravel()] = True
         out = np.empty(len(is_stamp), np.uint8)
         out[is_stamp] = self.times_us[:count].astype(">i8").view(np.uint8)
         out[~is_stamp] = np.frombuffer(self.stream, np.uint8, end)
@@ -200,8 +200,8 @@ def _column(
 
 
 def _trimmed(payload: Bytes2D) -> NDArray[np.int64]:
-    places = np.arange(1, payload.shape[1] + 1)
-    last: NDArray[np.int64] = ((payload != 0) * places).max(axis=1)
+    positions = np.arange(1, payload.shape[1] + 1)
+    last: NDArray[np.int64] = ((payload != 0) * positions).max(axis=1)
     return np.maximum(last, 1)
 
 
@@ -209,9 +209,9 @@ def _checksums(packets: Bytes2D, ends: NDArray[np.int64], extra: int) -> NDArray
     """Calculate the CRC-16/MCRF4XX of all rows: bytes 1 to the end, then CRC_EXTRA."""
     table = np.array(_TABLE, np.uint16)
     crc = np.full(len(packets), 0xFFFF, np.uint16)
-    for place in range(1, int(ends.max())):
-        stepped = table[(crc ^ packets[:, place]) & 0xFF] ^ (crc >> 8)
-        crc = np.where(place < ends, stepped, crc)
+    for position in range(1, int(ends.max())):
+        stepped = table[(crc ^ packets[:, position]) & 0xFF] ^ (crc >> 8)
+        crc = np.where(position < ends, stepped, crc)
     last: NDArray[np.uint16] = table[(crc ^ extra) & 0xFF] ^ (crc >> 8)
     return last
 

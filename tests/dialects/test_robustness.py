@@ -84,6 +84,6 @@ GOOD = b"""<mavlink><version>3</version>
 
 @settings(max_examples=300, deadline=None)
 @given(st.integers(0, len(GOOD) - 1), st.binary(max_size=3), st.integers(0, 3))
-def test_damaged_files(path, place, inserted, removed):
-    path.write_bytes(GOOD[:place] + inserted + GOOD[place + removed :])
+def test_damaged_files(path, position, inserted, removed):
+    path.write_bytes(GOOD[:position] + inserted + GOOD[position + removed :])
     load_and_use(path)

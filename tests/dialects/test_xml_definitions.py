@@ -88,7 +88,11 @@ BROKEN = {
     "field name not ascii": (message('<field type="uint8_t" name="ä"/>'), 5, "'ä'"),
     "unknown type": (message('<field type="uint24_t" name="a"/>'), 5, "'uint24_t'"),
     "type with space": (message('<field type="uint8_t [3]" name="a"/>'), 5, "unknown field type"),
-    "array of versions": (message('<field type="uint8_t_mavlink_version[2]" name="a"/>'), 5, "unknown field type"),
+    "array of versions": (
+        message('<field type="uint8_t_mavlink_version[2]" name="a"/>'),
+        5,
+        "unknown field type",
+    ),
     "array length zero": (message('<field type="uint8_t[0]" name="a"/>'), 5, "1 to 255"),
     "array length 256": (message('<field type="uint8_t[256]" name="a"/>'), 5, "1 to 255"),
     "array length huge": (message(f'<field type="uint8_t[{"9" * 5000}]" name="a"/>'), 5, "not an integer"),
@@ -145,8 +149,8 @@ def test_a_malformed_file_raises_with_file_and_line(text, line, problem):
     assert caught.value.path == "some/file.xml"
     assert caught.value.line == line
     assert problem in caught.value.problem
-    place = "some/file.xml: " if line is None else f"some/file.xml:{line}: "
-    assert str(caught.value).startswith(place)
+    position = "some/file.xml: " if line is None else f"some/file.xml:{line}: "
+    assert str(caught.value).startswith(position)
     assert len(str(caught.value)) < 400
 
 

@@ -92,7 +92,7 @@ def test_a_log_matches_the_manifest(name):
     versions = {"v1": statistics.version_1, "v2": statistics.version_2}
     assert {version: count for version, count in versions.items() if count} == row["versions"]
     assert statistics.signed == row["signed"]
-    sources = {f"{system}/{component}": heard.received for (system, component), heard in log.sources.items()}
+    sources = {f"{system}/{component}": statistics.received for (system, component), statistics in log.sources.items()}
     assert sources == explained.get("sources", row["sources"])
     assert log.duration == pytest.approx(explained.get("duration", row["duration"]), abs=0.05)
     assert statistics.bad_bytes == explained.get("bad_bytes", bad_bytes_of(row))

@@ -170,16 +170,16 @@ def _damaged_stream(rng: random.Random) -> bytes:
     for number in range(80):
         stream += encoders[rng.choice((1, 2))].encode(random_message(rng.choice(classes), "random", number))
     for _ in range(30):
-        place = rng.randrange(len(stream))
+        position = rng.randrange(len(stream))
         choice = rng.randrange(4)
         if choice == 0:
-            stream[place] ^= 1 << rng.randrange(8)
+            stream[position] ^= 1 << rng.randrange(8)
         elif choice == 1:
-            del stream[place : place + rng.randrange(12)]
+            del stream[position : position + rng.randrange(12)]
         elif choice == 2:
-            stream[place:place] = rng.randbytes(rng.randrange(12))
+            stream[position:position] = rng.randbytes(rng.randrange(12))
         else:
-            stream[place:place] = bytes([rng.choice((0xFD, 0xFE)), rng.randrange(256)])
+            stream[position:position] = bytes([rng.choice((0xFD, 0xFE)), rng.randrange(256)])
     return bytes(stream)
 
 

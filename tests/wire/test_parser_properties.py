@@ -60,15 +60,15 @@ def run(chunks, **options):
     return found, parser
 
 
-def cut(data, places):
-    edges = sorted({0, len(data), *(place % (len(data) + 1) for place in places)})
+def cut(data, positions):
+    edges = sorted({0, len(data), *(position % (len(data) + 1) for position in positions)})
     return [data[start:end] for start, end in itertools.pairwise(edges)]
 
 
 @given(streams, st.lists(st.integers(0, 5000), max_size=10), buffers, st.booleans())
-def test_chunking_does_not_change_the_result(stream, places, buffer, timestamped):
+def test_chunking_does_not_change_the_result(stream, positions, buffer, timestamped):
     whole, parser = run([stream], timestamped=timestamped)
-    for chunks in (cut(stream, places), [stream[i : i + 1] for i in range(len(stream))]):
+    for chunks in (cut(stream, positions), [stream[i : i + 1] for i in range(len(stream))]):
         again, other = run(map(buffer, chunks), timestamped=timestamped)
         assert [(packet.raw, packet.timestamp) for packet in again] == [
             (packet.raw, packet.timestamp) for packet in whole
@@ -114,16 +114,16 @@ def test_garbage_between_packets_hides_no_packet(pieces, tail):
 # A damaged packet passes its CRC once in 65,536 times; derandomized, the result is the same in each run.
 @settings(derandomize=True)
 @given(st.lists(messages, min_size=3, max_size=6), st.integers(0, 10_000), st.integers(1, 255))
-def test_one_damaged_byte_loses_at_most_one_packet(contents, place, change):
+def test_one_damaged_byte_loses_at_most_one_packet(contents, damaged, change):
     encoder = mavstack.Encoder(1, 1)
     sent = [encoder.encode(message) for message in contents]
     stream = bytearray(b"".join(sent))
-    place %= len(stream)
-    stream[place] ^= change
+    damaged %= len(stream)
+    stream[damaged] ^= change
     found = {packet.raw for packet in run([stream])[0]}
     position = 0
     for raw in sent:
-        if not position <= place < position + len(raw):
+        if not position <= damaged < position + len(raw):
             assert raw in found
         position += len(raw)
 

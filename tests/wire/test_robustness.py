@@ -238,7 +238,7 @@ def test_wrong_arguments_raise():
         common.Attitude(*range(8))
     with pytest.raises(FieldNameError, match="time_boot_ms twice"):
         common.Attitude(1, time_boot_ms=1)
-    with pytest.raises(FieldNameError, match="no field rol; .* time_boot_ms, roll"):
+    with pytest.raises(FieldNameError, match=r"no field rol; .* time_boot_ms, roll"):
         common.Attitude(rol=1)
     with pytest.raises(FieldNameError):
         common.Attitude(**{f"field_{number}": 1 for number in range(300)})

@@ -64,7 +64,7 @@ def test_pymavlink_accepts_our_packets_and_refuses_replayed_or_changed_ones(time
 
 @given(timestamps, st.integers(0, 255), st.integers(0, 27), st.integers(1, 255))
 def test_we_accept_packets_of_pymavlink_and_refuse_replayed_or_changed_ones(
-    timestamp, link_id, place, change
+    timestamp, link_id, position, change
 ):
     raw = attitude(their_link(timestamp, link_id))
     signing = mavstack.Signing(KEY, 5)
@@ -76,7 +76,7 @@ def test_we_accept_packets_of_pymavlink_and_refuse_replayed_or_changed_ones(
     assert parser.feed(raw) == []
     assert signing.refusals.replayed == 1
     forged = bytearray(raw)
-    forged[-1 - place % 13] ^= change
+    forged[-1 - position % 13] ^= change
     fresh = mavstack.Signing(KEY)
     assert mavstack.Parser(common, signing=fresh).feed(forged) == []
     assert (fresh.refusals.forged, fresh.refusals.total, fresh.streams, fresh.timestamp) == (1, 1, 0, 0)

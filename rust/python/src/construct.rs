@@ -87,7 +87,11 @@ fn find_field(data: &ClassData, guess: usize, name: &Bound<'_, PyAny>) -> PyResu
         }
     }
     let fields: Vec<_> = data.fields.iter().map(|access| access.field.name.as_str()).collect();
-    Err(FieldNameError::new_err(format!("{} has no field {name}; known fields: {}", data.class_name, fields.join(", "))))
+    Err(FieldNameError::new_err(format!(
+        "{} has no field {name}; known fields: {}",
+        data.class_name,
+        fields.join(", ")
+    )))
 }
 
 #[cold]

@@ -87,8 +87,8 @@ def _markers(
         )
     if "," not in inside:
         return [_number(inside, entries)] * count
-    places = [_number(part, entries) for part in inside.split(",")][:count]
-    return places + [None] * (count - len(places))
+    positions = [_number(part, entries) for part in inside.split(",")][:count]
+    return positions + [None] * (count - len(positions))
 
 
 def _as_marker(element: object) -> float | None:

@@ -28,7 +28,8 @@ class Counters:
         bytes_out: Bytes sent or queued.
         chunks_in: Datagrams or stream chunks received.
         chunks_out: Chunks sent or queued.
-        dropped_in: Received chunks that were dropped, because the receive queue was full or nobody may send.
+        dropped_in: Received chunks that were dropped, because the receive queue was full or the
+            sender is not a peer.
         dropped_out: Written chunks that were dropped, because the send queue was full.
     """
 
