@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.links import MemoryNetwork
 from mavstack.services.signing_setup import ListenForKey, UseNewKey
-from mavstack.services.signing_setup.key_change import TRIAL
+from mavstack.services.signing_setup.key_change import TRIAL_DURATION
 from mavstack.sim.virtual import run_virtually
 from tests.node.signed_pair import CHANGES, NEW, THIRD, Pair, assert_both_use, refusals
 
@@ -108,7 +108,7 @@ def test_a_trial_that_fails_is_over_on_a_channel_that_came_back_too() -> None:
             (to_ground,), (to_vehicle,) = pair.vehicle_link.channels, pair.ground_link.channels
             to_vehicle.other = None  # the vehicle hears nobody
             pair.vehicle._host.engine.routes.remove_channel(channel)
-            await asyncio.sleep(TRIAL)
+            await asyncio.sleep(TRIAL_DURATION)
             assert not pair.server.on_trial
             to_vehicle.other = to_ground
             await assert_both_use(pair, None)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from mavstack.node.pacing import (
-    MAX_BULK_BURST,
     DEFAULT_ESTIMATE,
+    MAX_BULK_BURST,
+    MAX_ESTIMATE,
     MIN_DEPTH,
     MIN_ESTIMATE,
-    MAX_ESTIMATE,
     Pacer,
 )
 from mavstack.services import Priority

@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.command import Command, CommandClient, CommandServer
-from mavstack.services.heartbeat import HeartbeatSender, ComponentLost, Discovery
+from mavstack.services.heartbeat import ComponentLost, Discovery, HeartbeatSender
 from mavstack.services.message_request import MessageServer
 from mavstack.services.mission import MissionClient, MissionItem, MissionServer, Plan
 from mavstack.services.parameters import ParameterClient, ParameterServer

@@ -7,7 +7,7 @@ keeps both, with their timestamps and half-received packets.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from mavstack.dialects import common
 from mavstack.services import message_ids
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from mavstack.node.channel_state import ChannelState
-    from mavstack.node.engine import Engine
     from mavstack.security import SigningKey
     from mavstack.services.signing_setup import SigningRequest
     from mavstack.wire import Signing
@@ -40,7 +39,15 @@ def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState]) -> None:
                 channel.settle()
 
 
-def trusted_channels(engine: Engine) -> Callable[[SigningRequest], str | None]:
+class ArrivalChannel(Protocol):
+    """An engine, as far as it knows the channel of the packet that is being handled."""
+
+    @property
+    def arrived_on(self) -> ChannelState | None:
+        """The channel of the packet that is being handled; None in between."""
+
+
+def trusted_channels(engine: ArrivalChannel) -> Callable[[SigningRequest], str | None]:
     """Return the policy that accepts keys only over channels that the program marked as `trusted`."""
 
     def refuse(request: SigningRequest) -> str | None:

@@ -1,4 +1,4 @@
-"""A peer that answers everything with anything: random fields, or plausible ones that contradict."""
+"""A peer that sends random messages: random fields, or plausible ones that contradict each other."""
 
 from __future__ import annotations
 
@@ -14,16 +14,25 @@ if TYPE_CHECKING:
     from mavstack.services import Address
 
 COMMON = Dialect.load("common")
-#: Fields that are looked up by number: with small values they hit what there is.
-NUMBERS = {"seq", "count", "mission_type", "param_index", "param_count", "num_logs", "id", "last_log_num"}
+#: Fields that are indexes or counts; small values refer to items that exist.
+INDEX_FIELDS = {
+    "seq",
+    "count",
+    "mission_type",
+    "param_index",
+    "param_count",
+    "num_logs",
+    "id",
+    "last_log_num",
+}
 
 
-class Peer:
-    """Makes packets from any source to one victim."""
+class RandomPeer:
+    """A sender of packets from any source to one target."""
 
-    def __init__(self, random: Random, victim: Address) -> None:
+    def __init__(self, random: Random, target: Address) -> None:
         self.random = random
-        self.victim = victim
+        self.target = target
         self._encoders: dict[Address, Encoder] = {}
 
     def packet(self, message: Message, source: Address) -> bytes:
@@ -32,8 +41,8 @@ class Peer:
             encoder = self._encoders[source] = Encoder(*source)
         return encoder.encode(message)
 
-    def anything(self, message_id: int, source: Address) -> bytes:
-        """A message of that id: nonsense, but mostly addressed and numbered so that it is believed."""
+    def random_packet(self, message_id: int, source: Address) -> bytes:
+        """Return a packet with random fields, mostly with a plausible target and plausible indexes."""
         kind = COMMON[message_id]
         message = kind.from_payload(self.random.randbytes(255))
         if self.random.random() < 0.8:
@@ -43,8 +52,8 @@ class Peer:
 
     def _make_plausible(self, message: Message, name: str) -> None:
         if name == "target_system":
-            message.target_system = self.victim.system
+            message.target_system = self.target.system
         elif name == "target_component":
-            message.target_component = self.victim.component
-        elif name in NUMBERS and self.random.random() < 0.8:
+            message.target_component = self.target.component
+        elif name in INDEX_FIELDS and self.random.random() < 0.8:
             setattr(message, name, self.random.choice([0, 0, 1, 2, 3, 5, 9]))
