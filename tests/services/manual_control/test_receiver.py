@@ -76,7 +76,7 @@ def test_an_overtaken_packet_does_not_take_hold_again_after_the_release():
     give(receiver, override({1: RELEASE}), GROUND, 10.2, 1)
     give(receiver, override({1: 1500}), GROUND, 10.3, 255)
     assert receiver.overridden(GROUND, 10.3) is None
-    assert receiver.overtaken == 1
+    assert receiver.reordered == 1
 
 
 def test_a_sender_that_restarts_is_heard_after_a_moment():

@@ -9,7 +9,7 @@ from mavstack.services.manual_control import (
     ManualInput,
     OverrideSender,
 )
-from mavstack.services.manual_control.sender import RELEASES
+from mavstack.services.manual_control.sender import RELEASE_COUNT
 from tests.services.drive import pass_time, sent
 from tests.services.network import GROUND, VEHICLE
 
@@ -33,7 +33,7 @@ def test_stopping_lets_go_of_sticks_and_buttons_several_times_then_is_silent():
     sent(sender, 0.0)
     sender.stop(0.1)
     out = [*sent(sender, 0.1), *messages(sender, 60.0)]
-    assert [(m.x, m.z, m.buttons) for m in out] == [(32767, 32767, 0)] * RELEASES
+    assert [(m.x, m.z, m.buttons) for m in out] == [(32767, 32767, 0)] * RELEASE_COUNT
     assert not sender.active
     assert sender.next_timeout() is None
 
@@ -46,7 +46,7 @@ def test_stopping_gives_overridden_channels_back_several_times():
     sender.stop(0.1)
     sender.stop(0.2)
     out = [*sent(sender, 0.2), *messages(sender, 60.0)]
-    assert [(m.chan3_raw, m.chan12_raw, m.chan4_raw) for m in out] == [(0, 65534, 65535)] * RELEASES
+    assert [(m.chan3_raw, m.chan12_raw, m.chan4_raw) for m in out] == [(0, 65534, 65535)] * RELEASE_COUNT
     assert not sender.active
 
 

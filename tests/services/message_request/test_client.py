@@ -120,7 +120,7 @@ def test_accepted_but_not_sent_is_asked_again_and_then_times_out() -> None:
     peers.commands.support(REQUEST, lambda _: common.MavResult.ACCEPTED)
     operation = peers.run(RequestMessage(common.VfrHud))
     assert isinstance(operation.error, MessageTimeout)
-    assert "did not come" in str(operation.error)
+    assert "did not arrive" in str(operation.error)
     assert operation.error.attempts == 4
 
 

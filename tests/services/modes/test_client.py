@@ -80,7 +80,7 @@ def test_px4_gets_main_and_sub_mode_and_stays_armed():
 def test_accepted_but_never_entered_is_an_error_that_says_so():
     pair = Pair(obeys=False)
     operation = pair.run(SetMode("GUIDED"))
-    with pytest.raises(ModeTimeout, match="accepted, but not entered: the vehicle tells STABILIZE"):
+    with pytest.raises(ModeTimeout, match="accepted, but not entered: the vehicle reports STABILIZE"):
         operation.result()
 
 

@@ -8,7 +8,7 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address
 from mavstack.services.serial_control import ShellClient, ShellOutput, ShellReleased
-from mavstack.services.serial_control.client import MAX_WAITING, OPENINGS
+from mavstack.services.serial_control.client import MAX_PENDING, OPEN_ATTEMPTS
 from mavstack.services.serial_control.messages import EXCLUSIVE, MULTI, REPLY, RESPOND
 from tests.services.drive import garbage, give, pass_time, sent
 from tests.services.network import GROUND, VEHICLE
@@ -46,7 +46,7 @@ def test_opening_asks_for_a_prompt_until_something_comes_back():
 def test_opening_ends_after_some_attempts():
     client = ShellClient(GROUND, VEHICLE)
     client.open(0.0)
-    assert len([*sent(client, 0.0), *pass_time(client, 60.0)]) == OPENINGS
+    assert len([*sent(client, 0.0), *pass_time(client, 60.0)]) == OPEN_ATTEMPTS
 
 
 def test_lines_are_cut_at_their_ends_and_every_byte_is_sent_in_order():
@@ -132,7 +132,7 @@ def test_a_port_that_answers_only_when_asked_is_polled():
 def test_writing_without_bound_is_our_own_misuse():
     client = opened()
     with pytest.raises(InvalidArgumentError):
-        client.write(b"\n" * 70 * (MAX_WAITING + 1), 1.0)
+        client.write(b"\n" * 70 * (MAX_PENDING + 1), 1.0)
     assert client.waiting == 0
 
 

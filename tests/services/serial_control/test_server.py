@@ -6,7 +6,7 @@ from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.serial_control import ShellClosed, ShellInput, ShellOpened, ShellServer
 from mavstack.services.serial_control.messages import EXCLUSIVE, MULTI, REPLY, RESPOND, message
-from mavstack.services.serial_control.server import MAX_WAITING
+from mavstack.services.serial_control.server import MAX_PENDING
 from tests.services.drive import garbage, give, sent
 from tests.services.network import GROUND, VEHICLE
 
@@ -93,14 +93,14 @@ def test_without_an_owner_output_goes_nowhere():
 
 def test_output_that_finds_no_room_is_bounded_and_the_newest_stays():
     server = owned()
-    for number in range(2 * MAX_WAITING // 10):
+    for number in range(2 * MAX_PENDING // 10):
         server.feed(b"%09d\n" % number)
     assert server.dropped > 0
     assert sent(server, 0.0, lambda target, priority=2: False) == []
     out = b"".join(m.data[: m.count] for m in sent(server, 0.0))
-    assert len(out) <= MAX_WAITING
-    assert out.endswith(b"%09d\n" % (2 * MAX_WAITING // 10 - 1))
-    assert len(out) + server.dropped == 2 * MAX_WAITING // 10 * 10
+    assert len(out) <= MAX_PENDING
+    assert out.endswith(b"%09d\n" % (2 * MAX_PENDING // 10 - 1))
+    assert len(out) + server.dropped == 2 * MAX_PENDING // 10 * 10
 
 
 def test_replies_and_other_devices_are_not_input():

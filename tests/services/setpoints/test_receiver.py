@@ -45,7 +45,7 @@ def test_impossible_setpoints_are_counted_and_do_not_feed_the_stream():
     give(receiver, HERE.to_message(VEHICLE).replace(type_mask=0xFFF), GROUND, 10.3)
     give(receiver, HERE.to_message(VEHICLE).replace(coordinate_frame=5), GROUND, 10.3)
     give(receiver, HERE.to_message(VEHICLE).replace(x=float("nan")), GROUND, 10.3)
-    assert receiver.impossible == 3
+    assert receiver.invalid == 3
     assert "finite" in receiver.last_reason
     receiver.handle_timeout(10.5)
     assert isinstance(receiver.events()[-1], SetpointsTimedOut)
@@ -56,7 +56,7 @@ def test_what_was_overtaken_on_its_way_is_left_out_and_a_new_clock_is_not():
     give(receiver, HERE.to_message(VEHICLE, 100_000), GROUND, 1.0)
     give(receiver, LocalSetpoint(yaw=1.0).to_message(VEHICLE, 99_950), GROUND, 1.1)
     assert receiver.latest(GROUND, 1.1)[0] == HERE
-    assert receiver.overtaken == 1
+    assert receiver.reordered == 1
     give(receiver, LocalSetpoint(yaw=1.0).to_message(VEHICLE, 50), GROUND, 1.2)
     assert receiver.latest(GROUND, 1.2)[0] == LocalSetpoint(yaw=1.0)
 
@@ -76,4 +76,4 @@ def test_garbage_from_the_wire_never_raises():
     kinds = (common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt, common.SetAttitudeTarget)
     for number in range(3000):
         give(receiver, garbage(random.choice(kinds), random), GROUND, number / 100)
-    assert receiver.impossible > 0
+    assert receiver.invalid > 0

@@ -43,7 +43,7 @@ def test_the_type_mask_says_what_is_left_to_the_vehicle(setpoint, mask):
 def test_a_local_setpoint_comes_back_as_it_was(position, velocity, acceleration, yaw, yaw_rate, frame):
     setpoint = LocalSetpoint(position, velocity, acceleration, yaw, yaw_rate, frame)
     if {*position, *velocity, *acceleration, yaw, yaw_rate} == {None}:
-        with pytest.raises(SetpointError, match="nothing"):
+        with pytest.raises(SetpointError, match="at least one"):
             setpoint.to_message(VEHICLE)
     else:
         assert LocalSetpoint.read(setpoint.to_message(VEHICLE)) == setpoint

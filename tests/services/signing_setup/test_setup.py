@@ -15,7 +15,7 @@ from mavstack.services.signing_setup import (
     SigningSetupClient,
     SigningSetupServer,
 )
-from mavstack.services.signing_setup.key_change import CLEAR, KeyChange
+from mavstack.services.signing_setup.key_change import MIN_PROOF_PACKETS, KeyChange
 from mavstack.wire import Encoder, Packet
 from tests.services.network import GROUND, START, VEHICLE
 from tests.services.signing_setup.pair import Pair
@@ -105,7 +105,7 @@ def test_one_that_took_the_key_while_we_heard_nothing_is_followed():
     """The operation gives up, the vehicle has changed: we speak its way as soon as we hear it."""
     pair = Pair(key=OLD)
     operation = pair.install(NEW, timeout=5.0)
-    assert pair.network.run(lambda: pair.client._change and pair.client._change.speaks_new, timeout=5.0)
+    assert pair.network.run(lambda: pair.client._change and pair.client._change.uses_new, timeout=5.0)
     _, back = pair.pipes
     back.cut = True
     pair.run(operation)
@@ -195,14 +195,14 @@ def test_a_damaged_signature_is_not_taken_for_the_old_way():
     change = KeyChange(VEHICLE, NEW, lambda event: None)
     encoder = Encoder(1, 1, signing=NEW.signing())
     good = encoder.encode(common.Heartbeat(), START)
-    change.heard(Packet(good, common), START)
-    assert change.speaks_new
-    for number in range(CLEAR):
-        assert change.speaks_new
+    change.observe(Packet(good, common), START)
+    assert change.uses_new
+    for number in range(MIN_PROOF_PACKETS):
+        assert change.uses_new
         damaged = bytearray(encoder.encode(common.Heartbeat(), START + number))
         damaged[-1] ^= 1
-        change.heard(Packet(bytes(damaged), common), START + number)
-    assert not change.speaks_new
+        change.observe(Packet(bytes(damaged), common), START + number)
+    assert not change.uses_new
 
 
 def test_the_same_key_again_is_confirmed_without_asking():

@@ -126,7 +126,7 @@ def test_any_message_can_be_read() -> None:
     ],
 )
 def test_which_protocols_are_spoken(protocol: ProtocolVersion, speaks: list[int]) -> None:
-    assert [major for major in (1, 2, 3) if protocol.speaks(major)] == speaks
+    assert [major for major in (1, 2, 3) if protocol.supports(major)] == speaks
 
 
 def test_a_camera_is_asked_like_an_autopilot() -> None:

@@ -1,4 +1,4 @@
-"""The command protocol: actions asked of a component, and answered (guide: command protocol)."""
+"""The command protocol: commands to a component, and their acknowledgements (guide: command protocol)."""
 
 from mavstack.services.command.client import CommandClient, CommandOperation, CommandResult
 from mavstack.services.command.command import Command

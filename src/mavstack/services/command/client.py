@@ -1,4 +1,4 @@
-"""Asking for commands (guide: command protocol).
+"""The command client (guide: command protocol).
 
     sent ── ack ACCEPTED ─────────────► result
       │ ├── ack IN_PROGRESS ──► running ── ack ──► result or CommandDenied
@@ -7,9 +7,9 @@
       │ └── any other ack ──► CommandDenied
       └── silence ──► sent again, up to ATTEMPTS times ──► CommandTimeout
 
-An acknowledgement names the command but no number, so two commands of the same id to one target go one
-after the other. Who answers TEMPORARILY_REJECTED to a repetition may be busy with our own first one, whose
-IN_PROGRESS was lost: then its end is awaited.
+An acknowledgement names the command but carries no number, so two commands of the same id to one target
+queue. TEMPORARILY_REJECTED in answer to a repetition may mean that the first request is in progress and its
+IN_PROGRESS was lost: then the client waits for its end.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 ATTEMPTS = 6
-#: How long a command in progress may be silent.
+#: Seconds without a message after which a command in progress fails.
 PROGRESS_TIMEOUT = 30.0
-#: `progress` of an acknowledgement that does not tell it.
+#: `progress` of an acknowledgement without progress.
 PROGRESS_UNKNOWN = 255
 
 _OTHER_FORM = frozenset(
@@ -44,7 +44,13 @@ _OTHER_FORM = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class CommandResult:
-    """A command was accepted: its MAV_RESULT, and what else the acknowledgement said."""
+    """The acknowledgement of an accepted command.
+
+    Attributes:
+        result: The MAV_RESULT.
+        detail: The `result_param2`.
+        attempts: The number of requests that were sent.
+    """
 
     result: int
     detail: int
@@ -52,7 +58,13 @@ class CommandResult:
 
 
 class CommandOperation(Operation[CommandResult]):
-    """One command, sent until it is answered."""
+    """One command, repeated until it is acknowledged.
+
+    Args:
+        command: The command.
+        timeout: Seconds for the whole operation; None sets no overall limit.
+        progress_timeout: Seconds without IN_PROGRESS after which a command in progress fails.
+    """
 
     timeout_error = CommandTimeout
 
@@ -78,7 +90,7 @@ class CommandOperation(Operation[CommandResult]):
 
     def handle_timeout(self, now: float) -> None:
         if self._in_progress:
-            self.time_out(now, "began, and then fell silent")
+            self.time_out(now, "started, then no further answer")
         elif self.attempts >= ATTEMPTS:
             self.time_out(now)
         else:
@@ -109,14 +121,14 @@ class CommandOperation(Operation[CommandResult]):
             self.finish(CommandResult(int(ack.result), ack.result_param2, self.attempts))
         elif ack.result == common.MavResult.IN_PROGRESS:
             self._progressed(ack.progress, now)
-        elif ack.result == common.MavResult.TEMPORARILY_REJECTED and self._may_be_our_own():
+        elif ack.result == common.MavResult.TEMPORARILY_REJECTED and self._may_be_in_progress():
             self._progressed(PROGRESS_UNKNOWN, now)
         elif ack.result in _OTHER_FORM and not self._other_form_tried:
             self._try_other_form(now)
         else:
             self._refused(ack)
 
-    def _may_be_our_own(self) -> bool:
+    def _may_be_in_progress(self) -> bool:
         return self._in_progress or self._sent_in_form > 1
 
     def _progressed(self, percent: int, now: float) -> None:
@@ -149,7 +161,7 @@ class CommandOperation(Operation[CommandResult]):
 
 
 class CommandClient(Client):
-    """Sends commands to one component."""
+    """The command client of one component."""
 
     handles = message_ids(common.CommandAck)
 
@@ -158,7 +170,7 @@ class CommandClient(Client):
         self.round_trip = RoundTrip(initial=1.0, minimum=0.2, maximum=3.0)
 
     def command(self, command: Command, now: float, *, timeout: float | None = None) -> CommandOperation:
-        """Send a command until it is answered; its result is a `CommandResult`."""
+        """Send a command; the operation's result is a `CommandResult`."""
         return self.begin(CommandOperation(command, timeout=timeout), now)
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:

@@ -1,8 +1,8 @@
-"""A command and its two forms on the wire.
+"""A command and its two messages.
 
-COMMAND_LONG has seven floats and no frame; it is sent again with `confirmation` one higher. COMMAND_INT has a
-frame, and params 5 and 6 as scaled integers; it has no confirmation and is sent again as it is. Which of the
-two a vehicle takes for a command only its answer tells.
+COMMAND_LONG has seven floats and no frame; its repetition has a higher `confirmation`. COMMAND_INT has a
+frame, and params 5 and 6 as scaled integers; it has no confirmation and is repeated unchanged. Only the
+vehicle's answer tells which of the two it accepts for a command.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from mavstack.services.addressing import Address
 
-#: The frame of a location that came without one: what COMMAND_LONG means to most vehicles.
+#: The frame of a location without a frame: most vehicles read COMMAND_LONG this way.
 DEFAULT_FRAME = common.MavFrame.GLOBAL_RELATIVE_ALT
 
 PARAMETERS = 7
@@ -28,9 +28,13 @@ PARAMETERS = 7
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A MAV_CMD and its parameters; 5 and 6 are degrees or metres if the command has a location.
+    """A MAV_CMD and its parameters.
 
-    With a `frame` it is sent as COMMAND_INT, without as COMMAND_LONG.
+    Attributes:
+        command: The MAV_CMD.
+        param1: Parameter 1; likewise the others. If the command has a location, 5 and 6 are latitude and
+            longitude in degrees (or x and y in metres in a local frame), and 7 is the altitude in metres.
+        frame: The MAV_FRAME of the location; the command is then sent as COMMAND_INT. None: COMMAND_LONG.
     """
 
     command: int
@@ -45,22 +49,26 @@ class Command:
 
     @classmethod
     def of(cls, command: int, params: Sequence[float], frame: int | None = None) -> Self:
-        """A command with its first parameters, the others being 0; there are seven."""
+        """Return a command with its first parameters; the others are 0.
+
+        Raises:
+            InvalidArgumentError: There are more than seven parameters.
+        """
         if len(params) > PARAMETERS:
-            raise InvalidArgumentError(f"a command has {PARAMETERS} parameters, not {len(params)}")
+            raise InvalidArgumentError(f"a command has {PARAMETERS} parameters, got {len(params)}")
         one, two, three, four, five, six, seven = (*params, *(0.0,) * (PARAMETERS - len(params)))
         return cls(int(command), one, two, three, four, five, six, seven, frame=frame)
 
     @property
     def name(self) -> str:
-        """The command's official name without MAV_CMD_, or its number if it has none."""
+        """The command's official name without MAV_CMD_, or its number if unknown."""
         try:
             return common.MavCmd(self.command).official_name.removeprefix("MAV_CMD_")
         except ValueError:
             return f"MAV_CMD {self.command}"
 
     def to_long(self, target: Address, confirmation: int = 0) -> common.CommandLong:
-        """As COMMAND_LONG."""
+        """Return the COMMAND_LONG."""
         return common.CommandLong(
             target_system=target.system,
             target_component=target.component,
@@ -76,7 +84,7 @@ class Command:
         )
 
     def to_int(self, target: Address) -> common.CommandInt:
-        """As COMMAND_INT; a command without a frame gets the usual one."""
+        """Return the COMMAND_INT; a command without a frame gets the default frame."""
         frame = self._integer_frame()
         scale = scale_of(self.command, frame)
         return common.CommandInt(
@@ -94,12 +102,12 @@ class Command:
         )
 
     def in_frame(self, frame: int | None) -> Self:
-        """The same command, to be sent in another form."""
+        """Return a copy with another frame."""
         return replace(self, frame=frame)
 
     @classmethod
     def read(cls, message: common.CommandLong | common.CommandInt) -> Self:
-        """The command in either message."""
+        """Return the command in either message."""
         if isinstance(message, common.CommandLong):
             params = (message.param5, message.param6, message.param7)
             frame = None

@@ -1,11 +1,12 @@
-"""Answering commands (guide: command protocol).
+"""The command server (guide: command protocol).
 
-A handler stands for each command that is supported; any other is answered UNSUPPORTED, unless it went to all
-components: then only the autopilot says so, lest a camera's no is taken for the vehicle's. A handler returns
-its MAV_RESULT at once, or `None` for a long one: then IN_PROGRESS is sent, the program reports with
-`progress` and ends it with `complete`. While it runs, the same command is answered TEMPORARILY_REJECTED, but
-a repetition of the very request that is running (COMMAND_LONG with a higher confirmation) hears how far
-it is, and a repetition of one that was just answered hears the same answer and is not carried out again.
+Each supported command has a handler; others are answered UNSUPPORTED, unless they were addressed to all
+components: then only the autopilot answers, so that a camera's refusal is not mistaken for the vehicle's. A
+handler returns its MAV_RESULT at once, or `None` for a long command: then IN_PROGRESS is sent, the program
+reports with `progress` and ends the command with `complete`. While it runs, the same command is answered
+TEMPORARILY_REJECTED, except for a repetition of the running request (COMMAND_LONG with a higher
+confirmation), which gets the progress. A repetition of an answered request gets the same answer and is not
+executed again.
 """
 
 from __future__ import annotations
@@ -26,18 +27,24 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 AUTOPILOT = common.MavComponent.AUTOPILOT1
-#: For so long a repetition is recognised as one.
-MEMORY = 30.0
-MAX_REMEMBERED = 256
-#: How often IN_PROGRESS is said again if the program reports nothing new.
+#: Seconds for which a repetition is recognised.
+REPETITION_WINDOW = 30.0
+MAX_ANSWERED = 256
+#: Seconds between two IN_PROGRESS if the program reports no progress.
 PROGRESS_INTERVAL = 2.0
 
 
 @dataclass(eq=False, slots=True)
 class CommandRequest:
-    """A command that someone sent; `confirmation` is None if it came as COMMAND_INT.
+    """A received command.
 
-    `addressed` says that it was meant for this component and not for all that hear it.
+    Attributes:
+        command: The command.
+        source: The component that sent it.
+        received_at: When it was received, Unix seconds.
+        confirmation: The `confirmation` of a COMMAND_LONG; None for a COMMAND_INT.
+        raw: The bytes of the packet.
+        addressed: True if it was addressed to this component, and not to all.
     """
 
     command: Command
@@ -50,33 +57,38 @@ class CommandRequest:
     progress_due: float = field(default=0.0, repr=False)
 
     def repeats(self, earlier: CommandRequest) -> bool:
-        """Whether this is `earlier`, sent again by a client that heard no answer, or doubled on its way."""
+        """Return whether this is `earlier`, repeated by its client or duplicated by the network."""
         age = self.received_at - earlier.received_at
         if self.raw == earlier.raw:
             return age < DUPLICATE_WINDOW
-        return bool(self.confirmation) and age < MEMORY and repr(self.command) == repr(earlier.command)
+        return (
+            bool(self.confirmation)
+            and age < REPETITION_WINDOW
+            and repr(self.command) == repr(earlier.command)
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class CommandStarted(Event):
-    """A long command began; report with `progress`, end with `complete`."""
+    """A long command started; report with `progress`, end with `complete`."""
 
     request: CommandRequest
 
 
 @dataclass(frozen=True, slots=True)
 class CommandCancelRequested(Event):
-    """The sender wants a long command to stop; end it with CANCELLED, or go on."""
+    """The client wants to cancel a long command; end it with CANCELLED, or continue."""
 
     request: CommandRequest
 
 
-#: What carries out a command: its MAV_RESULT, that and `result_param2`, or None for a long one.
+#: The handler of a command: returns its MAV_RESULT, a pair of that and `result_param2`, or None for a long
+#: one.
 Handler: TypeAlias = Callable[[CommandRequest], "common.MavResult | tuple[common.MavResult, int] | None"]
 
 
 class CommandServer(Service):
-    """Answers the commands that one component supports."""
+    """The command server of one component."""
 
     handles = message_ids(common.CommandLong, common.CommandInt, common.CommandCancel)
 
@@ -89,11 +101,11 @@ class CommandServer(Service):
         )
 
     def support(self, command: int, handler: Handler) -> None:
-        """Carry out `command` by `handler` from now on."""
+        """Register the handler of a command."""
         self._handlers[int(command)] = handler
 
     def handler_of(self, command: int) -> Handler | None:
-        """What carries out `command` now, for a handler that takes over some of its cases."""
+        """Return the handler of a command, for another one that delegates to it."""
         return self._handlers.get(int(command))
 
     @property
@@ -103,7 +115,7 @@ class CommandServer(Service):
 
     @property
     def running(self) -> tuple[CommandRequest, ...]:
-        """The long commands that have not ended."""
+        """The running long commands."""
         return tuple(self._running.values())
 
     def receive(self, packet: Packet, now: float) -> None:
@@ -118,13 +130,13 @@ class CommandServer(Service):
                     self.emit(CommandCancelRequested(request))
 
     def progress(self, request: CommandRequest, percent: int, now: float) -> None:
-        """Tell the sender how far a long command is, 0 to 100."""
+        """Report the progress of a long command, 0 to 100 percent."""
         if self._running.get(request.command.command) is request:
             request.percent = percent
-            self._say_progress(request, now)
+            self._send_progress(request, now)
 
     def complete(self, request: CommandRequest, result: int, detail: int = 0) -> None:
-        """Tell the sender how a long command ended; ending it twice does nothing."""
+        """End a long command with a MAV_RESULT. Idempotent."""
         if self._running.get(request.command.command) is request:
             del self._running[request.command.command]
             self._answer(request, result, detail)
@@ -135,7 +147,7 @@ class CommandServer(Service):
     def handle_timeout(self, now: float) -> None:
         for request in self._running.values():
             if now >= request.progress_due:
-                self._say_progress(request, now)
+                self._send_progress(request, now)
 
     def _request(
         self,
@@ -156,7 +168,7 @@ class CommandServer(Service):
     def _requested(self, request: CommandRequest, now: float) -> None:
         running = self._running.get(request.command.command)
         if running is not None:
-            self._requested_again(request, running, now)
+            self._repeated(request, running, now)
             return
         earlier = self._answered.get((request.source, request.command.command))
         if earlier and request.repeats(earlier[0]):
@@ -167,25 +179,25 @@ class CommandServer(Service):
             if request.addressed:
                 self._answer(request, common.MavResult.UNSUPPORTED, 0)
             return
-        self._carry_out(handler, request, now)
+        self._execute(handler, request, now)
 
-    def _requested_again(self, request: CommandRequest, running: CommandRequest, now: float) -> None:
+    def _repeated(self, request: CommandRequest, running: CommandRequest, now: float) -> None:
         if running.source == request.source and request.repeats(running):
-            self._say_progress(running, now)
+            self._send_progress(running, now)
         else:
             self.send(_ack(request, common.MavResult.TEMPORARILY_REJECTED, 0, 0), request.source)
 
-    def _carry_out(self, handler: Handler, request: CommandRequest, now: float) -> None:
+    def _execute(self, handler: Handler, request: CommandRequest, now: float) -> None:
         outcome = handler(request)
         if outcome is None:
             self._running[request.command.command] = request
-            self._say_progress(request, now)
+            self._send_progress(request, now)
             self.emit(CommandStarted(request))
             return
         result, detail = outcome if isinstance(outcome, tuple) else (outcome, 0)
         self._answer(request, result, detail)
 
-    def _say_progress(self, request: CommandRequest, now: float) -> None:
+    def _send_progress(self, request: CommandRequest, now: float) -> None:
         request.progress_due = now + PROGRESS_INTERVAL
         self.send(_ack(request, common.MavResult.IN_PROGRESS, request.percent, 0), request.source)
 
@@ -194,7 +206,7 @@ class CommandServer(Service):
         key = (request.source, request.command.command)
         self._answered[key] = (request, ack)
         self._answered.move_to_end(key)
-        if len(self._answered) > MAX_REMEMBERED:
+        if len(self._answered) > MAX_ANSWERED:
             self._answered.popitem(last=False)
         self.send(ack, request.source)
 

@@ -1,4 +1,4 @@
-"""Steering by hand: MANUAL_CONTROL and RC_CHANNELS_OVERRIDE (guide: manual control protocol)."""
+"""Manual control: MANUAL_CONTROL and RC_CHANNELS_OVERRIDE (guide: manual control protocol)."""
 
 from mavstack.services.manual_control.inputs import RELEASE, ChannelOverride, ManualInput
 from mavstack.services.manual_control.receiver import (

@@ -1,17 +1,17 @@
-"""What a pilot's hands do, and the two messages that carry it.
+"""A pilot's input, and the two messages that carry it.
 
-MANUAL_CONTROL has axes from -1000 to 1000, INT16_MAX for an axis that is not there, and two words of buttons;
-`enabled_extensions` tells which of s, t and the six aux axes mean anything. It names a system only, in a
-field called `target`.
+MANUAL_CONTROL has axes from -1000 to 1000, INT16_MAX for a missing axis, and two words of buttons;
+`enabled_extensions` tells which of s, t and the six aux axes are valid. It names only a system, in a field
+called `target`.
 
-RC_CHANNELS_OVERRIDE has eighteen channels in microseconds of pulse. Two values mean something else, and not
-the same for all channels:
+RC_CHANNELS_OVERRIDE has eighteen channels in microseconds of pulse. Two values have another meaning, which
+differs between channels:
 
     channel     0         65534     65535
-    1 to 8      release   (pulse)   leave as it is
-    9 to 18     leave     release   leave as it is
+    1 to 8      release   (pulse)   ignore
+    9 to 18     ignore    release   ignore
 
-so that MAVLink 1, and whoever fills only the first eight, leaves the others alone.
+so that MAVLink 1, and senders that fill only the first eight, do not affect the others.
 """
 
 from __future__ import annotations
@@ -29,24 +29,32 @@ if TYPE_CHECKING:
 
     from mavstack.services.addressing import Address
 
-FULL: Final = 1000
+MAX_AXIS: Final = 1000
 _INVALID: Final = 0x7FFF
 _EXTENSIONS: Final = ("s", "t", "aux1", "aux2", "aux3", "aux4", "aux5", "aux6")
 _MAX_BUTTONS: Final = 32
 
 CHANNELS: Final = 18
 _FIRST_CHANNELS: Final = 8
-#: Given as a channel's value: the radio control has it again.
+#: A channel's value that returns it to the RC receiver.
 RELEASE: Final = 0
 _IGNORE: Final = 0xFFFF
-_RELEASE_LATE: Final = 0xFFFE
+_RELEASE_HIGH_CHANNEL: Final = 0xFFFE
 
 
 @dataclass(frozen=True, slots=True)
 class ManualInput:
-    """Stick positions from -1000 to 1000, None where there is no stick, and 32 buttons as bits.
+    """Stick positions and buttons.
 
-    On most vehicles x is pitch or forward, y roll or sideways, z thrust or up, r yaw.
+    Attributes:
+        x: Pitch or forward on most vehicles, -1000 to 1000; None if there is no such axis.
+        y: Roll or right, likewise.
+        z: Thrust or up, likewise.
+        r: Yaw, likewise.
+        buttons: 32 buttons as bits.
+        s: Pitch of vehicles that use x for forward, likewise.
+        t: Roll of vehicles that use y for right, likewise.
+        aux: Six further axes, likewise.
     """
 
     x: int | None = None
@@ -61,13 +69,13 @@ class ManualInput:
     def check(self) -> None:
         """Raise InvalidArgumentError if an axis or the buttons are out of range."""
         for value in (self.x, self.y, self.z, self.r, self.s, self.t, *self.aux):
-            if value is not None and not -FULL <= value <= FULL:
-                raise InvalidArgumentError(f"an axis goes from -{FULL} to {FULL}, not to {value}")
+            if value is not None and not -MAX_AXIS <= value <= MAX_AXIS:
+                raise InvalidArgumentError(f"an axis must be from -{MAX_AXIS} to {MAX_AXIS}, got {value}")
         if not 0 <= self.buttons < 1 << _MAX_BUTTONS:
-            raise InvalidArgumentError(f"there are {_MAX_BUTTONS} buttons")
+            raise InvalidArgumentError(f"buttons must fit into {_MAX_BUTTONS} bits, got {self.buttons}")
 
     def to_message(self, system: int) -> common.ManualControl:
-        """As MANUAL_CONTROL."""
+        """Return the MANUAL_CONTROL."""
         self.check()
         more = dict(zip(_EXTENSIONS, (self.s, self.t, *self.aux), strict=True))
         enabled = sum(1 << bit for bit, value in enumerate(more.values()) if value is not None)
@@ -86,7 +94,7 @@ class ManualInput:
 
     @classmethod
     def read(cls, message: common.ManualControl) -> Self:
-        """The input in a message; an axis beyond its range is at its end."""
+        """Return the input in a message; values out of range are clamped."""
         more = [
             _axis(getattr(message, name)) if message.enabled_extensions & 1 << bit else None
             for bit, name in enumerate(_EXTENSIONS)
@@ -106,20 +114,22 @@ class ManualInput:
 
 @dataclass(frozen=True, slots=True)
 class ChannelOverride:
-    """Pulses in microseconds by channel, 1 to 18; RELEASE gives one back; the others are left as they are."""
+    """Pulses in microseconds by channel, 1 to 18; RELEASE releases a channel; missing ones do not change."""
 
     channels: Mapping[int, int] = field(default_factory=lambda: MappingProxyType({}))
 
     def check(self) -> None:
-        """Raise InvalidArgumentError if a channel or a pulse does not exist."""
+        """Raise InvalidArgumentError if a channel or a pulse is out of range."""
         for channel, value in self.channels.items():
             if not 1 <= channel <= CHANNELS:
-                raise InvalidArgumentError(f"there is no channel {channel}: they go from 1 to {CHANNELS}")
-            if not 0 <= value < _RELEASE_LATE:
-                raise InvalidArgumentError(f"{value} is no pulse in microseconds")
+                raise InvalidArgumentError(f"a channel must be from 1 to {CHANNELS}, got {channel}")
+            if not 0 <= value < _RELEASE_HIGH_CHANNEL:
+                raise InvalidArgumentError(
+                    f"a pulse must be from 0 to {_RELEASE_HIGH_CHANNEL - 1} us, got {value}"
+                )
 
     def to_message(self, target: Address) -> common.RcChannelsOverride:
-        """As RC_CHANNELS_OVERRIDE."""
+        """Return the RC_CHANNELS_OVERRIDE."""
         self.check()
         values = {
             f"chan{channel}_raw": _wire_value(channel, self.channels.get(channel))
@@ -131,7 +141,7 @@ class ChannelOverride:
 
     @classmethod
     def read(cls, message: common.RcChannelsOverride) -> Self:
-        """What a message overrides and releases."""
+        """Return the overridden and released channels of a message."""
         channels: dict[int, int] = {}
         for channel in range(1, CHANNELS + 1):
             value = getattr(message, f"chan{channel}_raw")
@@ -142,19 +152,19 @@ class ChannelOverride:
         return cls(MappingProxyType(channels))
 
     def released(self) -> ChannelOverride:
-        """What gives back all that this overrides."""
+        """Return the override that releases all channels of this one."""
         return ChannelOverride(MappingProxyType(dict.fromkeys(self.channels, RELEASE)))
 
 
 def _wire_value(channel: int, value: int | None) -> int:
     if value is None:
         return _IGNORE
-    return _RELEASE_LATE if value == RELEASE and channel > _FIRST_CHANNELS else value
+    return _RELEASE_HIGH_CHANNEL if value == RELEASE and channel > _FIRST_CHANNELS else value
 
 
 def _releases(channel: int, value: int) -> bool:
-    return value == (0 if channel <= _FIRST_CHANNELS else _RELEASE_LATE)
+    return value == (0 if channel <= _FIRST_CHANNELS else _RELEASE_HIGH_CHANNEL)
 
 
 def _axis(value: int) -> int | None:
-    return None if value == _INVALID else max(-FULL, min(FULL, value))
+    return None if value == _INVALID else max(-MAX_AXIS, min(MAX_AXIS, value))

@@ -1,8 +1,8 @@
-"""Being steered by hand over the link: who steers, how, and that nobody does any more.
+"""The receiver of manual control: who controls the vehicle, and when control is lost.
 
-Each source's newest input is kept with its age; after `timeout` seconds without a message it is lost, sticks
-and channels alike. An override changes only the channels that it names, so those of a source add up until it
-releases them. A packet that its successors have overtaken on the way is left out.
+Each source's latest input is kept with its age; after `timeout` seconds without a message it is lost, for
+sticks and channels alike. An override changes only the channels that it names, so those of a source
+accumulate until it releases them. Reordered packets are ignored.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from mavstack.services.service import Event, Service, earliest
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-TIMEOUT = 1.0
-OVERRIDE_TIMEOUT = 3.0
-#: So many sources may steer at once; more are refused until one of these is lost.
+DEFAULT_TIMEOUT = 1.0
+DEFAULT_OVERRIDE_TIMEOUT = 3.0
+#: The number of concurrent sources; further ones are refused until one of these is lost.
 MAX_SOURCES = 32
-#: A sequence number that is this far ahead, of 256, is behind.
+#: A sequence number that is ahead by this much, modulo 256, is behind.
 _BEHIND = 192
-#: Packets overtake each other by less than this.
-_OVERTAKEN_WITHIN = 0.5
+#: Seconds within which packets may be reordered.
+_REORDER_WINDOW = 0.5
 
 Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, slots=True)
 class ManualInputReceived(Event):
-    """Somebody moved the sticks, or still holds them."""
+    """A source sent stick positions."""
 
     source: Address
     input: ManualInput
@@ -41,14 +41,14 @@ class ManualInputReceived(Event):
 
 @dataclass(frozen=True, slots=True)
 class ManualInputLost(Event):
-    """Somebody who held the sticks is not heard any more."""
+    """A source stopped sending stick positions."""
 
     source: Address
 
 
 @dataclass(frozen=True, slots=True)
 class OverrideReceived(Event):
-    """Channels that somebody overrides now, all together; empty if all were released."""
+    """All channels that a source overrides now; empty if all were released."""
 
     source: Address
     channels: MappingProxyType[int, int]
@@ -56,71 +56,75 @@ class OverrideReceived(Event):
 
 @dataclass(frozen=True, slots=True)
 class OverrideLost(Event):
-    """Somebody who overrode channels is not heard any more: they are the radio control's again."""
+    """A source of overrides stopped sending: its channels belong to the RC receiver again."""
 
     source: Address
 
 
 @dataclass(slots=True)
-class _Held(Generic[Value]):
+class _Input(Generic[Value]):
     value: Value
     sequence: int
-    heard_at: float
+    received_at: float
 
 
 @dataclass(slots=True)
 class _Table(Generic[Value]):
-    """What sources hold, and since when nothing was heard of them."""
+    """The latest values of the sources, and when they were received."""
 
     timeout: float
-    held: dict[Address, _Held[Value]] = field(default_factory=dict)
+    held: dict[Address, _Input[Value]] = field(default_factory=dict)
 
-    def take(self, source: Address, value: Value, sequence: int, now: float) -> bool:
+    def put(self, source: Address, value: Value, sequence: int, now: float) -> bool:
         if source not in self.held and len(self.held) >= MAX_SOURCES:
             return False
-        self.held[source] = _Held(value, sequence, now)
+        self.held[source] = _Input(value, sequence, now)
         return True
 
     def is_late(self, source: Address, sequence: int, now: float) -> bool:
         held = self.held.get(source)
-        if held is None or now - held.heard_at > _OVERTAKEN_WITHIN:
+        if held is None or now - held.received_at > _REORDER_WINDOW:
             return False
         return (sequence - held.sequence) % 256 >= _BEHIND
 
     def latest(self, source: Address, now: float) -> tuple[Value, float] | None:
         held = self.held.get(source)
-        if held is None or now - held.heard_at >= self.timeout:
+        if held is None or now - held.received_at >= self.timeout:
             return None
-        return held.value, now - held.heard_at
+        return held.value, now - held.received_at
 
     def next_timeout(self) -> float | None:
-        return min((held.heard_at + self.timeout for held in self.held.values()), default=None)
+        return min((held.received_at + self.timeout for held in self.held.values()), default=None)
 
     def lost(self, now: float) -> list[tuple[Address, Value]]:
-        lost = [source for source, held in self.held.items() if now >= held.heard_at + self.timeout]
+        lost = [source for source, held in self.held.items() if now >= held.received_at + self.timeout]
         return [(source, self.held.pop(source).value) for source in lost]
 
 
 class ManualControlReceiver(Service):
-    """The sticks and channels of one vehicle, as others hold them."""
+    """The receiver of stick positions and channel overrides for one vehicle."""
 
     handles = message_ids(common.ManualControl, common.RcChannelsOverride)
 
     def __init__(
-        self, local: Address, *, timeout: float = TIMEOUT, override_timeout: float = OVERRIDE_TIMEOUT
+        self,
+        local: Address,
+        *,
+        timeout: float = DEFAULT_TIMEOUT,
+        override_timeout: float = DEFAULT_OVERRIDE_TIMEOUT,
     ) -> None:
         super().__init__(local)
         self.refused_sources = 0
-        self.overtaken = 0
+        self.reordered = 0
         self._inputs: _Table[ManualInput] = _Table(timeout)
         self._overrides: _Table[MappingProxyType[int, int]] = _Table(override_timeout)
 
     def latest(self, source: Address, now: float) -> tuple[ManualInput, float] | None:
-        """A source's sticks and their age in seconds; None if it does not hold them."""
+        """Return a source's stick positions and their age in seconds; None if it sends none."""
         return self._inputs.latest(source, now)
 
     def overridden(self, source: Address, now: float) -> tuple[MappingProxyType[int, int], float] | None:
-        """The channels that a source overrides, and the age of its last word; None if it does not."""
+        """Return a source's overridden channels and their age in seconds; None if it overrides none."""
         held = self._overrides.latest(source, now)
         return held if held and held[0] else None
 
@@ -130,7 +134,7 @@ class ManualControlReceiver(Service):
             case common.ManualControl(target=system) as message if system in (0, self.local.system):
                 if self._is_new(self._inputs, packet, now):
                     sticks = ManualInput.read(message)
-                    if self._accepted(self._inputs.take(source, sticks, packet.sequence, now)):
+                    if self._accepted(self._inputs.put(source, sticks, packet.sequence, now)):
                         self.emit(ManualInputReceived(source, sticks))
             case common.RcChannelsOverride() as message:
                 if self._is_new(self._overrides, packet, now):
@@ -151,14 +155,15 @@ class ManualControlReceiver(Service):
         before = held[0] if held else MappingProxyType({})
         merged = {**before, **override.channels}
         channels = MappingProxyType({key: pulse for key, pulse in merged.items() if pulse != RELEASE})
-        # One that holds nothing stays in the table for a while: an overtaken packet must not take hold again.
-        taken = self._accepted(self._overrides.take(source, channels, sequence, now))
+        # A source without channels stays in the table for a while: a reordered packet must not override
+        # again.
+        taken = self._accepted(self._overrides.put(source, channels, sequence, now))
         if taken and (before or channels):
             self.emit(OverrideReceived(source, channels))
 
     def _is_new(self, table: _Table[Value], packet: Packet, now: float) -> bool:
         late = table.is_late(Address(packet.system, packet.component), packet.sequence, now)
-        self.overtaken += late
+        self.reordered += late
         return not late
 
     def _accepted(self, taken: bool) -> bool:

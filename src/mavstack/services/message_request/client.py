@@ -1,14 +1,15 @@
-"""Asking for a message, once (guide: MAV_CMD_REQUEST_MESSAGE). It runs on the target's `CommandClient`.
+"""The request of one message (guide: MAV_CMD_REQUEST_MESSAGE). It runs on the target's `CommandClient`.
 
-    asked ── the message ────────────────────► result, whether or not the ack came
+    requested ── the message ────────────────► result, whether or not the ack arrived
       │ ├── ack ACCEPTED ──► waiting ── the message ──► result
-      │ │                       └── silence ──► asked anew; after the last time MessageTimeout
+      │ │                       └── timeout ──► requested again; finally MessageTimeout
       │ ├── ack UNSUPPORTED, DENIED or FAILED ──► the legacy command for that message ──► as above
       │ └── any other ack ──► CommandDenied
       └── no ack ──► MessageTimeout
 
-A request whose message came first still has an ack on its way. Its command lingers until that ack is there,
-or would have been sent again: else the ack would be taken for the answer to the next request.
+If the message arrives first, the ack of the request is still in transit. Its command stays active until the
+ack arrives, or would have been requested again: else the ack would be mistaken for the answer to the next
+request.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
     Match: TypeAlias = Callable[[Any], bool]
 
-#: How often a message is asked for whose request was accepted, but which did not come.
+#: The number of accepted requests for a message that does not arrive.
 MAX_ROUNDS = 4
 INITIAL_TIMEOUT = 1.0
 MAX_PARAMS = 5
@@ -39,8 +40,8 @@ MAX_PARAMS = 5
 _TRY_LEGACY = frozenset({common.MavResult.UNSUPPORTED, common.MavResult.DENIED, common.MavResult.FAILED})
 
 
-class _Ask(CommandOperation):
-    """The command of a request; given up, it stays for its ack but is not sent again."""
+class _RequestCommand(CommandOperation):
+    """The command of a request; after its cancellation it waits for its ack but is not repeated."""
 
     def __init__(self, command: Command) -> None:
         super().__init__(command)
@@ -58,11 +59,18 @@ class _Ask(CommandOperation):
             super().handle_timeout(now)
 
     def clean_up(self, now: float) -> None:
-        """There is nothing to cancel at the other end."""
+        """Do nothing: the target has nothing to cancel."""
 
 
 class RequestMessage(Operation[Any]):
-    """One message of the target; `params` are params 2 to 6 of the command, `match` chooses among several."""
+    """The request of one message; the result is the message.
+
+    Args:
+        message: The message class or id.
+        params: Params 2 to 6 of the command, such as an index or an id.
+        match: Selects among several messages of that class; None accepts the first.
+        timeout: Seconds for the whole operation; None sets no overall limit.
+    """
 
     timeout_error = MessageTimeout
 
@@ -78,16 +86,18 @@ class RequestMessage(Operation[Any]):
         self.message_id = message_id_of(message)
         self.handles = frozenset({self.message_id})
         if len(params) > MAX_PARAMS:
-            raise InvalidArgumentError(f"a request has params 2 to 6, not {len(params)} of them")
+            raise InvalidArgumentError(
+                f"a message request has at most {MAX_PARAMS} params (2 to 6), got {len(params)}"
+            )
         self._params = tuple(params)
         self._match = match
         self._legacy: LegacyRequest | None = None
         self._denied: CommandDenied | None = None
         self._rounds = 0
-        self._asking: CommandOperation | None = None
+        self._command_operation: CommandOperation | None = None
 
     def start(self, now: float) -> None:
-        self._ask(now)
+        self._send_request(now)
 
     def receive(self, packet: Packet, now: float) -> None:
         if packet.message_id == self.message_id and (self._match is None or self._match(packet.message)):
@@ -95,15 +105,15 @@ class RequestMessage(Operation[Any]):
 
     def handle_timeout(self, now: float) -> None:
         if self._rounds < MAX_ROUNDS:
-            self._ask(now)
+            self._send_request(now)
         elif not self._try_legacy(now):
-            self.time_out(now, "the request was accepted, but the message did not come")
+            self.time_out(now, "the request was accepted, but the message did not arrive")
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
-        if self.done or child is not self._asking:
+        if self.done or child is not self._command_operation:
             return
         self.attempts += child.attempts
-        self._asking = None
+        self._command_operation = None
         self.report_progress(now)
         if child.error is None:
             self.timer = now + INITIAL_TIMEOUT * 2 ** (self._rounds - 1)
@@ -112,9 +122,9 @@ class RequestMessage(Operation[Any]):
         else:
             self.time_out(now)
 
-    def _ask(self, now: float) -> None:
+    def _send_request(self, now: float) -> None:
         self._rounds += 1
-        self._asking = self.begin(_Ask(self._command()), now)
+        self._command_operation = self.begin(_RequestCommand(self._command()), now)
 
     def _command(self) -> Command:
         if self._legacy is not None:
@@ -127,7 +137,7 @@ class RequestMessage(Operation[Any]):
         if error.code in _TRY_LEGACY and self._try_legacy(now):
             self._denied = error
             return
-        # A peer without the legacy command refused the newer one: that refusal says more.
+        # A target without the legacy command refused the current one: that refusal is more specific.
         first = self._denied if error.code == common.MavResult.UNSUPPORTED and self._denied else error
         denied = CommandDenied(
             self.description, str(self.target), attempts=self.attempts, answer=first.answer, code=first.code
@@ -140,5 +150,5 @@ class RequestMessage(Operation[Any]):
         if legacy is None or self._legacy is not None:
             return False
         self._legacy, self._rounds = legacy, 0
-        self._ask(now)
+        self._send_request(now)
         return True

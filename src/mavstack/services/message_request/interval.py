@@ -1,8 +1,8 @@
-"""How often a message is sent, and the two ways to say it.
+"""Message intervals, and the groups of data streams.
 
-MAV_CMD_SET_MESSAGE_INTERVAL takes microseconds for one message, with two special values: 0 asks for the
-default rate, -1 turns it off. The legacy REQUEST_DATA_STREAM takes a rate in whole hertz for a group of
-messages; which message is in which group is what ArduPilot does.
+MAV_CMD_SET_MESSAGE_INTERVAL takes microseconds for one message, with two special values: 0 requests the
+default rate, -1 turns the message off. The older REQUEST_DATA_STREAM takes a rate in whole hertz for a group
+of messages; the groups are those of ArduPilot.
 """
 
 from __future__ import annotations
@@ -26,19 +26,23 @@ MAX_INTERVAL = 0x7FFFFFFF
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """The time between two messages of a kind, in microseconds; see `DEFAULT` and `OFF`."""
+    """The interval of a message in microseconds; see `DEFAULT` and `OFF`."""
 
     microseconds: int
 
     def __post_init__(self) -> None:
         if not -1 <= self.microseconds <= MAX_INTERVAL:
-            raise InvalidArgumentError(f"an interval of {self.microseconds} us cannot be asked for")
+            raise InvalidArgumentError(
+                f"an interval must be from -1 to {MAX_INTERVAL} us, got {self.microseconds}"
+            )
 
     @classmethod
     def hertz(cls, rate: float) -> Self:
-        """So many a second."""
+        """Return the interval of a rate in hertz."""
         if not isfinite(rate) or rate <= 0:
-            raise InvalidArgumentError(f"a rate of {rate} Hz cannot be asked for; OFF turns a message off")
+            raise InvalidArgumentError(
+                f"a message rate must be positive and finite, got {rate} Hz; OFF turns a message off"
+            )
         return cls(min(max(round(1e6 / rate), 1), MAX_INTERVAL))
 
     @property
@@ -48,29 +52,29 @@ class Interval:
 
     @property
     def rate(self) -> float:
-        """How many a second; 0 if off or not known."""
+        """The rate in hertz; 0 if off or unknown."""
         return 1e6 / self.microseconds if self.microseconds > 0 else 0.0
 
 
-#: At the sender's own rate.
+#: The sender's default rate.
 DEFAULT = Interval(0)
 #: Not sent.
 OFF = Interval(-1)
 
 
 def message_id_of(message: type[Message] | int) -> int:
-    """The id of a message class, or the id itself."""
+    """Return the id of a message class, or the id itself."""
     return message if isinstance(message, int) else next(iter(message_ids(message)))
 
 
 def name_of(message: type[Message] | int) -> str:
-    """What a message is called in an error."""
+    """Return the name of a message for errors."""
     return f"message {message}" if isinstance(message, int) else str(message.__mavlink_row__[1])
 
 
 @cache
 def stream_groups() -> dict[int, frozenset[int]]:
-    """The messages of each MAV_DATA_STREAM, as ArduPilot groups them."""
+    """Return the messages of each MAV_DATA_STREAM, as ArduPilot groups them."""
     stream, dialect = common.MavDataStream, ardupilotmega
     groups: dict[int, tuple[type[Message], ...]] = {
         stream.RAW_SENSORS: (
@@ -98,5 +102,5 @@ def stream_groups() -> dict[int, frozenset[int]]:
 
 
 def group_of(message_id: int) -> int | None:
-    """The MAV_DATA_STREAM that a message belongs to, if it belongs to one."""
+    """Return the MAV_DATA_STREAM of a message, if there is one."""
     return next((group for group, members in stream_groups().items() if message_id in members), None)

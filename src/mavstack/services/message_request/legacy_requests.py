@@ -1,6 +1,7 @@
-"""The commands that asked for one message each, before MAV_CMD_REQUEST_MESSAGE asked for any.
+"""Legacy commands that request one message each, older than MAV_CMD_REQUEST_MESSAGE.
 
-They are the second choice of a client, for autopilots that know nothing else, and a server answers them too.
+They are the second choice of a client, for autopilots that support nothing else, and a server answers them
+too.
 """
 
 from __future__ import annotations
@@ -15,16 +16,16 @@ from mavstack.services.command import Command
 
 @dataclass(frozen=True, slots=True)
 class LegacyRequest:
-    """A command that asks for one kind of message; `instance` and `flag` are the params that it uses."""
+    """A command that requests one message; `instance` and `flag` are the params that it uses."""
 
     command: int
-    #: Which param carries what param 2 of MAV_CMD_REQUEST_MESSAGE carries: an index, or an id.
+    #: The param that carries the index or id (param 2 of MAV_CMD_REQUEST_MESSAGE).
     instance: int | None = None
-    #: Which param must be 1.
+    #: The param that must be 1.
     flag: int | None = 1
 
     def to_command(self, instance: float) -> Command:
-        """The command to send."""
+        """Return the command to send."""
         params = (0.0, 0.0)
         if self.instance is not None:
             params = (instance, 0.0) if self.instance == 1 else (0.0, instance)
@@ -33,12 +34,12 @@ class LegacyRequest:
         return Command(self.command, params[0], params[1])
 
     def instance_in(self, command: Command) -> float:
-        """The index or id that a received command carries."""
+        """Return the index or id in a received command."""
         return 0.0 if self.instance is None else (command.param1, command.param2)[self.instance - 1]
 
 
 def legacy_request(message_id: int) -> LegacyRequest | None:
-    """The legacy command that asks for a message, if there was one."""
+    """Return the legacy command that requests a message, if there is one."""
     return _table().get(message_id)
 
 

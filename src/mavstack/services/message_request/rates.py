@@ -1,8 +1,8 @@
-"""Asking for a message at a rate, and for the rate that it has. Both run on the target's `CommandClient`.
+"""The rate of a message: setting it, and reading it. Both run on the target's `CommandClient`.
 
-MAV_CMD_SET_MESSAGE_INTERVAL comes first. Who answers UNSUPPORTED is asked by REQUEST_DATA_STREAM for the
-message's whole group, which no one acknowledges: that it worked shows when the message, or a DATA_STREAM,
-comes. That a group was turned off shows by nothing, so it is said more than once.
+MAV_CMD_SET_MESSAGE_INTERVAL comes first. If it is answered UNSUPPORTED, REQUEST_DATA_STREAM is sent for the
+message's whole group, which is not acknowledged: its success shows when the message, or a DATA_STREAM,
+arrives. Turning a group off shows by nothing, so it is sent several times.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ if TYPE_CHECKING:
 
 STREAM_ATTEMPTS = 5
 OFF_ATTEMPTS = 3
-#: REQUEST_DATA_STREAM cannot say less than this.
+#: The range of REQUEST_DATA_STREAM, hertz.
 MIN_STREAM_RATE = 1
 MAX_STREAM_RATE = 0xFFFF
 
 
 @dataclass(frozen=True, slots=True)
 class RateSet:
-    """A rate was set; `whole_group` is the MAV_DATA_STREAM that was set along, in the legacy way."""
+    """The result of setting a rate; `whole_group` is the MAV_DATA_STREAM that was set, on old autopilots."""
 
     interval: Interval
     whole_group: int | None = None
 
 
 class SetMessageInterval(Procedure[RateSet]):
-    """Have the target send a message at an interval, at its default rate, or no more."""
+    """The setting of a message's interval: a rate, the default rate, or off."""
 
     timeout_error = MessageTimeout
 
@@ -59,7 +59,7 @@ class SetMessageInterval(Procedure[RateSet]):
         self._interval = interval
 
     def steps(self) -> Generator[Operation[Any], Any, RateSet]:
-        """The command; if it is not known, the stream of the legacy way."""
+        """Send the command; if it is unsupported, request the data stream."""
         microseconds = float(self._interval.microseconds)
         command = Command(common.MavCmd.SET_MESSAGE_INTERVAL, float(self._message_id), microseconds)
         try:
@@ -74,7 +74,7 @@ class SetMessageInterval(Procedure[RateSet]):
 
 
 class GetMessageInterval(Procedure[Interval]):
-    """At which interval the target sends a message; `DEFAULT` (0) if it cannot send it at all."""
+    """The reading of a message's interval; `DEFAULT` (0) if the target cannot send the message."""
 
     timeout_error = MessageTimeout
 
@@ -83,7 +83,7 @@ class GetMessageInterval(Procedure[Interval]):
         self._message_id = message_id_of(message)
 
     def steps(self) -> Generator[Operation[Any], Any, Interval]:
-        """MESSAGE_INTERVAL, asked for as any message."""
+        """Request MESSAGE_INTERVAL."""
         answer: common.MessageInterval = yield RequestMessage(
             common.MessageInterval,
             (float(self._message_id),),
@@ -93,7 +93,7 @@ class GetMessageInterval(Procedure[Interval]):
 
 
 class _RequestDataStream(Operation[None]):
-    """A group of messages in the legacy way."""
+    """The request of a data stream."""
 
     timeout_error = MessageTimeout
 
@@ -105,7 +105,7 @@ class _RequestDataStream(Operation[None]):
         self.handles = message_ids(common.DataStream) | {message_id}
 
     def start(self, now: float) -> None:
-        self._ask(now)
+        self._send_request(now)
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
@@ -116,13 +116,13 @@ class _RequestDataStream(Operation[None]):
 
     def handle_timeout(self, now: float) -> None:
         if self.attempts < (STREAM_ATTEMPTS if self._on else OFF_ATTEMPTS):
-            self._ask(now)
+            self._send_request(now)
         elif self._on:
             self.time_out(now)
         else:
             self.finish(None)
 
-    def _ask(self, now: float) -> None:
+    def _send_request(self, now: float) -> None:
         self.attempts += 1
         self.timer = now + (1.0 + 2.0 / self._rate if self._on else 0.5)
         self.send(

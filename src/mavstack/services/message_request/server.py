@@ -1,11 +1,11 @@
-"""Sending messages at rates that others may change, and singly when they are asked for.
+"""The message server: streams of messages at rates that clients can change, and single messages on request.
 
-A producer makes a message of one kind when it is due, so that it is as fresh as can be. Streams ask for room
-with the priority of telemetry: on a full link a message waits until there is room, is made then, and those
-that fell due in between are left out. What is most overdue goes first, so that all kinds are thinned alike.
+A producer makes a message when it is due, so that its content is current. Streams have the priority of
+telemetry: on a full link a message waits until there is room, is made then, and missed ones are skipped. The
+most overdue message goes first, so that all messages are thinned alike.
 
-The commands are answered through the component's `CommandServer`; this service listens to their ids only to
-be looked at after they came.
+The commands are answered through the component's `CommandServer`; this service handles their ids only so that
+the engine collects its messages after them.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest, CommandServer
     from mavstack.wire import Packet
 
-#: What makes a message at a time; None if there is nothing to tell.
+#: Makes a message for a time in Unix seconds; None if there is none.
 Producer: TypeAlias = Callable[[float], Message | None]
-#: What makes the message of an index or id, as param 2 of a request says.
+#: Makes the message of an index or id (param 2 of a request) for a time; None if there is none.
 InstanceProducer: TypeAlias = Callable[[float, float], Message | None]
 
-#: No message is sent more often than this, whatever is asked for, in microseconds.
+#: The shortest interval of a message, whatever is requested, in microseconds.
 MIN_INTERVAL = 1_000
-#: How soon a stream that found no room looks again if nobody tells it of room.
+#: Seconds after which a stream without room checks again.
 RETRY = 0.5
 
 _REQUESTER, _BROADCAST = 1, 2
@@ -44,12 +44,12 @@ _INTERVAL_ID = next(iter(message_ids(common.MessageInterval)))
 
 @dataclass(slots=True)
 class _Stream:
-    """A kind of message: its producer and its interval in microseconds, -1 if off."""
+    """A message's producer and its interval in microseconds, -1 if off."""
 
     produce: Producer
     default: int
     interval: int
-    #: Infinite if it is off.
+    #: When it is due next; infinite if off.
     due: float
 
     def set_interval(self, microseconds: int, now: float) -> None:
@@ -57,7 +57,7 @@ class _Stream:
         self.due = now if microseconds > 0 else inf
 
     def sent(self, now: float) -> float:
-        """When it is due again."""
+        """Record that the message was sent; returns when it is due again."""
         seconds = self.interval / 1e6
         due = self.due + seconds
         self.due = due = due if due > now else now + seconds
@@ -65,7 +65,7 @@ class _Stream:
 
 
 class MessageServer(Service):
-    """The messages of one component: streams, single requests, and their rates."""
+    """The messages of one component: streams, their rates, and single requests."""
 
     handles = message_ids(common.CommandLong, common.CommandInt, common.RequestDataStream)
 
@@ -73,12 +73,13 @@ class MessageServer(Service):
         super().__init__(local)
         self._commands = commands
         self._streams: dict[int, _Stream] = {}
-        #: The messages of each group of REQUEST_DATA_STREAM that is obeyed. Without MAV_DATA_STREAM_ALL among
-        #: them it stands for everything that is sent by itself; with none at all no such request is heard.
+        #: The messages of each supported group of REQUEST_DATA_STREAM. Without an entry for
+        #: MAV_DATA_STREAM_ALL it means all messages that are streamed by default; if empty, such requests are
+        #: ignored.
         self.data_streams: Mapping[int, frozenset[int]] = stream_groups()
         self._instances: dict[int, InstanceProducer] = {_INTERVAL_ID: self._message_interval}
         self._retry_at: float | None = None
-        #: The streams by when they are due, as a heap; None if it has to be made anew.
+        #: The streams by due time, as a heap; None after a change.
         self._queue: list[tuple[float, int, _Stream]] | None = None
         self._others = commands.handler_of(common.MavCmd.REQUEST_MESSAGE)
         commands.support(common.MavCmd.REQUEST_MESSAGE, self._request_message)
@@ -88,7 +89,14 @@ class MessageServer(Service):
     def provide(
         self, message: type[Message] | int, producer: Producer, *, interval: float = 0.0, now: float = 0.0
     ) -> None:
-        """Send a kind of message every `interval` seconds from `now` on; 0: only if it is asked for."""
+        """Publish a message.
+
+        Args:
+            message: The message class or id.
+            producer: Makes the message.
+            interval: Seconds between two messages by default; 0: only on request.
+            now: When the stream begins, Unix seconds.
+        """
         message_id = message_id_of(message)
         microseconds = _microseconds(interval)
         due = now if microseconds > 0 else inf
@@ -97,19 +105,19 @@ class MessageServer(Service):
         self._support_legacy(message_id)
 
     def set_interval(self, message: type[Message] | int, interval: float, now: float) -> None:
-        """Send a message every so many seconds from now on by default; 0: only if it is asked for."""
+        """Change the default interval of a message, seconds; 0: only on request."""
         stream = self._streams[message_id_of(message)]
         stream.default = _microseconds(interval)
         self._change(stream, stream.default, now)
 
     def provide_instances(self, message: type[Message] | int, producer: InstanceProducer) -> None:
-        """Answer requests for a kind of message of which there are several, by its index or id."""
+        """Answer requests for a message of which there are several, by index or id."""
         message_id = message_id_of(message)
         self._instances[message_id] = producer
         self._support_legacy(message_id)
 
     def interval_of(self, message: type[Message] | int) -> int:
-        """The interval of a message in microseconds: -1 if it is not sent by itself, 0 if it is not known."""
+        """Return the interval of a message in microseconds: -1 if it is not streamed, 0 if it is unknown."""
         message_id = message_id_of(message)
         stream = self._streams.get(message_id)
         return stream.interval if stream else -1 if message_id in self._instances else 0
@@ -131,7 +139,7 @@ class MessageServer(Service):
             message = stream.produce(now)
             if message is not None:
                 yield Outgoing(message, EVERYBODY, Priority.STREAM)
-            queue = self._queued()  # another one, if a rate was changed meanwhile
+            queue = self._queued()  # a new one after a change of rate
 
     def next_timeout(self) -> float | None:
         if self._retry_at is not None:
@@ -160,7 +168,7 @@ class MessageServer(Service):
     ) -> common.MavResult | tuple[common.MavResult, int] | None:
         message_id, wish = request.command.param1, request.command.param7
         if self._others and message_id not in self._instances and message_id not in self._streams:
-            return self._others(request)  # who answered such requests before
+            return self._others(request)  # the handler that was registered before
         target = EVERYBODY if wish == _BROADCAST else request.source
         return self._send_one(message_id, request.command.param2, target, request)
 
@@ -214,7 +222,7 @@ class MessageServer(Service):
 
 
 def _microseconds(interval: float) -> int:
-    """An interval in seconds as streams keep it: -1 for none."""
+    """Convert an interval from seconds to microseconds: -1 for none."""
     return min(max(round(interval * 1e6), MIN_INTERVAL), MAX_INTERVAL) if interval > 0 else -1
 
 

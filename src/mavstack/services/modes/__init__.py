@@ -1,4 +1,4 @@
-"""Flight modes: their names, setting one, listing them, having them (guide: standard modes)."""
+"""Flight modes: names, setting, listing, and the mode server (guide: standard modes)."""
 
 from mavstack.services.modes.available import AvailableMode
 from mavstack.services.modes.client import ListModes, SetMode, SetStandardMode, name_in

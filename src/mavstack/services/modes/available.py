@@ -1,4 +1,4 @@
-"""What is told of one mode: in AVAILABLE_MODES when it is listed, in CURRENT_MODE when it is flown."""
+"""A flight mode as AVAILABLE_MODES and CURRENT_MODE describe it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NAME_BYTES = 35
 
 @dataclass(frozen=True, slots=True)
 class AvailableMode:
-    """A mode that a vehicle has; `standard_mode` is NON_STANDARD if it is its autopilot's alone."""
+    """A mode of a vehicle; `standard_mode` is NON_STANDARD for a mode of its firmware alone."""
 
     custom_mode: int
     name: str = ""
@@ -24,16 +24,16 @@ class AvailableMode:
 
     @property
     def selectable(self) -> bool:
-        """Whether a user may be offered it."""
+        """True if users can select it."""
         return not self.properties & common.MavModeProperty.NOT_USER_SELECTABLE
 
     @property
     def advanced(self) -> bool:
-        """Whether it is for experienced users."""
+        """True if it is for experienced users."""
         return bool(self.properties & common.MavModeProperty.ADVANCED)
 
     def to_message(self, index: int, total: int) -> common.AvailableModes:
-        """As AVAILABLE_MODES; the index begins at 1."""
+        """Return the AVAILABLE_MODES; the index begins at 1."""
         return common.AvailableModes(
             number_modes=total,
             mode_index=index,
@@ -45,12 +45,12 @@ class AvailableMode:
 
     @classmethod
     def read(cls, message: common.AvailableModes) -> Self:
-        """The mode in AVAILABLE_MODES."""
+        """Return the mode in an AVAILABLE_MODES."""
         return cls(
             int(message.custom_mode), message.mode_name, int(message.standard_mode), int(message.properties)
         )
 
 
 def _cut(name: str) -> str:
-    """As much of a name as the field holds, no character cut in two."""
+    """Truncate a name to the field's length, between characters."""
     return name.encode()[:NAME_BYTES].decode(errors="ignore")

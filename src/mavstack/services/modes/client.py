@@ -1,15 +1,16 @@
-"""Setting a mode and listing modes (guide: standard modes; MAV_CMD_DO_SET_MODE; SET_MODE).
+"""The mode client: setting a mode, and listing modes (guide: standard modes; DO_SET_MODE; SET_MODE).
 
-    HEARTBEAT tells the kind of vehicle ── DO_SET_MODE ── accepted ── HEARTBEAT tells the mode ──► done
-                                             │              └── it never does ──► ModeTimeout
-                                             ├── UNSUPPORTED, or no answer ── SET_MODE
-                                             └── refused ──► CommandDenied
+    HEARTBEAT tells the vehicle type ── DO_SET_MODE ── accepted ── HEARTBEAT tells the mode ──► result
+                                            │              └── it never does ──► ModeTimeout
+                                            ├── UNSUPPORTED, or no answer ── SET_MODE
+                                            └── refused ──► CommandDenied
 
-An acknowledgement says that the vehicle will change its mode, its HEARTBEAT that it has: so that is awaited.
-PX4 takes the main and the sub mode as two parameters, others take `custom_mode` whole. Old autopilots know
-the message SET_MODE only, which nobody acknowledges.
+An acknowledgement says that the vehicle accepted the mode, its HEARTBEAT that it entered it: the operation
+waits for the latter. PX4 takes the main and the sub mode as two parameters, others take `custom_mode` as one.
+Old autopilots support only the message SET_MODE, which is not acknowledged.
 
-The operations run on the target's CommandClient, since acknowledgements do not tell whose command they mean.
+The operations run on the target's CommandClient, since acknowledgements do not name the sender of the
+command.
 """
 
 from __future__ import annotations
@@ -29,15 +30,15 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: How long to wait for the first HEARTBEAT, and for one that tells the new mode.
+#: Seconds to wait for the first HEARTBEAT, and for one with the new mode.
 HEARTBEAT_TIMEOUT = 5.0
 MODE_CHANGE_TIMEOUT = 10.0
 COMMAND_TIMEOUT = 30.0
-#: How often the message SET_MODE is sent while nothing confirms it, and CURRENT_MODE asked for.
+#: Seconds between two SET_MODE without confirmation, and between two requests for CURRENT_MODE.
 REPEAT_INTERVAL = 1.0
-#: How long after the last AVAILABLE_MODES the gaps are asked for.
-LISTING_QUIET = 1.5
-LISTING_ROUNDS = 8
+#: Seconds after the last AVAILABLE_MODES after which missing ones are requested.
+LISTING_IDLE_TIMEOUT = 1.5
+MAX_LISTING_ROUNDS = 8
 
 _KEPT = common.MavModeFlag.SAFETY_ARMED | common.MavModeFlag.HIL_ENABLED
 _CUSTOM = common.MavModeFlag.CUSTOM_MODE_ENABLED
@@ -46,41 +47,41 @@ _CURRENT_MODE_ID = next(iter(message_ids(common.CurrentMode)))
 Result = TypeVar("Result")
 
 
-class Until(Operation[None]):
-    """Wait until something holds that packets bring about; `meanwhile` is done now and then."""
+class WaitUntil(Operation[None]):
+    """The wait for a condition that packets bring about; `repeat` is called at an interval repeat."""
 
     timeout_error = ModeTimeout
 
     def __init__(
         self,
         description: str,
-        holds: Callable[[], bool],
+        condition: Callable[[], bool],
         *,
         idle_timeout: float,
-        meanwhile: Callable[[], None] | None = None,
+        repeat: Callable[[], None] | None = None,
     ) -> None:
         super().__init__(description, idle_timeout=idle_timeout)
-        self._holds = holds
-        self._meanwhile = meanwhile
+        self._condition = condition
+        self._repeat = repeat
 
     def start(self, now: float) -> None:
         self.handle_timeout(now)
 
     def receive(self, packet: Packet, now: float) -> None:
-        if self._holds():
+        if self._condition():
             self.finish(None)
 
     def handle_timeout(self, now: float) -> None:
-        if self._holds():
+        if self._condition():
             self.finish(None)
-        elif self._meanwhile is not None:
-            self._meanwhile()
+        elif self._repeat is not None:
+            self._repeat()
             self.attempts += 1
             self.timer = now + REPEAT_INTERVAL
 
 
 class _ModeProcedure(Procedure[Result]):
-    """A procedure that watches the target's HEARTBEAT and CURRENT_MODE."""
+    """The base of procedures that observe the target's HEARTBEAT and CURRENT_MODE."""
 
     handles = message_ids(common.Heartbeat, common.CurrentMode)
 
@@ -96,48 +97,48 @@ class _ModeProcedure(Procedure[Result]):
             case common.CurrentMode() as message:
                 self.current = message
 
-    def until(
+    def wait_until(
         self,
-        holds: Callable[[], bool],
+        condition: Callable[[], bool],
         *,
         idle_timeout: float = MODE_CHANGE_TIMEOUT,
-        meanwhile: Callable[[], None] | None = None,
-    ) -> Until:
-        """A step that waits for what HEARTBEAT or CURRENT_MODE tell."""
-        return Until(self.description, holds, idle_timeout=idle_timeout, meanwhile=meanwhile)
+        repeat: Callable[[], None] | None = None,
+    ) -> WaitUntil:
+        """Return a step that waits for a condition on HEARTBEAT or CURRENT_MODE."""
+        return WaitUntil(self.description, condition, idle_timeout=idle_timeout, repeat=repeat)
 
     def entered(self, custom_mode: int) -> bool:
-        """Whether the last HEARTBEAT tells that mode."""
+        """Return whether the last HEARTBEAT has that mode."""
         heartbeat = self.heartbeat
         return heartbeat is not None and heartbeat.custom_mode == custom_mode
 
     def first_heartbeat(self) -> Generator[Operation[Any], Any, common.Heartbeat]:
-        """Steps: know what the vehicle is."""
+        """Wait for the HEARTBEAT of the autopilot."""
         try:
-            yield self.until(lambda: self.heartbeat is not None, idle_timeout=HEARTBEAT_TIMEOUT)
+            yield self.wait_until(lambda: self.heartbeat is not None, idle_timeout=HEARTBEAT_TIMEOUT)
         except ModeTimeout:
             raise ModeTimeout(
                 self.description, str(self.target), answer="no HEARTBEAT of an autopilot"
             ) from None
-        assert self.heartbeat is not None  # noqa: S101 (what was waited for)
+        assert self.heartbeat is not None  # noqa: S101 (the condition of the wait)
         return self.heartbeat
 
-    def confirmed(self, holds: Callable[[], bool]) -> Generator[Operation[Any], Any, None]:
-        """Steps: wait until the accepted mode is entered."""
+    def confirmed(self, condition: Callable[[], bool]) -> Generator[Operation[Any], Any, None]:
+        """Wait until the accepted mode is entered."""
         try:
-            yield self.until(holds)
+            yield self.wait_until(condition)
         except ModeTimeout:
             raise self._not_entered() from None
 
     def _not_entered(self) -> ModeTimeout:
         heartbeat = self.heartbeat
-        name = "nothing" if heartbeat is None else name_in(heartbeat)
-        answer = f"accepted, but not entered: the vehicle tells {name}"
+        name = "no mode" if heartbeat is None else name_in(heartbeat)
+        answer = f"accepted, but not entered: the vehicle reports {name}"
         return ModeTimeout(self.description, str(self.target), attempts=self.attempts, answer=answer)
 
 
 class SetMode(_ModeProcedure[int]):
-    """Enter a mode, by its name or its `custom_mode`; the result is the `custom_mode` that was entered."""
+    """The setting of a mode, by its name or its `custom_mode`; the result is the entered `custom_mode`."""
 
     def __init__(self, mode: str | int, *, timeout: float | None = 60.0) -> None:
         super().__init__(f"setting mode {mode} on", timeout=timeout)
@@ -148,17 +149,17 @@ class SetMode(_ModeProcedure[int]):
         wanted = self.mode
         if isinstance(wanted, str):
             wanted = yield from self._number(wanted, heartbeat)
-        self.heartbeat = None  # what was told before the command proves nothing
+        self.heartbeat = None  # a HEARTBEAT from before the command proves nothing
         try:
             yield CommandOperation(_command(wanted, heartbeat), timeout=COMMAND_TIMEOUT)
         except (CommandDenied, CommandTimeout) as error:
-            yield from self._old_way(wanted, heartbeat, error)
+            yield from self._send_set_mode(wanted, heartbeat, error)
         else:
             yield from self.confirmed(lambda: self.entered(wanted))
         return wanted
 
     def _number(self, name: str, heartbeat: common.Heartbeat) -> Generator[Operation[Any], Any, int]:
-        """Steps: the number of a name, from the tables or, for modes that come and go, from the vehicle."""
+        """Look up the number of a name, in the tables or, for dynamic modes, on the vehicle."""
         number = mode_number(int(heartbeat.autopilot), int(heartbeat.type), name)
         if number is not None:
             return number
@@ -170,32 +171,32 @@ class SetMode(_ModeProcedure[int]):
             if mode.name.casefold() == name.casefold():
                 return int(mode.custom_mode)
         known = mode_names(int(heartbeat.autopilot), int(heartbeat.type)).values()
-        told = [mode.name for mode in listed] or known
-        names = ", ".join(dict.fromkeys(told)) or "none that is known"
+        available = [mode.name for mode in listed] or known
+        names = ", ".join(dict.fromkeys(available)) or "no known modes"
         raise RemoteDenied(
             self.description,
             str(self.target),
-            answer=f"there is no such mode; it has {names}",
+            answer=f"there is no such mode; the vehicle has {names}",
             code=common.MavResult.DENIED,
         )
 
-    def _old_way(
+    def _send_set_mode(
         self, wanted: int, heartbeat: common.Heartbeat, error: CommandDenied | CommandTimeout
     ) -> Generator[Operation[Any], Any, None]:
-        """Steps: the message SET_MODE, for those that do not know the command."""
+        """Send the message SET_MODE, for autopilots that do not support the command."""
         if isinstance(error, CommandDenied) and error.code != common.MavResult.UNSUPPORTED:
             raise error
         message = common.SetMode(
             target_system=self.target.system, base_mode=_base_mode(heartbeat), custom_mode=wanted
         )
         try:
-            yield self.until(lambda: self.entered(wanted), meanwhile=lambda: self.send(message))
+            yield self.wait_until(lambda: self.entered(wanted), repeat=lambda: self.send(message))
         except ModeTimeout:
             raise error from None
 
 
 class SetStandardMode(_ModeProcedure[int]):
-    """Enter a standard mode (MAV_STANDARD_MODE); the result is its `custom_mode` on this vehicle."""
+    """The setting of a MAV_STANDARD_MODE; the result is its `custom_mode` on this vehicle."""
 
     def __init__(self, standard_mode: int, *, timeout: float | None = 60.0) -> None:
         super().__init__(f"setting standard mode {_standard_name(standard_mode)} on", timeout=timeout)
@@ -207,17 +208,17 @@ class SetStandardMode(_ModeProcedure[int]):
         self.current = None
         for _ in range(3):
             try:
-                yield self.until(self._in_it, idle_timeout=3.0)
+                yield self.wait_until(self._is_entered, idle_timeout=3.0)
             except ModeTimeout:
-                yield from self._ask()
+                yield from self._request_current_mode()
             else:
                 break
         else:
-            yield from self.confirmed(self._in_it)
-        assert self.current is not None  # noqa: S101 (what was waited for)
+            yield from self.confirmed(self._is_entered)
+        assert self.current is not None  # noqa: S101 (the condition of the wait)
         return int(self.current.custom_mode)
 
-    def _ask(self) -> Generator[Operation[Any], Any, None]:
+    def _request_current_mode(self) -> Generator[Operation[Any], Any, None]:
         try:
             yield CommandOperation(
                 Command(common.MavCmd.REQUEST_MESSAGE, param1=float(_CURRENT_MODE_ID)), timeout=5.0
@@ -225,12 +226,12 @@ class SetStandardMode(_ModeProcedure[int]):
         except (CommandDenied, CommandTimeout):
             return  # it may still be streamed
 
-    def _in_it(self) -> bool:
+    def _is_entered(self) -> bool:
         return self.current is not None and self.current.standard_mode == self.standard_mode
 
 
 class ListModes(Procedure[tuple[AvailableMode, ...]]):
-    """All modes that the vehicle has, by AVAILABLE_MODES; what got lost is asked for again by its index."""
+    """The listing of all modes by AVAILABLE_MODES; lost ones are requested by index."""
 
     handles = message_ids(common.AvailableModes, common.AvailableModesMonitor)
 
@@ -239,54 +240,54 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
         self._found: dict[int, AvailableMode] = {}
         self._total = 0
         self._sequence: int | None = None
-        self._heard_at = 0.0
+        self._received_at = 0.0
 
     def steps(self) -> Generator[Operation[Any], Any, tuple[AvailableMode, ...]]:
         yield self._request(0)
-        for _ in range(LISTING_ROUNDS):
+        for _ in range(MAX_LISTING_ROUNDS):
             yield from self._wait_until_quiet()
             if self._complete():
                 return tuple(self._found[index] for index in sorted(self._found))
             for index in self._missing():
                 if index == 0 or index not in self._found:
                     yield self._request(index)
-        answer = f"{len(self._found)} of {self._total or 'unknown'} modes came"
+        answer = f"{len(self._found)} of {self._total or 'unknown'} modes arrived"
         raise ModeTimeout(self.description, str(self.target), attempts=self.attempts, answer=answer)
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
             case common.AvailableModes(number_modes=total, mode_index=index) as message:
-                self._take(AvailableMode.read(message), index, total, now)
+                self._add(AvailableMode.read(message), index, total, now)
             case common.AvailableModesMonitor(seq=sequence):
-                if self._sequence != sequence:  # the first one too: it may tell of a change just made
+                if self._sequence != sequence:  # the first one too: it may announce a recent change
                     self._found.clear()
                 self._sequence = sequence
 
-    def _take(self, mode: AvailableMode, index: int, total: int, now: float) -> None:
+    def _add(self, mode: AvailableMode, index: int, total: int, now: float) -> None:
         if not 0 < index <= total:
             return
         if total != self._total or self._found.get(index, mode) != mode:
-            self._found.clear()  # the modes changed while they were listed
+            self._found.clear()  # the modes changed during the listing
         self._total = total
         self._found[index] = mode
-        self._heard_at = now
+        self._received_at = now
         self.report_progress(now, len(self._found), total)
 
     def _wait_until_quiet(self) -> Generator[Operation[Any], Any, None]:
-        """Steps: wait while messages come in, no longer than they do."""
+        """Wait as long as messages arrive."""
         while not self._complete():
-            before = self._heard_at
+            before = self._received_at
             try:
-                yield Until(self.description, self._complete, idle_timeout=LISTING_QUIET)
+                yield WaitUntil(self.description, self._complete, idle_timeout=LISTING_IDLE_TIMEOUT)
             except ModeTimeout:
-                if self._heard_at == before:
+                if self._received_at == before:
                     return
 
     def _complete(self) -> bool:
         return 0 < self._total == len(self._found)
 
     def _missing(self) -> list[int]:
-        """Indexes to ask for; 0, all of them, if nothing is known."""
+        """Return the indexes to request; 0 means all."""
         if not self._found:
             return [0]
         return [index for index in range(1, self._total + 1) if index not in self._found]
@@ -298,14 +299,14 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
 
 
 def name_in(heartbeat: common.Heartbeat) -> str:
-    """The mode that a HEARTBEAT tells, in words."""
+    """Return the name of the mode in a HEARTBEAT."""
     custom_mode = int(heartbeat.custom_mode)
     name = mode_name(int(heartbeat.autopilot), int(heartbeat.type), custom_mode)
     return name or f"mode {custom_mode}"
 
 
 def _base_mode(heartbeat: common.Heartbeat) -> int:
-    """`base_mode` of a request; who reads more of it than one flag must not disarm by it."""
+    """Return the `base_mode` of a request; it keeps the armed flag, which some autopilots evaluate."""
     return int(heartbeat.base_mode) & int(_KEPT) | int(_CUSTOM)
 
 

@@ -1,4 +1,4 @@
-"""Watching one vehicle's mode: what it is in, what was commanded, whether its list of modes is still good."""
+"""The monitor of one vehicle's mode: the current one, the commanded one, and changes of its set of modes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ModeSeen(Event):
-    """The vehicle tells a mode that it did not tell before; `name` is None if its number has none."""
+    """The vehicle entered another mode; `name` is None if its number has no known name."""
 
     custom_mode: int
     name: str | None
@@ -24,7 +24,7 @@ class ModeSeen(Event):
 
 @dataclass(frozen=True, slots=True)
 class ModesOutdated(Event):
-    """The vehicle's set of modes has changed; list them anew."""
+    """The vehicle's set of modes changed; list them again."""
 
     sequence: int
 
@@ -45,11 +45,11 @@ class ModeMonitor(Service):
 
     @property
     def name(self) -> str | None:
-        """The name of its mode, if it is known."""
+        """The name of the current mode, if known."""
         return None if self.custom_mode is None else mode_name(*self._kind, self.custom_mode)
 
     def clear_cache(self) -> None:
-        """The vehicle started anew: its mode is told anew, and its set of modes is counted from 0 again."""
+        """Discard the state of before a reboot: the mode, and the number of the set of modes."""
         self.custom_mode = self.standard_mode = self.intended = None
         self._sequence = 0
 
@@ -73,7 +73,7 @@ class ModeMonitor(Service):
             self.emit(ModeSeen(custom_mode, self.name))
 
     def _has_set(self, sequence: int) -> None:
-        # The first set is 0, and is not told until it changes.
+        # The first set has number 0, which is not sent until it changes.
         if sequence != self._sequence:
             self._sequence = sequence
             self.emit(ModesOutdated(sequence))

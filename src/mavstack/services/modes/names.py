@@ -1,11 +1,11 @@
-"""Flight modes by name: what each autopilot calls the numbers in HEARTBEAT's `custom_mode`.
+"""Names of flight modes: the meaning of `custom_mode` in HEARTBEAT for each autopilot.
 
-ArduPilot numbers its modes per kind of vehicle; most of the numbers are enums of its dialect, what these lack
-stands here. PX4 has the same numbers for every vehicle, in the two upper bytes: a main mode, and for some
-main modes a sub mode. Other autopilots' numbers have no names that anybody agrees on.
+ArduPilot numbers its modes per vehicle type; most numbers are enums of its dialect, the missing ones are
+defined here. PX4 has the same numbers for every vehicle, in the two upper bytes: a main mode, and for some
+main modes a sub mode. The numbers of other autopilots have no common names.
 
-Names are matched without regard to case, blanks, hyphens and underscores, and the short names that
-ArduPilot's own tools use are understood too.
+Names are matched without regard to case, blanks, hyphens and underscores, and the short names of ArduPilot's
+own tools are accepted too.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ ARDUPILOT: Final = common.MavAutopilot.ARDUPILOTMEGA
 PX4: Final = common.MavAutopilot.PX4
 
 _T: Final = common.MavType
-#: The vehicles of one ArduPilot firmware share their modes; boats run the rover's.
+#: The vehicles of one ArduPilot firmware share their modes; boats use the rover's.
 _FAMILIES: Final[Mapping[str, frozenset[int]]] = MappingProxyType(
     {
         "COPTER_MODE": frozenset(
@@ -44,7 +44,7 @@ _FAMILIES: Final[Mapping[str, frozenset[int]]] = MappingProxyType(
         "BLIMP_MODE": frozenset({_T.AIRSHIP}),
     }
 )  # fmt: skip
-#: What the dialect's enums do not have.
+#: Modes that the dialect's enums do not have.
 _MORE_ARDUPILOT_MODES: Final[Mapping[str, Mapping[int, str]]] = MappingProxyType(
     {
         "COPTER_MODE": {29: "RATE_ACRO"},
@@ -101,18 +101,18 @@ _OTHER_PX4_NAMES: Final[Mapping[str, str]] = MappingProxyType(
 
 
 def px4_custom_mode(main: int, sub: int = 0) -> int:
-    """PX4's `custom_mode` of a main mode and its sub mode."""
+    """Return PX4's `custom_mode` of a main mode and its sub mode."""
     return (sub & 0xFF) << 24 | (main & 0xFF) << 16
 
 
 def px4_modes_of(custom_mode: int) -> tuple[int, int]:
-    """The main mode and the sub mode in PX4's `custom_mode`."""
+    """Return the main mode and the sub mode in PX4's `custom_mode`."""
     return custom_mode >> 16 & 0xFF, custom_mode >> 24 & 0xFF
 
 
 @cache
 def mode_names(autopilot: int, vehicle: int) -> Mapping[int, str]:
-    """All modes of an autopilot (MAV_AUTOPILOT) on a vehicle (MAV_TYPE): `custom_mode` to name."""
+    """Return the modes of a MAV_AUTOPILOT on a MAV_TYPE: names by `custom_mode`."""
     if autopilot == PX4:
         return MappingProxyType(dict(_px4_names()))
     if autopilot == ARDUPILOT:
@@ -121,16 +121,16 @@ def mode_names(autopilot: int, vehicle: int) -> Mapping[int, str]:
 
 
 def mode_name(autopilot: int, vehicle: int, custom_mode: int) -> str | None:
-    """The name of a mode; None if it has none that is known."""
+    """Return the name of a mode; None if unknown."""
     names = mode_names(autopilot, vehicle)
     if autopilot == PX4 and custom_mode not in names:
-        # A sub mode that is newer than this table still has a main mode that says most.
+        # An unknown sub mode still has a known main mode.
         return names.get(px4_custom_mode(px4_modes_of(custom_mode)[0]))
     return names.get(custom_mode)
 
 
 def mode_number(autopilot: int, vehicle: int, name: str) -> int | None:
-    """The `custom_mode` of a mode's name; None if there is no such mode."""
+    """Return the `custom_mode` of a mode's name; None if there is no such mode."""
     return _numbers(autopilot, vehicle).get(_plain(name))
 
 

@@ -1,8 +1,8 @@
-"""Having modes (guide: standard modes; the commands DO_SET_MODE and DO_SET_STANDARD_MODE; SET_MODE).
+"""The mode server (guide: standard modes; the commands DO_SET_MODE and DO_SET_STANDARD_MODE; SET_MODE).
 
-The server holds the modes that the vehicle has and the one that it is in. Somebody who wants another is
-answered by `may_enter`, the program's veto: a text refuses, and is told to the asker behind `refusal`. The
-program enters modes itself by `enter`, such as in a failsafe; then `intended` remains what was commanded.
+The server has the modes of the vehicle and the current one. A client's request is checked by `may_enter`, the
+program's policy: a text refuses it, and is sent to the client with the prefix `refusal`. The program enters
+modes itself by `enter`, such as in a failsafe; then `intended` keeps the commanded mode.
 
     REQUEST_MESSAGE AVAILABLE_MODES, 0     all modes, one message each, as the link has room
     REQUEST_MESSAGE AVAILABLE_MODES, n     the mode of that index, the first being 1
@@ -34,7 +34,7 @@ CURRENT_INTERVAL = 2.0
 MONITOR_INTERVAL = 10.0
 #: `number_modes` and `mode_index` are bytes.
 MAX_MODES = 255
-#: So many listings may be under way at once; who asks beyond that is asked to come back.
+#: The number of concurrent listings; further ones are answered TEMPORARILY_REJECTED.
 MAX_LISTINGS = 16
 MODES_ID, CURRENT_ID, MONITOR_ID = (
     kind.__mavlink_row__[0]
@@ -47,7 +47,7 @@ _STATUSTEXT_BYTES = 50
 
 @dataclass(frozen=True, slots=True)
 class ModeChanged(Event):
-    """The vehicle is in another mode; `source` asked for it, None if the program did."""
+    """The vehicle entered another mode; `source` requested it, None if the program did."""
 
     mode: AvailableMode
     previous: AvailableMode
@@ -56,21 +56,22 @@ class ModeChanged(Event):
 
 @dataclass(frozen=True, slots=True)
 class ModeRefused(Event):
-    """Somebody asked for a mode and did not get it."""
+    """A client requested a mode and was refused."""
 
     custom_mode: int
     source: Address
     reason: str
 
 
-#: The program's veto: why the mode may not be entered now, or None.
+#: The program's policy: returns the reason why the mode may not be entered now, or None.
 MayEnter: TypeAlias = "Callable[[AvailableMode, Address], str | None]"
 
 
 class ModeServer(Service):
-    """The modes of one vehicle, and the one that it is in."""
+    """The modes of one vehicle, and the current one."""
 
-    # Commands are carried out by the handlers; their ids are here so that what these queue is fetched.
+    # Handlers execute the commands; their ids are here so that the engine collects the messages of the
+    # handlers.
     handles = message_ids(common.SetMode, common.CommandLong, common.CommandInt)
 
     def __init__(
@@ -94,16 +95,16 @@ class ModeServer(Service):
         self._current_due = 0.0
         self._monitor_due: float | None = None
 
-    # What the program does
+    # Methods for the program
 
     @property
     def modes(self) -> tuple[AvailableMode, ...]:
-        """The modes that the vehicle has."""
+        """The modes of the vehicle."""
         return self._modes
 
     @property
     def current(self) -> AvailableMode:
-        """The mode that it is in; HEARTBEAT tells its `custom_mode`."""
+        """The current mode; HEARTBEAT carries its `custom_mode`."""
         return self._current
 
     @property
@@ -112,14 +113,14 @@ class ModeServer(Service):
         return self._intended
 
     def enter(self, custom_mode: int, now: float, *, commanded: bool = False) -> None:
-        """Be in another mode: of the vehicle's own accord, or because a command says so by the way."""
+        """Enter another mode: by the vehicle's own decision, or as a side effect of a command."""
         mode = self._named(custom_mode)
         if commanded:
             self._intended = mode
         self._change(mode, None, now)
 
     def offer(self, modes: Sequence[AvailableMode], now: float) -> None:
-        """Have other modes from now on; clients are told to list them anew."""
+        """Replace the set of modes; clients are notified to list them again."""
         self._modes = _checked(modes)
         self._listings.clear()
         self.sequence = self.sequence % 255 + 1
@@ -127,7 +128,7 @@ class ModeServer(Service):
         self.handle_timeout(now)
 
     def register(self, commands: CommandServer) -> None:
-        """Answer the commands about modes; requests of other messages go to who answered them so far."""
+        """Register the command handlers; requests of other messages go to the previous handler."""
         commands.support(common.MavCmd.DO_SET_MODE, self.set_mode)
         commands.support(common.MavCmd.DO_SET_STANDARD_MODE, self.set_standard_mode)
         others = commands.handler_of(common.MavCmd.REQUEST_MESSAGE)
@@ -141,10 +142,10 @@ class ModeServer(Service):
 
         commands.support(common.MavCmd.REQUEST_MESSAGE, requested)
 
-    # What commands do
+    # Command handlers
 
     def set_mode(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_MODE."""
+        """Handle DO_SET_MODE."""
         command = request.command
         flags, first, second = (_integer(value) for value in (command.param1, command.param2, command.param3))
         if flags is None or first is None or not flags & _CUSTOM:
@@ -153,7 +154,7 @@ class ModeServer(Service):
         return self._asked_for(custom_mode, request.source, request.received_at)
 
     def set_standard_mode(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_STANDARD_MODE; a standard mode that the vehicle lacks FAILED, as the guide says."""
+        """Handle DO_SET_STANDARD_MODE; a missing standard mode is answered FAILED, as the guide says."""
         wanted = _integer(request.command.param1)
         found = [mode for mode in self._modes if wanted and mode.standard_mode == wanted]
         if not found:
@@ -161,7 +162,7 @@ class ModeServer(Service):
         return self._asked_for(found[0].custom_mode, request.source, request.received_at)
 
     def requested(self, request: CommandRequest) -> common.MavResult:
-        """REQUEST_MESSAGE of one of the messages about modes."""
+        """Handle REQUEST_MESSAGE of the mode messages."""
         message_id = _integer(request.command.param1)
         if message_id == CURRENT_ID:
             self.send(self._current_mode(), request.source)
@@ -173,7 +174,7 @@ class ModeServer(Service):
             return common.MavResult.UNSUPPORTED
         return common.MavResult.ACCEPTED
 
-    # The shape of a service
+    # Methods of a service
 
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
@@ -205,7 +206,7 @@ class ModeServer(Service):
             self._monitor_due = now + MONITOR_INTERVAL
             self.send(common.AvailableModesMonitor(seq=self.sequence), EVERYBODY, Priority.STREAM)
 
-    # Within
+    # Internals
 
     def _asked_for(self, custom_mode: int, source: Address, now: float) -> common.MavResult:
         found = [mode for mode in self._modes if mode.custom_mode == custom_mode]
@@ -249,7 +250,7 @@ class ModeServer(Service):
         )
 
     def _named(self, custom_mode: int) -> AvailableMode:
-        """A mode by its number; one that is not offered, such as of a script that ended, stays a number."""
+        """Return a mode by its number; an unlisted one, such as that of an ended script, has no name."""
         found = (mode for mode in self._modes if mode.custom_mode == custom_mode)
         return next(found, AvailableMode(custom_mode))
 
@@ -257,7 +258,7 @@ class ModeServer(Service):
 def modes_of(
     autopilot: int, vehicle: int, custom_modes: Sequence[int], standard: dict[int, int] | None = None
 ) -> list[AvailableMode]:
-    """Modes by their numbers, named as the autopilot names them; `standard` tells which are standard."""
+    """Return modes by their numbers, with the autopilot's names; `standard` maps them to standard modes."""
     return [
         AvailableMode(
             number,
@@ -270,12 +271,12 @@ def modes_of(
 
 def _checked(modes: Sequence[AvailableMode]) -> tuple[AvailableMode, ...]:
     if not 0 < len(modes) <= MAX_MODES:
-        raise InvalidArgumentError(f"a vehicle has 1 to {MAX_MODES} modes, not {len(modes)}")
+        raise InvalidArgumentError(f"a vehicle must have 1 to {MAX_MODES} modes, got {len(modes)}")
     if len({mode.custom_mode for mode in modes}) != len(modes):
         raise InvalidArgumentError("two modes have the same custom_mode")
     return tuple(modes)
 
 
 def _integer(value: float) -> int | None:
-    """The number in a command's parameter; None if it is none, or none that a field could hold."""
+    """Return the mode number in a command's parameter; None if it is not a valid one."""
     return int(value) if 0 <= value < 1 << 32 else None

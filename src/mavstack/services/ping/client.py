@@ -108,6 +108,7 @@ class PingClient(Client):
             interval: Seconds between two pings.
             enough: The number of answers after which to stop; None: `count`.
             wait: Seconds to wait for an answer to the last ping.
+            timeout: Seconds for the whole operation; None sets no overall limit.
 
         Returns:
             The operation, whose result is a `PingStatistics`.

@@ -1,8 +1,8 @@
-"""Offering a shell, or a serial port, to the other side of the link (SERIAL_CONTROL).
+"""The server of a shell or a serial port (SERIAL_CONTROL).
 
-Whoever asks for responses owns it: what the program `feed`s goes there. With EXCLUSIVE nobody else gets it
-until the owner lets go by a message without RESPOND, or has been silent for `idle_timeout` seconds and
-another one asks. Input that comes twice is told once.
+A client that requests responses owns the device: the program's output (`feed`) goes to it. With EXCLUSIVE no
+other client gets the device until the owner releases it by a message without RESPOND, or has been silent for
+`idle_timeout` seconds and another client asks. Duplicate input is ignored.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from mavstack.services.serial_control.messages import (
     REPLY,
     RESPOND,
     SHELL,
-    Arrivals,
+    ArrivalTracker,
     data_of,
     message,
 )
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 IDLE_TIMEOUT = 30.0
-#: Output that waits for room; beyond it the oldest is dropped, and counted.
-MAX_WAITING = 64 * 1024
+#: The largest number of bytes that wait for room; beyond it the oldest are dropped and counted.
+MAX_PENDING = 64 * 1024
 MAX_SOURCES = 32
 
 
 @dataclass(frozen=True, slots=True)
 class ShellOpened(Event):
-    """Somebody owns the shell now; `baudrate` is 0 if it is to stay as it is."""
+    """A client owns the device now; `baudrate` is 0 if it shall not change."""
 
     owner: Address
     baudrate: int
@@ -47,7 +47,7 @@ class ShellOpened(Event):
 
 @dataclass(frozen=True, slots=True)
 class ShellInput(Event):
-    """Somebody wrote; `late` bytes were overtaken by others that were told before."""
+    """Input from a client; `late` if it arrived after newer input."""
 
     source: Address
     data: bytes
@@ -56,7 +56,7 @@ class ShellInput(Event):
 
 @dataclass(frozen=True, slots=True)
 class ShellClosed(Event):
-    """The owner let go, or was replaced."""
+    """The owner released the device, or was replaced."""
 
     owner: Address
 
@@ -65,11 +65,11 @@ class ShellClosed(Event):
 class _Owner:
     address: Address
     exclusive: bool
-    heard_at: float
+    received_at: float
 
 
 class ShellServer(Service):
-    """One device of a component, offered to one owner at a time."""
+    """The server of one device, which has one owner at a time."""
 
     handles = message_ids(common.SerialControl)
 
@@ -82,26 +82,26 @@ class ShellServer(Service):
         self._owner: _Owner | None = None
         self._output: deque[bytes] = deque()
         self._waiting = 0
-        self._arrivals: OrderedDict[Address, Arrivals] = OrderedDict()
+        self._arrivals: OrderedDict[Address, ArrivalTracker] = OrderedDict()
 
     @property
     def owner(self) -> Address | None:
-        """Who owns it."""
+        """The client that owns the device, or None."""
         return self._owner.address if self._owner else None
 
     def feed(self, data: bytes) -> None:
-        """Output for the owner; without one it goes nowhere."""
+        """Send output to the owner; without an owner it is discarded."""
         if self._owner is None:
             return
         self._output += [data[at : at + DATA_SIZE] for at in range(0, len(data), DATA_SIZE)]
         self._waiting += len(data)
-        while self._waiting > MAX_WAITING:
+        while self._waiting > MAX_PENDING:
             lost = len(self._output.popleft())
             self._waiting -= lost
             self.dropped += lost
 
     def close(self) -> None:
-        """The program ends the shell; output that still waits is not sent."""
+        """Close the device on behalf of the program; pending output is discarded."""
         if self._owner is not None:
             self.emit(ShellClosed(self._owner.address))
             self._owner = None
@@ -112,13 +112,13 @@ class ShellServer(Service):
         source = Address(packet.system, packet.component)
         match packet.message:
             case common.SerialControl(device=self.device, flags=flags) as serial if not flags & REPLY:
-                arrivals = self._arrivals_of(source)
+                arrivals = self._tracker_of(source)
                 if arrivals.is_copy(packet, now):
                     return
                 late = arrivals.is_late(packet, now)
                 if late and source != self.owner:
-                    return  # of an owner that has let go since
-                self._asked(source, serial, late, now)
+                    return  # from an owner that has released it since
+                self._handle(source, serial, late, now)
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
         owner = self.owner
@@ -127,7 +127,7 @@ class ShellServer(Service):
             self._waiting -= len(data)
             yield Outgoing(message(owner, self.device, REPLY, data), owner, Priority.STREAM)
 
-    def _asked(self, source: Address, serial: common.SerialControl, late: bool, now: float) -> None:
+    def _handle(self, source: Address, serial: common.SerialControl, late: bool, now: float) -> None:
         data = data_of(serial)
         responds = bool(serial.flags & RESPOND) or late
         if not self._may_use(source, now):
@@ -144,19 +144,19 @@ class ShellServer(Service):
         owner = self._owner
         if owner is None or owner.address == source or not owner.exclusive:
             return True
-        return now - owner.heard_at >= self._idle_timeout
+        return now - owner.received_at >= self._idle_timeout
 
     def _own(self, source: Address, serial: common.SerialControl, now: float) -> None:
         exclusive = bool(serial.flags & EXCLUSIVE)
         if self._owner is not None and self._owner.address == source:
-            self._owner.heard_at, self._owner.exclusive = now, exclusive
+            self._owner.received_at, self._owner.exclusive = now, exclusive
             return
         self.close()
         self._owner = _Owner(source, exclusive, now)
         self.emit(ShellOpened(source, serial.baudrate))
 
-    def _arrivals_of(self, source: Address) -> Arrivals:
-        arrivals = self._arrivals.setdefault(source, Arrivals())
+    def _tracker_of(self, source: Address) -> ArrivalTracker:
+        arrivals = self._arrivals.setdefault(source, ArrivalTracker())
         self._arrivals.move_to_end(source)
         if len(self._arrivals) > MAX_SOURCES:
             self._arrivals.popitem(last=False)

@@ -1,4 +1,4 @@
-"""Setpoints for offboard and guided modes, sent at a kept rate (guide: offboard control interface)."""
+"""Setpoints for offboard and guided modes (guide: offboard control interface)."""
 
 from mavstack.services.setpoints.receiver import SetpointReceived, SetpointReceiver, SetpointsTimedOut
 from mavstack.services.setpoints.setpoint import (

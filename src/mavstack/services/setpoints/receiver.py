@@ -1,10 +1,9 @@
-"""Receiving setpoints, and noticing when they cease.
+"""The receiver of setpoints, which detects when they cease.
 
-A source's stream begins with its first good setpoint and starves when none came for `timeout` seconds; PX4
-wants more than two a second, so half a second of silence is the end of a stream by default. What is
-impossible is counted and changes nothing, nor does it keep a stream alive. `time_boot_ms` is the sender's
-clock: a message that is older than the one before it, by less than a minute, was overtaken on its way and is
-left out.
+A source's stream begins with its first valid setpoint and times out when none arrived for `timeout` seconds;
+PX4 requires more than two per second, so half a second of silence ends a stream by default. Invalid setpoints
+are counted and ignored, and do not keep a stream alive. `time_boot_ms` is the sender's clock: a message that
+is older than the one before it, by less than a minute, was reordered and is ignored.
 """
 
 from __future__ import annotations
@@ -26,16 +25,16 @@ from mavstack.services.setpoints.setpoint import (
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-TIMEOUT = 0.5
-#: So many sources are followed at once; more are counted as refused until one of these starves.
+DEFAULT_TIMEOUT = 0.5
+#: The number of concurrent sources; further ones are refused and counted until one of these times out.
 MAX_SOURCES = 32
-#: A `time_boot_ms` this much lower is a clock that began anew.
-_ANEW = 60_000
+#: A `time_boot_ms` that is lower by this much belongs to a clock that restarted.
+_RESTARTED = 60_000
 
 
 @dataclass(frozen=True, slots=True)
 class SetpointReceived(Event):
-    """A setpoint came."""
+    """A setpoint was received."""
 
     source: Address
     setpoint: Setpoint
@@ -43,7 +42,7 @@ class SetpointReceived(Event):
 
 @dataclass(frozen=True, slots=True)
 class SetpointsTimedOut(Event):
-    """A source that sent setpoints sends none any more; `last` was its last one."""
+    """A source stopped sending setpoints; `last` is its last one."""
 
     source: Address
     last: Setpoint
@@ -53,68 +52,68 @@ class SetpointsTimedOut(Event):
 class _Stream:
     setpoint: Setpoint
     time_boot_ms: int
-    heard_at: float
+    received_at: float
 
 
 class SetpointReceiver(Service):
-    """Follows the setpoints that are sent to one vehicle, source by source."""
+    """The receiver of the setpoints for one vehicle, by source."""
 
     handles = message_ids(
         common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt, common.SetAttitudeTarget
     )
 
-    def __init__(self, local: Address, *, timeout: float = TIMEOUT) -> None:
+    def __init__(self, local: Address, *, timeout: float = DEFAULT_TIMEOUT) -> None:
         super().__init__(local)
-        self.impossible = 0
+        self.invalid = 0
         self.refused_sources = 0
-        self.overtaken = 0
+        self.reordered = 0
         self.last_reason = ""
         self._timeout = timeout
         self._streams: dict[Address, _Stream] = {}
 
     @property
     def sources(self) -> tuple[Address, ...]:
-        """Who sends setpoints now."""
+        """The sources that send setpoints now."""
         return tuple(self._streams)
 
     def latest(self, source: Address, now: float) -> tuple[Setpoint, float] | None:
-        """The newest setpoint of a source and its age in seconds; None if its stream has starved."""
+        """Return the latest setpoint of a source and its age in seconds; None if its stream has timed out."""
         stream = self._streams.get(source)
-        if stream is None or now - stream.heard_at >= self._timeout:
+        if stream is None or now - stream.received_at >= self._timeout:
             return None
-        return stream.setpoint, now - stream.heard_at
+        return stream.setpoint, now - stream.received_at
 
     def receive(self, packet: Packet, now: float) -> None:
         try:
             setpoint = _read(packet)
         except SetpointError as reason:
-            self.impossible += 1
+            self.invalid += 1
             self.last_reason = str(reason)
             return
         if setpoint is not None:
-            self._take(Address(packet.system, packet.component), setpoint, packet.message.time_boot_ms, now)
+            self._accept(Address(packet.system, packet.component), setpoint, packet.message.time_boot_ms, now)
 
     def next_timeout(self) -> float | None:
-        return min((stream.heard_at + self._timeout for stream in self._streams.values()), default=None)
+        return min((stream.received_at + self._timeout for stream in self._streams.values()), default=None)
 
     def handle_timeout(self, now: float) -> None:
         for source, stream in tuple(self._streams.items()):
-            if now >= stream.heard_at + self._timeout:
+            if now >= stream.received_at + self._timeout:
                 del self._streams[source]
                 self.emit(SetpointsTimedOut(source, stream.setpoint))
 
-    def _take(self, source: Address, setpoint: Setpoint, time_boot_ms: int, now: float) -> None:
+    def _accept(self, source: Address, setpoint: Setpoint, time_boot_ms: int, now: float) -> None:
         stream = self._streams.get(source)
         if stream is None:
             if len(self._streams) >= MAX_SOURCES:
                 self.refused_sources += 1
                 return
             self._streams[source] = _Stream(setpoint, time_boot_ms, now)
-        elif 0 < stream.time_boot_ms - time_boot_ms < _ANEW:
-            self.overtaken += 1
+        elif 0 < stream.time_boot_ms - time_boot_ms < _RESTARTED:
+            self.reordered += 1
             return
         else:
-            stream.setpoint, stream.time_boot_ms, stream.heard_at = setpoint, time_boot_ms, now
+            stream.setpoint, stream.time_boot_ms, stream.received_at = setpoint, time_boot_ms, now
         self.emit(SetpointReceived(source, setpoint))
 
 

@@ -1,14 +1,14 @@
-"""Setpoints as they are meant, and as three messages with type masks (guide: offboard control interface).
+"""Setpoints, and the three messages with type masks that carry them (guide: offboard control interface).
 
-A type mask says what a message does *not* control, so a setpoint here has None where it leaves something to
-the vehicle, and the mask follows from that. Each axis may be left out alone, though few vehicles take it.
+A type mask says what a message does *not* control: a setpoint has None where it leaves an axis to the
+vehicle, and the mask follows from that. Each axis may be None alone, though few vehicles accept it.
 
     LocalSetpoint     SET_POSITION_TARGET_LOCAL_NED    metres, in a frame of the ground or the vehicle
-    GlobalSetpoint    SET_POSITION_TARGET_GLOBAL_INT   degrees, and metres above what the frame says
+    GlobalSetpoint    SET_POSITION_TARGET_GLOBAL_INT   degrees, and metres above the frame's reference
     AttitudeSetpoint  SET_ATTITUDE_TARGET              quaternion, body rates, thrust
 
-Global frames are sent by their _INT numbers: PX4 takes no others in this message, ArduPilot takes both.
-Reading refuses what no vehicle could follow; the text says why.
+Global frames are sent by their _INT numbers: PX4 accepts no others in this message, ArduPilot accepts both.
+Reading refuses setpoints that no vehicle could follow.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _F = common.MavFrame
 LOCAL_FRAMES: Final = frozenset(
     {_F.LOCAL_NED, _F.LOCAL_OFFSET_NED, _F.BODY_NED, _F.BODY_OFFSET_NED, _F.BODY_FRD, _F.LOCAL_FRD}
 )
-#: Frames of a global altitude, by the number that is sent.
+#: Global frames, and the numbers that are sent for them.
 _SENT_FRAMES: Final[Mapping[int, int]] = MappingProxyType(
     {
         _F.GLOBAL: _F.GLOBAL_INT,
@@ -46,8 +46,8 @@ _SENT_FRAMES: Final[Mapping[int, int]] = MappingProxyType(
         _F.GLOBAL_TERRAIN_ALT: _F.GLOBAL_TERRAIN_ALT_INT,
     }
 )
-_MEANT_FRAMES: Final[Mapping[int, int]] = MappingProxyType(
-    {sent: meant for meant, sent in _SENT_FRAMES.items()} | {meant: meant for meant in _SENT_FRAMES}
+_FRAMES_OF_SENT: Final[Mapping[int, int]] = MappingProxyType(
+    {sent: frame for frame, sent in _SENT_FRAMES.items()} | {frame: frame for frame in _SENT_FRAMES}
 )
 
 _FORCE: Final = int(common.PositionTargetTypemask.FORCE_SET)
@@ -58,17 +58,24 @@ _THRUST: Final = int(common.AttitudeTargetTypemask.THROTTLE_IGNORE)
 _ATTITUDE: Final = int(common.AttitudeTargetTypemask.ATTITUDE_IGNORE)
 _THRUST_BODY: Final = int(common.AttitudeTargetTypemask.THRUST_BODY_SET)
 _RATES_IGNORED: Final = 0x07
-#: How far from 1 the length of a quaternion may be.
+#: How far the length of a quaternion may deviate from 1.
 _UNIT_TOLERANCE: Final = 0.1
-_LARGEST: Final = 3.4028234e38
+_MAX_VALUE: Final = 3.4028234e38
 _LATITUDE, _LONGITUDE = 90.0, 180.0
 
 
 @dataclass(frozen=True, slots=True)
 class LocalSetpoint:
-    """Where to be, how fast to go, or how to accelerate, in metres and seconds; yaw in radians.
+    """A position, velocity or acceleration in a local frame.
 
-    With `force` the acceleration is a force in newtons.
+    Attributes:
+        position: North, east, down in metres; None leaves the axis to the vehicle.
+        velocity: North, east, down in m/s.
+        acceleration: North, east, down in m/s², or a force in newtons with `force`.
+        yaw: The heading in radians.
+        yaw_rate: The yaw rate in rad/s.
+        frame: The MAV_FRAME, one of `LOCAL_FRAMES`.
+        force: True if `acceleration` is a force.
     """
 
     position: Axes = NOTHING
@@ -80,12 +87,12 @@ class LocalSetpoint:
     force: bool = False
 
     def check(self) -> None:
-        """Raise SetpointError if nothing can follow it."""
+        """Raise SetpointError if no vehicle can follow the setpoint."""
         _check_frame(self.frame, LOCAL_FRAMES)
         _check_motion(self, self.position)
 
     def to_message(self, target: Address, time_boot_ms: int = 0) -> common.SetPositionTargetLocalNed:
-        """As SET_POSITION_TARGET_LOCAL_NED."""
+        """Return the SET_POSITION_TARGET_LOCAL_NED."""
         self.check()
         x, y, z = _numbers(self.position)
         vx, vy, vz = _numbers(self.velocity)
@@ -103,7 +110,7 @@ class LocalSetpoint:
 
     @classmethod
     def read(cls, message: common.SetPositionTargetLocalNed) -> Self:
-        """The setpoint in a message; raises SetpointError if nothing can follow it."""
+        """Return the setpoint in a message; raises SetpointError if no vehicle can follow it."""
         mask = int(message.type_mask)
         setpoint = cls(
             _axes((message.x, message.y, message.z), mask),
@@ -120,10 +127,18 @@ class LocalSetpoint:
 
 @dataclass(frozen=True, slots=True)
 class GlobalSetpoint:
-    """Where to be in degrees and metres of altitude, with velocity and acceleration in NED.
+    """A global position, with velocity and acceleration in NED.
 
-    `frame` says what the altitude is above: GLOBAL (mean sea level), GLOBAL_RELATIVE_ALT (home) or
-    GLOBAL_TERRAIN_ALT.
+    Attributes:
+        latitude: Degrees; None leaves it to the vehicle.
+        longitude: Degrees.
+        altitude: Metres above the reference of `frame`.
+        velocity: North, east, down in m/s.
+        acceleration: North, east, down in m/s², or a force in newtons with `force`.
+        yaw: The heading in radians.
+        yaw_rate: The yaw rate in rad/s.
+        frame: GLOBAL (above mean sea level), GLOBAL_RELATIVE_ALT (home) or GLOBAL_TERRAIN_ALT.
+        force: True if `acceleration` is a force.
     """
 
     latitude: float | None = None
@@ -142,14 +157,17 @@ class GlobalSetpoint:
         return self.latitude, self.longitude, self.altitude
 
     def check(self) -> None:
-        """Raise SetpointError if nothing can follow it."""
+        """Raise SetpointError if no vehicle can follow the setpoint."""
         _check_frame(self.frame, frozenset(_SENT_FRAMES))
         _check_motion(self, self.position)
         if abs(self.latitude or 0.0) > _LATITUDE or abs(self.longitude or 0.0) > _LONGITUDE:
-            raise SetpointError(f"{self.latitude}, {self.longitude} is no place on Earth")
+            raise SetpointError(
+                f"latitude must be within 90 and longitude within 180 degrees, "
+                f"got {self.latitude}, {self.longitude}"
+            )
 
     def to_message(self, target: Address, time_boot_ms: int = 0) -> common.SetPositionTargetGlobalInt:
-        """As SET_POSITION_TARGET_GLOBAL_INT."""
+        """Return the SET_POSITION_TARGET_GLOBAL_INT."""
         self.check()
         vx, vy, vz = _numbers(self.velocity)
         afx, afy, afz = _numbers(self.acceleration)
@@ -169,7 +187,7 @@ class GlobalSetpoint:
 
     @classmethod
     def read(cls, message: common.SetPositionTargetGlobalInt) -> Self:
-        """The setpoint in a message; raises SetpointError if nothing can follow it."""
+        """Return the setpoint in a message; raises SetpointError if no vehicle can follow it."""
         mask = int(message.type_mask)
         sent = int(message.coordinate_frame)
         setpoint = cls(
@@ -178,7 +196,7 @@ class GlobalSetpoint:
             _axes((message.afx, message.afy, message.afz), mask >> 6),
             None if mask & _YAW else message.yaw,
             None if mask & _YAW_RATE else message.yaw_rate,
-            _MEANT_FRAMES.get(sent, sent),
+            _FRAMES_OF_SENT.get(sent, sent),
             bool(mask & _FORCE),
         )
         setpoint.check()
@@ -187,9 +205,13 @@ class GlobalSetpoint:
 
 @dataclass(frozen=True, slots=True)
 class AttitudeSetpoint:
-    """How to be turned, how fast to turn in radians a second, and thrust from -1 to 1.
+    """An attitude, body rates and thrust.
 
-    `thrust_body` is thrust along three body axes, for vehicles that can; it stands beside `thrust`.
+    Attributes:
+        attitude: The quaternion w, x, y, z from NED to the body frame; None leaves it to the vehicle.
+        rates: Roll, pitch and yaw rate of the body in rad/s.
+        thrust: The collective thrust, -1 to 1.
+        thrust_body: The thrust along the three body axes, -1 to 1, for vehicles that support it.
     """
 
     attitude: Quaternion | None = None
@@ -198,20 +220,20 @@ class AttitudeSetpoint:
     thrust_body: tuple[float, float, float] | None = None
 
     def check(self) -> None:
-        """Raise SetpointError if nothing can follow it."""
+        """Raise SetpointError if no vehicle can follow the setpoint."""
         if self.attitude is None and self.rates == NOTHING and self.thrust is None and not self.thrust_body:
-            raise SetpointError("it controls nothing")
+            raise SetpointError("a setpoint must control at least one value")
         _check_finite((*self.rates, *(self.attitude or ())))
         thrusts = (self.thrust, *(self.thrust_body or ()))
         if not all(value is None or -1.0 <= value <= 1.0 for value in thrusts):
-            raise SetpointError("thrust goes from -1 to 1")
+            raise SetpointError("thrust must be from -1 to 1")
         if self.attitude is not None:
             length = sqrt(sum(value * value for value in self.attitude))
             if abs(length - 1.0) > _UNIT_TOLERANCE:
-                raise SetpointError(f"its quaternion has the length {length:.3g}, not 1")
+                raise SetpointError(f"the attitude must be a unit quaternion, got length {length:.3g}")
 
     def to_message(self, target: Address, time_boot_ms: int = 0) -> common.SetAttitudeTarget:
-        """As SET_ATTITUDE_TARGET."""
+        """Return the SET_ATTITUDE_TARGET."""
         self.check()
         roll, pitch, yaw = _numbers(self.rates)
         mask = _ignored(self.rates)
@@ -233,7 +255,7 @@ class AttitudeSetpoint:
 
     @classmethod
     def read(cls, message: common.SetAttitudeTarget) -> Self:
-        """The setpoint in a message; raises SetpointError if nothing can follow it."""
+        """Return the setpoint in a message; raises SetpointError if no vehicle can follow it."""
         mask = int(message.type_mask)
         w, x, y, z = message.q
         forward, right, down = message.thrust_body
@@ -273,15 +295,15 @@ def _mask(setpoint: LocalSetpoint | GlobalSetpoint, position: Axes) -> int:
 
 def _check_frame(frame: int, known: frozenset[int]) -> None:
     if frame not in known:
-        raise SetpointError(f"frame {int(frame)} is not one that this message can have")
+        raise SetpointError(f"frame {int(frame)} is not supported by this setpoint")
 
 
 def _check_motion(setpoint: LocalSetpoint | GlobalSetpoint, position: Axes) -> None:
     if _mask(setpoint, position) & _IGNORES_ALL == _IGNORES_ALL:
-        raise SetpointError("it controls nothing")
+        raise SetpointError("a setpoint must control at least one value")
     _check_finite((*position, *setpoint.velocity, *setpoint.acceleration, setpoint.yaw, setpoint.yaw_rate))
 
 
 def _check_finite(values: Sequence[float | None]) -> None:
-    if not all(value is None or abs(value) <= _LARGEST for value in values):
-        raise SetpointError("a number in it is not finite")
+    if not all(value is None or abs(value) <= _MAX_VALUE for value in values):
+        raise SetpointError("all values of a setpoint must be finite")

@@ -1,8 +1,8 @@
-"""Sending setpoints: the newest one, at a kept rate, for as long as the vehicle is to follow.
+"""The sender of setpoints: the latest one, at a constant rate, for as long as the vehicle shall follow.
 
-PX4 enters its offboard mode only after it has heard setpoints for a while, at more than two a second, and
-leaves it when they cease; ArduPilot stops after a few seconds of silence. So one setpoint is repeated until
-the next one replaces it.
+PX4 enters its offboard mode only after it has received setpoints for a while, at more than two per second,
+and leaves it when they cease; ArduPilot stops after a few seconds of silence. So one setpoint is repeated
+until the next one replaces it.
 """
 
 from __future__ import annotations
@@ -16,19 +16,23 @@ if TYPE_CHECKING:
     from mavstack.services.addressing import Address
     from mavstack.services.setpoints.setpoint import Setpoint
 
-RATE = 20.0
+DEFAULT_RATE = 20.0
 
 
 class SetpointStreamer(StreamSender):
-    """Streams setpoints to one vehicle."""
+    """The sender of setpoints to one vehicle, at `rate` hertz."""
 
-    def __init__(self, local: Address, target: Address, rate: float = RATE) -> None:
+    def __init__(self, local: Address, target: Address, rate: float = DEFAULT_RATE) -> None:
         super().__init__(local, target, rate)
         self.setpoint: Setpoint | None = None
         self._booted_at: float | None = None
 
     def set(self, setpoint: Setpoint, now: float) -> None:
-        """Send this setpoint from the next beat on, and begin if it is the first."""
+        """Send this setpoint from the next tick on; starts with the first.
+
+        Raises:
+            SetpointError: No vehicle can follow the setpoint.
+        """
         setpoint.check()
         self.setpoint = setpoint
         if not self.active:

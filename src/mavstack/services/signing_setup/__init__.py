@@ -1,4 +1,4 @@
-"""Setting up signing over the link, with confirmation and a way back (SETUP_SIGNING)."""
+"""Setting up signing over the link, with confirmation and rollback (SETUP_SIGNING)."""
 
 from mavstack.services.signing_setup.client import SetupSigning, SigningSetupClient
 from mavstack.services.signing_setup.key_change import (

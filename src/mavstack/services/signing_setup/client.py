@@ -1,14 +1,14 @@
-"""Giving a component its signing key, or taking it away, and being sure of it (SETUP_SIGNING; see `change`).
+"""The client that sets or removes a component's signing key (SETUP_SIGNING; see `key_change`).
 
-    not heard yet ── TIMESYNC, until anything comes: so a key goes only where the target is known to be
+    not heard yet ── TIMESYNC, until a packet arrives: so a key goes only to a known target
     heard         ── SETUP_SIGNING, signed the old way, repeated until the target signs the new way
-    signs new     ── TIMESYNC, signed the new way, until it is answered: the target hears us ──► done
-    falls back    ── asked again, while there is time; after QUIET seconds its way stands ──► RemoteDenied
+    signs new     ── TIMESYNC, signed the new way, until answered: the target receives the client ──► done
+    rolls back    ── requested again, while there is time; after SETTLED_AFTER seconds ──► RemoteDenied
     silence       ──────────────────────────────────────────────────────────────────────► RemoteTimeout
 
-A component that answers no TIMESYNC is believed after QUIET seconds. If the operation ends before that is
-known, the client goes on to speak as it is spoken to, and tells KeySettled later; a new operation waits for
-it. The message is sent to one component, never to all, and its key stands in no text.
+A component that answers no TIMESYNC is trusted after SETTLED_AFTER seconds. If the operation ends earlier,
+the client keeps following the target's way, and emits KeySettled later; a new operation waits for it. The
+message is sent to one component, never to all, and no text contains its key.
 """
 
 from __future__ import annotations
@@ -27,72 +27,72 @@ if TYPE_CHECKING:
     from mavstack.security import SigningKey
     from mavstack.wire import Packet
 
-INTERVAL = 0.5
-#: For so long the target is asked; then it is waited for.
-ASKING = 8.0
-LIMIT = 40.0
+REQUEST_INTERVAL = 0.5
+#: Seconds for which requests are sent; then the client only waits.
+REQUEST_DURATION = 8.0
+DEFAULT_TIMEOUT = 40.0
 NO_KEY = bytes(32)
 _MAX_PROOFS = 64
 
 
 class SetupSigning(Operation[None]):
-    """Make the target sign with a key, or not sign if there is none."""
+    """The change of the target's signing key; None turns signing off."""
 
-    def __init__(self, key: SigningKey | None, *, timeout: float | None = LIMIT) -> None:
+    def __init__(self, key: SigningKey | None, *, timeout: float | None = DEFAULT_TIMEOUT) -> None:
         super().__init__(
             "turning signing off on" if key is None else "setting a signing key on",
             timeout=timeout,
-            idle_timeout=LIMIT,
+            idle_timeout=DEFAULT_TIMEOUT,
         )
         if key is not None and key.secret_bytes() == NO_KEY:
-            raise SigningError("a key of zeros stands for no signing; give None")
+            raise SigningError("a key of zeros means no signing; pass None instead")
         self.key = key
         self._change: KeyChange | None = None
-        self._asking_until = 0.0
+        self._request_until = 0.0
         self._proofs: deque[int] = deque(maxlen=_MAX_PROOFS)
 
     def start(self, now: float) -> None:
         self.handle_timeout(now)
 
     def handle_timeout(self, now: float) -> None:
-        self.timer = now + INTERVAL
+        self.timer = now + REQUEST_INTERVAL
         change = self._change
         if change is None:
             self._send_timesync(now)
-        elif change.speaks_new:
+        elif change.uses_new:
             self._proofs.append(self._send_timesync(now))
-        elif change.asked_at is None or now < self._asking_until:
-            self._ask(change, now)
+        elif change.requested_at is None or now < self._request_until:
+            self._request(change, now)
         else:
             self._send_timesync(now)
 
     def receive(self, packet: Packet, now: float) -> None:
         change = self._change
         if change is None:
-            # Only now is it known which channels lead to the target.
+            # Only now are the channels to the target known.
             change = self._change = self._client_of_keys.begin_change(self.key)
             if change is None:
                 return
-            change.heard(packet, now)
+            change.observe(packet, now)
             self.timer = now
-        if not change.speaks_new:
+        if not change.uses_new:
             self._proofs.clear()
         match packet.message:
             case common.Timesync(tc1=answer, ts1=ours) if answer != 0 and ours in self._proofs:
-                change.settle()  # the target heard us, and this answer is signed the new way
+                change.settle()  # the target received the request, and this answer is signed the new way
         self._end(change)
 
     def _end(self, change: KeyChange) -> None:
         if change.settled:
             self.finish(None)
         elif change.settled is False:
-            answer = "it goes on as before"
+            answer = "the old key stays in use"
             self.fail(RemoteDenied(self.description, str(self.target), attempts=self.attempts, answer=answer))
 
-    def _ask(self, change: KeyChange, now: float) -> None:
-        if change.asked_at is None:
-            self._asking_until = now + ASKING
-        change.asked_at = now
+    def _request(self, change: KeyChange, now: float) -> None:
+        if change.requested_at is None:
+            self._request_until = now + REQUEST_DURATION
+        change.requested_at = now
         self.attempts += 1
         secret = NO_KEY if self.key is None else self.key.secret_bytes()
         self.send(
@@ -100,7 +100,7 @@ class SetupSigning(Operation[None]):
                 target_system=self.target.system,
                 target_component=self.target.component,
                 secret_key=secret,
-                # ArduPilot takes a key of zeros for no signing only if the timestamp is zero too.
+                # For ArduPilot a key of zeros means no signing only if the timestamp is zero too.
                 initial_timestamp=0 if self.key is None else timestamp_at(now),
             )
         )
@@ -119,32 +119,34 @@ class SetupSigning(Operation[None]):
     def _client_of_keys(self) -> SigningSetupClient:
         client = self.client
         if not isinstance(client, SigningSetupClient):
-            raise InvalidArgumentError(f"{self.description} belongs to a SigningSetupClient")
+            raise InvalidArgumentError(f"{self.description} needs a SigningSetupClient")
         return client
 
 
 class SigningSetupClient(Client):
-    """Changes the key of one component."""
+    """The client that changes the signing key of one component."""
 
     handles = message_ids(common.Heartbeat, common.Timesync)
 
     def __init__(self, local: Address, target: Address) -> None:
         if 0 in target:
-            raise InvalidArgumentError(f"a signing key goes to one component, not to {target}")
+            raise InvalidArgumentError(f"a signing key must be sent to one component, got {target}")
         super().__init__(local, target)
         self._change: KeyChange | None = None
 
     @property
     def changing(self) -> bool:
-        """Whether a change is open: it is not known yet how the target goes on."""
+        """True while a change is in progress."""
         return self._change is not None and self._change.settled is None
 
-    def install(self, key: SigningKey | None, now: float, *, timeout: float | None = LIMIT) -> SetupSigning:
-        """Make the target sign with a key, or, without one, not sign."""
+    def install(
+        self, key: SigningKey | None, now: float, *, timeout: float | None = DEFAULT_TIMEOUT
+    ) -> SetupSigning:
+        """Set the target's signing key; None turns signing off."""
         return self.begin(SetupSigning(key, timeout=timeout), now)
 
     def begin_change(self, new: SigningKey | None) -> KeyChange | None:
-        """Open a change of keys; None while another is open."""
+        """Begin a key change; returns None while another is in progress."""
         if self.changing:
             return None
         self._change = KeyChange(self.target, new, self.emit)
@@ -155,4 +157,4 @@ class SigningSetupClient(Client):
 
     def observe(self, packet: Packet, now: float) -> None:
         if self._change is not None and self._change.settled is None:
-            self._change.heard(packet, now)
+            self._change.observe(packet, now)

@@ -1,12 +1,12 @@
-"""Being given a signing key (SETUP_SIGNING; see `change`).
+"""The server that accepts a signing key (SETUP_SIGNING; see `key_change`).
 
-A key is taken only if the program's `may_set` gives no reason against it, and nothing is taken without such a
-policy: who can send this message owns the vehicle. The node's `trusted_channels` is the usual one. ArduPilot
-also refuses while it is armed; the program may.
+A key is accepted only if the program's policy `may_set` returns no reason against it; without a policy none
+is accepted, since the sender of this message controls the vehicle. The node's policy is `trusted_channels`.
+ArduPilot also refuses while it is armed; the program may do so too.
 
-A new key is on trial: everything is signed with it, the old way is still accepted, and the first packet of
-the asker that is signed the new way ends the trial. If none comes within TRIAL seconds, all is as before. The
-timestamp that comes with a key is where the signing clock of one without a clock begins.
+A new key is on trial: packets are signed with it, the old way is still accepted, and the client's first
+packet that is signed the new way ends the trial. If none arrives within TRIAL_DURATION seconds, the server
+rolls back. The timestamp of a key is where the signing clock of a component without a clock begins.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mavstack.security.timestamps import MAX_TIMESTAMP, UNITS_PER_SECOND
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.service import Event, Service
 from mavstack.services.signing_setup.key_change import (
-    TRIAL,
+    TRIAL_DURATION,
     KeySettled,
     ListenForKey,
     UseNewKey,
@@ -35,15 +35,15 @@ if TYPE_CHECKING:
     from mavstack.wire import Packet
 
 _NO_KEY = bytes(32)
-_MAX_REMEMBERED = 64
-#: A signing clock that begins later than this, in the year 2103, would soon stand at its end for ever.
+_MAX_SEEN = 64
+#: A signing clock that begins after this, in the year 2103, would soon reach its end for ever.
 _MAX_TIMESTAMP = MAX_TIMESTAMP - 365 * 24 * 3600 * UNITS_PER_SECOND
 _STATUSTEXT_BYTES = 50
 
 
 @dataclass(frozen=True, slots=True)
 class SigningRequest:
-    """Somebody wants to set a key, or, if `disables`, no signing any more."""
+    """A request to set a key, or with `disables` to turn signing off."""
 
     source: Address
     disables: bool
@@ -52,13 +52,13 @@ class SigningRequest:
 
 @dataclass(frozen=True, slots=True)
 class SigningRefused(Event):
-    """Somebody wanted to set a key and may not."""
+    """A request to set a key was refused."""
 
     request: SigningRequest
     reason: str
 
 
-#: The program's policy: why a key may not be set now, or None.
+#: The program's policy: returns the reason why a key may not be set now, or None.
 MaySet: TypeAlias = Callable[[SigningRequest], str | None]
 
 
@@ -69,17 +69,19 @@ class _Trial:
     ends_at: float
 
 
-def nobody(request: SigningRequest) -> str | None:
-    """The policy of a program that has none."""
-    return "nobody may set keys here"
+def refuse_all(request: SigningRequest) -> str | None:
+    """Return the reason of the default policy, which refuses every key."""
+    return "no policy allows it"
 
 
 class SigningSetupServer(Service):
-    """The signing key of one component; `key` is the one that it begins with."""
+    """The signing key of one component; `key` is the initial one."""
 
     handles = message_ids(common.SetupSigning, common.Heartbeat, common.Timesync)
 
-    def __init__(self, local: Address, *, key: SigningKey | None = None, may_set: MaySet = nobody) -> None:
+    def __init__(
+        self, local: Address, *, key: SigningKey | None = None, may_set: MaySet = refuse_all
+    ) -> None:
         super().__init__(local)
         self.key = key
         self._may_set = may_set
@@ -89,7 +91,7 @@ class SigningSetupServer(Service):
 
     @property
     def on_trial(self) -> bool:
-        """Whether a new key is in use that may yet be taken back."""
+        """True while a new key is in use that may be rolled back."""
         return self._trial is not None
 
     def receive(self, packet: Packet, now: float) -> None:
@@ -99,9 +101,9 @@ class SigningSetupServer(Service):
             self._settle(changed=True)
         match packet.message:
             case common.SetupSigning(target_system=system, target_component=component) as message:
-                # Not one to all: a key is a matter between two.
+                # A key that was sent to all components is ignored.
                 if (system, component) == self.local and not self._is_copy(packet):
-                    self._asked(message, SigningRequest(source, _disables(message), packet.signed), now)
+                    self._handle(message, SigningRequest(source, _disables(message), packet.signed), now)
 
     def next_timeout(self) -> float | None:
         return self._trial.ends_at if self._trial else None
@@ -111,17 +113,17 @@ class SigningSetupServer(Service):
             self.emit(UseOldKey(self._trial.source))
             self._settle(changed=False)
 
-    def _asked(self, message: common.SetupSigning, request: SigningRequest, now: float) -> None:
+    def _handle(self, message: common.SetupSigning, request: SigningRequest, now: float) -> None:
         if message.secret_key == _NO_KEY and not request.disables:
-            self._refuse(request, "a key of zeros protects nothing")
+            self._refuse(request, "a key of zeros is not allowed")
             return
         if message.initial_timestamp > _MAX_TIMESTAMP:
-            self._refuse(request, "its timestamp is in the next century")
+            self._refuse(request, "the timestamp is too far in the future")
             return
         key = None if request.disables else SigningKey(message.secret_key)
         wanted = self._trial.key if self._trial else self.key
         if key == wanted or (key is not None and message.initial_timestamp <= self._newest):
-            return  # asked again, or overtaken by a later one
+            return  # a repetition, or reordered behind a newer request
         reason = self._may_set(request)
         if reason is not None:
             self._refuse(request, reason)
@@ -130,7 +132,7 @@ class SigningSetupServer(Service):
             self.emit(UseOldKey(self._trial.source))
             self._settle(changed=False)
         self._newest = message.initial_timestamp or self._newest
-        self._trial = _Trial(key, request.source, now + TRIAL)
+        self._trial = _Trial(key, request.source, now + TRIAL_DURATION)
         self.emit(ListenForKey(request.source, key, message.initial_timestamp))
         self.emit(UseNewKey(request.source))
 
@@ -146,15 +148,15 @@ class SigningSetupServer(Service):
         self.send(common.Statustext(severity=common.MavSeverity.WARNING, text=text), request.source)
 
     def _is_copy(self, packet: Packet) -> bool:
-        """Whether the very packet came before; remembers its hash, since its bytes hold a key."""
+        """Return whether the packet is a duplicate; stores only its hash, since its bytes contain a key."""
         seen = sha256(packet.raw).digest()
         copy = seen in self._seen
         self._seen[seen] = None
-        if len(self._seen) > _MAX_REMEMBERED:
+        if len(self._seen) > _MAX_SEEN:
             self._seen.popitem(last=False)
         return copy
 
 
 def _disables(message: common.SetupSigning) -> bool:
-    """Whether it means no signing: a key of zeros and the time zero, as ArduPilot reads it."""
+    """Return whether the message turns signing off: a key of zeros and timestamp zero, as on ArduPilot."""
     return message.secret_key == _NO_KEY and message.initial_timestamp == 0

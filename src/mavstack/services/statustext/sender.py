@@ -17,7 +17,7 @@ MAX_WAITING = 64
 
 
 class StatustextSender(Service):
-    """The sender that broadcasts texts in order; they wait for room, and the oldest of too many is dropped."""
+    """The sender that broadcasts texts in order; on a full link they wait, and the oldest is dropped."""
 
     def __init__(self, local: Address) -> None:
         super().__init__(local)

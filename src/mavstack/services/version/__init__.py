@@ -1,4 +1,4 @@
-"""What a component is and can do: AUTOPILOT_VERSION and PROTOCOL_VERSION."""
+"""The version and capabilities of a component: AUTOPILOT_VERSION and PROTOCOL_VERSION."""
 
 from mavstack.services.version.autopilot_version import AutopilotVersion, FirmwareVersion, git_hash
 from mavstack.services.version.client import RequestAutopilotVersion, RequestProtocolVersion

@@ -1,7 +1,7 @@
-"""What AUTOPILOT_VERSION says, in words that a program can use.
+"""The content of AUTOPILOT_VERSION, decoded.
 
 A version is four bytes: major, minor, patch, and a FIRMWARE_VERSION_TYPE. A git hash is eight bytes, which
-ArduPilot fills with the letters of the hash and PX4 with a number, least byte first.
+ArduPilot fills with the letters of the hash and PX4 with a little-endian number.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ class FirmwareVersion(NamedTuple):
 
     @classmethod
     def unpack(cls, packed: int) -> Self:
-        """From the field of a message."""
+        """Unpack the field of a message."""
         kind = packed & 0xFF
         return cls(packed >> 24 & 0xFF, packed >> 16 & 0xFF, packed >> 8 & 0xFF, kind)
 
     def pack(self) -> int:
-        """As the field of a message."""
+        """Pack the version for the field of a message."""
         return self.major << 24 | self.minor << 16 | self.patch << 8 | self.kind
 
     @property
     def kind_name(self) -> str:
-        """The step of a release in which it is, such as "beta"; between two, the one before."""
+        """The release type, such as "beta"; between two types, the lower one."""
         steps = sorted(common.FirmwareVersionType, reverse=True)
         return next(step.name.lower() for step in steps if step <= self.kind)
 
@@ -50,7 +50,7 @@ UNKNOWN = FirmwareVersion(0, 0, 0, 0)
 
 
 def git_hash(custom: bytes) -> str:
-    """The hash in one of the custom version fields, as git writes it; "" if there is none."""
+    """Return the git hash in a custom version field; "" if there is none."""
     if not any(custom):
         return ""
     letters = custom.rstrip(b"\0")
@@ -61,7 +61,7 @@ def git_hash(custom: bytes) -> str:
 
 @dataclass(frozen=True, slots=True)
 class AutopilotVersion:
-    """The software and the hardware of a component, and what it can do."""
+    """The software, hardware and capabilities of a component."""
 
     capabilities: int = 0
     flight: FirmwareVersion = UNKNOWN
@@ -77,12 +77,12 @@ class AutopilotVersion:
     operating_system_custom: bytes = bytes(8)
 
     def can(self, capability: int) -> bool:
-        """Whether it says that it has all of these MAV_PROTOCOL_CAPABILITY flags."""
+        """Return whether the component has all of these MAV_PROTOCOL_CAPABILITY flags."""
         return self.capabilities & capability == capability
 
     @property
     def git_hash(self) -> str:
-        """The commit of the flight software."""
+        """The git hash of the flight software."""
         return git_hash(self.flight_custom)
 
     @property
@@ -92,14 +92,14 @@ class AutopilotVersion:
 
     @property
     def unique_id(self) -> str:
-        """What no other board has, in hexadecimal: the long one if it is given; "" if none is."""
+        """The unique id of the board in hexadecimal, the long one if available; "" if there is none."""
         if any(self.uid2):
             return self.uid2.hex()
         return f"{self.uid:016x}" if self.uid else ""
 
     @classmethod
     def read(cls, message: common.AutopilotVersion) -> Self:
-        """What a message says."""
+        """Return the content of a message."""
         return cls(
             capabilities=int(message.capabilities),
             flight=FirmwareVersion.unpack(message.flight_sw_version),
@@ -116,7 +116,7 @@ class AutopilotVersion:
         )
 
     def to_message(self) -> common.AutopilotVersion:
-        """The message that says this."""
+        """Return the message."""
         return common.AutopilotVersion(
             capabilities=self.capabilities,
             flight_sw_version=self.flight.pack(),

@@ -1,4 +1,4 @@
-"""Asking for versions; both run on the target's `CommandClient`."""
+"""Requests of versions; both run on the target's `CommandClient`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class RequestAutopilotVersion(Procedure[AutopilotVersion]):
-    """The target's software, hardware and capabilities."""
+    """The request of AUTOPILOT_VERSION: the target's software, hardware and capabilities."""
 
     timeout_error = MessageTimeout
 
@@ -24,13 +24,13 @@ class RequestAutopilotVersion(Procedure[AutopilotVersion]):
         super().__init__("requesting AUTOPILOT_VERSION from", timeout=timeout, idle_timeout=60.0)
 
     def steps(self) -> Generator[Operation[Any], Any, AutopilotVersion]:
-        """One message."""
+        """Request the message."""
         message: common.AutopilotVersion = yield RequestMessage(common.AutopilotVersion)
         return AutopilotVersion.read(message)
 
 
 class RequestProtocolVersion(Procedure[ProtocolVersion]):
-    """The MAVLink versions that the target speaks; that an answer comes at all shows that 2 gets through."""
+    """The request of PROTOCOL_VERSION: the MAVLink versions of the target; an answer shows that 2 works."""
 
     timeout_error = MessageTimeout
 
@@ -38,6 +38,6 @@ class RequestProtocolVersion(Procedure[ProtocolVersion]):
         super().__init__("requesting PROTOCOL_VERSION from", timeout=timeout, idle_timeout=60.0)
 
     def steps(self) -> Generator[Operation[Any], Any, ProtocolVersion]:
-        """One message."""
+        """Request the message."""
         message: common.ProtocolVersion = yield RequestMessage(common.ProtocolVersion)
         return ProtocolVersion.read(message)

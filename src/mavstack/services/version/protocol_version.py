@@ -1,4 +1,4 @@
-"""Which versions of MAVLink a component speaks, as PROTOCOL_VERSION says it: 100 is 1.0, 200 is 2.0."""
+"""The MAVLink versions that a component supports, from PROTOCOL_VERSION: 100 is 1.0, 200 is 2.0."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ProtocolVersion:
-    """The version in use, and the least and the most that are understood, times 100."""
+    """The version in use, and the smallest and largest supported version, times 100."""
 
     version: int = 200
     minimum: int = 100
@@ -21,13 +21,13 @@ class ProtocolVersion:
     specification_hash: bytes = bytes(8)
     library_hash: bytes = bytes(8)
 
-    def speaks(self, major: int) -> bool:
-        """Whether it understands MAVLink `major`."""
+    def supports(self, major: int) -> bool:
+        """Return whether the component supports MAVLink `major`."""
         return self.minimum <= major * 100 + 99 and major * 100 <= self.maximum
 
     @classmethod
     def read(cls, message: common.ProtocolVersion) -> Self:
-        """What a message says; a most version of 0 is the version in use."""
+        """Return the content of a message; a largest version of 0 is the version in use."""
         return cls(
             version=message.version,
             minimum=message.min_version,
@@ -37,7 +37,7 @@ class ProtocolVersion:
         )
 
     def to_message(self) -> common.ProtocolVersion:
-        """The message that says this."""
+        """Return the message."""
         return common.ProtocolVersion(
             version=self.version,
             min_version=self.minimum,

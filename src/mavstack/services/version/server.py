@@ -1,4 +1,4 @@
-"""Answering who asks for versions."""
+"""The answers to version requests."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def provide_versions(
     messages: MessageServer, autopilot: AutopilotVersion, protocol: ProtocolVersion | None = None
 ) -> None:
-    """Answer requests for AUTOPILOT_VERSION and PROTOCOL_VERSION, old and new."""
-    spoken = protocol or ProtocolVersion()
+    """Answer requests for AUTOPILOT_VERSION and PROTOCOL_VERSION, legacy ones included."""
+    supported = protocol or ProtocolVersion()
     messages.provide(common.AutopilotVersion, lambda _: autopilot.to_message())
-    messages.provide(common.ProtocolVersion, lambda _: spoken.to_message())
+    messages.provide(common.ProtocolVersion, lambda _: supported.to_message())
