@@ -15,16 +15,69 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the table: the public names of some modules, or those chosen by name."""
+    """A part of the table: the public names of some modules, and further classes as `module:Class`."""
 
     title: str
-    modules: tuple[str, ...]
-    names: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ()
+    classes: tuple[str, ...] = ()
 
 
 SECTIONS = (
     Section("Connections and vehicles", ("mavstack.vehicle",)),
+    Section(
+        "Parts of a vehicle",
+        classes=(
+            "mavstack.vehicle.mission:Mission",
+            "mavstack.vehicle.mission:VehiclePlan",
+            "mavstack.vehicle.guided_session:GuidedSession",
+            "mavstack.vehicle.health:Health",
+            "mavstack.vehicle.vehicle_type:VehicleType",
+        ),
+    ),
+    Section("Telemetry values", ("mavstack.vehicle.telemetry.values",)),
     Section("Nodes and remote components", ("mavstack.node",)),
+    Section(
+        "Parts of a remote component",
+        classes=(
+            "mavstack.node.params:Params",
+            "mavstack.node.extended_params:ExtendedParams",
+            "mavstack.node.plans:Plans",
+            "mavstack.node.ftp:Ftp",
+            "mavstack.node.logs:Logs",
+            "mavstack.node.modes:Modes",
+            "mavstack.node.shell:Shell",
+            "mavstack.node.control:ControlStream",
+            "mavstack.node.forwarding:Forwarding",
+        ),
+    ),
+    Section(
+        "Values of services",
+        classes=(
+            "mavstack.services:Address",
+            "mavstack.services.mission:MissionItem",
+            "mavstack.services.mission:Plan",
+            "mavstack.services.mission:MissionProgress",
+            "mavstack.services.mission:ItemReached",
+            "mavstack.services.parameters:Parameter",
+            "mavstack.services.parameters:ParameterChanged",
+            "mavstack.services.parameters:Snapshot",
+            "mavstack.services.ftp:Entry",
+            "mavstack.services.log:LogEntry",
+            "mavstack.services.modes:AvailableMode",
+            "mavstack.services.message_request:Interval",
+            "mavstack.services.command:Command",
+            "mavstack.services.command:CommandRequest",
+            "mavstack.services.command:CommandResult",
+            "mavstack.services.heartbeat:ComponentInfo",
+            "mavstack.services.setpoints:LocalSetpoint",
+            "mavstack.services.setpoints:GlobalSetpoint",
+            "mavstack.services.setpoints:AttitudeSetpoint",
+            "mavstack.services.version:AutopilotVersion",
+            "mavstack.services.version:ProtocolVersion",
+        ),
+    ),
+    Section("Plan files", ("mavstack.files.plans",)),
+    Section("Parameter files", ("mavstack.files.parameters",)),
     Section("Packets", ("mavstack.wire",)),
     Section("Dialects", ("mavstack.dialects",)),
     Section("Links", ("mavstack.links",)),
@@ -80,8 +133,11 @@ def public_names(section: Section) -> list[tuple[str, Any]]:
     found: dict[str, Any] = {}
     for module_name in section.modules:
         module = import_module(module_name)
-        names = section.names or getattr(module, "__all__", None) or _own_names(module)
+        names = getattr(module, "__all__", None) or _own_names(module)
         found |= {name: getattr(module, name) for name in names}
+    for path in section.classes:
+        module_name, name = path.split(":")
+        found[name] = getattr(import_module(module_name), name)
     return list(found.items())
 
 

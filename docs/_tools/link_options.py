@@ -106,7 +106,7 @@ class RecordingOptions(Options):
         return super().flag(name, default=default)
 
     def integer(self, name: str, default: int, *arguments: int, **keywords: int) -> int:
-        self._note(name, "integer number", default)
+        self._note(name, "integer", default)
         return super().integer(name, default, *arguments, **keywords)
 
     def seconds(self, name: str, default: float) -> float:

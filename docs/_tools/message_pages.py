@@ -96,7 +96,7 @@ def render_index() -> str:
             f"| [{name}]({_page_of(name)}) | {len(parts.messages)} | {len(parts.commands)} "
             f"| {len(parts.enums)} | {len(dialect)} | {includes} |"
         )
-    head = "| dialect | messages | commands | enums | messages with included dialects | includes |"
+    head = "| dialect | messages | commands | enums | messages with includes | includes |"
     return "\n".join([head, "|---|--:|--:|--:|--:|---|", *rows])
 
 
@@ -177,14 +177,13 @@ def _message(name: str, message: MessageDefinition, base: str) -> str:
         f'<p class="facts">id <b>{message.id}</b> · CRC_EXTRA <b>{message.crc_extra}</b> · {size} · '
         f"<code>{module}.{class_name(message.name)}</code></p>"
     )
-    rows = "".join(_field_row(name, field, base) for field in message.fields)
-    head = "<tr><th>field</th><th>type</th><th>unit or enum</th><th>notes</th></tr>"
+    rows = [_field_row(name, field, base) for field in message.fields]
     text = escape(message.description)
     marks = _marks(message.deprecated, message.superseded, wip=message.wip)
-    return f"<p>{text}</p>{marks}{facts}" + f'<table class="definition">{head}{rows}</table>'
+    return f"<p>{text}</p>{marks}{facts}" + _table(("field", "type", "unit or enum", "notes"), rows)
 
 
-def _field_row(name: str, field: FieldDefinition, base: str) -> str:
+def _field_row(name: str, field: FieldDefinition, base: str) -> tuple[str, ...]:
     kind = field.type + (f"[{field.array_length}]" if field.array_length else "")
     unit = _enum_link(name, field.enum, base) if field.enum else escape(field.units)
     if field.multiplier:
@@ -197,8 +196,7 @@ def _field_row(name: str, field: FieldDefinition, base: str) -> str:
         "instance" if field.instance else "",
         escape(field.description),
     ]
-    label = f"<code>{field.name}</code>"
-    return _row(label, kind, unit, "; ".join(filter(None, notes)))
+    return f"<code>{_breakable(field.name)}</code>", kind, unit, "; ".join(filter(None, notes))
 
 
 # Commands
@@ -225,9 +223,8 @@ def _command(name: str, entry: EnumEntry, base: str) -> str:
         f"{' · ' + places if places else ''}</p>"
     )
     text = f"<p>{escape(entry.description)}</p>" if entry.description else ""
-    rows = "".join(_param_row(name, param, base) for param in entry.params if not _is_unused(param))
-    head = "<tr><th>param</th><th>label</th><th>unit or enum</th><th>notes</th></tr>"
-    table = f'<table class="definition">{head}{rows}</table>' if rows else "<p>No parameters.</p>"
+    rows = [_param_row(name, param, base) for param in entry.params if not _is_unused(param)]
+    table = _table(("param", "label", "unit or enum", "notes"), rows) if rows else "<p>No parameters.</p>"
     return text + _marks(entry.deprecated, entry.superseded, wip=entry.wip) + facts + table
 
 
@@ -235,14 +232,14 @@ def _is_unused(param: EnumParam) -> bool:
     return param.reserved or not (param.label or param.description or param.enum or param.units)
 
 
-def _param_row(name: str, param: EnumParam, base: str) -> str:
+def _param_row(name: str, param: EnumParam, base: str) -> tuple[str, ...]:
     unit = _enum_link(name, param.enum, base) if param.enum else escape(param.units)
     notes = [
         f"default: {escape(param.default)}" if param.default else "",
         _range(param.minimum, param.maximum),
         escape(param.description),
     ]
-    return _row(str(param.index), escape(param.label), unit, "; ".join(filter(None, notes)))
+    return str(param.index), escape(param.label), unit, "; ".join(filter(None, notes))
 
 
 # Enums
@@ -266,25 +263,36 @@ def _enum(name: str, enum: EnumDefinition, base: str) -> str:
         link = f"{_html_path(_enum_page(origin), base)}#{enum.name}"
         facts += f' · more entries of the enum in <a href="{link}">{origin}</a>'
     members = {int(member): member_name for member_name, member in made.__members__.items()}
-    rows = "".join(_entry_row(entry, members) for entry in enum.entries)
-    head = "<tr><th>value</th><th>entry</th><th>in Python</th><th>notes</th></tr>"
+    table = _table(
+        ("value", "entry", "in Python", "notes"), [_entry_row(entry, members) for entry in enum.entries]
+    )
     text = f"<p>{escape(enum.description)}</p>" if enum.description else ""
     marks = _marks(enum.deprecated, enum.superseded, wip=enum.wip)
-    return f'{text}{marks}{facts}</p><table class="definition">{head}{rows}</table>'
+    return f"{text}{marks}{facts}</p>{table}"
 
 
-def _entry_row(entry: EnumEntry, members: dict[int, str]) -> str:
+def _entry_row(entry: EnumEntry, members: dict[int, str]) -> tuple[str, ...]:
     marks = _marks(entry.deprecated, entry.superseded, wip=entry.wip, inline=True)
     notes = " ".join(filter(None, (escape(entry.description), marks)))
-    python = f"<code>{members[entry.value]}</code>" if entry.value in members else ""
-    return _row(str(entry.value), f"<code>{entry.name}</code>", python, notes)
+    python = f"<code>{_breakable(members[entry.value])}</code>" if entry.value in members else ""
+    return str(entry.value), f"<code>{_breakable(entry.name)}</code>", python, notes
 
 
 # Parts of both
 
 
-def _row(*cells: str) -> str:
-    return "<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
+def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """Return an HTML table; columns at its end that are empty are left out."""
+    width = max((index + 1 for row in rows for index, cell in enumerate(row) if cell), default=len(head))
+    lines = ["<table><thead><tr>", *(f"<th>{title}</th>" for title in head[:width]), "</tr></thead><tbody>"]
+    for row in rows:
+        lines += ["<tr>", *(f"<td>{cell}</td>" for cell in row[:width]), "</tr>"]
+    return " ".join([*lines, "</tbody></table>"])
+
+
+def _breakable(name: str) -> str:
+    """Return a name that a browser may break behind each underscore."""
+    return name.replace("_", "_<wbr>")
 
 
 def _range(minimum: float | None, maximum: float | None) -> str:
@@ -327,7 +335,7 @@ def _enum_link(name: str, enum: str, base: str) -> str:
         large = _parts(origin).is_large
         path = f"{origin}/commands.md" if large else f"{origin}.md"
         return f'<a href="{_html_path(path, base)}">{enum}</a>'
-    return f'<a href="{_html_path(_enum_page(origin), base)}#{enum}">{enum}</a>'
+    return f'<a href="{_html_path(_enum_page(origin), base)}#{enum}">{_breakable(enum)}</a>'
 
 
 def _html_path(path: str, base: str) -> str:

@@ -16,7 +16,7 @@ from mavstack.cli.registry import COMMANDS, command_parser
 from mavstack.cli.shell.registry import COMMANDS as SHELL_COMMANDS
 from mavstack.dialects import common
 from mavstack.files.plans import PlanFile, write_plan
-from mavstack.services.mission import MissionItem, Plan
+from mavstack.services.mission import MissionItem
 from mavstack.sim import BackgroundSimulator
 from tests.docs.blocks import BLOCKS, ROOT, comparison_rows
 
@@ -95,7 +95,7 @@ def test_runnable_commands_run(block, vehicle_url, tmp_path):
         MissionItem(common.MavCmd.NAV_TAKEOFF, param7=10),
         MissionItem(common.MavCmd.NAV_RETURN_TO_LAUNCH),
     ]
-    write_plan(PlanFile.of([Plan.of(items)]), tmp_path / "survey.plan")
+    write_plan(tmp_path / "survey.plan", PlanFile.of(items))
     for line in mav_lines(block.text):
         done = subprocess.run(
             [sys.executable, "-m", "mavstack", *words_of(line)],

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
+import os
 import re
 import socket
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 from textwrap import indent
 
 import pytest
 
+from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, LinkURL
+from mavstack.links.options import Options
 from tests.docs.blocks import BLOCKS, ROOT, comparison_rows
 
 PYTHON = [block for block in BLOCKS if block.language == "python" and not block.skipped]
@@ -210,3 +215,24 @@ def test_test_modules_pass(block, tmp_path):
     ]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="named pipes of POSIX")
+async def test_the_link_plug_in_carries_bytes(tmp_path):
+    (block,) = (block for block in PYTHON if block.page == "guides/link-plugin.md")
+    namespace: dict = {}
+    exec(compile(block.text, block.page, "exec"), namespace)
+    path = tmp_path / "vehicle"
+    for end in ("in", "out"):
+        os.mkfifo(f"{path}.{end}")
+    url = LinkURL("pipe", path=str(path), options={"chunk": "100"})
+    async with asyncio.timeout(10), namespace["PipeLink"](url, Options(url)) as link:
+        opened = await anext(link)
+        assert isinstance(opened, ChannelOpened)
+        await asyncio.to_thread(Path(f"{path}.in").write_bytes, b"hello")
+        received = await anext(link)
+        assert isinstance(received, BytesReceived)
+        assert received.data == b"hello"
+        assert opened.channel.write(b"answer")
+        opened.channel.close()
+        assert isinstance(await anext(link), ChannelClosed)
