@@ -1,4 +1,4 @@
-"""What tests of nodes share."""
+"""Fixtures of the node tests."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tests.node.signed_pair import START
 
 @pytest.fixture
 def clock(monkeypatch):
-    """Sets the time at which nodes are opened from then on."""
+    """Set the time at which nodes are opened from then on."""
     times = {"now": START}
     monkeypatch.setattr("mavstack.node.driver.time", lambda: times["now"])
     return lambda now: times.update(now=now)

@@ -1,4 +1,4 @@
-"""A ground station and a vehicle over memory links, and with which key they sign."""
+"""A ground station and a vehicle over memory links, with signing keys."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CHANGES = [(None, NEW), (OLD, NEW), (OLD, None)]
 
 
 class Pair:
-    """A ground station, and a vehicle that takes keys over channels that are trusted."""
+    """A ground station, and a vehicle that accepts keys over trusted channels."""
 
     def __init__(self, key=None, *, vehicle_key=..., trusted=True, timestamps=None) -> None:
         vehicle_key = key if vehicle_key is ... else vehicle_key
@@ -60,7 +60,7 @@ class Pair:
             channel.trusted = self.trusted
 
     async def reconnect(self) -> None:
-        """Close the channel on both ends; its successor has its name."""
+        """Close the channel on both ends, and open another one of the same name."""
         names = [[channel.name for channel in node._host.engine.channels] for node in self.nodes]
         self.ground_link.channels[0].close("a test")
         await asyncio.sleep(0.01)
@@ -78,7 +78,7 @@ async def heard(node: Node, seconds: float = 3.0):
 
 
 async def assert_both_use(pair: Pair, key, seconds: float = 3.0) -> None:
-    """Both hear each other, everything they hear is signed with the key, and nothing is refused."""
+    """Assert that both receive packets of each other, all signed with the key, and refuse none."""
     for packets in await asyncio.gather(heard(pair.ground, seconds), heard(pair.vehicle, seconds)):
         assert "HEARTBEAT" in {packet.name for packet in packets}
         assert all(signed_with(packet, key, START) for packet in packets)
@@ -88,7 +88,7 @@ async def assert_both_use(pair: Pair, key, seconds: float = 3.0) -> None:
 
 
 def refusals(node: Node) -> int:
-    """How many packets the channels refused."""
+    """Return the number of packets that the channels refused."""
     kinds = ("unsigned", "forged", "replayed", "stale", "future", "too_many_streams")
     counted = [channel.signing.refusals for channel in node._host.engine.channels if channel.signing]
     return sum(getattr(each, kind) for each in counted for kind in kinds)

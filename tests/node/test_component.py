@@ -1,4 +1,4 @@
-"""Each face of a remote component, once, against a component that offers everything."""
+"""Each part of a remote component, once, against a component that offers every service."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mavstack.sim.virtual import run_virtually
 from tests.node.vehicle import COPTER, Pair
 
 PX4 = common.MavAutopilot.PX4
-#: On channels 9 to 18 the zero means nothing, and this gives a channel back.
+#: On channels 9 to 18 zero means no change, and this value releases a channel.
 RELEASE_LATE = 65534
 
 
@@ -92,7 +92,7 @@ def test_standard_modes() -> None:
         assert (modes.current, modes._clients.modes.standard_mode) == (
             None,
             None,
-        )  # nobody followed it until now
+        )  # not followed until now
         await asyncio.sleep(3)
         assert (modes.current, modes._clients.modes.standard_mode) == ("RTL", standard.SAFE_RECOVERY)
         with pytest.raises(CommandDenied, match="FAILED") as denied:
@@ -103,7 +103,7 @@ def test_standard_modes() -> None:
     with_pair(work)
 
 
-def test_a_standard_mode_that_is_accepted_but_not_entered_is_a_timeout() -> None:
+def test_an_accepted_standard_mode_that_is_not_entered_times_out() -> None:
     async def work(pair: Pair) -> None:
         command = common.MavCmd.DO_SET_STANDARD_MODE
         pair.vehicle.commands.server.support(command, lambda _: common.MavResult.ACCEPTED)
@@ -129,7 +129,7 @@ def test_a_shell() -> None:
     with_pair(work)
 
 
-def test_setpoints_and_sticks_last_as_long_as_their_block() -> None:
+def test_setpoints_and_manual_control_end_with_their_block() -> None:
     async def work(pair: Pair) -> None:
         ground = pair.ground.address
         async with pair.remote.setpoints(rate=10) as stream:
@@ -152,7 +152,7 @@ def test_setpoints_and_sticks_last_as_long_as_their_block() -> None:
 
 
 @pytest.mark.parametrize("raises", [False, True])
-def test_channels_are_overridden_while_a_block_lasts_and_then_given_back(raises: bool) -> None:
+def test_channels_are_overridden_in_a_block_and_then_released(raises: bool) -> None:
     async def work(pair: Pair) -> None:
         async def steer() -> None:
             async with pair.remote.override_channels(rate=10) as channels:
@@ -161,7 +161,7 @@ def test_channels_are_overridden_while_a_block_lasts_and_then_given_back(raises:
                 assert overridden() == {3: 1600, 9: 1200}
                 channels.set(ChannelOverride({3: 1500}))
                 await asyncio.sleep(1.0)
-                assert overridden() == {3: 1500}  # what is no longer given is given back
+                assert overridden() == {3: 1500}  # a channel that is no longer overridden is released
                 if raises:
                     raise ZeroDivisionError
 
@@ -183,7 +183,7 @@ def test_channels_are_overridden_while_a_block_lasts_and_then_given_back(raises:
     with_pair(work)
 
 
-def test_a_message_is_addressed_by_the_way() -> None:
+def test_send_fills_in_the_target() -> None:
     async def work(pair: Pair) -> None:
         async with pair.vehicle.stream(common.PlayTuneV2) as heard:
             pair.remote.send(common.PlayTuneV2(tune="MFT200"))
@@ -216,7 +216,7 @@ def test_files() -> None:
     with_pair(work)
 
 
-def test_a_cancelled_read_leaves_no_session() -> None:
+def test_a_cancelled_download_closes_its_session() -> None:
     async def work(pair: Pair) -> None:
         def stop(_done: int, _total: int) -> None:
             task.cancel()
@@ -230,7 +230,7 @@ def test_a_cancelled_read_leaves_no_session() -> None:
     with_pair(work)
 
 
-def test_ardupilots_parameters_come_as_one_file() -> None:
+def test_ardupilot_parameters_are_downloaded_as_one_file() -> None:
     async def work(pair: Pair) -> None:
         async with pair.ground.packets(common.ParamValue) as values:
             fetched = await pair.remote.params.download()
@@ -252,7 +252,7 @@ def test_extended_parameters() -> None:
     with_pair(work)
 
 
-def test_modes_that_a_firmware_does_not_tell_are_known_by_name() -> None:
+def test_modes_that_are_not_reported_come_from_the_documentation() -> None:
     async def work(pair: Pair) -> None:
         pair.vehicle.commands.server.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.FAILED)
         names = {mode.name.upper() for mode in await pair.remote.modes.list()}
@@ -261,7 +261,7 @@ def test_modes_that_a_firmware_does_not_tell_are_known_by_name() -> None:
     with_pair(work, autopilot=common.MavAutopilot.ARDUPILOTMEGA)
 
 
-def test_a_listing_leaves_out_the_directory_itself_and_its_parent() -> None:
+def test_list_omits_the_directory_itself_and_its_parent() -> None:
     async def work(pair: Pair) -> None:
         listed = pair.vehicle.files.list_directory
         extra = [Entry(name, is_directory=True) for name in (".", "..")]

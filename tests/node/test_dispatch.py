@@ -1,4 +1,4 @@
-"""Who is called with which packets."""
+"""Dispatch of packets to listeners, and the index of services."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def packet(message, system: int = 1, component: int = 1) -> Packet:
     return Packet(encode(message, system=system, component=component), common)
 
 
-def test_each_hears_what_it_asked_for_also_if_it_came_later() -> None:
+def test_each_listener_gets_its_packets() -> None:
     dispatch, heard = PacketDispatch(), []
     first = dispatch.add([common.Heartbeat], EVERYBODY, lambda _: heard.append("first"))
     dispatch.deliver(packet(HEARTBEAT))
@@ -28,10 +28,10 @@ def test_each_hears_what_it_asked_for_also_if_it_came_later() -> None:
     first.close()
     first.close()
     dispatch.deliver(packet(HEARTBEAT))
-    assert heard == ["first", "all of 1", "first", "2/7", "all of 1"]  # who hears everything goes first
+    assert heard == ["first", "all of 1", "first", "2/7", "all of 1"]  # listeners to all packets come first
 
 
-def test_one_may_close_while_packets_are_handed_over() -> None:
+def test_a_listener_may_close_during_the_dispatch() -> None:
     dispatch, heard = PacketDispatch(), []
 
     def once(_: Packet) -> None:

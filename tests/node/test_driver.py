@@ -1,4 +1,4 @@
-"""The driver's timer, which may ring early and never late; and what is read past the queue."""
+"""The driver's timer, which may fire early and never late, and the services that it skips."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LOCAL = Address(255, 190)
 
 
 class Alarm(Service):
-    """Rings once, at `due`."""
+    """A service with one timer, at `due`."""
 
     def __init__(self) -> None:
         super().__init__(LOCAL)
@@ -38,7 +38,7 @@ class Alarm(Service):
 
 
 def with_alarm(work: Callable[[Driver, Alarm, list[float]], asyncio.Future | object]) -> Alarm:
-    """Run something with a driver and an alarm; the list is of the times for which a timer was set."""
+    """Run a function with a driver and an alarm; the list holds the times of the timers that were set."""
     alarm = Alarm()
 
     async def running() -> None:
@@ -68,7 +68,7 @@ def set_for(driver: Driver, alarm: Alarm, due: float | None) -> None:
     driver.step()
 
 
-def test_a_timer_is_not_set_anew_for_what_is_due_later_and_rings_in_time() -> None:
+def test_the_timer_is_not_rearmed_for_a_later_deadline_and_fires_in_time() -> None:
     dues = []
 
     async def work(driver: Driver, alarm: Alarm, timers: list[float]) -> None:
@@ -83,7 +83,7 @@ def test_a_timer_is_not_set_anew_for_what_is_due_later_and_rings_in_time() -> No
     assert abs(with_alarm(work).rang[0] - dues[0]) < 1e-6
 
 
-def test_it_is_set_anew_for_what_is_due_earlier() -> None:
+def test_the_timer_is_rearmed_for_an_earlier_deadline() -> None:
     dues = []
 
     async def work(driver: Driver, alarm: Alarm, timers: list[float]) -> None:
@@ -98,7 +98,7 @@ def test_it_is_set_anew_for_what_is_due_earlier() -> None:
     assert [round(rang - due, 6) for rang, due in zip(alarm.rang, dues, strict=True)] == [0]
 
 
-def test_it_is_taken_back_when_nothing_is_due() -> None:
+def test_the_timer_is_cancelled_when_nothing_is_due() -> None:
     async def work(driver: Driver, alarm: Alarm, _timers: list[float]) -> None:
         set_for(driver, alarm, driver.now() + 1)
         set_for(driver, alarm, None)
@@ -108,13 +108,13 @@ def test_it_is_taken_back_when_nothing_is_due() -> None:
 
 
 class Watcher(Service):
-    """Hears heartbeats, and says whether anything has changed."""
+    """A service that receives heartbeats, and returns whether anything has changed."""
 
     handles = message_ids(common.Heartbeat)
 
     def __init__(self, changed: bool | None) -> None:
         super().__init__(LOCAL)
-        self.heard = self.asked = 0
+        self.heard = self.calls = 0
         self._changed = changed
 
     def receive(self, packet, now) -> bool | None:
@@ -122,22 +122,22 @@ class Watcher(Service):
         return self._changed
 
     def next_timeout(self) -> float | None:
-        self.asked += 1
+        self.calls += 1
         return None
 
 
-def test_who_says_that_nothing_has_changed_is_not_asked_anything() -> None:
+def test_a_service_without_changes_is_skipped() -> None:
     async def work() -> None:
         network = MemoryNetwork()
         ground, vehicle = Node(network.link()), Node(network.link(), system=1, component=1)
         quiet, usual = ground.serve(Watcher(changed=False)), ground.serve(Watcher(changed=None))
         async with ground:
             await asyncio.sleep(0.1)
-            before = quiet.asked
+            before = quiet.calls
             async with vehicle:
                 await asyncio.sleep(5.5)
         assert quiet.heard == usual.heard >= 5
-        assert quiet.asked - before <= 1  # when the channel opened
-        assert usual.asked >= 5
+        assert quiet.calls - before <= 1  # when the channel opened
+        assert usual.calls >= 5
 
     run_virtually(work())

@@ -1,4 +1,4 @@
-"""The engine: who gets a packet, where a message goes, what happens to copies, timers and full links."""
+"""The engine: delivery, routing, duplicates, timers and pacing."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Recorder(Service):
-    """Remembers what it is given."""
+    """A service that records its packets."""
 
     handles = message_ids(common.ParamValue, common.ParamSet)
 
@@ -44,7 +44,7 @@ class Recorder(Service):
 
 
 class Firehose(Service):
-    """Sends bulk whenever there is room."""
+    """A service that sends bulk messages whenever there is room."""
 
     def __init__(self, local: Address, target: Address, total: int) -> None:
         super().__init__(local)
@@ -65,7 +65,7 @@ def bytes_of(message, source: Address = VEHICLE, sequence: int = 0) -> bytes:
     return encode(message, system=source.system, component=source.component, sequence=sequence)
 
 
-def test_a_service_hears_what_it_handles_and_is_meant_for_it() -> None:
+def test_a_service_gets_the_packets_that_it_handles_and_that_are_addressed_to_it() -> None:
     engine, (wire,) = engine_with("wire")
     recorder = engine.add(Recorder(GROUND))
     for message in (
@@ -79,14 +79,14 @@ def test_a_service_hears_what_it_handles_and_is_meant_for_it() -> None:
     ):
         engine.receive(wire, bytes_of(message), START)
     assert len(recorder.heard) == 4
-    engine.receive(wire, bytes_of(common.ParamValue(), source=GROUND), START)  # our own echo
+    engine.receive(wire, bytes_of(common.ParamValue(), source=GROUND), START)  # an own packet, echoed
     assert len(recorder.heard) == 4
     engine.remove(recorder)
     engine.receive(wire, bytes_of(common.ParamValue()), START)
     assert len(recorder.heard) == 4
 
 
-def test_a_service_may_have_an_address_of_its_own() -> None:
+def test_a_service_may_have_another_address() -> None:
     engine, (wire,) = engine_with("wire")
     gimbal = engine.add(Recorder(Address(255, 154)))
     message = common.ParamSet(target_system=255, target_component=154)
@@ -110,7 +110,7 @@ def test_sequences_count_per_channel_and_component() -> None:
     assert numbers == {(name, 190): [0, 1, 2] for name in "ab"} | {(name, 100): [0] for name in "ab"}
 
 
-def test_a_client_hears_its_own_system_only_and_what_its_operations_ask_for() -> None:
+def test_a_client_gets_packets_of_its_target_and_those_of_its_operations() -> None:
     engine, (wire,) = engine_with("wire")
     heard = []
 
@@ -133,19 +133,19 @@ def test_a_client_hears_its_own_system_only_and_what_its_operations_ask_for() ->
     assert heard == [(1, 22), (1, 30)]
 
 
-def test_copies_over_a_second_channel_are_dropped() -> None:
+def test_duplicates_over_a_second_channel_are_dropped() -> None:
     engine, (one, two) = engine_with("one", "two")
     recorder = engine.add(Recorder(GROUND))
     for sequence in range(5):
         data = bytes_of(common.ParamValue(param_index=sequence), sequence=sequence)
         engine.receive(one, data, START)
         engine.receive(two, data, START)
-    # The first shows that there are two ways; from then on each comes once.
+    # The first packet shows that there are two channels; each later one is delivered once.
     assert [packet.sequence for packet in recorder.heard] == [0, 0, 1, 2, 3, 4]
     assert engine.duplicates.dropped == 4
 
 
-def test_the_same_bytes_on_the_same_channel_are_no_copy() -> None:
+def test_equal_bytes_on_one_channel_are_no_duplicate() -> None:
     duplicates: Duplicates[str] = Duplicates()
     packet = Packet(bytes_of(common.Heartbeat()), common)
     assert not duplicates.is_copy(packet, "a", 0.0)
@@ -174,7 +174,7 @@ def test_timers_fire_once_when_due_and_follow_changes() -> None:
     assert engine.next_timeout() is None
 
 
-def test_bulk_waits_for_room_and_goes_on_by_itself() -> None:
+def test_bulk_messages_wait_for_room() -> None:
     network = Network()
     air = Air()
     ground = network.node(GROUND)
@@ -189,7 +189,7 @@ def test_bulk_waits_for_room_and_goes_on_by_itself() -> None:
     assert least <= network.now - begin <= least * 1.1
 
 
-def test_without_channels_bulk_waits_for_one() -> None:
+def test_bulk_messages_wait_for_a_channel() -> None:
     engine = Engine(GROUND)
     hose = engine.add(Firehose(GROUND, VEHICLE, total=3))
     assert engine.data_to_send(START) == []
@@ -198,21 +198,21 @@ def test_without_channels_bulk_waits_for_one() -> None:
     assert len(engine.data_to_send(START)) == 3
 
 
-def test_radio_status_paces_the_channel_it_came_by() -> None:
+def test_radio_status_paces_its_channel() -> None:
     engine, (radio, wire) = engine_with("radio", "wire")
     engine.receive(radio, bytes_of(common.RadioStatus(txbuf=40), source=Address(51, 68)), START)
     assert radio.pacer.learned
     assert wire.pacer.bandwidth is None
 
 
-def test_a_closed_channel_is_written_to_no_more() -> None:
+def test_nothing_is_written_to_a_closed_channel() -> None:
     engine, (one, _) = engine_with("one", "two")
     engine.send(common.Heartbeat(), START)
     engine.close_channel(one)
     assert [channel.name for channel, _ in engine.data_to_send(START)] == ["two"]
 
 
-def test_signing_can_begin_while_a_channel_is_open() -> None:
+def test_signing_can_start_on_an_open_channel() -> None:
     engine, (wire,) = engine_with("wire")
     engine.send(common.Heartbeat(), START)
     key = SigningKey.generate()
@@ -225,7 +225,7 @@ def test_signing_can_begin_while_a_channel_is_open() -> None:
     assert engine.receive(wire, bytes_of(common.ParamValue()), START) == []  # unsigned: refused now
 
 
-def test_a_message_that_version_1_cannot_carry_is_counted_and_our_own_raises() -> None:
+def test_messages_that_version_1_cannot_carry() -> None:
     engine = Engine(GROUND)
     old = engine.open_channel("old", version=1)
     recorder = engine.add(Recorder(GROUND))
@@ -237,7 +237,7 @@ def test_a_message_that_version_1_cannot_carry_is_counted_and_our_own_raises() -
         engine.send(common.ProtocolVersion(), START)
 
 
-def test_a_slow_channel_thins_its_own_telemetry_only() -> None:
+def test_a_slow_channel_drops_only_its_own_stream_messages() -> None:
     class Telemetry(Service):
         def __init__(self) -> None:
             super().__init__(GROUND)
@@ -258,7 +258,7 @@ def test_a_slow_channel_thins_its_own_telemetry_only() -> None:
     assert fast.thinned == 0
 
 
-def test_an_answer_to_another_ground_station_is_not_ours() -> None:
+def test_answers_to_another_ground_station_are_ignored() -> None:
     engine, (wire,) = engine_with("wire")
     client = engine.add(CommandClient(GROUND, VEHICLE))
     operation = client.command(Command(common.MavCmd.DO_SET_SERVO), START)

@@ -1,4 +1,4 @@
-"""Forwarding over memory links, both ways, byte for byte."""
+"""Forwarding over memory links, in both directions, byte for byte."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from mavstack.sim.virtual import run_virtually
 from mavstack.wire import Encoder, Parser
 
 VEHICLE, OTHER, STATION = Encoder(1, 1), Encoder(2, 1), Encoder(254, 190)
-#: A message id that no dialect has.
+#: A message id that no dialect defines.
 UNKNOWN_ID = 50_000
 
 
 class End:
-    """The far end of a link: what came, and a way to send."""
+    """The far end of a link: it records what it receives, and sends."""
 
     def __init__(self, link):
         self.link = link
@@ -41,7 +41,7 @@ class End:
 
 
 def unknown_packet():
-    """A packet of an id that nobody knows."""
+    """Return a packet with an unknown message id."""
     raw = bytearray(VEHICLE.encode(common.Attitude(roll=1.0)))
     raw[7:10] = UNKNOWN_ID.to_bytes(3, "little")
     crc = 0xFFFF
@@ -54,7 +54,7 @@ def unknown_packet():
 
 
 def between(scenario):
-    """A node with two vehicles on links of their own, and a station behind it."""
+    """Run a scenario with a node, two vehicles on links of their own, and a station on an output."""
 
     async def whole():
         networks = [MemoryNetwork() for _ in range(3)]
@@ -75,7 +75,7 @@ def between(scenario):
     run_virtually(whole())
 
 
-def test_what_the_node_hears_reaches_the_output_as_it_came():
+def test_received_packets_reach_the_output_unchanged():
     async def scenario(first, second, station, forwarding, output):
         packets = [VEHICLE.encode(common.Attitude(roll=0.25)), unknown_packet()]
         first.write(b"garbage" + packets[0][:9])
@@ -92,7 +92,7 @@ def test_what_the_node_hears_reaches_the_output_as_it_came():
     between(scenario)
 
 
-def test_what_the_output_sends_goes_where_it_is_addressed_as_it_came():
+def test_packets_of_the_output_reach_their_target_unchanged():
     async def scenario(first, second, station, forwarding, output):
         first.write(VEHICLE.encode(common.Heartbeat()))
         second.write(OTHER.encode(common.Heartbeat()))
@@ -111,7 +111,7 @@ def test_what_the_output_sends_goes_where_it_is_addressed_as_it_came():
     between(scenario)
 
 
-def test_signed_packets_pass_untouched():
+def test_signed_packets_are_forwarded_unchanged():
     async def scenario(first, second, station, forwarding, output):
         from mavstack.security import SigningKey
 
@@ -123,7 +123,7 @@ def test_signed_packets_pass_untouched():
     between(scenario)
 
 
-def test_an_output_can_be_removed_and_is_only_once():
+def test_an_output_can_be_removed_and_cannot_be_added_twice():
     async def scenario(first, second, station, forwarding, output):
         with pytest.raises(LinkError, match="already"):
             await forwarding.add(MemoryNetwork().link())

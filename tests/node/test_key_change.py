@@ -1,4 +1,4 @@
-"""A channel whose key changes while it is in use."""
+"""Changes of the key of a channel in use."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ OLD, NEW = SigningKey.from_passphrase("old"), SigningKey.from_passphrase("new")
 
 
 class Peer:
-    """What somebody sends the old way, the new way, or unsigned."""
+    """A sender of packets signed with the old key, with the new key, or unsigned."""
 
     def __init__(self):
         self.encoders = {key: Encoder(1, 1, signing=signing) for key, signing in self.ways()}
@@ -50,7 +50,7 @@ def way_of(channel: ChannelState) -> str:
 
 
 @pytest.mark.parametrize(("old", "new"), [("old", "new"), ("old", "none"), ("none", "new")])
-def test_while_a_change_is_open_both_ways_are_accepted_and_then_one(old, new):
+def test_both_keys_are_accepted_during_a_change_and_one_after_it(old, new):
     keys = {"old": OLD, "new": NEW, "none": None}
     key, peer = keys[old], Peer()
     channel = ChannelState("cable", common, signing=key.signing() if key else None)
@@ -59,7 +59,7 @@ def test_while_a_change_is_open_both_ways_are_accepted_and_then_one(old, new):
     assert way_of(channel) == old
     for event, way in ((UseNewKey(VEHICLE), new), (UseOldKey(VEHICLE), old), (UseNewKey(VEHICLE), new)):
         apply_key_event(event, [channel])
-        apply_key_event(event, [channel])  # asked twice it is done once
+        apply_key_event(event, [channel])  # idempotent
         assert way_of(channel) == way
         assert {old, new} <= accepted(channel, peer)
     apply_key_event(KeySettled(VEHICLE, keys[new], changed=True), [channel])
@@ -69,20 +69,20 @@ def test_while_a_change_is_open_both_ways_are_accepted_and_then_one(old, new):
 
 
 @pytest.mark.parametrize(("told", "clock"), [(0, 10**12), (5, 10**12), (10**13, 10**13)])
-def test_the_clock_goes_on_with_a_new_key(told, clock):
+def test_timestamps_continue_with_a_new_key(told, clock):
     channel = ChannelState("cable", common, signing=OLD.signing(timestamp=10**12))
     apply_key_event(ListenForKey(VEHICLE, NEW, told), [channel])
     channel.use_new(True)
     assert channel.clock == clock
 
 
-def test_a_packet_that_both_ways_accept_comes_once():
+def test_a_packet_that_both_states_accept_is_delivered_once():
     channel, peer = ChannelState("cable", common), Peer()
     channel.listen_also(NEW.signing())
     assert len(channel.receive(peer.packet("new") + peer.packet("none"), START)) == 2
 
 
-def test_half_a_packet_outlives_the_change():
+def test_a_half_received_packet_survives_the_change():
     channel, peer = ChannelState("cable", common, signing=OLD.signing()), Peer()
     channel.listen_also(NEW.signing())
     data = peer.packet("new")
@@ -92,7 +92,7 @@ def test_half_a_packet_outlives_the_change():
     assert len(channel.receive(data[9:], START)) == 1
 
 
-def test_sequence_numbers_go_on():
+def test_sequence_numbers_continue():
     channel = ChannelState("cable", common)
     channel.listen_also(NEW.signing())
     numbers = []
@@ -102,13 +102,13 @@ def test_sequence_numbers_go_on():
     assert numbers == [0, 1, 2, 3]
 
 
-def test_without_an_open_change_nothing_is_swapped():
+def test_without_a_change_nothing_is_switched():
     channel = ChannelState("cable", common, signing=OLD.signing())
     channel.use_new(True)
     assert way_of(channel) == "old"
 
 
-def test_radios_need_no_key():
+def test_radio_status_needs_no_key():
     channel = ChannelState("cable", common)
     apply_key_event(ListenForKey(VEHICLE, NEW), [channel])
     apply_key_event(UseNewKey(VEHICLE), [channel])
@@ -118,7 +118,7 @@ def test_radios_need_no_key():
     assert not channel.receive(radio.encode(common.Heartbeat(), START), START)
 
 
-def test_the_policy_looks_at_the_channel_that_the_request_came_on():
+def test_the_policy_checks_the_channel_of_the_request():
     engine = Engine(VEHICLE)
     may_set = trusted_channels(engine)
     request = SigningRequest(GROUND, disables=False, signed=False)

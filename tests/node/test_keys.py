@@ -1,4 +1,4 @@
-"""The keys of two nodes, in virtual time: set up, refused, taken away, and kept over reconnects."""
+"""The keys of two nodes, in virtual time: installed, refused, removed, and kept over reconnects."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.usefixtures("clock")
 
 
 @pytest.mark.parametrize(("old", "new"), CHANGES)
-def test_a_key_is_set_up_and_both_sign_and_a_reconnect_keeps_it(old, new) -> None:
+def test_an_installed_key_is_used_by_both_and_survives_reconnects(old, new) -> None:
     async def work() -> None:
         async with Pair(old) as pair:
             await assert_both_use(pair, old)
@@ -41,14 +41,16 @@ def test_a_key_is_set_up_and_both_sign_and_a_reconnect_keeps_it(old, new) -> Non
             await assert_both_use(pair, new)
             for _ in range(2):
                 await pair.reconnect()
-                await assert_both_use(pair, new, seconds=0.1)  # at once: heartbeats go when a channel opens
+                await assert_both_use(
+                    pair, new, seconds=0.1
+                )  # heartbeats come at once
                 assert [refusals(node) for node in pair.nodes] == [0, 0]
 
     run_virtually(work())
 
 
 @pytest.mark.parametrize("old", [None, OLD])
-def test_a_refused_set_up_changes_nothing(old) -> None:
+def test_a_refused_key_changes_nothing(old) -> None:
     async def work() -> None:
         async with Pair(old, trusted=False) as pair:
             with pytest.raises(RemoteDenied, match="setting a signing key on 1/1 failed"):
@@ -62,7 +64,7 @@ def test_a_refused_set_up_changes_nothing(old) -> None:
 
 
 def test_a_key_of_one_channel_is_not_used_on_others() -> None:
-    """What the ground agreed with one vehicle is no other's business."""
+    """A key shared with one vehicle is not used with others."""
 
     async def work() -> None:
         async with Pair() as pair, Node(pair.network.link(), system=2, component=1, autopilot=PX4) as other:
@@ -78,8 +80,8 @@ def test_a_key_of_one_channel_is_not_used_on_others() -> None:
     run_virtually(work())
 
 
-def test_a_key_given_to_a_node_counts_on_all_its_channels() -> None:
-    """Set over the cable, it protects the radio too: there and then, and when another channel opens."""
+def test_a_key_installed_on_a_node_applies_to_all_its_channels() -> None:
+    """A key installed over the cable protects the radio too, at once and when another channel opens."""
 
     async def work() -> None:
         async with Pair() as pair, Node(pair.network.link(), system=9) as other:
@@ -100,8 +102,8 @@ def test_a_key_given_to_a_node_counts_on_all_its_channels() -> None:
     run_virtually(work())
 
 
-def test_of_two_keys_the_later_one_counts() -> None:
-    """First the ground gives the vehicle one, then the vehicle the ground another."""
+def test_the_later_of_two_keys_applies() -> None:
+    """The ground station installs a key on the vehicle, then the vehicle another on the ground station."""
 
     async def work() -> None:
         async with Pair() as pair:
@@ -116,7 +118,7 @@ def test_of_two_keys_the_later_one_counts() -> None:
     run_virtually(work())
 
 
-def test_radios_need_no_key_but_all_others_do() -> None:
+def test_only_radio_status_is_accepted_unsigned() -> None:
     async def work() -> None:
         async with Pair(OLD) as pair:
             radio = Encoder(51, 68)
@@ -132,7 +134,7 @@ def test_radios_need_no_key_but_all_others_do() -> None:
 
 
 @pytest.mark.parametrize(("ground", "vehicle"), [(None, OLD), (NEW, OLD)])
-def test_without_the_right_key_nobody_is_heard(ground, vehicle) -> None:
+def test_packets_with_another_key_are_refused(ground, vehicle) -> None:
     async def work() -> None:
         async with Pair(ground, vehicle_key=vehicle) as pair:
             with pytest.raises(RemoteTimeout):

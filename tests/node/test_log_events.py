@@ -23,7 +23,7 @@ PX4 = common.MavAutopilot.PX4
 OURS, THEIRS = SigningKey.from_passphrase("ours"), SigningKey.from_passphrase("theirs")
 
 
-async def meet(seconds: float, ground_key: SigningKey | None, vehicle_key: SigningKey | None) -> None:
+async def run_pair(seconds: float, ground_key: SigningKey | None, vehicle_key: SigningKey | None) -> None:
     """Let a ground station and a vehicle run on one link, until the vehicle is lost."""
     one, other = memory_pair(asyncio.get_running_loop().time)
     async with Node(one, signing=ground_key) as ground:
@@ -39,7 +39,7 @@ def records(caplog: pytest.LogCaptureFixture) -> list[tuple[int, str]]:
 
 def test_found_and_lost_components_are_logged(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.INFO, "mavstack.node"):
-        run_virtually(meet(3, None, None))
+        run_virtually(run_pair(3, None, None))
     logged = records(caplog)
     assert any(level == logging.INFO and "component 1/1 found" in text for level, text in logged)
     assert any(level == logging.WARNING and "component 1/1 lost" in text for level, text in logged)
@@ -49,7 +49,7 @@ def test_refused_signatures_are_logged_at_intervals_and_without_keys(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     with caplog.at_level(logging.DEBUG):
-        run_virtually(meet(25, OURS, THEIRS))
+        run_virtually(run_pair(25, OURS, THEIRS))
     refused = [text for level, text in records(caplog) if level == logging.WARNING and "refused" in text]
     assert 2 <= len(refused) <= 6  # of more than fifty packets on two sides
     for key in (OURS, THEIRS):

@@ -1,4 +1,4 @@
-"""Nodes over memory links in virtual time: discovery, commands, subscriptions, cancelling, closing."""
+"""Nodes over memory links in virtual time: discovery, commands, subscriptions, cancellation, closing."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_the_first_autopilot_is_found() -> None:
     run_virtually(work())
 
 
-def test_no_autopilot_says_who_was_heard() -> None:
+def test_the_discovery_timeout_says_what_was_heard() -> None:
     async def work() -> None:
         network = MemoryNetwork()
         async with Node(network.link()) as ground, Node(network.link(), system=9, component=100):
@@ -60,7 +60,7 @@ def test_no_autopilot_says_who_was_heard() -> None:
     run_virtually(work())
 
 
-def test_a_command_is_carried_out_by_a_plain_and_by_an_async_handler() -> None:
+def test_plain_and_async_command_handlers() -> None:
     async def work() -> list[tuple[int, int]]:
         async with Pair() as pair:
             progress: list[tuple[int, int]] = []
@@ -116,7 +116,7 @@ def test_a_cancelled_task_cancels_the_command_on_the_vehicle() -> None:
     assert run_virtually(work()) == ["winch stopped"]
 
 
-def test_closing_the_node_ends_what_is_under_way() -> None:
+def test_closing_the_node_ends_running_operations() -> None:
     async def work() -> None:
         async with Pair() as pair:
             await pair.ground.wait_for_autopilot()
@@ -134,7 +134,7 @@ def test_closing_the_node_ends_what_is_under_way() -> None:
     run_virtually(work())
 
 
-def test_silence_is_a_timeout_that_says_how_often_it_was_asked() -> None:
+def test_the_timeout_error_has_the_number_of_attempts() -> None:
     async def work() -> None:
         async with Pair() as pair:
             with pytest.raises(CommandTimeout, match=r"NAV_LAND on 7/1 failed after 6 attempts: no answer"):
@@ -145,7 +145,7 @@ def test_silence_is_a_timeout_that_says_how_often_it_was_asked() -> None:
     run_virtually(work())
 
 
-def test_a_slow_subscriber_loses_the_oldest_and_delays_nobody() -> None:
+def test_a_slow_subscriber_loses_the_oldest_items_and_delays_nobody() -> None:
     async def work() -> None:
         async with Pair() as pair:
             await pair.ground.wait_for_autopilot()
@@ -161,7 +161,7 @@ def test_a_slow_subscriber_loses_the_oldest_and_delays_nobody() -> None:
     run_virtually(work())
 
 
-def test_messages_of_unknown_ids_are_handed_on_raw() -> None:
+def test_packets_of_unknown_ids_are_delivered_raw() -> None:
     async def work() -> None:
         network = MemoryNetwork()
         async with Node(network.link(), dialect=common) as ground, Node(network.link(), system=3) as other:
@@ -176,7 +176,7 @@ def test_messages_of_unknown_ids_are_handed_on_raw() -> None:
     run_virtually(work())
 
 
-def test_events_tell_who_comes_and_goes() -> None:
+def test_events_of_components() -> None:
     async def work() -> None:
         network = MemoryNetwork()
         async with Node(network.link()) as ground:
@@ -189,12 +189,12 @@ def test_events_tell_who_comes_and_goes() -> None:
     run_virtually(work())
 
 
-def test_an_address_outside_its_range_is_refused() -> None:
+def test_an_invalid_address_is_an_error() -> None:
     with pytest.raises(MavstackError, match="0/190"):
         Node(system=0)
 
 
-def test_messages_are_requested_and_streamed_at_rates() -> None:
+def test_message_requests_and_rates() -> None:
     async def work() -> None:
         async with Pair() as pair:
             started = pair.vehicle.now()
@@ -217,7 +217,7 @@ def test_messages_are_requested_and_streamed_at_rates() -> None:
     run_virtually(work())
 
 
-def test_texts_pings_and_clocks() -> None:
+def test_status_texts_pings_and_clocks() -> None:
     async def work() -> None:
         async with Pair() as pair:
             vehicle = await pair.ground.wait_for_autopilot()
@@ -233,7 +233,7 @@ def test_texts_pings_and_clocks() -> None:
     run_virtually(work())
 
 
-def test_plans_go_up_and_down() -> None:
+def test_plans_are_uploaded_and_downloaded() -> None:
     async def work() -> None:
         async with Pair() as pair:
             pair.vehicle.serve(MissionServer(pair.vehicle.address))
@@ -253,7 +253,7 @@ def test_plans_go_up_and_down() -> None:
     run_virtually(work())
 
 
-def test_a_command_that_is_cancelled_before_its_handler_began_is_over() -> None:
+def test_a_command_cancelled_before_its_handler_started() -> None:
     async def work() -> None:
         async with Pair() as pair:
 

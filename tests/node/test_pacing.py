@@ -1,4 +1,4 @@
-"""How much a channel may carry."""
+"""Pacing of a channel."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BULK, STREAM, CONTROL = Priority.BULK, Priority.STREAM, Priority.CONTROL
 
 
 def fill(pacer: Pacer, seconds: float, size: int = 50, priority: Priority = BULK, others: float = 0.0) -> int:
-    """How many bytes of bulk go in some time, beside `others` bytes a second of control messages."""
+    """Return the bulk bytes sent in some seconds, beside `others` bytes per second of control messages."""
     now, gone, owed = 1000.0, 0, 0.0
     while now < 1000.0 + seconds:
         owed += others / 1000
@@ -40,11 +40,11 @@ def test_without_a_known_bandwidth_there_is_no_limit() -> None:
     assert pacer.room_at(5.0) == 5.0
 
 
-def test_bulk_keeps_to_its_rate_where_no_bandwidth_is_known() -> None:
+def test_bulk_rate_applies_without_a_known_bandwidth() -> None:
     pacer = Pacer(bulk_rate=500.0)
     assert fill(pacer, 10, size=1) == pytest.approx(MAX_BULK_BURST + 5000, abs=3)
     burst = 0
-    while pacer.has_room(BULK, 2000.0):  # silence saves up for no more than a burst
+    while pacer.has_room(BULK, 2000.0):  # silence allows one burst at most
         pacer.sent(10**6, 2000.0, BULK)
         burst += 1
     assert burst == MAX_BULK_BURST
@@ -54,26 +54,26 @@ def test_bulk_keeps_to_its_rate_where_no_bandwidth_is_known() -> None:
     assert pacer.has_room(CONTROL, 2000.0)
 
 
-def test_bulk_takes_the_bandwidth() -> None:
+def test_bulk_uses_the_bandwidth() -> None:
     assert fill(Pacer(5760), 10) == pytest.approx(57_600, rel=0.02)
 
 
-def test_bulk_takes_what_control_leaves() -> None:
+def test_bulk_uses_what_control_leaves() -> None:
     assert fill(Pacer(5760), 10, others=2000) == pytest.approx(37_600, rel=0.03)
 
 
-def test_what_is_received_took_its_time_on_the_air_too() -> None:
+def test_received_bytes_count_on_a_half_duplex_channel() -> None:
     half, full = Pacer(5760, half_duplex=True), Pacer(5760)
     for pacer in (half, full):
         assert pacer.has_room(BULK, 0.0)
         pacer.received(2000, 0.0)
     assert not half.has_room(BULK, 0.0)
     assert full.has_room(BULK, 0.0)
-    half.received(10**9, 0.0)  # others' noise is no debt of ours for ever
+    half.received(10**9, 0.0)  # the overdraft by received bytes is limited
     assert half.has_room(BULK, 0.2)
 
 
-def test_silence_saves_up_for_no_more_than_a_short_burst() -> None:
+def test_silence_allows_a_short_burst_at_most() -> None:
     pacer, gone = Pacer(5760), {BULK: 0, STREAM: 0}
     pacer.has_room(BULK, 0.0)
     for _ in range(100):
@@ -85,10 +85,10 @@ def test_silence_saves_up_for_no_more_than_a_short_burst() -> None:
         if pacer.has_room(STREAM, 1000.0):
             pacer.sent(50, 1000.0, STREAM)
             gone[STREAM] += 50
-    assert gone[STREAM] == 50  # bulk waits: its share of what was saved up
+    assert gone[STREAM] == 50  # bulk waits: the streams' share of the burst
 
 
-def test_control_never_waits_and_streams_go_before_bulk() -> None:
+def test_control_never_waits_and_streams_precede_bulk() -> None:
     pacer = Pacer(1000)
     pacer.sent(400, 0.0)
     assert [pacer.has_room(priority, 0.0) for priority in (CONTROL, STREAM, BULK)] == [True, True, False]
@@ -99,20 +99,20 @@ def test_control_never_waits_and_streams_go_before_bulk() -> None:
     assert pacer.has_room(BULK, again + 0.001)
 
 
-def test_when_there_is_room_again_is_told_to_the_moment() -> None:
+def test_room_at_is_exact() -> None:
     pacer = Pacer(1000)
     pacer.sent(800, 0.0)
     assert pacer.has_room(BULK, pacer.room_at(0.0))
 
 
 def second_of(pacer: Pacer, second: int, share: float, free_percent: int) -> None:
-    """Use a share of the bandwidth for a second, then hear how full the radio is."""
+    """Use a share of the bandwidth for a second, then report the free queue space of the radio."""
     if pacer.bandwidth is not None:
         pacer.sent(round(share * pacer.bandwidth), second - 0.5)
     pacer.radio_status(free_percent, float(second))
 
 
-def test_radio_status_teaches_the_bandwidth_down_quickly_and_up_slowly() -> None:
+def test_the_estimate_falls_quickly_and_rises_slowly() -> None:
     pacer = Pacer()
     pacer.radio_status(70, 0.0)
     assert pacer.learned
@@ -133,22 +133,22 @@ def test_radio_status_teaches_the_bandwidth_down_quickly_and_up_slowly() -> None
     assert pacer.bandwidth == MAX_ESTIMATE
 
 
-def test_an_idle_radio_teaches_nothing_about_what_it_could_carry() -> None:
+def test_an_idle_radio_does_not_raise_the_estimate() -> None:
     pacer = Pacer()
     for second in range(100):
         second_of(pacer, second, 0.1, 100)
     assert pacer.bandwidth <= DEFAULT_ESTIMATE * 1.15
 
 
-def test_a_full_queue_tells_that_what_was_sent_was_too_much() -> None:
+def test_a_full_queue_lowers_the_estimate_below_the_used_bandwidth() -> None:
     pacer = Pacer()
     for second in range(3):
         second_of(pacer, second, 1.0, 100)
-    second_of(pacer, 3, 0.4, 10)  # others used the air
+    second_of(pacer, 3, 0.4, 10)  # others used the channel
     assert pacer.bandwidth < DEFAULT_ESTIMATE * 0.4
 
 
-def test_a_radio_that_does_not_know_and_a_bandwidth_that_is_known_teach_nothing() -> None:
+def test_no_estimate_without_a_report_or_with_a_known_bandwidth() -> None:
     pacer = Pacer()
     for unknown in (101, 254, 255):
         pacer.radio_status(unknown, 0.0)
@@ -158,7 +158,7 @@ def test_a_radio_that_does_not_know_and_a_bandwidth_that_is_known_teach_nothing(
     assert known.bandwidth == 3000
 
 
-def test_streams_keep_to_a_share_while_bulk_waits_and_get_it_all_back() -> None:
+def test_streams_are_limited_to_a_share_only_while_bulk_waits() -> None:
     pacer, now = Pacer(5760), 1000.0
     gone = {STREAM: 0, BULK: 0}
 

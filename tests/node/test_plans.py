@@ -1,4 +1,4 @@
-"""The faces of a remote component's plans."""
+"""The plans of a remote component."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from tests.node.vehicle import Pair
 ITEMS = [MissionItem(common.MavCmd.NAV_WAYPOINT, param7=height) for height in (10.0, 20.0, 30.0)]
 
 
-def test_the_current_item_is_set_the_older_way_where_the_newer_is_not_known() -> None:
+def test_set_current_falls_back_where_the_command_is_not_supported() -> None:
     async def work() -> None:
         async with Pair() as pair:
             await pair.remote.mission.upload(ITEMS)
             await pair.remote.mission.set_current(2)
             assert pair.vehicle.mission.current == 2
             with pytest.raises(CommandDenied, match="UNSUPPORTED"):
-                await pair.remote.mission.set_current(1, restart=True)  # only the newer can
+                await pair.remote.mission.set_current(1, restart=True)  # only the command can restart
 
     run_virtually(work())
 
 
-def test_the_current_item_is_set_the_older_way_where_the_newer_stays_unanswered() -> None:
+def test_set_current_falls_back_where_the_command_is_not_answered() -> None:
     async def work() -> None:
         async with Pair() as pair:
             pair.vehicle._host.engine.remove(pair.vehicle.commands.server)
@@ -36,7 +36,7 @@ def test_the_current_item_is_set_the_older_way_where_the_newer_stays_unanswered(
     run_virtually(work())
 
 
-def test_a_refusal_is_not_gone_round() -> None:
+def test_set_current_does_not_fall_back_after_a_refusal() -> None:
     async def work() -> None:
         async with Pair() as pair:
             pair.vehicle.mission.answer_commands(

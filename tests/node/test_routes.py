@@ -1,4 +1,4 @@
-"""Which channel leads to whom."""
+"""The routes to addresses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ALL = (A, B, C)
 COPTER, CAMERA = Address(1, 1), Address(1, 100)
 
 
-def test_an_address_is_reached_where_it_was_heard() -> None:
+def test_the_route_of_an_address_is_its_channel() -> None:
     routes: Routes[str] = Routes()
     routes.learn(COPTER, A, 0.0)
     routes.learn(Address(2, 1), B, 0.0)
@@ -18,7 +18,7 @@ def test_an_address_is_reached_where_it_was_heard() -> None:
     assert list(routes.channels_to(Address(2, 1), ALL)) == [B]
 
 
-def test_a_component_never_heard_is_reached_where_its_system_was() -> None:
+def test_the_route_of_an_unknown_component_is_that_of_its_system() -> None:
     routes: Routes[str] = Routes()
     routes.learn(COPTER, A, 0.0)
     routes.learn(CAMERA, B, 0.0)
@@ -26,7 +26,7 @@ def test_a_component_never_heard_is_reached_where_its_system_was() -> None:
     assert list(routes.channels_to(Address(1, 55), ALL)) == [A, B]
 
 
-def test_everybody_and_the_unknown_are_reached_everywhere() -> None:
+def test_broadcasts_and_unknown_systems_use_all_channels() -> None:
     routes: Routes[str] = Routes()
     routes.learn(COPTER, A, 0.0)
     assert list(routes.channels_to(EVERYBODY, ALL)) == list(ALL)
@@ -41,8 +41,8 @@ def test_system_0_is_never_learned() -> None:
     assert routes.heard_on(EVERYBODY) == ()
 
 
-def test_who_sends_as_component_0_is_reached_where_its_system_was_heard() -> None:
-    """As programs with pymavlink do, unless they say otherwise."""
+def test_the_route_of_component_0_is_that_of_its_system() -> None:
+    """Programs with pymavlink send as component 0 by default."""
     routes: Routes[str] = Routes()
     routes.learn(Address(250, 0), A, 0.0)
     assert routes.heard_on(Address(250, 0)) == (A,)
@@ -54,7 +54,7 @@ def test_who_sends_as_component_0_is_reached_where_its_system_was_heard() -> Non
     assert list(routes.channels_to(Address(250, 0), (B, C))) == [B]
 
 
-def test_of_two_links_the_first_stays_until_it_falls_silent() -> None:
+def test_the_first_of_two_channels_is_preferred_until_it_is_silent() -> None:
     routes: Routes[str] = Routes()
     for tenth in range(30):
         routes.learn(COPTER, A, tenth / 10)
@@ -66,7 +66,7 @@ def test_of_two_links_the_first_stays_until_it_falls_silent() -> None:
     assert list(routes.channels_to(COPTER, ALL)) == [B]
 
 
-def test_it_tells_who_is_heard_on_more_than_one_channel() -> None:
+def test_learn_returns_whether_an_address_is_heard_on_several_channels() -> None:
     routes: Routes[str] = Routes()
     assert [routes.learn(COPTER, channel, 0.0) for channel in (A, A, B, A)] == [False, False, True, True]
     assert not routes.learn(CAMERA, B, 0.0)
@@ -74,7 +74,7 @@ def test_it_tells_who_is_heard_on_more_than_one_channel() -> None:
     assert not routes.learn(COPTER, A, 1.0)
 
 
-def test_a_closed_channel_leads_to_nobody() -> None:
+def test_a_closed_channel_is_removed_from_all_routes() -> None:
     routes: Routes[str] = Routes()
     routes.learn(COPTER, A, 0.0)
     routes.learn(COPTER, B, 1.0)
@@ -86,7 +86,7 @@ def test_a_closed_channel_leads_to_nobody() -> None:
     assert list(routes.channels_to(COPTER, (C,))) == [C]
 
 
-def test_memory_is_bounded() -> None:
+def test_the_number_of_addresses_is_bounded() -> None:
     routes: Routes[str] = Routes()
     for number in range(2 * MAX_ADDRESSES):
         routes.learn(Address(1 + number % 255, 1 + number // 255 % 255), A, float(number))

@@ -1,4 +1,4 @@
-"""Subscriptions: bounded, ending, and without waiting on the giver's side."""
+"""Subscriptions: bounded queues, their end, and waiting readers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import asyncio
 from mavstack.node.subscription import Subscription
 
 
-async def test_it_ends_after_what_is_queued() -> None:
+async def test_the_iteration_ends_after_the_queued_items() -> None:
     closed = []
     subscription: Subscription[int] = Subscription(closed.append)
     for number in range(3):
@@ -18,7 +18,7 @@ async def test_it_ends_after_what_is_queued() -> None:
     assert closed == [subscription]
 
 
-async def test_a_waiting_reader_is_woken() -> None:
+async def test_a_new_item_wakes_a_waiting_reader() -> None:
     subscription: Subscription[int] = Subscription(lambda _: None)
     reader = asyncio.ensure_future(anext(subscription))
     await asyncio.sleep(0)
@@ -26,7 +26,7 @@ async def test_a_waiting_reader_is_woken() -> None:
     assert await reader == 7
 
 
-async def test_a_cancelled_reader_loses_nothing() -> None:
+async def test_a_cancelled_reader_loses_no_item() -> None:
     subscription: Subscription[int] = Subscription(lambda _: None)
     reader = asyncio.ensure_future(anext(subscription))
     await asyncio.sleep(0)
@@ -35,7 +35,7 @@ async def test_a_cancelled_reader_loses_nothing() -> None:
     assert await anext(subscription) == 7
 
 
-async def test_everything_is_kept_on_demand() -> None:
+async def test_keep_all_drops_nothing() -> None:
     subscription: Subscription[int] = Subscription(lambda _: None, queue=2, keep_all=True)
     for number in range(10):
         subscription.put(number)

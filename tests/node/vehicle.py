@@ -1,4 +1,4 @@
-"""A component that offers every service, on a node over a memory link, for tests of the asking side."""
+"""A component that offers every service, on a node over a memory link, for tests of clients."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class MemoryLogs:
 
 
 class Vehicle(Node):
-    """Everything a vehicle answers to."""
+    """A vehicle that offers every service."""
 
     def __init__(self, *links, system: int = 1, autopilot: int = common.MavAutopilot.PX4) -> None:
         super().__init__(*links, system=system, component=1, type=COPTER, autopilot=autopilot)

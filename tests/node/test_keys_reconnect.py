@@ -1,4 +1,4 @@
-"""Channels that come and go while a change of keys is under way."""
+"""Channels that close and reopen during a change of keys."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from tests.node.signed_pair import CHANGES, NEW, THIRD, Pair, assert_both_use, r
 pytestmark = pytest.mark.usefixtures("clock")
 
 
-class Broken(Pair):
-    """Whose connection breaks in the middle of a change.
+class InterruptedPair(Pair):
+    """A pair whose connection is interrupted during a change.
 
     `stage` is the event, at the vehicle or at the ground, from which on the ground hears nothing more; before
     the vehicle has taken the key for good the vehicle hears nothing either.
@@ -32,12 +32,12 @@ class Broken(Pair):
 
         def watched(event, service) -> None:
             if isinstance(event, stage):
-                self.break_off()
+                self.interrupt()
             happened(event, service)
 
         node._on_event = watched
 
-    def break_off(self) -> None:
+    def interrupt(self) -> None:
         if not self.is_broken:
             self.is_broken = True
             (to_vehicle,), (to_ground,) = self.ground_link.channels, self.vehicle_link.channels
@@ -55,20 +55,20 @@ class Broken(Pair):
             self.ground_link.connect(self.vehicle_link)
             await asyncio.sleep(0)
             self.trust()
-        else:  # as with UDP: the ground begins anew, and the vehicle has noticed nothing
+        else:  # as with UDP: the ground station reopens, and the vehicle does not notice
             await asyncio.sleep(0.01)
             again = type(to_vehicle)(self.vehicle_link._name, self.ground_link._inbox, self.network.clock)
             again.other, to_ground.other = to_ground, again
-            self.ground_link._inbox.opened(again)
+            self.ground_link._inbox.add_channel(again)
 
 
 @pytest.mark.parametrize(("old", "new"), CHANGES)
 @pytest.mark.parametrize("stage", [ListenForKey, UseNewKey])
 @pytest.mark.parametrize("both", [True, False])
 @pytest.mark.parametrize("after", [0.0, 3.0, 20.0])
-def test_a_reconnect_in_the_middle_of_a_change_leaves_nobody_deaf(old, new, stage, both, after) -> None:
+def test_both_ends_receive_after_a_reconnect_during_a_change(old, new, stage, both, after) -> None:
     async def work() -> None:
-        async with Broken(old, stage) as pair:
+        async with InterruptedPair(old, stage) as pair:
             await asyncio.sleep(1.2)
             task = asyncio.ensure_future(pair.remote.setup_signing(new))
             await asyncio.sleep(1.0)
@@ -93,8 +93,8 @@ def setup(key, timestamp: int = 1) -> common.SetupSigning:
     )
 
 
-def test_a_trial_that_fails_is_over_on_a_channel_that_came_back_too() -> None:
-    """Nobody was heard on it, so nothing but the name tells that it has to do with the change."""
+def test_a_failed_change_ends_on_reopened_channels_too() -> None:
+    """Nothing was received on the channel, so only its name relates it to the change."""
 
     async def work() -> None:
         async with Pair() as pair:
@@ -106,7 +106,7 @@ def test_a_trial_that_fails_is_over_on_a_channel_that_came_back_too() -> None:
             (channel,) = pair.vehicle._host.engine.channels
             assert channel.signing is not None
             (to_ground,), (to_vehicle,) = pair.vehicle_link.channels, pair.ground_link.channels
-            to_vehicle.other = None  # the vehicle hears nobody
+            to_vehicle.other = None  # the vehicle receives nothing
             pair.vehicle._host.engine.routes.remove_channel(channel)
             await asyncio.sleep(TRIAL_DURATION)
             assert not pair.server.on_trial
@@ -116,7 +116,7 @@ def test_a_trial_that_fails_is_over_on_a_channel_that_came_back_too() -> None:
     run_virtually(work())
 
 
-def test_another_key_on_a_channel_that_came_back_ends_the_first_change_alone() -> None:
+def test_another_key_on_a_reopened_channel_ends_the_first_change_alone() -> None:
     async def work() -> None:
         async with Pair() as pair:
             await asyncio.sleep(1.2)
@@ -136,11 +136,11 @@ def test_another_key_on_a_channel_that_came_back_ends_the_first_change_alone() -
 
 
 @pytest.mark.parametrize("stays_closed", [True, False])
-def test_a_channel_that_is_away_while_its_peer_takes_a_key_signs_with_it_too(stays_closed) -> None:
-    """The peer signs with its key wherever it is heard: where it was, and where it turned up meanwhile."""
+def test_a_channel_that_is_closed_during_a_change_uses_the_new_key(stays_closed) -> None:
+    """The peer uses its key on all channels: those of the change, and those that opened meanwhile."""
 
     async def work() -> None:
-        async with Broken(None, UseNewKey) as pair:
+        async with InterruptedPair(None, UseNewKey) as pair:
             second = MemoryNetwork()
             links = [second.link("memory://second"), second.link("memory://second")]
             for node, link in zip(pair.nodes, links, strict=True):
@@ -152,7 +152,7 @@ def test_a_channel_that_is_away_while_its_peer_takes_a_key_signs_with_it_too(sta
                 await asyncio.sleep(0.01)
                 for address in pair.ground._host.engine.routes._routes:
                     assert len(pair.ground._host.engine.routes.heard_on(address)) == 1
-            pair.break_off = lambda: None
+            pair.interrupt = lambda: None
             task = asyncio.ensure_future(pair.remote.setup_signing(NEW))
             await asyncio.sleep(0.02)
             if stays_closed:
@@ -183,8 +183,8 @@ def test_a_channel_that_is_away_while_its_peer_takes_a_key_signs_with_it_too(sta
 
 
 @pytest.mark.parametrize("reconnects", [False, True])
-def test_who_was_heard_with_a_new_key_is_not_forgotten_when_the_change_is_over(reconnects) -> None:
-    """A state made anew would accept once more what it has accepted."""
+def test_the_signing_state_of_the_change_is_kept_after_it(reconnects) -> None:
+    """A new signing state would accept replayed packets."""
 
     async def work() -> None:
         async with Pair() as pair:

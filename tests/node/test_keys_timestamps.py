@@ -1,4 +1,4 @@
-"""The signing clock of a node: stored, taken up again, and never going back."""
+"""The signing timestamp of a node: stored, loaded, and never decreasing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("clock")
 
 
 class Store(TimestampStore):
-    """Keeps in memory what is stored, and fails when told to."""
+    """A store in memory, which can be made to fail."""
 
     def __init__(self, start: int = 0) -> None:
         super().__init__("nowhere")
@@ -34,7 +34,7 @@ class Store(TimestampStore):
         self.stored.append(timestamp)
 
 
-def test_the_clock_is_stored_once_in_a_while_and_on_close() -> None:
+def test_the_timestamp_is_stored_periodically_and_on_close() -> None:
     async def work() -> None:
         store = Store()
         async with Pair(OLD, timestamps=store) as pair:
@@ -52,7 +52,7 @@ def test_the_clock_is_stored_once_in_a_while_and_on_close() -> None:
 
 
 @pytest.mark.parametrize("error", [SigningError("the card is full"), RuntimeError("a defect")])
-def test_a_store_that_fails_is_told_and_stops_nothing(error) -> None:
+def test_a_failing_store_is_reported_and_stops_nothing(error) -> None:
     async def work() -> None:
         told: list[dict] = []
         asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
@@ -72,7 +72,7 @@ def test_a_store_that_fails_is_told_and_stops_nothing(error) -> None:
     run_virtually(work())
 
 
-def test_the_clock_of_a_channel_that_is_gone_is_stored_too() -> None:
+def test_the_timestamp_of_a_closed_channel_is_stored_too() -> None:
     async def work() -> None:
         store = Store()
         async with Pair(OLD, timestamps=store) as pair:
@@ -86,7 +86,7 @@ def test_the_clock_of_a_channel_that_is_gone_is_stored_too() -> None:
     run_virtually(work())
 
 
-def test_a_damaged_store_is_told_when_the_node_opens(tmp_path) -> None:
+def test_open_fails_with_a_damaged_store(tmp_path) -> None:
     (tmp_path / "clock").write_text("yesterday")
 
     async def work() -> None:
@@ -99,8 +99,8 @@ def test_a_damaged_store_is_told_when_the_node_opens(tmp_path) -> None:
     run_virtually(work())
 
 
-def test_timestamps_rise_over_a_restart_of_one_without_a_clock(tmp_path, clock) -> None:
-    """It learned the time from the ground; when it starts again it knows it from its store."""
+def test_timestamps_rise_over_a_restart_of_a_node_without_a_clock(tmp_path, clock) -> None:
+    """The node learned the time from the ground station; after a restart it has it from its store."""
     store = TimestampStore(tmp_path / "clock")
     newest = []
 
@@ -121,7 +121,7 @@ def test_timestamps_rise_over_a_restart_of_one_without_a_clock(tmp_path, clock) 
     assert newest == sorted(set(newest))
 
 
-def test_timestamps_rise_over_a_reconnect_of_one_without_a_clock(clock) -> None:
+def test_timestamps_rise_over_a_reconnect_of_a_node_without_a_clock(clock) -> None:
     async def work() -> list[int]:
         clock(1000.0)
         async with Pair(OLD) as pair:
@@ -135,8 +135,8 @@ def test_timestamps_rise_over_a_reconnect_of_one_without_a_clock(clock) -> None:
     assert timestamps == sorted(set(timestamps))
 
 
-def test_one_without_a_clock_can_be_given_a_key(clock) -> None:
-    """It signs with the timestamp that comes with the key: its own would be refused as stale."""
+def test_a_key_can_be_installed_on_a_node_without_a_clock(clock) -> None:
+    """The node signs with the timestamp of SETUP_SIGNING; its own would be refused as stale."""
 
     async def work() -> None:
         pair = Pair()

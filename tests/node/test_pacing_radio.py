@@ -38,7 +38,7 @@ def fly(address: Address, engine: Engine) -> None:
 
 
 class Fleet:
-    """Ten vehicles, a ground station, and what it asks of them."""
+    """Ten vehicles, and a ground station with its operations."""
 
     def __init__(self, ether: Ether, share: float | None) -> None:
         self.ether = ether
@@ -58,7 +58,7 @@ class Fleet:
         self.parameter_clients = [engine.add(ParameterClient(GROUND, address)) for address in VEHICLES]
         self.mission_clients = [engine.add(MissionClient(GROUND, address)) for address in VEHICLES]
 
-    def command_somebody(self) -> None:
+    def command_a_vehicle(self) -> None:
         client = self.command_clients[len(self.commands) % len(VEHICLES)]
         begun = self.network.now
         self.commands.append((begun, client.command(Command(SERVO, param1=len(self.commands)), begun)))
@@ -70,7 +70,7 @@ def test_ten_vehicles_share_a_slow_radio(share: float | None, status: bool) -> N
     fleet = Fleet(Ether(tells_status=status), share)
     network, ground = fleet.network, fleet.ground
     network.run(timeout=10)
-    every(network, 1.0, fleet.command_somebody)
+    every(network, 1.0, fleet.command_a_vehicle)
     listing = [client.download(network.now, idle_timeout=60.0) for client in fleet.parameter_clients]
     items = [MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47.0, param6=8.0 + step) for step in range(20)]
     plans = [client.upload(Plan.of(items), network.now) for client in fleet.mission_clients]
@@ -83,7 +83,7 @@ def test_ten_vehicles_share_a_slow_radio(share: float | None, status: bool) -> N
         values = {name: parameter.value for name, parameter in operation.result().items()}
         assert values == {f"P_{number}": number * 100 + address.system for number in range(PARAMETERS)}
     assert all(len(operation.result()) == len(items) for operation in plans)
-    # Nobody was taken for lost, and every command was answered while the transfers ran.
+    # No vehicle was lost, and every command was answered during the transfers.
     assert not ground.events_of(ComponentLost)
     answered = [operation for _, operation in fleet.commands if operation.done]
     assert len(answered) >= took - 5

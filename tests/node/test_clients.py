@@ -1,4 +1,4 @@
-"""What was remembered of a component that started anew is forgotten, and nothing else."""
+"""The state cached of a component is discarded when it reboots, and nothing else."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.node.vehicle import Pair
 
 
 @pytest.mark.parametrize("autopilot", [common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA])
-def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
+def test_cached_state_is_discarded_and_requested_again(autopilot):
     async def scenario():
         async with Pair(autopilot=autopilot) as pair:
             remote = pair.remote
@@ -24,9 +24,10 @@ def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
             pair.vehicle.send(common.MissionCurrent(seq=3, total=9))
             await asyncio.sleep(1)
             assert remote.mission.progress.seq == 3
-            asked = []
+            commands = []
             pair.vehicle.add_packet_listener(
-                (common.CommandLong, common.CommandInt), lambda packet: asked.append(packet.message.command)
+                (common.CommandLong, common.CommandInt),
+                lambda packet: commands.append(packet.message.command),
             )
             remote.clear_cache()
             assert not remote.params.cached
@@ -35,14 +36,14 @@ def test_what_it_told_is_forgotten_and_asked_for_again(autopilot):
             assert remote.modes.current is remote._clients.modes.intended is None
             assert remote.mission.progress is None
             assert parameters
-            assert cameras  # who was given them keeps them
+            assert cameras  # a program keeps what it got
             assert (await remote.params.get("P_07")).value == 7
-            assert asked == [common.MavCmd.REQUEST_MESSAGE]  # its capabilities
+            assert commands == [common.MavCmd.REQUEST_MESSAGE]  # its capabilities
 
     run_virtually(scenario())
 
 
-def test_there_may_be_nothing_to_forget():
+def test_clearing_an_empty_cache():
     async def scenario():
         async with Pair() as pair:
             pair.remote.clear_cache()
@@ -51,17 +52,17 @@ def test_there_may_be_nothing_to_forget():
     run_virtually(scenario())
 
 
-@pytest.mark.parametrize("face", ["params", "extended_params"])
-def test_a_listing_under_way_begins_anew(face):
+@pytest.mark.parametrize("part", ["params", "extended_params"])
+def test_a_running_download_restarts(part):
     async def scenario():
         async with Pair() as pair:
-            asked_of = getattr(pair.remote, face)
+            params_part = getattr(pair.remote, part)
             lists = pair.vehicle.stream(common.ParamRequestList, common.ParamExtRequestList)
-            fetching = asyncio.create_task(asked_of.download())
+            fetching = asyncio.create_task(params_part.download())
             await anext(lists)
             pair.remote.clear_cache()
             fetched = await fetching
             assert len(lists.drain()) == 1
-            assert len(fetched) == (40 if face == "params" else 1)
+            assert len(fetched) == (40 if part == "params" else 1)
 
     run_virtually(scenario())
