@@ -147,6 +147,7 @@ fn make_metaclass(py: Python<'_>) -> PyResult<Meta> {
         slot(ffi::Py_tp_traverse, traverse_class as *mut c_void),
         slot(ffi::Py_tp_clear, clear_class as *mut c_void),
         slot(ffi::Py_tp_members, members.as_mut_ptr().cast()),
+        slot(ffi::Py_tp_doc, c"Metaclass of the message classes.".as_ptr().cast_mut().cast()),
         slot(0, ptr::null_mut()),
     ];
     let mut spec = ffi::PyType_Spec {

@@ -31,6 +31,14 @@ pub fn base_class(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
     Ok(BASE.get_or_try_init(py, || make_base_class(py))?.bind(py))
 }
 
+const BASE_DOC: &CStr = c"Base of the message classes: a typed view over a payload.
+
+Fields are given as positional or keyword arguments; fields not given are zero.
+
+Raises:
+    FieldNameError: The message has no field of that name, or fewer fields than arguments.
+    FieldTypeError: A value has a wrong type.
+    FieldRangeError: A value is outside the range of its field.";
 const TO_PAYLOAD_DOC: &CStr = c"to_payload($self, version=2, /)
 --
 
@@ -67,7 +75,7 @@ fn make_base_class(py: Python<'_>) -> PyResult<Py<PyType>> {
         slot(ffi::Py_tp_richcompare, compare as *mut c_void),
         slot(ffi::Py_tp_hash, ffi::PyObject_HashNotImplemented as *mut c_void),
         slot(ffi::Py_tp_methods, methods.as_mut_ptr().cast()),
-        slot(ffi::Py_tp_doc, c"Base of the message classes: a typed view over a payload.".as_ptr().cast_mut().cast()),
+        slot(ffi::Py_tp_doc, BASE_DOC.as_ptr().cast_mut().cast()),
         slot(0, ptr::null_mut()),
     ];
     let mut spec = ffi::PyType_Spec {

@@ -71,7 +71,7 @@ class ConnectionLink(Link):
     def _add_channel(self, connection: ConnectionChannel) -> None:
         """Add a connection as a channel; the caller then runs `_serve`."""
         self._active.add(connection)
-        self._inbox.opened(connection)
+        self._inbox.add_channel(connection)
 
     def _close_timeout(self) -> float:
         return CLOSE_TIMEOUT if self._active else 0
@@ -150,6 +150,6 @@ class ClientLink(ConnectionLink):
                     delays = self._backoff.delays()
                 connection = None
             delay = next(delays)
-            self._inbox.down(reason, delay)
+            self._inbox.report_down(reason, delay)
             await asyncio.sleep(delay)
         self._inbox.end()

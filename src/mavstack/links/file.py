@@ -70,8 +70,8 @@ class FileLink(Link):
             file = self._path.open("rb")
         except OSError as error:
             raise open_error(self.url, error) from error
-        channel = FileChannel(f"file {self._path.name}", str(self._path), self._inbox.closed)
-        self._inbox.opened(channel)
+        channel = FileChannel(f"file {self._path.name}", str(self._path), self._inbox.remove_channel)
+        self._inbox.add_channel(channel)
         self._spawn(self._replay(channel, file))
 
     async def _replay(self, channel: Channel, file: BinaryIO) -> None:

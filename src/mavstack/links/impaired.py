@@ -60,7 +60,7 @@ class ImpairedChannel(Channel):
     """A channel with a flow in each direction."""
 
     def __init__(self, inner: Channel, inbox: Inbox, outgoing: Flow, incoming: Flow) -> None:
-        super().__init__(inner.name, inner.peer, inbox.closed)
+        super().__init__(inner.name, inner.peer, inbox.remove_channel)
         self._inner = inner
         self._inbox = inbox
         self._outgoing = FlowDriver(outgoing, self._forward)
@@ -144,7 +144,7 @@ class ImpairedLink(Link):
             case ChannelClosed(channel, reason):
                 self._channels.pop(channel).close(reason)
             case LinkDown(reason, retry_in):
-                self._inbox.down(reason, retry_in)
+                self._inbox.report_down(reason, retry_in)
 
     def _wrap(self, inner: Channel) -> None:
         number = next(self._numbers)
@@ -153,7 +153,7 @@ class ImpairedLink(Link):
             inner, self._inbox, Flow(outgoing, f"{number} out"), Flow(incoming, f"{number} in")
         )
         self._channels[inner] = wrapper
-        self._inbox.opened(wrapper)
+        self._inbox.add_channel(wrapper)
 
     async def _stop(self) -> None:
         await self._inner.close()

@@ -55,14 +55,14 @@ class Inbox:
         """True if the queue has no room."""
         return self._used >= self._limit
 
-    def opened(self, channel: Channel) -> None:
+    def add_channel(self, channel: Channel) -> None:
         """Add a channel."""
         self._channels[channel] = None
         if self._log:
             self._log.channel_opened(channel)
         self._push(ChannelOpened(channel), 0)
 
-    def closed(self, channel: Channel, reason: str) -> None:
+    def remove_channel(self, channel: Channel, reason: str) -> None:
         """Remove a closed channel; an unknown channel is ignored."""
         if channel in self._channels:
             del self._channels[channel]
@@ -71,7 +71,7 @@ class Inbox:
                 self._log.channel_closed(channel, reason)
             self._push(ChannelClosed(channel, reason), 0)
 
-    def down(self, reason: str, retry_in: float) -> None:
+    def report_down(self, reason: str, retry_in: float) -> None:
         """Report a lost connection, and the delay before the next attempt in seconds."""
         if self._log:
             self._log.link_down(reason, retry_in)

@@ -76,7 +76,7 @@ class MemoryChannel(Channel):
     """One of two connected channels; written bytes are received by the other one."""
 
     def __init__(self, name: str, inbox: Inbox, clock: Callable[[], float]) -> None:
-        super().__init__(f"memory {name}", name, inbox.closed)
+        super().__init__(f"memory {name}", name, inbox.remove_channel)
         self.other: MemoryChannel | None = None
         self._inbox = inbox
         self._clock = clock
@@ -111,8 +111,8 @@ class MemoryLink(Link):
         mine = MemoryChannel(other._name, self._inbox, self._network.clock)
         theirs = MemoryChannel(self._name, other._inbox, self._network.clock)
         mine.other, theirs.other = theirs, mine
-        self._inbox.opened(mine)
-        other._inbox.opened(theirs)
+        self._inbox.add_channel(mine)
+        other._inbox.add_channel(theirs)
 
     async def _open(self) -> None:
         self._network.connect_all(self)

@@ -43,7 +43,7 @@ class TcpServer(ServerLink):
         enable_keepalive(writer)
         peer = format_address(writer.get_extra_info("peername"))
         name = f"{self.url.scheme} {peer}"
-        connection = StreamChannel(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+        connection = StreamChannel(name, peer, self._inbox.remove_channel, (reader, writer), self._send_queue)
         if self._admit(connection):
             self._spawn(self._serve_task(connection))
 
@@ -72,7 +72,7 @@ class TcpClient(ClientLink):
         enable_keepalive(writer)
         peer = format_address(writer.get_extra_info("peername"))
         name = f"{self.url.scheme} {peer}"
-        return StreamChannel(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+        return StreamChannel(name, peer, self._inbox.remove_channel, (reader, writer), self._send_queue)
 
     async def _connect_any(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
         """Try all addresses of the host in turn; if all fail, raise the last error."""

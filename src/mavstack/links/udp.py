@@ -192,9 +192,9 @@ class UdpListener(UdpLink):
         if len(self._peers) >= self._max_peers or self._inbox.full or self._closed:
             self._inbox.drop()
             return None
-        channel = UdpChannel(f"udpin {format_address(address)}", address, self._inbox.closed, self)
+        channel = UdpChannel(f"udpin {format_address(address)}", address, self._inbox.remove_channel, self)
         self._peers[address] = channel
-        self._inbox.opened(channel)
+        self._inbox.add_channel(channel)
         return channel
 
     def remove_channel(self, channel: UdpChannel) -> None:
@@ -226,8 +226,8 @@ class UdpSender(UdpLink):
         except OSError as error:
             raise open_error(self.url, error) from error
         await self._start_reading(sock)
-        self._channel = UdpChannel(f"udpout {format_address(address)}", address, self._inbox.closed, self)
-        self._inbox.opened(self._channel)
+        self._channel = UdpChannel(f"udpout {format_address(address)}", address, self._inbox.remove_channel, self)
+        self._inbox.add_channel(self._channel)
 
     def _is_broadcast_or_multicast(self, sock: socket.socket, address: Address) -> bool:
         """Return whether the address is a multicast group or looks like a broadcast address."""

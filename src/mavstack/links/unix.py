@@ -48,7 +48,7 @@ class UnixServer(ServerLink):
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         peer = f"{self.url.path}#{next(self._numbers)}"
         name = f"unixin {peer}"
-        connection = StreamChannel(name, peer, self._inbox.closed, (reader, writer), self._send_queue)
+        connection = StreamChannel(name, peer, self._inbox.remove_channel, (reader, writer), self._send_queue)
         if self._admit(connection):
             self._spawn(self._serve_task(connection))
 
@@ -73,7 +73,7 @@ class UnixClient(ClientLink):
         _require_posix(self.url)
         streams = await asyncio.open_unix_connection(self.url.path)
         name = f"unix {self.url.path}"
-        return StreamChannel(name, self.url.path, self._inbox.closed, streams, self._send_queue)
+        return StreamChannel(name, self.url.path, self._inbox.remove_channel, streams, self._send_queue)
 
 
 def _remove_stale(path: Path) -> None:

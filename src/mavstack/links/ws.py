@@ -109,7 +109,7 @@ class WsServer(ServerLink):
         return [None, self._origin] if self._origin else [None]  # type: ignore[list-item]
 
     async def _accept(self, socket: ServerConnection) -> None:
-        connection = WsChannel(self.url.scheme, self._inbox.closed, self._send_queue, socket)
+        connection = WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
         if self._admit(connection):
             await asyncio.wait({self._spawn(self._serve_task(connection))})
 
@@ -144,4 +144,4 @@ class WsClient(ClientLink):
             ) from error
         except WebSocketException as error:
             raise LinkError(f"cannot open {self.url.redacted}: {error}") from error
-        return WsChannel(self.url.scheme, self._inbox.closed, self._send_queue, socket)
+        return WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
