@@ -50,7 +50,7 @@ EXAMPLES = [example for name in COMMANDS if name not in WITH_VEHICLE for example
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=" ".join)
-def test_examples_do_what_they_say(mav, monkeypatch, tmp_path, example):
+def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, example):
     monkeypatch.chdir(tmp_path)
     own, official = tmp_path / "mine.xml", tmp_path / "official.xml"
     for path in (own, official):

@@ -19,7 +19,7 @@ def test_help_names_every_command_and_gives_examples(mav):
     assert "examples:" in result.out
 
 
-def test_no_words_are_help(mav):
+def test_without_arguments_help_is_shown(mav):
     assert mav().out == mav("--help").out
 
 
@@ -51,7 +51,7 @@ def test_unknown_option_of_mav(mav):
 @pytest.mark.parametrize(
     "words", [["watch"], ["watch", "x", "--for", "soon"], ["dialect"], ["doctor", "now"]]
 )
-def test_wrong_usage_is_two(mav, words):
+def test_wrong_usage_has_exit_code_2(mav, words):
     result = mav(*words)
     assert result.code == 2
     assert "usage: mav" in result.err
@@ -65,7 +65,7 @@ def test_wrong_usage_is_two(mav, words):
         (PermissionError(13, "Permission denied", "log"), 1),
     ],
 )
-def test_how_a_command_ends_is_the_exit_code(monkeypatch, capsys, error, code):
+def test_errors_become_exit_codes(monkeypatch, capsys, error, code):
     def fail(_words):
         raise error
 

@@ -30,7 +30,7 @@ def test_exit_codes():
 @pytest.mark.parametrize(
     "words", [["watch", "udpin://127.0.0.1:0", "--json"], ["demo", "--out", "udpout://127.0.0.1:9"]]
 )
-def test_ctrl_c_ends_it_cleanly(words):
+def test_ctrl_c_ends_the_command(words):
     process = subprocess.Popen([*MAV, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         process.communicate(timeout=1.0)
@@ -41,7 +41,7 @@ def test_ctrl_c_ends_it_cleanly(words):
 
 
 @pytest.mark.parametrize("option", ["--json", "--for=1000"])
-def test_a_closed_pipe_is_no_failure(tmp_path, option):
+def test_closed_pipe_is_no_failure(tmp_path, option):
     path = tmp_path / "long.tlog"
     path.write_bytes(stamped(flight(20_000)))
     process = subprocess.Popen(
@@ -56,7 +56,7 @@ def test_a_closed_pipe_is_no_failure(tmp_path, option):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals")
 @pytest.mark.parametrize("ending", [None, signal.SIGINT, signal.SIGTERM])
-def test_the_live_picture_leaves_the_terminal_as_it_was(ending):
+def test_live_display_restores_the_terminal(ending):
     import pty
 
     terminal, side = pty.openpty()

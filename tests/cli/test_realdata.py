@@ -37,7 +37,7 @@ def test_counts(mav, name, packets, kinds, duration, sources):
 
 
 @pytest.mark.parametrize("name", ["ardusub_small.tlog", "sitl_px4main.tlog", "dronekit_flight_replay.tlog"])
-def test_every_packet_makes_a_line(mav, name):
+def test_one_line_per_packet(mav, name):
     path = Path(FOLDER) / name
     summary = json.loads(mav("watch", path, "--once", "--json").out)
     lines = mav("watch", path, "--json").out.splitlines()
@@ -46,7 +46,7 @@ def test_every_packet_makes_a_line(mav, name):
     assert all(times)
 
 
-def test_an_old_log_of_another_dialect_holds_nothing_and_breaks_nothing(mav):
+def test_old_log_of_another_dialect(mav):
     result = mav("watch", Path(FOLDER) / "pymavlink_js_capture.mavlink", "--once", "--json")
     assert json.loads(result.out)["packets"] == 0
     assert result.code == 0
@@ -55,7 +55,7 @@ def test_an_old_log_of_another_dialect_holds_nothing_and_breaks_nothing(mav):
 @pytest.mark.parametrize(
     "name", ["ardusub_small.BIN", "pyulog_sample_log_small.ulg", "pymavlink_common.pcapng"]
 )
-def test_other_kinds_of_logs_are_told(mav, name):
+def test_other_log_formats_are_refused(mav, name):
     result = mav("watch", Path(FOLDER) / name, "--once")
     assert result.code == 1
     assert "not a stream of MAVLink packets" in result.err

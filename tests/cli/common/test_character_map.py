@@ -27,7 +27,7 @@ def test_north_is_up_and_east_is_right():
     assert all(len(text.rstrip()) < 10 for text in below), "it lies in the west"
 
 
-def test_the_bar_is_as_long_as_it_says():
+def test_scale_bar_length():
     drawn = draw_map([MapObject("1", "", [(47.0, 8.0), (47.0, 8.0 + 0.01)])], 60, 20)
     wide = 0.01 * DEGREE * 0.682  # cos(47°)
     metres_a_character = wide * 1.15 / 60
@@ -36,17 +36,17 @@ def test_the_bar_is_as_long_as_it_says():
     assert drawn.bar <= 0.4 * 60 + 1
 
 
-def test_who_stands_still_is_in_the_middle():
+def test_single_place_is_centred():
     drawn = rows(draw_map([MapObject("X", "", [], (10.0, 10.0))], 21, 11))
     assert drawn[5][10] == "X" or drawn[5][11] == "X"
 
 
-def test_nothing_is_an_empty_map():
+def test_empty_map():
     assert rows(draw_map([], 5, 2)) == ["     ", "     "]
 
 
 @given(st.lists(st.lists(places, max_size=5), max_size=4), st.integers(0, 80), st.integers(0, 30))
-def test_any_places_fit_any_window(tracks, columns, height):
+def test_random_places_fit_any_window(tracks, columns, height):
     things = [MapObject("1", "", track, track[-1] if track else None) for track in tracks]
     drawn = draw_map(things, columns, height)
     assert len(drawn.rows) == height

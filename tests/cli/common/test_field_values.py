@@ -4,8 +4,8 @@ from math import nan, pi
 
 import pytest
 
-from mavstack.cli.common.text import printable
 from mavstack.cli.common.field_values import field_texts
+from mavstack.cli.common.text import printable
 from mavstack.dialects import ardupilotmega, common
 
 
@@ -45,7 +45,7 @@ def shown(message, field: str):
         (ardupilotmega.Rangefinder(distance=1.5), "distance", "1.50 m"),
     ],
 )
-def test_units_and_names_of_daily_use(message, field, text):
+def test_units_and_enum_names(message, field, text):
     assert shown(message, field).text == text
 
 
@@ -59,22 +59,22 @@ def test_units_and_names_of_daily_use(message, field, text):
         (common.Statustext(text=""), "text"),
     ],
 )
-def test_what_is_not_known_is_marked(message, field):
+def test_invalid_values_are_marked(message, field):
     assert not shown(message, field).known
 
 
-def test_the_unknown_end_of_an_array_is_left_out():
+def test_invalid_end_of_an_array_is_omitted():
     message = common.BatteryStatus(voltages=[4100, 4000, *[0xFFFF] * 8])
     assert shown(message, "voltages").text == "[4.10 V 4.00 V]"
 
 
-def test_text_from_the_wire_cannot_steer_the_terminal():
+def test_control_characters_are_removed():
     assert "\x1b" not in printable("\x1b[2J")
     message = common.Statustext(text="\x1b[31mred\n")
     assert shown(message, "text").text == "\N{REPLACEMENT CHARACTER}[31mred"
 
 
-def test_every_message_of_every_kind_can_be_shown():
+def test_every_message_can_be_shown():
     from mavstack.dialects import Dialect
 
     for message in Dialect.load("all"):

@@ -29,27 +29,27 @@ def heartbeat(**fields) -> Packet:
         (2, 0, 3, "mode 3"),
     ],
 )
-def test_modes_are_named_as_the_autopilot_names_them(kind, autopilot, custom_mode, mode):
+def test_mode_names(kind, autopilot, custom_mode, mode):
     packet = heartbeat(type=kind, autopilot=autopilot, base_mode=1, custom_mode=custom_mode)
     assert identify(1, packet, ALL).mode == mode
 
 
-def test_kind_autopilot_and_arming():
+def test_type_autopilot_and_arming():
     armed = heartbeat(type=2, autopilot=12, base_mode=128, system_status=4)
     assert identify(1, armed, ALL) == Identity("quadrotor", "PX4", "", True, "active")
     assert identify(1, heartbeat(type=13, autopilot=3), ALL).armed is False
 
 
-def test_what_is_no_autopilot_has_no_mode():
+def test_component_without_autopilot_has_no_mode():
     camera = heartbeat(type=30, autopilot=8, base_mode=129, custom_mode=5, system_status=3)
     assert identify(100, camera, ALL) == Identity("camera", "", "", None, "standby")
 
 
-def test_without_heartbeat_the_component_id_tells():
+def test_identity_without_heartbeat():
     assert identify(68, None, ALL).kind == "telemetry radio"
     assert identify(199, None, ALL).kind == ""
 
 
-def test_values_that_nobody_knows_are_numbers():
+def test_unknown_enum_values_are_numbers():
     identity = identify(1, heartbeat(type=250, autopilot=251), ALL)
     assert (identity.type_name, identity.autopilot) == ("250", "251")

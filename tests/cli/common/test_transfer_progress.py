@@ -62,7 +62,7 @@ def test_rate_and_time_left(monkeypatch):
     assert terminal.getvalue().endswith("\r\x1b[K")
 
 
-def test_what_was_there_before_is_not_counted_in_the_rate():
+def test_resumed_part_is_not_counted_in_the_rate():
     clock = Clock()
     progress = TransferProgress("a", clock=clock)
     progress(1_000_000, 2_000_000)
@@ -70,7 +70,7 @@ def test_what_was_there_before_is_not_counted_in_the_rate():
     assert progress.text(1_100_000, 2_000_000) == "a: 55 %, 1.1 MB of 2.0 MB, 10.0 kB/s, 1:30 min left"
 
 
-def test_what_is_not_in_bytes_or_not_known():
+def test_without_bytes_or_total():
     clock = Clock()
     progress = TransferProgress("parameters", in_bytes=False, clock=clock)
     progress(0, 900)
@@ -79,7 +79,7 @@ def test_what_is_not_in_bytes_or_not_known():
     assert TransferProgress("a", clock=clock).text(500, 0) == "a: 500 B"
 
 
-def test_silence_in_a_pipe(capsys):
+def test_no_output_in_a_pipe(capsys):
     clock = Clock()
     with TransferProgress("a", clock=clock) as progress:
         clock.now += 10

@@ -9,7 +9,7 @@ from mavstack.dialects import common
 from mavstack.sim.vehicle_types import Firmware
 
 
-def test_a_minute_of_it_as_json(mav):
+def test_summary_as_json(mav):
     result = mav("demo", "--for", "40", "--json")
     assert (result.code, result.err) == (0, "")
     summary = json.loads(result.out)
@@ -26,7 +26,7 @@ def test_a_minute_of_it_as_json(mav):
     assert summary["texts"]
 
 
-def test_without_a_terminal_it_ends_by_itself_with_a_page(mav):
+def test_summary_without_a_terminal(mav):
     result = mav("demo", "--for", "5")
     assert (result.code, result.err) == (0, "")
     assert result.out.count("\n") == 8
@@ -34,18 +34,18 @@ def test_without_a_terminal_it_ends_by_itself_with_a_page(mav):
     assert "PX4 VTOL" in result.out
 
 
-def test_the_same_seed_is_the_same_flight(mav):
+def test_equal_seeds_give_equal_flights(mav):
     first, second, other = (mav("demo", "--for", "8", "--json", "--seed", seed).out for seed in (3, 3, 4))
     assert first == second != other
 
 
-def test_with_a_link_for_others_it_says_nothing(mav):
+def test_no_output_with_out_in_a_pipe(mav):
     result = mav("demo", "--out", "udpout://127.0.0.1:9", "--for", "0.1")
     assert (result.code, result.out, result.err) == (0, "", "")
 
 
 @pytest.mark.parametrize("flight", FLIGHTS, ids=lambda flight: f"{flight.firmware}-{flight.type}")
-def test_a_plan_goes_round_for_ever(flight):
+def test_mission_repeats(flight):
     items = flight_plan(flight, flight_home(flight)).items
     jump = items[-1]
     assert jump.command == common.MavCmd.DO_JUMP

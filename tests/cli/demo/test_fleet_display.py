@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.cli.demo.fleet_display import draw
+from mavstack.cli.demo.fleet_display import render
 from mavstack.cli.demo.fleet_state import FleetState
 from mavstack.dialects import Dialect, ardupilotmega, common
 from mavstack.wire import Encoder, Parser
@@ -14,7 +14,7 @@ def heard(watch: FleetState, system: int, *messages, now: float = 0.0) -> None:
     encoder, parser = Encoder(system, 1), Parser(DIALECT)
     for message in messages:
         for packet in parser.feed(encoder.encode(message)):
-            watch.take(packet, now)
+            watch.update(packet, now)
 
 
 def beat(**fields):
@@ -34,11 +34,11 @@ def watch() -> FleetState:
 
 
 def lines(watch: FleetState, width: int, height: int, now: float = 1.0) -> list[str]:
-    return [line.plain for line in draw(watch.moment(now), "seven vehicles", width, height, 65.0)]
+    return [line.plain for line in render(watch.snapshot(now), "seven vehicles", width, height, 65.0)]
 
 
 @pytest.mark.parametrize(("width", "height"), [(120, 40), (80, 24), (100, 30), (40, 10), (200, 60)])
-def test_it_fits(watch, width, height):
+def test_lines_fit_the_terminal(watch, width, height):
     drawn = lines(watch, width, height)
     assert len(drawn) <= height
     assert all(len(line) <= width for line in drawn)
@@ -46,42 +46,42 @@ def test_it_fits(watch, width, height):
 
 
 @pytest.mark.parametrize("width", [80, 120])
-def test_a_line_says_how_a_vehicle_is(watch, width):
+def test_vehicle_line(watch, width):
     line = next(line for line in lines(watch, width, 30) if line.startswith("  1  "))
     for word in ("ArduPilot", "AUTO", "ARMED", "12.3 m", "4.5 m/s", "17%", "3/9"):
         assert word in line
     assert ("270°" in line) == (width >= 100)
 
 
-def test_what_was_said_and_by_whom(watch):
+def test_status_texts(watch):
     assert any("GCS Failsafe" in line and line.strip().startswith("C") for line in lines(watch, 100, 30))
     assert any(line.startswith("C12") for line in lines(watch, 100, 30))
 
 
-def test_who_is_silent(watch):
+def test_silent_vehicle(watch):
     heard(watch, 1, beat(), now=20.0)
     drawn = lines(watch, 120, 30, now=21.0)
     assert any("silent for 21 s" in line for line in drawn)
     assert sum("AUTO" in line for line in drawn) == 1
 
 
-def test_a_place_that_is_not_known_yet_is_not_on_the_map():
+def test_unknown_position_is_not_on_the_map():
     watch = FleetState(DIALECT)
     heard(watch, 1, beat(), common.GlobalPositionInt(lat=0, lon=0))
     assert watch.vehicles[1].latitude is None
     assert not watch.vehicles[1].track
 
 
-def test_ground_stations_are_no_vehicles():
+def test_ground_stations_are_ignored():
     watch = FleetState(DIALECT)
     heard(watch, 255, beat(autopilot=common.MavAutopilot.INVALID, type=common.MavType.GCS))
     assert not watch.vehicles
 
 
-def test_a_moment_does_not_change():
+def test_snapshot_does_not_change():
     watch = FleetState(DIALECT)
     heard(watch, 1, beat(), common.GlobalPositionInt(lat=1000, lon=1000, relative_alt=1000))
-    moment = watch.moment(0.0)
+    moment = watch.snapshot(0.0)
     heard(watch, 1, common.GlobalPositionInt(lat=90000, lon=1000, relative_alt=9000))
     assert moment.vehicles[0].height == 1.0
     assert len(moment.vehicles[0].track) == 1

@@ -61,7 +61,7 @@ def test_show_a_message(mav, what):
     assert "rad/s" in out
 
 
-def test_show_all_that_is_said_of_a_message(mav, definition):
+def test_show_message_details(mav, definition):
     out = mav("dialect", "show", definition, "MY_MESSAGE").out
     assert "Of mine." in out
     assert "payload 3 bytes, 13 with extensions" in out
@@ -95,7 +95,7 @@ def test_every_page_of_every_dialect(mav):
             assert entry_page(entry, enum)
 
 
-def test_what_is_not_there(mav):
+def test_unknown_names(mav):
     result = mav("dialect", "show", "common", "ATTITUD")
     assert (result.code, result.out) == (1, "")
     assert "did you mean ATTITUDE?" in result.err
@@ -103,13 +103,13 @@ def test_what_is_not_there(mav):
     assert mav("dialect", "show", "comon").code == 2
 
 
-def test_check_a_good_file(mav, definition):
+def test_check_a_valid_file(mav, definition):
     result = mav("dialect", "check", definition)
     assert result.code == 0
     assert "0 errors" in result.out
 
 
-def test_check_a_bad_file(mav, tmp_path):
+def test_check_an_invalid_file(mav, tmp_path):
     path = tmp_path / "bad.xml"
     path.write_text(MINE)
     result = mav("dialect", "check", path)

@@ -9,7 +9,7 @@ import mavstack
 from mavstack.cli.doctor import checks
 
 
-def test_all_is_well(mav):
+def test_all_checks_pass(mav):
     result = mav("doctor")
     assert (result.code, result.err) == (0, "")
     assert mavstack.__version__ in result.out
@@ -18,7 +18,7 @@ def test_all_is_well(mav):
     assert {"core", "udp", "dialects", "numpy"} <= {check["name"] for check in report["checks"]}
 
 
-def test_a_missing_extra_is_told_and_no_failure(mav, monkeypatch):
+def test_missing_extra_is_reported_and_is_no_failure(mav, monkeypatch):
     def version(name):
         if name == "rich":
             raise PackageNotFoundError(name)
@@ -31,7 +31,7 @@ def test_a_missing_extra_is_told_and_no_failure(mav, monkeypatch):
 
 
 @pytest.mark.parametrize("failing", ["core", "udp"])
-def test_what_should_work_and_does_not_is_a_failure(mav, monkeypatch, failing):
+def test_failed_check_is_a_failure(mav, monkeypatch, failing):
     def broken():
         raise OSError("out of order")
 
@@ -44,7 +44,7 @@ def test_what_should_work_and_does_not_is_a_failure(mav, monkeypatch, failing):
     assert json.loads(mav("doctor", "--json").out)["ok"] is False
 
 
-def test_a_wrong_checksum_is_found(mav, monkeypatch):
+def test_wrong_checksum_is_found(mav, monkeypatch):
     monkeypatch.setattr("mavstack.wire.crc16", lambda _data: 0)
     assert mav("doctor").code == 1
 

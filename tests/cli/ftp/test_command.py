@@ -25,7 +25,7 @@ def noise(size, seed=1):
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
-def test_the_examples_of_the_help(mav, monkeypatch, tmp_path, firmware):
+def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
     monkeypatch.chdir(tmp_path)
     harness = CliHarness(monkeypatch, (VehicleType.COPTER, firmware))
     (tmp_path / "patrol.lua").write_text("return 1\n")
@@ -73,7 +73,7 @@ def test_ls(mav, harness):
         (["put", "missing", "/x"], "No such file"),
     ],
 )
-def test_what_the_vehicle_refuses_is_told_in_one_line(mav, harness, tmp_path, words, problem):
+def test_refusal_is_reported_in_one_line(mav, harness, tmp_path, words, problem):
     (tmp_path / "x").write_text("x")
     result = mav("ftp", *words)
     assert (result.code, result.out) == (1, "")
@@ -89,7 +89,7 @@ def test_wrong_usage(mav, harness, words):
     assert result.err
 
 
-def test_get_to_a_file_a_directory_and_here(mav, harness, tmp_path):
+def test_get_to_a_file_and_to_directories(mav, harness, tmp_path):
     harness.put(LOG, noise(3000))
     (tmp_path / "logs").mkdir()
     assert mav("ftp", "get", LOG).out == f"{LOG} -> 00000001.BIN (3.0 kB)\n"
@@ -101,7 +101,7 @@ def test_get_to_a_file_a_directory_and_here(mav, harness, tmp_path):
         assert (tmp_path / path).read_bytes() == noise(3000)
 
 
-def test_a_virtual_file_and_an_empty_one(mav, harness, tmp_path):
+def test_get_virtual_and_empty_files(mav, harness, tmp_path):
     assert mav("ftp", "get", "@SYS/uarts.txt").code == 0
     assert (tmp_path / "uarts.txt").read_text()
     assert mav("ftp", "get", "@PARAM/param.pck?withdefaults=1").code == 0
@@ -111,7 +111,7 @@ def test_a_virtual_file_and_an_empty_one(mav, harness, tmp_path):
     assert (tmp_path / "empty").read_bytes() == b""
 
 
-def test_get_a_tree(mav, harness, tmp_path):
+def test_get_a_directory_tree(mav, harness, tmp_path):
     files = {"a.lua": noise(10), "modules/b.lua": noise(20), "modules/deep/c.lua": noise(30)}
     for path, data in files.items():
         harness.put(f"/APM/scripts/{path}", data)
@@ -124,7 +124,7 @@ def test_get_a_tree(mav, harness, tmp_path):
     assert not harness.has_directory("/APM/scripts")
 
 
-def test_put_is_compared(mav, harness, tmp_path):
+def test_put_compares_checksums(mav, harness, tmp_path):
     (tmp_path / "x.lua").write_bytes(noise(9000))
     assert mav("ftp", "put", "x.lua", "/APM/scripts").out == "x.lua -> /APM/scripts/x.lua (9.0 kB)\n"
     assert harness.file("/APM/scripts/x.lua") == noise(9000)
@@ -134,7 +134,7 @@ def test_put_is_compared(mav, harness, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["..", "../../evil", "a/b", "C:evil", "nul\x01", "trailing."])
-def test_names_that_would_lead_elsewhere(mav, harness, tmp_path, monkeypatch, name):
+def test_unsafe_names_are_refused(mav, harness, tmp_path, monkeypatch, name):
     from mavstack.cli.ftp import command as ftp
     from mavstack.services.ftp import Entry
 
@@ -152,9 +152,7 @@ def test_names_that_would_lead_elsewhere(mav, harness, tmp_path, monkeypatch, na
     assert list(tmp_path.parent.glob("**/*evil*")) == []
 
 
-def test_a_broken_download_leaves_the_old_file_and_goes_on_where_it_stopped(
-    mav, harness, tmp_path, monkeypatch
-):
+def test_interrupted_download_keeps_the_old_file_and_resumes(mav, harness, tmp_path, monkeypatch):
     data = noise(400_000)
     harness.put(LOG, data)
     target = tmp_path / "00000001.BIN"
@@ -202,7 +200,7 @@ class CutAfter:
         self.harness.vehicle.cut(False)
 
 
-def test_what_was_kept_of_another_file_is_fetched_anew(mav, harness, tmp_path):
+def test_partial_data_of_another_file_is_downloaded_again(mav, harness, tmp_path):
     harness.put(LOG, noise(200_000, seed=2))
     (tmp_path / ".00000001.BIN.part").write_bytes(noise(100_000, seed=3))
     assert mav("ftp", "get", LOG).code == 0
@@ -212,6 +210,6 @@ def test_what_was_kept_of_another_file_is_fetched_anew(mav, harness, tmp_path):
     assert (tmp_path / "00000001.BIN").read_bytes() == noise(200_000, seed=2)
 
 
-def test_a_download_that_is_refused_leaves_nothing(mav, harness, tmp_path):
+def test_refused_download_leaves_no_file(mav, harness, tmp_path):
     assert mav("ftp", "get", "@PARAM/nope").code == 1
     assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,7 @@ import pytest
 
 from mavstack.cli.ftp.paths import RemotePath
 from mavstack.cli.log.command import EXAMPLES, _ranges
-from mavstack.cli.log.files import match, local_file_name, time_text
+from mavstack.cli.log.files import local_file_name, match_files, time_text
 from mavstack.services.ftp import Entry
 from mavstack.services.log import LogEntry
 from mavstack.sim.vehicle_types import VehicleType
@@ -40,7 +40,7 @@ def filled(monkeypatch, tmp_path, firmware="ardupilot", sizes=(90_000, 2000)):
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
-def test_the_examples_of_the_help(mav, monkeypatch, tmp_path, firmware):
+def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
     filled(monkeypatch, tmp_path, firmware)
     for words in examples_of(EXAMPLES):
         result = mav(*words)
@@ -74,13 +74,13 @@ def test_list(mav, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize(("via", "way"), [("auto", "ftp"), ("ftp", "ftp"), ("log", "log")])
-def test_the_way_it_comes(mav, harness, tmp_path, via, way):
+def test_download_path_is_selected(mav, harness, tmp_path, via, way):
     told = json.loads(mav("log", "get", "1", "-o", "x.BIN", "--via", via, "--json").out)
     assert told == {"id": 1, "file": "x.BIN", "size": 90_000, "via": way}
     assert (tmp_path / "x.BIN").read_bytes() == noise(90_000, 90_000)
 
 
-def test_logs_that_are_alike_come_by_their_numbers(mav, monkeypatch, tmp_path):
+def test_logs_of_equal_size_are_downloaded_by_number(mav, monkeypatch, tmp_path):
     filled(monkeypatch, tmp_path, sizes=(3000, 3000))
     assert json.loads(mav("log", "get", "2", "--json").out)["via"] == "log"
     result = mav("log", "get", "1", "--via", "ftp")
@@ -88,7 +88,7 @@ def test_logs_that_are_alike_come_by_their_numbers(mav, monkeypatch, tmp_path):
     assert result.err == "mav log: which file log 1 is cannot be told; fetch it with --via log\n"
 
 
-def test_without_ftp_they_come_by_their_numbers(mav, harness, monkeypatch, tmp_path):
+def test_without_ftp_logs_are_downloaded_by_number(mav, harness, monkeypatch, tmp_path):
     def refused(path):
         raise PermissionError
 
@@ -101,7 +101,7 @@ def test_without_ftp_they_come_by_their_numbers(mav, harness, monkeypatch, tmp_p
     }
 
 
-def test_what_is_here_already_stays(mav, harness, tmp_path):
+def test_a_downloaded_log_is_kept(mav, harness, tmp_path):
     assert mav("log", "get", "2").code == 0
     assert mav("log", "get", "2").out == "log 2 -> 00000002.BIN (is here already)\n"
     (tmp_path / "00000001.BIN").write_bytes(b"mine")
@@ -124,7 +124,7 @@ def test_wrong_usage(mav, harness, monkeypatch, words):
     assert result.err
 
 
-def test_no_such_log(mav, harness):
+def test_unknown_log_number(mav, harness):
     result = mav("log", "get", "7")
     assert (result.code, result.err) == (1, "mav log: there is no log 7; there are 1-2\n")
     assert _ranges([1, 2, 3, 7, 9, 10]) == "1-3, 7, 9-10"
@@ -139,7 +139,7 @@ def test_erase_asks_on_a_terminal(mav, harness, monkeypatch, answer, left, code)
     assert len(json.loads(mav("log", "list", "--json").out)) == left
 
 
-def test_a_vehicle_that_falls_silent(mav, harness, tmp_path):
+def test_vehicle_falls_silent(mav, harness, tmp_path):
     store = harness.vehicle.storage.files
     opened = store.open_file
 
@@ -155,7 +155,7 @@ def test_a_vehicle_that_falls_silent(mav, harness, tmp_path):
     assert not (tmp_path / "00000001.BIN").exists()
 
 
-def test_names_and_times():
+def test_local_names_and_times():
     dated, undated = LogEntry(12, TIME, 5), LogEntry(3, 0, 5)
     assert local_file_name(dated, ".BIN") == "00000012.BIN"
     assert local_file_name(dated, ".ulg") == "log_12_2026-11-21_10-00-00.ulg"
@@ -163,10 +163,11 @@ def test_names_and_times():
     assert (time_text(dated), time_text(undated)) == ("2026-11-21 10:00:00", "")
 
 
-def test_files_of_one_size_are_not_guessed():
+def test_files_of_equal_size_are_not_matched():
     files = [
-        RemotePath(f"/{name}", Entry(name, size=size)) for name, size in (("a", 1), ("b", 1), ("c", 2), ("d", 0))
+        RemotePath(f"/{name}", Entry(name, size=size))
+        for name, size in (("a", 1), ("b", 1), ("c", 2), ("d", 0))
     ]
     logs = [LogEntry(1, 0, 1), LogEntry(2, 0, 2), LogEntry(3, 0, 0), LogEntry(4, 0, 9)]
-    assert {number: found.path for number, found in match(logs, files).items()} == {2: "/c"}
-    assert match([LogEntry(1, 0, 2), LogEntry(2, 0, 2)], files) == {}
+    assert {number: found.path for number, found in match_files(logs, files).items()} == {2: "/c"}
+    assert match_files([LogEntry(1, 0, 2), LogEntry(2, 0, 2)], files) == {}

@@ -100,7 +100,7 @@ def files(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-def test_a_whole_plan_is_given_and_got_back(mav, field):
+def test_uploaded_plans_are_downloaded_equal(mav, field):
     result = mav("mission", "upload", "flight.plan", "--verify")
     assert (result.code, result.err) == (0, "")
     assert result.out.splitlines() == [
@@ -120,7 +120,7 @@ def test_a_whole_plan_is_given_and_got_back(mav, field):
     assert got.settings.vehicle_type == common.MavType.QUADROTOR
 
 
-def test_the_vehicle_counts_jumps_its_own_way(mav, field):
+def test_jump_targets_follow_the_numbering_of_the_vehicle(mav, field):
     assert mav("mission", "upload", "flight.plan", "--mission").out == "mission: 5 items given\n"
     held = field.vehicle.plans.get(PlanType.MISSION)
     jump = next(item for item in held.items if item.command == common.MavCmd.DO_JUMP)
@@ -128,7 +128,7 @@ def test_the_vehicle_counts_jumps_its_own_way(mav, field):
     assert (target.command, target.param1) == (common.MavCmd.NAV_WAYPOINT, 3)  # the one with a hold of 3 s
 
 
-def test_to_standard_output_in_the_usual_format(mav, copter):
+def test_standard_output_has_the_default_format(mav, copter):
     assert mav("mission", "upload", "flight.plan").code == 0
     result = mav("mission", "download")
     assert (result.code, result.err) == (0, "")
@@ -138,7 +138,7 @@ def test_to_standard_output_in_the_usual_format(mav, copter):
     assert result.out == "RALLY 47.396 8.544 25 0 0 0\nRALLY 47.395 8.545 15.5 0 0 0\n"
 
 
-def test_what_a_format_would_lose_is_not_written_unless_forced(mav, copter, files):
+def test_lossy_format_needs_force(mav, copter, files):
     assert mav("mission", "upload", "flight.plan", "--fence").code == 0
     result = mav("mission", "download", "back.fen")
     assert (result.code, result.out) == (1, "")
@@ -151,7 +151,7 @@ def test_what_a_format_would_lose_is_not_written_unless_forced(mav, copter, file
     assert len(read_plan("back.fen").fence) == 5
 
 
-def test_what_is_shown_as_json_can_be_uploaded(mav, copter, files):
+def test_json_output_can_be_uploaded(mav, copter, files):
     mav("mission", "upload", "flight.plan")
     shown = mav("mission", "show", "--json")
     assert (shown.code, shown.err) == (0, "")
@@ -166,7 +166,7 @@ def test_what_is_shown_as_json_can_be_uploaded(mav, copter, files):
     ]
 
 
-def test_a_mission_is_flown_to_its_end(mav, field):
+def test_start_and_wait_for_completion(mav, field):
     mav("mission", "upload", "hop.waypoints")
     result = mav("mission", "start", "--wait")
     assert (result.code, result.out, result.err) == (0, "mission: flown\n", "")
@@ -174,14 +174,14 @@ def test_a_mission_is_flown_to_its_end(mav, field):
     assert field.vehicle.body.on_ground
 
 
-def test_a_mission_is_started(mav, field):
+def test_start(mav, field):
     mav("mission", "upload", "flight.waypoints")
     result = mav("mission", "start")
     assert (result.code, result.out, result.err) == (0, "mission: started\n", "")
     assert field.vehicle.autopilot.armed
 
 
-def test_without_a_mission_nothing_is_armed(mav, field):
+def test_start_without_a_mission_does_not_arm(mav, field):
     for words in (("start",), ("start", "--wait")):
         result = mav("mission", *words)
         assert (result.code, result.out) == (1, "")
@@ -189,7 +189,7 @@ def test_without_a_mission_nothing_is_armed(mav, field):
         assert not field.vehicle.autopilot.armed
 
 
-def test_clearing_is_of_the_mission_alone(mav, copter):
+def test_clear_deletes_only_the_mission(mav, copter):
     mav("mission", "upload", "flight.plan")
     assert mav("mission", "clear").out == "mission: cleared\n"
     shown = json.loads(mav("mission", "show", "--json").out)
@@ -199,7 +199,7 @@ def test_clearing_is_of_the_mission_alone(mav, copter):
 # Files
 
 
-def test_a_plan_is_shown_as_a_table_and_a_sketch(mav):
+def test_show_as_table_and_map(mav):
     result = mav("mission", "show", "flight.plan")
     assert (result.code, result.err) == (0, "")
     lines = result.out.splitlines()
@@ -226,7 +226,7 @@ def test_a_plan_is_shown_as_a_table_and_a_sketch(mav):
     assert "north is up" not in without
 
 
-def test_what_is_wrong_is_shown(mav, files):
+def test_show_problems(mav, files):
     (files / "bad.plan").write_text(FLIGHT.replace("47.3980", "147.3980").replace("[2, 3,", "[9, 3,"))
     result = mav("mission", "show", "bad.plan", "--no-map")
     assert result.code == 0
@@ -237,7 +237,7 @@ def test_what_is_wrong_is_shown(mav, files):
     ]
 
 
-def test_a_plan_is_shown_as_one_object(mav):
+def test_show_as_json(mav):
     shown = json.loads(mav("mission", "show", "flight.plan", "--json").out)
     assert shown["home"] == {"latitude": 47.3977419, "longitude": 8.5455939, "altitude": 488}
     assert [item["name"] for item in shown["mission"]][3:] == ["DO_JUMP", "NAV_RETURN_TO_LAUNCH"]
@@ -249,7 +249,7 @@ def test_a_plan_is_shown_as_one_object(mav):
     assert (len(shown["fence"]), len(shown["rally"])) == (6, 2)
 
 
-def test_a_sketch_of_many_items_stays_legible(mav, files):
+def test_map_of_many_items_is_legible(mav, files):
     rows = [f"{seq} 0 3 16 0 0 0 0 {47 + seq % 2 / 1000} {8 + seq / 1000} 20 1" for seq in range(1, 101)]
     (files / "many.txt").write_text("\n".join(["QGC WPL 110", "0 1 0 16 0 0 0 0 47 8 400 1", *rows]))
     sketch = mav("mission", "show", "many.txt").out.splitlines()[104:]
@@ -261,13 +261,13 @@ def test_a_sketch_of_many_items_stays_legible(mav, files):
 
 
 @pytest.mark.parametrize("name", ["flight.waypoints", "area.fen", "places.rally"])
-def test_every_kind_of_file_is_shown(mav, name):
+def test_show_every_format(mav, name):
     result = mav("mission", "show", name)
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith(f"{name}: ")
 
 
-def test_converting(mav, files):
+def test_convert(mav, files):
     assert mav("mission", "convert", "flight.plan", "out.waypoints", "--mission").code == 0
     assert read_plan("out.waypoints").mission == read_plan("flight.plan").mission
     assert mav("mission", "convert", "area.fen", "out.plan").code == 0
@@ -282,7 +282,7 @@ def test_converting(mav, files):
     assert not (files / "out.txt").exists()
 
 
-def test_a_pattern_that_cannot_be_taken_stops_converting_and_uploading(mav, copter, files):
+def test_unsupported_pattern_is_refused(mav, copter, files):
     pattern = '{"type": "ComplexItem", "complexItemType": "StructureScan", "version": 3}, '
     (files / "scan.plan").write_text(FLIGHT.replace('"items": [', f'"items": [{pattern}'))
     for words in (("convert", "scan.plan", "out.json"), ("upload", "scan.plan")):
@@ -296,7 +296,7 @@ def test_a_pattern_that_cannot_be_taken_stops_converting_and_uploading(mav, copt
     assert mav("mission", "upload", "scan.plan", "--force").code == 0
 
 
-def test_what_is_wrong_is_not_uploaded(mav, copter, files):
+def test_invalid_plan_is_not_uploaded(mav, copter, files):
     (files / "bad.plan").write_text(FLIGHT.replace("47.3980", "147.3980").replace("8.5450", "908.5450"))
     result = mav("mission", "upload", "bad.plan")
     assert (result.code, result.out) == (1, "")
@@ -359,7 +359,7 @@ class Refuser:
         return self.result if plan.type == self.refused else _RESULT.ACCEPTED
 
 
-def test_a_fence_that_is_refused_keeps_the_mission_back(mav, monkeypatch):
+def test_refused_fence_stops_the_upload(mav, monkeypatch):
     use(monkeypatch, Refuser(PlanType.FENCE, _RESULT.NO_SPACE).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
     assert result.code == 1
@@ -368,14 +368,14 @@ def test_a_fence_that_is_refused_keeps_the_mission_back(mav, monkeypatch):
     assert result.err.count("\n") == 1
 
 
-def test_a_refused_mission_is_told_after_what_was_given(mav, monkeypatch):
+def test_refused_mission_is_reported_after_uploaded_plans(mav, monkeypatch):
     use(monkeypatch, Refuser(PlanType.MISSION, _RESULT.UNSUPPORTED).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
     assert (result.code, result.out) == (1, "fence: 6 items given\nrally points: 2 items given\n")
     assert result.err.startswith("mav mission: uploading the mission to 1/1 failed: UNSUPPORTED")
 
 
-def test_clearing_that_is_refused(mav, monkeypatch):
+def test_refused_clear(mav, monkeypatch):
     use(monkeypatch, Refuser(PlanType.RALLY, _RESULT.DENIED).run_on_vehicle)
     result = mav("mission", "clear", "--all")
     assert (result.code, result.out) == (1, "fence: cleared\nmission: not cleared\n")
@@ -391,7 +391,7 @@ def test_clearing_that_is_refused(mav, monkeypatch):
         (("clear",), "clearing the mission"),
     ],
 )
-def test_a_vehicle_that_says_nothing(mav, monkeypatch, words, says):
+def test_silent_vehicle(mav, monkeypatch, words, says):
     use(monkeypatch, Refuser(None, 0, silent=True).run_on_vehicle)
     result = mav("mission", *words)
     assert result.code == 1
@@ -400,13 +400,13 @@ def test_a_vehicle_that_says_nothing(mav, monkeypatch, words, says):
     assert result.err.count("\n") == 1
 
 
-def test_nobody_there(mav):
+def test_no_vehicle(mav):
     result = mav("mission", "show", "--url", "udpin://127.0.0.1:0", "--timeout", "0.1")
     assert (result.code, result.out) == (1, "")
     assert result.err.count("\n") == 1
 
 
-def test_what_is_read_back_otherwise_is_told(mav, monkeypatch):
+def test_verify_reports_a_difference(mav, monkeypatch):
     class Forgetful(Refuser):
         def _validate(self, plan: Plan, source: Address) -> int:
             return _RESULT.ACCEPTED
@@ -433,7 +433,7 @@ def test_what_is_read_back_otherwise_is_told(mav, monkeypatch):
 EXAMPLES = [line.strip() for line in command.EXAMPLES.splitlines()[1:]]
 
 
-def test_the_examples_in_the_help(mav, copter, capsys):
+def test_examples_of_the_help_run(mav, copter, capsys):
     ran = 0
     for line in [EXAMPLES[0], *EXAMPLES]:
         if line == "mav mission start":  # they have cleared it before
@@ -446,7 +446,7 @@ def test_the_examples_in_the_help(mav, copter, capsys):
 
 
 @pytest.mark.parametrize("action", ["upload", "download", "clear", "start", "show", "convert"])
-def test_each_page_of_help_has_examples(mav, action):
+def test_each_help_page_has_examples(mav, action):
     page = mav("mission", action, "--help")
     assert page.code == 0
     assert f"  mav mission {action}" in page.out

@@ -17,7 +17,7 @@ def harness(monkeypatch):
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
-def test_the_examples_of_the_help(mav, monkeypatch, tmp_path, firmware):
+def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
     harness = CliHarness(monkeypatch, (VehicleType.COPTER, firmware))
     monkeypatch.chdir(tmp_path)
     of_px4 = {
@@ -60,13 +60,13 @@ def test_list(mav, harness):
     ]
 
 
-def test_no_such_parameter(mav, harness):
+def test_unknown_parameter(mav, harness):
     result = mav("param", "list", "RTL_ATL")
     assert (result.code, result.out) == (1, "")
     assert result.err == "mav param: there is no parameter RTL_ATL; did you mean RTL_ALT?\n"
 
 
-def test_get_shows_what_it_can(mav, harness):
+def test_get_shows_the_readable_parameters(mav, harness):
     result = mav("param", "get", "rtl_alt", "NOPE")
     assert (result.code, result.out) == (1, "RTL_ALT  1500  int32\n")
     assert result.err.startswith("mav param: reading parameter NOPE of 1/1 failed")
@@ -87,7 +87,7 @@ def test_set(mav, harness):
     assert harness.vehicle.parameters["RTL_ALT"] == 3000
 
 
-def test_a_refusal_and_what_comes_after_it(mav, harness):
+def test_set_goes_on_after_a_refusal(mav, harness):
     result = mav("param", "set", "STAT_BOOTCNT=9", "RTL_ALT=2000")
     assert (result.code, result.out) == (1, "RTL_ALT: 1500 -> 2000\n")
     assert result.err.startswith("mav param: setting parameter STAT_BOOTCNT to 9 on 1/1 failed")
@@ -95,7 +95,7 @@ def test_a_refusal_and_what_comes_after_it(mav, harness):
     assert result.err.count("\n") == 1
 
 
-def test_a_value_that_its_type_cannot_hold(mav, harness):
+def test_value_out_of_the_range_of_its_type(mav, harness):
     result = mav("param", "set", "FRAME_CLASS", "300")
     assert result.code == 1
     assert result.err == "mav param: FRAME_CLASS is of type INT8, which cannot hold 300\n"
@@ -128,14 +128,14 @@ def test_wrong_usage(mav, tmp_path, monkeypatch, words):
     assert result.err
 
 
-def test_a_link_that_cannot_be_opened(mav):
+def test_link_cannot_be_opened(mav):
     result = mav("param", "list", "--url", "serial:///dev/no-such-port")
     assert result.code == 1
     assert result.err.startswith("mav param: ")
     assert result.err.count("\n") == 1
 
 
-def test_nobody_there(mav, harness):
+def test_no_vehicle(mav, harness):
     result = mav("param", "list", "--system", "77", "--timeout", "3")
     assert result.code == 1
     assert "heartbeat of vehicle 77" in result.err
@@ -146,7 +146,7 @@ def test_nobody_there(mav, harness):
     assert result.err.count("\n") == 1
 
 
-def test_save_and_what_it_tells(mav, harness, tmp_path):
+def test_save(mav, harness, tmp_path):
     path = tmp_path / "a.params"
     assert mav("param", "save", path, "RTL*").out == f"8 parameters in {path}\n"
     told = json.loads(mav("param", "save", path, "--json").out)
@@ -162,7 +162,7 @@ def test_save_and_what_it_tells(mav, harness, tmp_path):
     assert mav("param", "save", "-", "RTL_ALT", "--format", "mission-planner").out.endswith("RTL_ALT,1500\n")
 
 
-def test_save_keeps_the_file_that_it_cannot_replace(mav, harness, tmp_path):
+def test_failed_save_keeps_the_old_file(mav, harness, tmp_path):
     result = mav("param", "save", tmp_path / "nowhere" / "a.param")
     assert result.code == 1
     assert result.err.count("\n") == 1
@@ -177,7 +177,7 @@ FRAME_TYPE      0 -> 3        counts after a reboot
 """
 
 
-def test_load_tells_what_became_of_each(mav, harness, tmp_path):
+def test_load_reports_the_outcome_of_each_parameter(mav, harness, tmp_path):
     path = tmp_path / "a.parm"
     path.write_text("RTL_ALT 3000\nSTAT_BOOTCNT 77\nFRAME_CLASS 300\nFOO_BAR 3\nRTL_SPEED 0\nFRAME_TYPE 3\n")
     old = harness.vehicle.parameters["FRAME_TYPE"]
@@ -204,7 +204,7 @@ def test_load_tells_what_became_of_each(mav, harness, tmp_path):
     ]
 
 
-def test_load_what_belongs_to_the_vehicle_if_asked(mav, harness, tmp_path):
+def test_load_all_sets_vehicle_specific_parameters(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("COMPASS_OFS_X,12.5\n")
     assert "skipped" in mav("param", "load", path).out
@@ -212,7 +212,7 @@ def test_load_what_belongs_to_the_vehicle_if_asked(mav, harness, tmp_path):
     assert harness.vehicle.parameters["COMPASS_OFS_X"] == 12.5
 
 
-def test_a_file_of_another_component(mav, harness, tmp_path):
+def test_file_of_another_component(mav, harness, tmp_path):
     path = tmp_path / "camera.params"
     path.write_text("1\t100\tCAM_MODE\t1\t6\n")
     for action in ("load", "diff"):
@@ -221,7 +221,7 @@ def test_a_file_of_another_component(mav, harness, tmp_path):
         assert result.err == f"mav param: {path}: it is of component 100 only, and this is 1\n"
 
 
-def test_a_file_that_is_wrong_is_told_before_the_vehicle_is_asked(mav, monkeypatch, tmp_path):
+def test_invalid_file_is_reported_before_connecting(mav, monkeypatch, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("RTL_ALT,1\nRTL_SPEED,fast\n")
     result = mav("param", "load", path)
@@ -248,7 +248,7 @@ def test_diff_with_the_vehicle(mav, harness, tmp_path):
     assert told["different"] == [{"name": "RTL_ALT", "ours": 1500, "theirs": 1501}]
 
 
-def test_diff_with_a_part_of_the_vehicle(mav, harness, tmp_path):
+def test_diff_with_some_parameters_of_the_vehicle(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("RTL_ALT,1500\n")
     others = len(harness.vehicle.parameters) - 1
@@ -271,7 +271,7 @@ def test_diff_of_two_files(mav, tmp_path):
     assert len(json.loads(mav("param", "diff", one, other, "--json", "--all").out)["different"]) == 3
 
 
-def test_watch_shows_what_others_set(mav, harness):
+def test_watch_shows_changes_of_another_station(mav, harness):
     async def other_station(remote):
         await asyncio.sleep(20)
         await remote.params.set("RTL_ALT", 2222)
@@ -290,7 +290,7 @@ def cut_at(harness, name):
     harness.vehicle.parameters.on_change(name, lambda value: harness.vehicle.cut(True))
 
 
-def test_a_vehicle_that_falls_silent_while_it_is_loaded(mav, harness, tmp_path):
+def test_vehicle_falls_silent_during_load(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("".join(f"SERVO{number}_MIN,1099\n" for number in range(1, 17)))
     cut_at(harness, "SERVO3_MIN")
@@ -303,7 +303,7 @@ def test_a_vehicle_that_falls_silent_while_it_is_loaded(mav, harness, tmp_path):
     assert "untried" in lines[-1]
 
 
-def test_a_vehicle_that_falls_silent_while_it_is_set(mav, harness):
+def test_vehicle_falls_silent_during_set(mav, harness):
     cut_at(harness, "RTL_ALT")
     result = mav("param", "set", "RTL_ALT=2000", "RTL_SPEED=5")
     assert (result.code, result.out) == (1, "RTL_ALT: 1500 -> 2000\n")

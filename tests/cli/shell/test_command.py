@@ -32,7 +32,7 @@ def pipe(monkeypatch):
 
 
 @pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
-def test_a_line(simulate, mav, kind):
+def test_command_option(simulate, mav, kind):
     harness = simulate(kind)
     result = mav("shell", "--command", "arm throttle; takeoff 10")
     assert result.code == 0
@@ -41,7 +41,7 @@ def test_a_line(simulate, mav, kind):
     assert -harness.vehicle.body.truth.down == pytest.approx(10, abs=1.5)
 
 
-def test_a_script(simulate, mav, tmp_path):
+def test_script_option(simulate, mav, tmp_path):
     simulate()
     (script := tmp_path / "flight.txt").write_text("mode guided\narm throttle # up\n\nbad\ndisarm\n")
     result = mav("shell", "--script", script)
@@ -53,34 +53,34 @@ def test_a_script(simulate, mav, tmp_path):
     assert result.out == "armed\ndisarmed\n"
 
 
-def test_a_pipe(simulate, mav, pipe):
+def test_lines_from_a_pipe(simulate, mav, pipe):
     simulate()
     pipe("arm throttle\ndisarm\n")
     result = mav("shell")
     assert (result.code, result.out) == (0, "armed\ndisarmed\n")
 
 
-def test_nobody_there_fails(simulate, mav):
+def test_no_vehicle_is_a_failure(simulate, mav):
     simulate()
     result = mav("shell", "--system", 9, "--timeout", 2, "--command", "info")
     assert result.code == 1
     assert result.err.splitlines()[-1].startswith("mav shell: the heartbeat of vehicle 9")
 
 
-def test_the_vehicle_that_is_meant(simulate, mav):
+def test_selected_vehicle(simulate, mav):
     harness = simulate(COPTER, PX4_COPTER)
     assert mav("shell", "--system", 2, "--command", "arm").code == 0
     assert [vehicle.autopilot.armed for vehicle in harness.simulation.vehicles] == [False, True]
 
 
-def test_a_script_that_is_not_there(simulate, mav, tmp_path):
+def test_missing_script(simulate, mav, tmp_path):
     simulate()
     result = mav("shell", "--script", tmp_path / "none.txt")
     assert result.code == 1
     assert "No such file or directory" in result.err
 
 
-def test_an_output_is_forwarded_to(simulate, mav, monkeypatch):
+def test_output_option(simulate, mav, monkeypatch):
     simulate()
     behind = MemoryNetwork()
     monkeypatch.setattr(forwarding, "open_link", lambda url: behind.link())
@@ -105,7 +105,7 @@ def test_wrong_usage(mav, words):
     assert mav("shell", *words).code == 2
 
 
-def test_the_examples_of_the_command(simulate, mav, pipe, tmp_path, monkeypatch):
+def test_examples_of_the_help_run(simulate, mav, pipe, tmp_path, monkeypatch):
     """Each line but those that wait for somebody who types."""
     (tmp_path / "flight.txt").write_text("info\n")
     monkeypatch.chdir(tmp_path)
@@ -125,7 +125,7 @@ ELSEWHERE = {"wp set 2", "nsh ver all", "script"}
 
 
 @pytest.mark.parametrize("command", list(dict.fromkeys(COMMANDS.values())), ids=lambda command: command.name)
-def test_the_examples_of_each_command(simulate, mav, command, tmp_path, monkeypatch):
+def test_examples_of_each_shell_command_run(simulate, mav, command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     before = {
         "guided": "mode guided; arm throttle; takeoff 10; ",

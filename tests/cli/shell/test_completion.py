@@ -56,11 +56,11 @@ def test_words(text, found):
     assert length in (0, len(text.split()[-1]))
 
 
-def test_a_word_of_nothing_but_odd_spaces():
+def test_word_of_unusual_spaces():
     assert completed("\f") == [[], 0]
 
 
-def test_every_command_is_offered_at_the_beginning():
+def test_first_word_completes_commands():
     words, length = completed("")
     assert length == 0
     assert {"arm", "param", "exit", "?", "up"} <= set(words)
@@ -79,7 +79,7 @@ def test_local_files(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(("kind", "mode"), [(COPTER, "alt_hold"), (PX4_COPTER, "offboard")])
-def test_what_the_vehicle_has(kind, mode):
+def test_vehicle_data_is_completed(kind, mode):
     async def scenario(session, world):
         assert mode in (await complete(session, f"mode {mode[:3]}"))[0]
         assert mode in (await complete(session, mode[:4]))[0]
@@ -92,7 +92,7 @@ def test_what_the_vehicle_has(kind, mode):
     in_shell(kind, scenario)
 
 
-def test_files_on_the_vehicle_are_asked_for_once():
+def test_remote_listing_is_cached():
     async def scenario(session, world):
         listed = []
         files = session.vehicle.ftp
@@ -112,7 +112,7 @@ def test_files_on_the_vehicle_are_asked_for_once():
     in_shell(COPTER, scenario)
 
 
-def test_a_silent_vehicle_does_not_hold_completion_up():
+def test_silent_vehicle_does_not_block_completion():
     async def scenario(session, world):
         async def silence(path):
             import asyncio
@@ -127,8 +127,8 @@ def test_a_silent_vehicle_does_not_hold_completion_up():
     in_shell(COPTER, scenario)
 
 
-@given(st.text(st.choice(st.sampled_from("\"'; \\/"), st.characters(exclude_categories=["Cs"])), max_size=25))
-def test_anything_can_be_completed(text):
+@given(st.text(st.one_of(st.sampled_from("\"'; \\/"), st.characters(exclude_categories=["Cs"])), max_size=25))
+def test_any_text_can_be_completed(text):
     words, length = completed(text)
     assert 0 <= length <= len(text)
     assert words == sorted(words)

@@ -86,12 +86,12 @@ def test_wrong_aliases(line):
         alone(lambda session: run_line(session, line))
 
 
-def test_an_alias_of_itself_ends():
+def test_recursive_alias_fails():
     with pytest.raises(UsageError, match="calls itself"):
         alone(lambda session: run_line(session, "alias add a b; alias add b a; a"))
 
 
-def test_a_script_runs_until_it_fails(tmp_path, capsys):
+def test_script_runs_until_a_failure(tmp_path, capsys):
     script = tmp_path / "a.txt"
     script.write_text("# settings\nset limit 3\n\nset limit x; set limit 4\nset limit 5\n")
 
@@ -104,14 +104,14 @@ def test_a_script_runs_until_it_fails(tmp_path, capsys):
     assert f"{script}:4: limit is a number from 0 on, not 'x'\n" in capsys.readouterr().err
 
 
-def test_a_script_that_runs_itself_ends(tmp_path, capsys):
+def test_recursive_script_fails(tmp_path, capsys):
     (script := tmp_path / "a.txt").write_text(f"script {tmp_path / 'a.txt'}")
     with pytest.raises(AlreadyReported):
         alone(lambda session: run_line(session, f"script {script}"))
     assert capsys.readouterr().err.count("runs itself") == 1
 
 
-def test_scripts_that_cannot_be_read(tmp_path):
+def test_unreadable_scripts(tmp_path):
     (tmp_path / "noise").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(OSError, match="No such file"):
         alone(lambda session: run_line(session, f"script {tmp_path / 'none'}"))

@@ -38,7 +38,7 @@ def test_a_flight(kind, capsys):
 
 
 @pytest.mark.parametrize("kind", BOTH, ids=named)
-def test_modes_by_name_and_alone(kind, capsys):
+def test_mode_names_are_commands(kind, capsys):
     name = "POSCTL" if kind == PX4_COPTER else "ALT_HOLD"
 
     async def scenario(session, world):
@@ -51,7 +51,7 @@ def test_modes_by_name_and_alone(kind, capsys):
     assert name.lower() in capsys.readouterr().out.lower()
 
 
-def test_without_waiting_it_returns_at_once():
+def test_without_wait_commands_return_immediately():
     async def scenario(session, world):
         await run_line(session, "set wait off; mode guided; arm; takeoff 30")
         assert height(world) < 5
@@ -59,17 +59,17 @@ def test_without_waiting_it_returns_at_once():
     in_shell(COPTER, scenario)
 
 
-def test_a_limit_ends_the_wait():
+def test_timeout_setting():
     with pytest.raises(ActionTimeout, match="not done in 2 s"):
         type_lines("set limit 2; mode guided; arm throttle; takeoff 80")
 
 
-def test_a_refusal_tells_why():
+def test_refusal_has_a_reason():
     with pytest.raises(CommandDenied, match="Arm"):
         type_lines("arm throttle", ready=False)
 
 
-def test_force_arms_what_is_not_ready():
+def test_force_arms_a_vehicle_that_is_not_ready():
     async def scenario(session, world):
         await run_line(session, "arm throttle force")
         assert world.simulated.autopilot.armed
@@ -88,7 +88,7 @@ def test_home_is_shown_and_set(capsys):
 
 
 @pytest.mark.parametrize("kind", BOTH, ids=named)
-def test_a_reboot_is_survived(kind):
+def test_reboot(kind):
     async def scenario(session, world):
         await run_line(session, "reboot")
         await run_line(session, "status HEARTBEAT")
@@ -96,7 +96,7 @@ def test_a_reboot_is_survived(kind):
     in_shell(kind, scenario)
 
 
-def test_turning_by_a_relative_angle():
+def test_relative_yaw():
     async def scenario(session, world):
         await run_line(session, "mode guided; arm; takeoff 10; setyaw 90; setyaw 30 20 1; sleep 5")
         assert session.vehicle.position.heading == pytest.approx(120, abs=6)
@@ -112,13 +112,13 @@ def test_turning_by_a_relative_angle():
         "reboot twice", "hold on", "rtl 1",
     ],
 )  # fmt: skip
-def test_wrong_words_are_told(line):
+def test_wrong_usage(line):
     with pytest.raises(UsageError, match=r"usage|is no number"):
         alone(lambda session: run_line(session, line))
 
 
 @pytest.mark.parametrize("line", ["takeoff -3", "guided 91 0", "mode 99999999999999999999", "mode gu"])
-def test_what_makes_no_sense_is_told(line):
+def test_invalid_values(line):
     with pytest.raises((LocalProtocolError, MavstackError)) as told:
         type_lines(line)
     assert "\n" not in str(told.value)

@@ -12,7 +12,7 @@ from tests.vehicle.world import named
 
 
 @pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
-def test_the_page(kind, capsys):
+def test_info_page(kind, capsys):
     type_lines("info", kind=kind)
     out = capsys.readouterr().out
     assert out.startswith(f"vehicle 1: quadrotor, {'PX4' if kind == PX4_COPTER else 'ArduPilot'} ")
@@ -20,29 +20,29 @@ def test_the_page(kind, capsys):
         assert word in out
 
 
-def test_the_status_of_messages(capsys):
+def test_status_of_messages(capsys):
     type_lines("status HEARTBEAT; sleep 2; status GPS_R* SYS_STATUS")
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("HEARTBEAT type=QUADROTOR")
     assert {line.split()[0] for line in lines[1:]} == {"GPS_RAW_INT", "SYS_STATUS"}
 
 
-def test_a_message_that_does_not_exist():
+def test_unknown_message():
     with pytest.raises(UsageError, match="there is no message NO_SUCH"):
         type_lines("status no_such")
 
 
-def test_watching_ends_by_itself(capsys):
+def test_watch_ends_after_its_duration(capsys):
     type_lines("watch HEARTBEAT 3.5")
     assert 3 <= len(capsys.readouterr().out.splitlines()) <= 4
 
 
-def test_watching_for_ever_needs_somebody():
+def test_watch_without_duration_needs_an_interactive_shell():
     with pytest.raises(UsageError, match="how many seconds"):
         type_lines("watch HEARTBEAT")
 
 
-def test_the_rate_of_watching(capsys):
+def test_watch_requests_a_rate(capsys):
     type_lines("set rate 10; watch ATTITUDE 3")
     assert len(capsys.readouterr().out.splitlines()) > 20
 
@@ -64,12 +64,12 @@ def test_health(capsys):
     assert "\nready to arm" in out
 
 
-def test_waiting_for_health_ends():
+def test_waiting_for_readiness_times_out():
     with pytest.raises(HealthTimeout):
         type_lines("ready 1", ready=False)
 
 
-def test_vehicles_are_listed_and_chosen(capsys):
+def test_vehicles_are_listed_and_selected(capsys):
     async def scenario(session, world):
         await world.wait_until(lambda: len(session.connection.vehicles) == 2)
         await run_line(session, "vehicle; vehicle 2; vehicle; disarm")
@@ -86,11 +86,11 @@ def test_vehicles_are_listed_and_chosen(capsys):
 @pytest.mark.parametrize(
     "line", ["info", "status", "health", "version", "ping", "arm", "param show", "rc", "nsh ls"]
 )
-def test_nobody_there_is_told(line):
+def test_no_vehicle_is_an_error(line):
     with pytest.raises(MavstackError, match="no vehicle has been heard yet"):
         alone(lambda session: run_line(session, line))
 
 
-def test_the_link_with_nobody_there(capsys):
+def test_link_without_peers(capsys):
     alone(lambda session: run_line(session, "link; vehicle"))
     assert "nobody is there\nno vehicle has been heard yet\n" in capsys.readouterr().out

@@ -6,7 +6,7 @@ import asyncio
 import signal
 from contextlib import nullcontext
 
-from mavstack.cli.shell.interactive import run_interactive, line_reader
+from mavstack.cli.shell.interactive import line_reader, run_interactive
 from mavstack.cli.shell.plain_input import PlainReader
 from mavstack.cli.shell.state import history_file, state_directory
 from tests.cli.shell.shell_session import COPTER, alone, in_shell
@@ -34,7 +34,7 @@ class Typist:
         return nullcontext()
 
 
-def test_what_fails_is_told_and_the_shell_goes_on(capsys):
+def test_failures_are_reported_and_the_shell_goes_on(capsys):
     async def scenario(session):
         await run_interactive(session, Typist("bad", KeyboardInterrupt, "", "'", "set limit 4", "set limit"))
 
@@ -45,13 +45,13 @@ def test_what_fails_is_told_and_the_shell_goes_on(capsys):
     assert captured.out == "limit  4\n"
 
 
-def test_exit_leaves(capsys):
+def test_exit(capsys):
     typist = Typist("exit", "set limit")
     alone(lambda session: run_interactive(session, typist))
     assert typist.lines == ["set limit"]
 
 
-def test_a_defect_of_a_command_is_told_and_the_shell_goes_on(capsys):
+def test_unexpected_error_is_reported_and_the_shell_goes_on(capsys):
     async def scenario(session):
         session.forwarding = None
         await run_interactive(session, Typist("output list", "set limit"))
@@ -62,7 +62,7 @@ def test_a_defect_of_a_command_is_told_and_the_shell_goes_on(capsys):
     assert captured.out == "limit  0\n"
 
 
-def test_ctrl_c_cancels_the_command_and_not_the_shell(capsys):
+def test_ctrl_c_cancels_only_the_command(capsys):
     async def scenario(session, world):
         loop = asyncio.get_running_loop()
         loop.call_later(5.0, signal.raise_signal, signal.SIGINT)
@@ -78,7 +78,7 @@ def test_ctrl_c_cancels_the_command_and_not_the_shell(capsys):
     assert captured.out == "armed\nlimit  0\n"
 
 
-def test_a_question_without_answer_is_no(capsys):
+def test_question_without_answer_is_refused(capsys):
     async def scenario(session, world):
         typist = Typist("log erase", "set limit")
         session.ask = typist.ask
@@ -88,7 +88,7 @@ def test_a_question_without_answer_is_no(capsys):
     assert "no answer" in capsys.readouterr().err
 
 
-def test_history_is_kept_for_the_user_alone(tmp_path, monkeypatch):
+def test_history_is_private(tmp_path, monkeypatch):
     monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     assert state_directory() == tmp_path / "mavstack"
@@ -97,14 +97,14 @@ def test_history_is_kept_for_the_user_alone(tmp_path, monkeypatch):
     assert path.stat().st_mode & 0o077 == 0
 
 
-def test_without_a_place_for_history_it_goes_on(tmp_path, monkeypatch):
+def test_history_file_cannot_be_made(tmp_path, monkeypatch):
     monkeypatch.setattr("sys.platform", "linux")
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
     assert history_file() is None
 
 
-def test_the_prompt_completes_and_remembers(tmp_path, monkeypatch):
+def test_prompt_with_completion_and_history(tmp_path, monkeypatch):
     from prompt_toolkit.application import create_app_session
     from prompt_toolkit.input import create_pipe_input
     from prompt_toolkit.output import DummyOutput
@@ -140,7 +140,7 @@ def test_the_prompt_completes_and_remembers(tmp_path, monkeypatch):
     assert "+arm throttle" in (tmp_path / "mavstack" / "shell_history").read_text()
 
 
-def test_without_the_library_lines_are_plain(monkeypatch, capsys):
+def test_plain_input_without_prompt_toolkit(monkeypatch, capsys):
     import builtins
     import sys
 

@@ -17,7 +17,7 @@ from mavstack.services.statustext import StatusText
 from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell
 
 
-def test_texts_and_vehicles_are_told_on_stderr(capsys):
+def test_notifications_go_to_stderr(capsys):
     async def scenario(session, world):
         async with Notifications(session):
             with pytest.raises(CommandDenied):
@@ -30,7 +30,7 @@ def test_texts_and_vehicles_are_told_on_stderr(capsys):
     assert captured.out == ""
 
 
-def test_a_vehicle_that_is_lost_and_returns_is_told(capsys):
+def test_vehicle_lost_and_returned(capsys):
     async def scenario(session, world):
         async with Notifications(session):
             world.simulated.autopilot  # noqa: B018
@@ -44,7 +44,7 @@ def test_a_vehicle_that_is_lost_and_returns_is_told(capsys):
     assert "vehicle 1 lost: its link" in capsys.readouterr().err
 
 
-def test_which_texts_are_shown():
+def test_severity_setting():
     async def scenario(session):
         news = Notifications(session)
         text = StatusText(Address(1, 1), int(common.MavSeverity.INFO), "hello\x1b[2J", True)
@@ -60,7 +60,7 @@ def test_which_texts_are_shown():
     alone(scenario)
 
 
-def test_of_several_vehicles_it_is_said_which():
+def test_system_id_is_shown_for_several_vehicles():
     async def scenario(session, world):
         await world.wait_until(lambda: len(session.connection.vehicles) == 2)
         line = Notifications(session).line(StatusText(Address(2, 1), 4, "low battery", True))
@@ -69,7 +69,7 @@ def test_of_several_vehicles_it_is_said_which():
     in_shell([COPTER, PX4_COPTER], scenario)
 
 
-def test_a_link_that_is_down():
+def test_link_down():
     async def scenario(session):
         news = Notifications(session)
         assert news.line(LinkDown("refused", 2.0)) == ("link down: refused; tries again in 2 s", "red")

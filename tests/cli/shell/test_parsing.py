@@ -11,7 +11,7 @@ from mavstack.cli.shell.parsing import UnfinishedLine, split_commands, split_unf
 
 #: What gives a parser trouble, more often than chance does.
 LINES = st.text(
-    st.choice(st.sampled_from("\"'\\;# \t-ab"), st.characters(exclude_categories=["Cs"])), max_size=40
+    st.one_of(st.sampled_from("\"'\\;# \t-ab"), st.characters(exclude_categories=["Cs"])), max_size=40
 )
 
 
@@ -38,7 +38,7 @@ def test_lines(line, commands):
 
 
 @pytest.mark.parametrize("line", ["say 'a", 'say "a; b', "a; say 'b", "end\\"])
-def test_a_quotation_without_end_is_told(line):
+def test_unclosed_quotation_is_an_error(line):
     with pytest.raises(UsageError, match="has no"):
         split_commands(line)
 
@@ -56,12 +56,12 @@ def test_a_quotation_without_end_is_told(line):
         ("wp load 'my way", (["wp", "load", "my"], "way")),
     ],
 )
-def test_what_stands_before_the_cursor(text, unfinished):
+def test_words_before_the_cursor(text, unfinished):
     assert split_unfinished(text) == UnfinishedLine(*unfinished)
 
 
 @given(LINES)
-def test_any_line_is_commands_or_a_told_error(line):
+def test_any_line_is_split_or_refused(line):
     try:
         commands = split_commands(line)
     except UsageError:
@@ -77,7 +77,7 @@ def test_any_text_can_be_completed(text):
 
 
 @given(st.lists(st.text("abc ;#'\"\\", min_size=1), min_size=1))
-def test_quoted_words_come_back(words):
+def test_quoted_words_are_preserved(words):
     import shlex
 
     assert split_commands(shlex.join(words)) == [words]

@@ -21,13 +21,13 @@ def test_a_command_by_name_and_number(name):
     in_shell(COPTER, scenario)
 
 
-def test_a_refused_command_is_told():
+def test_refused_command():
     with pytest.raises(CommandDenied, match="UNSUPPORTED"):
         type_lines("long 4242")
 
 
 @pytest.mark.parametrize("place", ["473980000 85460000", "47.3980 8.5460"])
-def test_a_command_with_a_place(place):
+def test_command_int_with_a_position(place):
     async def scenario(session, world):
         await run_line(session, f"command_int GLOBAL DO_SET_HOME 0 0 0 0 0 0 {place} 490")
         await run_line(session, "sleep 1")
@@ -37,7 +37,7 @@ def test_a_command_with_a_place(place):
     in_shell(COPTER, scenario)
 
 
-def test_channels_are_overridden_and_given_back(capsys):
+def test_channels_are_overridden_and_released(capsys):
     async def scenario(session, world):
         async with session.connection.packets() as _:
             await run_line(session, "rc 3 1500; rc 5 1200; rc; sleep 1")
@@ -55,7 +55,7 @@ def test_channels_are_overridden_and_given_back(capsys):
     assert out[-1] == "overridden: nothing"
 
 
-def test_leaving_gives_channels_back():
+def test_leaving_releases_channels():
     async def scenario(session, world):
         await run_line(session, "rc all 1400; sleep 1")
         await session.overrides.close()
@@ -64,7 +64,7 @@ def test_leaving_gives_channels_back():
     in_shell(COPTER, scenario)
 
 
-def test_a_line_in_the_shell_of_px4(capsys):
+def test_nsh_line(capsys):
     type_lines("nsh ver all", "nsh param show SYS_AUTOSTART", kind=PX4_COPTER)
     out = capsys.readouterr().out
     assert "PX4" in out
@@ -73,7 +73,7 @@ def test_a_line_in_the_shell_of_px4(capsys):
     assert "ver all" not in out
 
 
-def test_a_vehicle_without_a_shell_is_told():
+def test_vehicle_without_a_shell():
     with pytest.raises(MavstackError, match="no shell answered"):
         type_lines("nsh ls")
 
@@ -86,7 +86,7 @@ def test_a_vehicle_without_a_shell_is_told():
         "command_int 0 400 0 0 0 0 0 0 x 0 0",
     ],
 )  # fmt: skip
-def test_wrong_words_are_told(line):
+def test_wrong_usage(line):
     with pytest.raises(UsageError):
         alone(lambda session: run_line(session, line))
 
@@ -94,11 +94,11 @@ def test_wrong_words_are_told(line):
 @pytest.mark.parametrize(
     "line", ["rc 3", "rc 0 1500", "rc 19 1500", "rc 3 70000", "rc three 1500", "rc 3 -1"]
 )
-def test_wrong_channels_are_told(line):
+def test_wrong_channels(line):
     with pytest.raises((UsageError, InvalidArgumentError)):
         type_lines(line)
 
 
-def test_every_command_of_the_dialect_has_a_name_that_is_understood():
+def test_every_mav_cmd_can_be_named():
     for entry in ardupilotmega.MavCmd:
         assert raw.enum_value(ardupilotmega.MavCmd, "MAV_CMD_", f"MAV_CMD_{entry.name}", 0xFFFF) == entry

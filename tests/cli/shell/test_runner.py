@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.registry import COMMANDS
-from mavstack.cli.shell.runner import run_line, run_lines, report_failure
+from mavstack.cli.shell.runner import report_failure, run_line, run_lines
 from mavstack.errors import MavstackError
 from tests.cli.shell.shell_session import COPTER, alone, in_shell
 
@@ -31,7 +31,7 @@ VERBS = [
     "download",
     "erase",
 ]
-WORDS = st.choice(
+WORDS = st.one_of(
     st.sampled_from(
         [*VERBS, "1", "-1", "0", "1e9", "nan", "inf", "HEARTBEAT", "*", "--help", "--json", "force"]
     ),
@@ -48,8 +48,8 @@ async def each(*lines):
 
 
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
-@given(lines=st.lists(st.choice(LINES, st.text(max_size=30)), max_size=3))
-def test_any_line_runs_or_is_told(lines, tmp_path, monkeypatch):
+@given(lines=st.lists(st.one_of(LINES, st.text(max_size=30)), max_size=3))
+def test_any_line_runs_or_fails_cleanly(lines, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     async def scenario(session):
@@ -62,7 +62,7 @@ def test_any_line_runs_or_is_told(lines, tmp_path, monkeypatch):
 
 @settings(max_examples=3, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(lines=st.lists(LINES.filter(lambda line: "reboot" not in line), min_size=25, max_size=25))
-def test_any_line_runs_on_a_vehicle_or_is_told(lines, tmp_path, monkeypatch):
+def test_any_line_on_a_vehicle_runs_or_fails_cleanly(lines, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     async def scenario(session, world):
@@ -79,18 +79,18 @@ def test_any_line_runs_on_a_vehicle_or_is_told(lines, tmp_path, monkeypatch):
     ("line", "hint"),
     [("takeof 5", "did you mean takeoff?"), ("xyzzy", "try help"), ("guided2", "did you mean")],
 )
-def test_an_unknown_command_is_told_with_what_is_near(line, hint):
+def test_unknown_command_suggests_a_similar_one(line, hint):
     with pytest.raises(UsageError, match="there is no command") as told:
         alone(lambda session: run_line(session, line))
     assert hint in str(told.value)
 
 
-def test_names_of_commands_in_any_case():
+def test_command_names_ignore_case():
     alone(lambda session: run_line(session, "SET limit 5; Help"))
 
 
 @pytest.mark.parametrize(("keep_going", "limit"), [(False, 1), (True, 3)])
-def test_what_fails_ends_a_script_unless_it_keeps_going(keep_going, limit, capsys):
+def test_keep_going(keep_going, limit, capsys):
     async def scenario(session):
         lines = each("set limit 1; bad; set limit 2", "worse", "set limit 3")
         assert not await run_lines(session, lines, "a.txt", keep_going=keep_going)
@@ -102,14 +102,14 @@ def test_what_fails_ends_a_script_unless_it_keeps_going(keep_going, limit, capsy
     assert [line.split(":")[1] for line in told] == (["1", "2"] if keep_going else ["1"])
 
 
-def test_a_script_that_goes_well():
+def test_script_succeeds():
     async def scenario(session):
         assert await run_lines(session, each("", "# nothing", "set limit 1"))
 
     alone(scenario)
 
 
-def test_exit_ends_a_script_well():
+def test_exit_ends_a_script():
     async def scenario(session):
         assert await run_lines(session, each("exit", "bad"))
 

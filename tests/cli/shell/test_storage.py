@@ -38,7 +38,7 @@ def test_parameters(kind, name, capsys, tmp_path):
     assert "1 set" in out
 
 
-def test_fetching_all_parameters_counts_them(capsys):
+def test_param_fetch_counts_parameters(capsys):
     async def scenario(session, world):
         await run_line(session, "param fetch")
         assert len(session.vehicle.params.cached) > 100
@@ -114,7 +114,7 @@ def test_logs(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(("answer", "left"), [("y", 0), ("n", 1), ("", 1)])
-def test_erasing_logs_is_asked_for(answer, left):
+def test_erasing_logs_asks_for_confirmation(answer, left):
     async def scenario(session, world):
         async def ask(question):
             assert "erase all logs of vehicle 1?" in question
@@ -141,7 +141,7 @@ def test_erasing_logs_is_asked_for(answer, left):
         "param list --nonsense",
     ],
 )  # fmt: skip
-def test_wrong_words_are_told(line):
+def test_wrong_usage(line):
     with pytest.raises((UsageError, MavstackError)) as told:
         alone(lambda session: run_line(session, line))
     assert str(told.value)
@@ -149,14 +149,14 @@ def test_wrong_words_are_told(line):
 
 
 @pytest.mark.parametrize("name", ["param", "mission", "ftp", "log", "wp", "fence"])
-def test_help_of_what_is_borrowed(name, capsys):
+def test_help_of_subcommands(name, capsys):
     alone(lambda session: run_line(session, f"{name} --help"))
     out = capsys.readouterr().out
     assert out.startswith("usage: ")
     assert "--url" not in out
 
 
-def test_a_partial_failure_is_told_once(capsys):
+def test_partial_failure_is_reported_once(capsys):
     with pytest.raises(AlreadyReported):
         type_lines("param get RTL_ALT NO_SUCH_PARAM")
     captured = capsys.readouterr()

@@ -17,7 +17,7 @@ def events(out: str) -> list[dict]:
     return [json.loads(line) for line in out.splitlines()]
 
 
-def test_what_happens_as_json(mav):
+def test_events_as_json(mav):
     result = mav("sim", "--out", NOWHERE, "--for", "4", "--speed", "max", "--json")
     assert (result.code, result.err) == (0, "")
     ready, *others = events(result.out)
@@ -36,7 +36,7 @@ def test_a_mixed_fleet(mav):
     assert shown[3] == f"on {NOWHERE}"
 
 
-def test_a_port_for_each(mav):
+def test_one_port_per_vehicle(mav):
     words = ["--count", "3", "--each", "--out", "udpout://127.0.0.1:9001"]
     result = mav("sim", *words, "--for", "0.5", "--speed", "max", "--json")
     links = events(result.out)[0]["links"]
@@ -89,14 +89,14 @@ def test_wrong_usage(mav, words):
         ["--out", "tcpout://127.0.0.1:1"],
     ],
 )
-def test_what_cannot_be_is_told_in_one_line(mav, words):
+def test_errors_are_one_line(mav, words):
     result = mav("sim", *words, "--for", "0.1")
     assert result.code in (1, 2)
     assert result.err.count("\n") == 1
     assert result.err.startswith("mav sim: ")
 
 
-def test_a_bad_link_is_the_urls(mav, capsys):
+def test_impairments_become_url_options(mav, capsys):
     class Arguments:
         loss, latency, bandwidth, seed = 0.1, 200.0, "5760", 4
 
@@ -110,7 +110,7 @@ def test_a_bad_link_is_the_urls(mav, capsys):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
-def test_faults_are_typed_and_ctrl_c_ends_it():
+def test_faults_from_stdin_and_ctrl_c():
     command = [sys.executable, "-m", "mavstack", "sim", "--out", NOWHERE, "--json"]
     process = subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -127,7 +127,7 @@ def test_faults_are_typed_and_ctrl_c_ends_it():
     assert (process.returncode, err) == (130, "")
 
 
-def test_it_runs_without_anybody_at_the_keyboard():
+def test_runs_without_stdin():
     command = [sys.executable, "-m", "mavstack", "sim", "--out", NOWHERE, "--for", "0.5"]
     result = subprocess.run(
         command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False

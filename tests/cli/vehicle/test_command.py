@@ -67,7 +67,7 @@ def test_info(simulate, mav, kind):
     assert page.startswith(f"vehicle 1: quadrotor, {facts['firmware']} {facts['version']}")
 
 
-def test_health_tells_by_its_exit_code(simulate, mav):
+def test_health_exit_code(simulate, mav):
     simulate(ready=False)
     result = mav("vehicle", "health", "--json")
     assert result.code == 1
@@ -75,7 +75,7 @@ def test_health_tells_by_its_exit_code(simulate, mav):
     assert mav("vehicle", "health", "--wait", 90).out == "vehicle 1: ready to arm\n"
 
 
-def test_waiting_for_health_ends(simulate, mav):
+def test_waiting_for_readiness_times_out(simulate, mav):
     simulate(ready=False)
     result = mav("vehicle", "health", "--wait", 1)
     assert result.code == 1
@@ -91,12 +91,12 @@ def test_home(simulate, mav):
 
 
 @pytest.mark.parametrize("kind", BOTH, ids=named)
-def test_a_reboot(simulate, mav, kind):
+def test_reboot(simulate, mav, kind):
     simulate(kind)
     assert mav("vehicle", "reboot").out == "vehicle 1: is back after its reboot\n"
 
 
-def test_a_refusal_is_one_line_with_the_reason(simulate, mav):
+def test_refusal_is_one_line_with_the_reason(simulate, mav):
     simulate(ready=False)
     result = mav("vehicle", "arm")
     assert result.code == 1
@@ -119,7 +119,7 @@ def test_force(simulate, mav):
     assert not harness.vehicle.autopilot.armed
 
 
-def test_a_limit(simulate, mav):
+def test_action_timeout(simulate, mav):
     simulate()
     mav("vehicle", "mode", "guided")
     mav("vehicle", "arm")
@@ -128,7 +128,7 @@ def test_a_limit(simulate, mav):
     assert "not done in 2 s" in result.err
 
 
-def test_several_vehicles_have_a_line_each(simulate, mav):
+def test_one_line_per_vehicle(simulate, mav):
     harness = simulate(COPTER, PX4_COPTER, COPTER)
     result = mav("vehicle", "arm", "--all")
     assert result.code == 0
@@ -139,7 +139,7 @@ def test_several_vehicles_have_a_line_each(simulate, mav):
     assert mav("vehicle", "info", "--all").out.count("\n  state") == 3
 
 
-def test_one_of_several_that_fails_stops_no_other(simulate, mav):
+def test_failure_of_one_vehicle_does_not_stop_others(simulate, mav):
     simulate(COPTER, PX4_COPTER)
     result = mav("vehicle", "mode", "offboard", "--all", "--json")
     assert result.code == 1
@@ -152,7 +152,7 @@ def test_one_of_several_that_fails_stops_no_other(simulate, mav):
     assert plain.err.startswith("mav vehicle: vehicle 2: ")
 
 
-def test_a_vehicle_that_is_not_there(simulate, mav):
+def test_missing_vehicle(simulate, mav):
     simulate()
     for words in (["--system", "9"], ["--systems", "1,9"]):
         result = mav("vehicle", "arm", "--timeout", 2, *words)
@@ -177,14 +177,14 @@ def test_wrong_usage(mav, words):
 @pytest.mark.parametrize(
     "words", [["takeoff", "-5"], ["goto", "95", "8"], ["orbit", "47", "8", "--radius", "0"]]
 )
-def test_what_makes_no_sense(simulate, mav, words):
+def test_invalid_values(simulate, mav, words):
     simulate()
     result = mav("vehicle", *words)
     assert result.code == 1
     assert result.err.count("\n") == 1
 
 
-def test_examples_run(simulate, mav):
+def test_examples_of_the_help_run(simulate, mav):
     simulate(COPTER, COPTER, COPTER, COPTER, COPTER)
     for line in EXAMPLES.splitlines()[1:]:
         words = shlex.split(line)[1:]

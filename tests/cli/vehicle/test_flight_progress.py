@@ -8,9 +8,14 @@ import io
 import pytest
 
 from mavstack.cli.shell.runner import run_line
-from mavstack.cli.vehicle.flight_progress import FlightProgress, to_altitude, to_home, to_place
+from mavstack.cli.vehicle.flight_progress import (
+    FlightProgress,
+    distance_to_altitude,
+    distance_to_home,
+    distance_to_place,
+)
 from mavstack.dialects import common
-from tests.cli.shell.shelled import COPTER, in_shell
+from tests.cli.shell.shell_session import COPTER, in_shell
 
 
 class Terminal(io.StringIO):
@@ -18,7 +23,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_it_is_told_on_a_terminal_and_erased(monkeypatch):
+def test_shown_on_a_terminal_and_erased(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr("sys.stderr", terminal)
 
@@ -32,7 +37,7 @@ def test_it_is_told_on_a_terminal_and_erased(monkeypatch):
     assert text.endswith("\r\x1b[K")
 
 
-def test_a_pipe_is_told_nothing(capsys):
+def test_no_output_in_a_pipe(capsys):
     async def scenario(session, world):
         async with FlightProgress(session.vehicle, "waiting"):
             await asyncio.sleep(3)
@@ -41,16 +46,16 @@ def test_a_pipe_is_told_nothing(capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_what_is_left(capsys):
+def test_remaining_distance(capsys):
     async def scenario(session, world):
         vehicle = session.vehicle
         await vehicle.wait_for_message(common.GlobalPositionInt)
         await vehicle.telemetry.ask_for_home()
-        assert to_altitude(20.0)(vehicle) == pytest.approx(20, abs=1)
+        assert distance_to_altitude(20.0)(vehicle) == pytest.approx(20, abs=1)
         north, east = world.simulated.body.frame.to_global(30.0, 40.0, 0.0)[:2]
-        assert to_place(north, east)(vehicle) == pytest.approx(50, abs=2)
-        assert to_home(vehicle) == pytest.approx(0, abs=2)
-        text = FlightProgress(vehicle, "going", to_place(north, east)).text()
+        assert distance_to_place(north, east)(vehicle) == pytest.approx(50, abs=2)
+        assert distance_to_home(vehicle) == pytest.approx(0, abs=2)
+        text = FlightProgress(vehicle, "going", distance_to_place(north, east)).text()
         assert text.startswith("going: ")
         assert text.endswith(" m to go, STABILIZE")
 

@@ -22,7 +22,7 @@ from tests.cli.conftest import START, flight, stamped
 # files
 
 
-def test_summary_for_programs(mav, tlog):
+def test_summary_as_json(mav, tlog):
     result = mav("watch", tlog, "--once", "--json")
     assert (result.code, result.err) == (0, "")
     summary = json.loads(result.out)
@@ -34,7 +34,7 @@ def test_summary_for_programs(mav, tlog):
     assert summary["duration_s"] == 2.1
 
 
-def test_summary_for_people(mav, tlog):
+def test_summary_as_text(mav, tlog):
     result = mav("watch", tlog, "--once")
     assert (result.code, result.err) == (0, "")
     assert "22 packets in 2.1 s" in result.out
@@ -45,7 +45,7 @@ def test_summary_for_people(mav, tlog):
     assert max(map(len, result.out.splitlines())) <= 160
 
 
-def test_a_json_line_a_packet(mav, tlog):
+def test_one_json_line_per_packet(mav, tlog):
     lines = [json.loads(line) for line in mav("watch", tlog, "--json").out.splitlines()]
     assert len(lines) == 22
     assert lines[0]["time"] == START / 1e6
@@ -55,7 +55,7 @@ def test_a_json_line_a_packet(mav, tlog):
     assert (lines[1]["system"], lines[1]["component"], lines[1]["id"]) == (255, 190, 0)
 
 
-def test_a_text_line_a_packet_in_a_pipe(mav, tlog):
+def test_one_text_line_per_packet_in_a_pipe(mav, tlog):
     lines = mav("watch", tlog).out.splitlines()
     assert len(lines) == 22
     assert "1/1 ATTITUDE time_boot_ms=0 ms roll=28.6°" in lines[2]
@@ -71,7 +71,7 @@ def test_raw_packets_have_no_times(mav, tmp_path):
     assert mav("watch", path, "--for", 1).code == 1
 
 
-def test_the_last_packet_may_hide_behind_an_unfinished_one(mav, tmp_path):
+def test_last_packet_after_an_incomplete_one(mav, tmp_path):
     path = tmp_path / "shorten.raw"
     path.write_bytes(b"\xfd\xff\x00\x00" + b"".join(flight(0)))
     assert json.loads(mav("watch", path, "--once", "--json").out)["packets"] == 2
@@ -93,18 +93,18 @@ def test_unknown_ids_are_counted_by_id(mav, tlog):
         (["--for", "1"], 11),
     ],
 )
-def test_a_part_of_a_file(mav, tlog, options, count):
+def test_part_of_a_file(mav, tlog, options, count):
     assert json.loads(mav("watch", tlog, "--once", "--json", *options).out)["packets"] == count
     assert len(mav("watch", tlog, "--json", *options).out.splitlines()) == count
 
 
-def test_a_message_that_is_not_there_is_wrong_usage(mav, tlog):
+def test_unknown_message_is_wrong_usage(mav, tlog):
     result = mav("watch", tlog, "--filter", "ATITUDE")
     assert result.code == 2
     assert "did you mean ATTITUDE?" in result.err
 
 
-def test_an_own_dialect(mav, tlog, tmp_path):
+def test_custom_dialect(mav, tlog, tmp_path):
     path = tmp_path / "mine.xml"
     path.write_text(
         '<mavlink><messages><message id="0" name="BEAT"><field type="uint32_t" name="custom_mode"/>'
@@ -124,7 +124,7 @@ def test_an_own_dialect(mav, tlog, tmp_path):
         (b"\xa3\x95\x80\x80", "an ArduPilot dataflash log"),
     ],
 )
-def test_a_file_without_packets_is_a_failure(mav, tmp_path, content, told):
+def test_file_without_packets_is_a_failure(mav, tmp_path, content, told):
     path = tmp_path / "other"
     path.write_bytes(content)
     result = mav("watch", path, "--once")
@@ -133,7 +133,7 @@ def test_a_file_without_packets_is_a_failure(mav, tmp_path, content, told):
     assert result.err.count("\n") == 1
 
 
-def test_the_summary_of_a_file_without_packets_is_an_answer_to_a_script(mav, tmp_path):
+def test_json_summary_of_a_file_without_packets(mav, tmp_path):
     path = tmp_path / "other"
     path.write_bytes(b"nothing of interest")
     result = mav("watch", path, "--once", "--json")
@@ -142,7 +142,7 @@ def test_the_summary_of_a_file_without_packets_is_an_answer_to_a_script(mav, tmp
 
 
 @pytest.mark.parametrize("name", ["missing.tlog", "folder"])
-def test_a_file_that_cannot_be_read_is_a_failure(mav, tmp_path, name):
+def test_unreadable_file_is_a_failure(mav, tmp_path, name):
     (tmp_path / "folder").mkdir()
     result = mav("watch", tmp_path / name)
     assert result.code == 1
@@ -157,7 +157,7 @@ def test_standard_input(mav, monkeypatch):
     assert json.loads(mav("watch", "-", "--once", "--json").out)["packets"] == 22
 
 
-def test_what_is_a_file_and_what_a_link(tmp_path, tlog, monkeypatch):
+def test_sources_that_are_files_or_links(tmp_path, tlog, monkeypatch):
     assert recording_path(str(tlog)) == str(tlog)
     assert recording_path(f"file://{tlog}") == str(tlog)
     assert recording_path(f"file://{tlog}?speed=2") is None
@@ -227,18 +227,18 @@ def test_silence_is_a_failure(mav):
     assert "nothing came" in result.err
 
 
-def test_bytes_that_are_no_packets_are_a_failure(mav):
+def test_bytes_without_packets_are_a_failure(mav):
     with sender(b"hello") as url:
         result = mav("watch", url, "--once", "--for", "0.3")
     assert result.code == 1
     assert "no MAVLink packet" in result.err
 
 
-def test_a_link_that_nobody_understands_is_wrong_usage(mav):
+def test_invalid_url_is_wrong_usage(mav):
     assert mav("watch", "udpinn://127.0.0.1:14550").code == 2
 
 
-async def test_a_link_that_ends_is_followed_to_its_end(tlog):
+async def test_link_is_followed_to_its_end(tlog):
     follower = Follower(Observer(Dialect.load("all")))
     async with open_link(f"file://{tlog}?speed=max") as link:
         await follower.follow(link)

@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
-from mavstack.cli.watch.live_table import draw
+from mavstack.cli.watch.live_table import render
 from mavstack.cli.watch.observer import Observer
-from mavstack.cli.watch.snapshot import take
+from mavstack.cli.watch.snapshot import take_snapshot
 from mavstack.dialects import Dialect, common
 from mavstack.errors import MissingExtraError
 from mavstack.wire import Encoder
@@ -26,19 +26,19 @@ def observed(channels: int = 1, systems: int = 1) -> Observer:
 
 
 def lines(observer: Observer, width: int, height: int, sort: str = "name", note: str = "") -> list[str]:
-    picture = take(observer, "udpin://0.0.0.0:14550", 2.0, 2.0, note)
-    return [line.plain for line in draw(picture, width, height, sort)]
+    picture = take_snapshot(observer, "udpin://0.0.0.0:14550", 2.0, 2.0, note)
+    return [line.plain for line in render(picture, width, height, sort)]
 
 
 @pytest.mark.parametrize(("width", "height"), [(80, 24), (120, 40), (40, 10), (20, 5), (300, 100)])
 @pytest.mark.parametrize(("channels", "systems"), [(1, 1), (3, 2), (20, 60)])
-def test_it_fits_the_terminal(width, height, channels, systems):
+def test_lines_fit_the_terminal(width, height, channels, systems):
     drawn = lines(observed(channels, systems), width, height)
     assert len(drawn) <= height
     assert max(map(len, drawn)) <= width
 
 
-def test_what_it_shows():
+def test_contents():
     text = "\n".join(lines(observed(), 120, 40, note="no connection"))
     for word in (
         "udpin://0.0.0.0:14550",
@@ -54,7 +54,7 @@ def test_what_it_shows():
     assert "SOURCE" in text
 
 
-def test_what_does_not_fit_is_told():
+def test_hidden_rows_are_counted():
     observer = observed()
     for name in Dialect.load("common").names[:60]:
         message = Dialect.load("common")[name]()
@@ -72,7 +72,7 @@ def test_order(sort, first):
     assert first in drawn[head + 1]
 
 
-def test_channels_are_shown_one_by_one_if_there_are_several():
+def test_several_channels_have_a_line_each():
     assert sum("udpin 127" in line for line in lines(observed(3), 120, 40)) == 3
     assert sum("udpin 127" in line for line in lines(observed(1), 120, 40)) == 0
 
@@ -86,11 +86,11 @@ def test_no_key_is_shown():
     assert "100 101" not in text
 
 
-def test_nothing_yet():
+def test_empty_observer():
     assert lines(Observer(Dialect.load("all")), 80, 24)
 
 
-def test_without_rich_it_says_how_to_install_it(monkeypatch):
+def test_without_rich_the_error_says_how_to_install_it(monkeypatch):
     real = builtins.__import__
 
     def without_rich(name, *rest):

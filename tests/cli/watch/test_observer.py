@@ -7,7 +7,7 @@ from tests.cli.conftest import flight, stamped
 ALL = Dialect.load("all")
 
 
-def test_a_channel_that_closes_leaves_its_counts():
+def test_closed_channel_keeps_its_counts():
     observer = Observer(ALL)
     for name in ("one", "two"):
         observer.open(name)
@@ -19,7 +19,7 @@ def test_a_channel_that_closes_leaves_its_counts():
     assert totals.sources[1, 1].received == 18
 
 
-def test_loss_is_told_by_channel_not_across_channels():
+def test_loss_is_counted_per_channel():
     observer = Observer(ALL)
     packets = flight(20)
     observer.open("whole")
@@ -32,7 +32,7 @@ def test_loss_is_told_by_channel_not_across_channels():
     assert 0 < totals.heard.loss < 0.2
 
 
-def test_opening_again_begins_a_new_stream():
+def test_reopened_channel_is_a_new_stream():
     observer = Observer(ALL)
     observer.open("one")
     observer.receive("one", flight()[0][:-4], 1.0)
@@ -40,7 +40,7 @@ def test_opening_again_begins_a_new_stream():
     assert len(observer.receive("one", flight()[0], 2.0)) == 1
 
 
-def test_only_what_is_selected_counts_as_traffic():
+def test_only_selected_packets_are_traffic():
     observer = Observer(ALL, Selection(frozenset({0}), 255))
     observer.open("one")
     observer.receive("one", b"".join(flight()), 1.0)
@@ -56,7 +56,7 @@ def test_recorded_times():
     assert round(observer.recorded_seconds, 6) == 1.0
 
 
-def test_the_limit_of_recorded_time():
+def test_duration_of_recorded_time():
     observer = Observer(ALL)
     observer.open("log", timestamped=True)
     assert len(observer.receive("log", stamped(flight(18)), 0.0, 0.5)) == 6

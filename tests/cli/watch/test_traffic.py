@@ -22,7 +22,7 @@ def stream(traffic: Traffic):
     return traffic.streams[1, 1, 0]
 
 
-def test_counts_packets_and_bytes_and_keeps_the_last():
+def test_counts_and_last_packet():
     traffic = Traffic()
     first, second = packet(), packet()
     traffic.add([first, packet(2), second], 5.0)
@@ -34,14 +34,14 @@ def test_counts_packets_and_bytes_and_keeps_the_last():
 
 
 @pytest.mark.parametrize("now", [9.0, 9.3, 9.99, 10.9])
-def test_a_steady_hertz_reads_one_whenever_it_is_looked_at(now):
+def test_rate_of_a_steady_stream_at_any_time(now):
     traffic = Traffic()
     beat(traffic, range(10))
     assert stream(traffic).rate(now).packets == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.2, 0.5, 0.8])
-def test_a_steady_hertz_reads_one_wherever_marks_fall(phase):
+def test_rate_of_a_steady_stream_with_any_marks(phase):
     traffic = Traffic()
     for time in range(30):
         beat(traffic, [time + phase])
@@ -49,7 +49,7 @@ def test_a_steady_hertz_reads_one_wherever_marks_fall(phase):
     assert stream(traffic).rate(29.9).packets == pytest.approx(1.0)
 
 
-def test_marks_forget_what_is_long_past():
+def test_old_packets_do_not_count_after_marks():
     traffic = Traffic()
     beat(traffic, [index / 100 for index in range(1000)])
     for second in range(10, 20):
@@ -58,7 +58,7 @@ def test_marks_forget_what_is_long_past():
     assert stream(traffic).rate(19.0).packets == pytest.approx(1.0, rel=0.2)
 
 
-def test_a_stream_that_stops_falls_to_nothing():
+def test_rate_of_a_stopped_stream_falls_to_zero():
     traffic = Traffic()
     beat(traffic, [index / 10 for index in range(100)])
     steady = stream(traffic).rate(10.0).packets
@@ -78,7 +78,7 @@ def test_one_packet_has_no_rate():
     assert Meter(0.0).rate(5.0) == Rate()
 
 
-def test_several_packets_of_one_moment_have_no_rate_yet():
+def test_packets_of_one_moment_have_no_rate():
     traffic = Traffic()
     traffic.add([packet(), packet()], 1.0)
     assert stream(traffic).rate(1.0) == Rate()
@@ -93,7 +93,7 @@ def test_the_number_of_streams_is_bounded(monkeypatch):
     assert (traffic.packets, traffic.untracked) == (11, 7)
 
 
-def test_keeps_the_last_texts():
+def test_last_status_texts_are_kept():
     traffic = Traffic()
     for index in range(50):
         traffic.add([packet(message=common.Statustext(text=f"text {index}"))], index)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.errors import PlanFileError
 from mavstack.files.plans import check, format_of, format_plan, parse_plan, read_plan
-from mavstack.files.plans.model import KINDS
+from mavstack.files.plans.model import PLAN_NAMES
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -49,7 +49,7 @@ def select_plan_types(
         PlanFileError: A selected plan, or any plan, is missing.
     """
     chosen = tuple(dict.fromkeys(plan_types)) if plan_types else plan.kinds
-    missing = [KINDS[kind] for kind in chosen if kind not in plan.kinds]
+    missing = [PLAN_NAMES[kind] for kind in chosen if kind not in plan.kinds]
     if missing:
         raise PlanFileError(f"it has no {' and no '.join(missing)}", name)
     if not chosen:

@@ -17,8 +17,8 @@ from mavstack.cli.mission.files import read
 from mavstack.cli.mission.sketch import flown_path, sketch
 from mavstack.cli.mission.text import altitude_text, length_text, number, params_text, place_text
 from mavstack.cli.mission.transfer import download_plans
-from mavstack.files.plans import areas_of, check, plan_json
-from mavstack.files.plans.model import CMD, KINDS
+from mavstack.files.plans import fence_areas, check, plan_json
+from mavstack.files.plans.model import CMD, PLAN_NAMES
 from mavstack.vehicle.geography import distance
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ _RIGHT = frozenset({0, 4})
 
 def show(arguments: Namespace) -> int:
     """Run `mav mission show`."""
-    plan_types = arguments.plan_types or tuple(KINDS)
+    plan_types = arguments.plan_types or tuple(PLAN_NAMES)
     if arguments.file is not None:
         name, plan = read(arguments.file)
         _print(name, plan.only(plan_types), arguments)
@@ -75,7 +75,7 @@ def summary(plan: PlanFile) -> str:
     if len(plan.mission):
         parts.append(f"a mission of {_count(len(plan.mission), 'item')}, {length_text(length(plan))}")
     if len(plan.fence):
-        areas = areas_of(plan.fence.items)
+        areas = fence_areas(plan.fence.items)
         parts.append(f"a fence of {_count(len(areas.polygons) + len(areas.circles), 'area')}")
     if len(plan.rally):
         parts.append(_count(len(plan.rally), "rally point"))
@@ -128,7 +128,7 @@ def _row(index: str, item: MissionItem, leg: str, first: int) -> tuple[str, ...]
 
 
 def _fence_lines(plan: PlanFile) -> list[str]:
-    areas = areas_of(plan.fence.items)
+    areas = fence_areas(plan.fence.items)
     lines = []
     for polygon in areas.polygons:
         side = "inside" if polygon.inclusion else "outside"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.character_map import MapObject, draw_map
 from mavstack.cli.mission.text import goes_there
-from mavstack.files.plans import areas_of
+from mavstack.files.plans import fence_areas
 from mavstack.files.plans.model import CMD
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def sketch(plan: PlanFile) -> list[str]:
 
 def _map_objects(plan: PlanFile) -> list[MapObject]:
     path = flown_path(plan)
-    areas = areas_of(plan.fence.items)
+    areas = fence_areas(plan.fence.items)
     objects = [
         MapObject("", "fence", _interpolated([*polygon.vertices, polygon.vertices[0]], _POINTS_PER_SIDE))
         for polygon in areas.polygons

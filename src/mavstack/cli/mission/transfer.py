@@ -18,7 +18,7 @@ from mavstack.cli.mission.files import STANDARD, read, save, select_plan_types, 
 from mavstack.dialects import common
 from mavstack.errors import MavstackError, MissionDenied, RemoteError, RemoteProtocolError
 from mavstack.files.plans import Home, PlanFile, Settings, format_of
-from mavstack.files.plans.model import KINDS, params_of
+from mavstack.files.plans.model import PLAN_NAMES, params_of
 from mavstack.services.mission import Plan, PlanType
 from mavstack.services.mission.server import NO_MISSION
 
@@ -68,7 +68,7 @@ def download(arguments: Namespace) -> int:
         plan = await download_plans(vehicle, plan_types, strict=strict)
         save(plan, arguments.file, name, force=arguments.force)
         if to_file:
-            counts = ", ".join(f"{KINDS[each]}: {_count(plan, each)}" for each in plan_types)
+            counts = ", ".join(f"{PLAN_NAMES[each]}: {_count(plan, each)}" for each in plan_types)
             print(f"{arguments.file}: {counts}")
         return 0
 
@@ -145,21 +145,21 @@ async def _each(
             del remaining[0]
     except MavstackError:
         for plan_type in remaining[1:]:
-            print(f"{KINDS[plan_type]}: {skipped}")
+            print(f"{PLAN_NAMES[plan_type]}: {skipped}")
         raise
     return 0
 
 
 async def _clear(vehicle: Vehicle, plan_type: PlanType) -> None:
     await _plans(vehicle, plan_type).clear()
-    print(f"{KINDS[plan_type]}: cleared")
+    print(f"{PLAN_NAMES[plan_type]}: cleared")
 
 
 async def _upload(vehicle: Vehicle, plan: PlanFile, plan_type: PlanType, *, verify: bool) -> None:
     wanted = plan.for_vehicle(plan_type, home_first=vehicle.component.mission.home_first)
-    with TransferProgress(f"uploading the {KINDS[plan_type]}", in_bytes=False) as progress:
+    with TransferProgress(f"uploading the {PLAN_NAMES[plan_type]}", in_bytes=False) as progress:
         await _plans(vehicle, plan_type).upload(wanted, progress=progress)
-    outcome = f"{KINDS[plan_type]}: {_count(plan, plan_type)} uploaded"
+    outcome = f"{PLAN_NAMES[plan_type]}: {_count(plan, plan_type)} uploaded"
     if verify:
         try:
             _compare(vehicle, plan_type, wanted, await _download(vehicle, plan_type, strict=True))
@@ -171,7 +171,7 @@ async def _upload(vehicle: Vehicle, plan: PlanFile, plan_type: PlanType, *, veri
 
 
 async def _download(vehicle: Vehicle, plan_type: PlanType, *, strict: bool) -> Plan:
-    with TransferProgress(f"downloading the {KINDS[plan_type]}", in_bytes=False) as progress:
+    with TransferProgress(f"downloading the {PLAN_NAMES[plan_type]}", in_bytes=False) as progress:
         try:
             return await _plans(vehicle, plan_type).download(progress=progress)
         except MissionDenied as error:
@@ -208,7 +208,7 @@ def _plan_types_of_format(name: str | None) -> tuple[PlanType, ...]:
 def _compare(vehicle: Vehicle, plan_type: PlanType, uploaded: Plan, stored: Plan) -> None:
     """Raise if the stored plan differs from the uploaded one; the home of the vehicle is not compared."""
     skip = 1 if plan_type == PlanType.MISSION and vehicle.component.mission.home_first else 0
-    operation = f"verifying the {KINDS[plan_type]} of"
+    operation = f"verifying the {PLAN_NAMES[plan_type]} of"
     if len(uploaded) != len(stored):
         answer = f"it has {len(stored)} items, {len(uploaded)} were uploaded"
         raise RemoteProtocolError(operation, str(vehicle.address), answer=answer)

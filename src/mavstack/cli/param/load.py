@@ -14,7 +14,7 @@ from mavstack.files.parameters import Outcome, ParameterLoad, read_parameters, v
 if TYPE_CHECKING:
     from argparse import Namespace
 
-    from mavstack.files.parameters import Applied
+    from mavstack.files.parameters import AppliedParameter
     from mavstack.vehicle import Vehicle
 
 _COLOURS = {Outcome.SET: "green", Outcome.SKIPPED: "grey", Outcome.UNCHANGED: "grey"}
@@ -40,7 +40,7 @@ def load(arguments: Namespace) -> int:
     return run_on_vehicle(arguments, work)
 
 
-def _show(results: tuple[Applied, ...], arguments: Namespace) -> None:
+def _show(results: tuple[AppliedParameter, ...], arguments: Namespace) -> None:
     if arguments.json:
         print_json({"dry_run": arguments.dry_run, "parameters": [_json(each) for each in results]})
         return
@@ -52,7 +52,7 @@ def _show(results: tuple[Applied, ...], arguments: Namespace) -> None:
     print(_summary(results, dry_run=arguments.dry_run))
 
 
-def _row(result: Applied) -> tuple[str, str, str]:
+def _row(result: AppliedParameter) -> tuple[str, str, str]:
     old = "" if result.before is None else value_text(result.before)
     reached = result.after if result.outcome is Outcome.SET else None
     new = value_text(reached if reached is not None and reached is not result.before else result.wanted)
@@ -62,7 +62,7 @@ def _row(result: Applied) -> tuple[str, str, str]:
     return result.name, change, "takes effect after a reboot" if result.needs_reboot else ""
 
 
-def _summary(results: tuple[Applied, ...], *, dry_run: bool) -> str:
+def _summary(results: tuple[AppliedParameter, ...], *, dry_run: bool) -> str:
     counts = Counter(each.outcome for each in results)
     parts = [f"{counts[outcome]} {outcome.value}" for outcome in Outcome if counts[outcome]]
     text = ", ".join(parts)
@@ -75,7 +75,7 @@ def _summary(results: tuple[Applied, ...], *, dry_run: bool) -> str:
     return text
 
 
-def _json(result: Applied) -> dict[str, object]:
+def _json(result: AppliedParameter) -> dict[str, object]:
     return {
         "name": result.name,
         "outcome": result.outcome.value,

@@ -92,7 +92,7 @@ async def version(session: Session, words: list[str]) -> None:
     told = await session.vehicle.component.get_version()
     firmware = session.vehicle.component.info
     rows = [
-        ("vehicle", firmware.kind if firmware else ""),
+        ("vehicle", firmware.description if firmware else ""),
         ("firmware", f"{told.flight}{f' ({told.git_hash})' if told.git_hash else ''}"),
         ("middleware", str(told.middleware) if any(told.middleware) else ""),
         ("system", str(told.operating_system) if any(told.operating_system) else ""),
