@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mavstack.errors import LinkURLError
+from mavstack.errors import InvalidArgumentError
 from mavstack.links import Flow, Impairment
 from mavstack.links.options import Options
 from mavstack.links.url import parse_url
@@ -140,5 +140,5 @@ def test_url_options():
     "wrong", [{"loss": 1.5}, {"corrupt": -0.1}, {"latency": -1}, {"bandwidth": float("inf")}]
 )
 def test_values_out_of_range_are_refused(wrong):
-    with pytest.raises(LinkURLError, match="must be"):
+    with pytest.raises(InvalidArgumentError, match="must be"):
         Impairment(**wrong)

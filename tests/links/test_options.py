@@ -67,6 +67,7 @@ def test_defaults():
         ("x=fast", lambda o: o.seconds("x", 1), "a time such as 200ms"),
         ("x=-1", lambda o: o.seconds("x", 1), "a time such as 200ms"),
         ("x=5kg", lambda o: o.size("x", 1), "a number of bytes"),
+        (f"x={10**400}", lambda o: o.size("x", 1), "a number of bytes"),
         ("x=1.5", lambda o: o.fraction("x", 1), "between 0 and 1"),
         ("x=0", lambda o: o.integer("x", 1), "an integer of at least 1"),
         ("x=1.5", lambda o: o.integer("x", 1), "an integer of"),

@@ -21,7 +21,7 @@ from itertools import count
 from random import Random
 from typing import TYPE_CHECKING, Self
 
-from mavstack.errors import LinkURLError
+from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from mavstack.links.options import Options
@@ -44,7 +44,7 @@ class Impairment:
         seed: Seed of the random decisions.
 
     Raises:
-        LinkURLError: A value is out of range.
+        InvalidArgumentError: A value is out of range.
     """
 
     loss: float = 0.0
@@ -61,10 +61,10 @@ class Impairment:
     def __post_init__(self) -> None:
         for name in ("loss", "duplicate", "reorder", "corrupt"):
             if not 0 <= getattr(self, name) <= 1:
-                raise LinkURLError(f"{name} must be between 0 and 1, got {getattr(self, name)}")
+                raise InvalidArgumentError(f"{name} must be between 0 and 1, got {getattr(self, name)}")
         for name in ("latency", "jitter", "hold", "bandwidth", "queue"):
             if not 0 <= getattr(self, name) < math.inf:
-                raise LinkURLError(f"{name} must be finite and not negative, got {getattr(self, name)}")
+                raise InvalidArgumentError(f"{name} must be finite and not negative, got {getattr(self, name)}")
 
     @classmethod
     def from_options(cls, options: Options) -> Self | None:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import re
 from difflib import get_close_matches
+from math import isfinite
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NoReturn
 
 from mavstack.errors import LinkURLError
 from mavstack.links.url import redact_options
@@ -98,9 +99,11 @@ class Options:
         match = _QUANTITY.fullmatch(self._url.options[name].strip())
         if match is None or match[3].lower() not in units:
             self._refuse(name, wanted)
-            return default
-        return float(f"{match[1]}e{match[2] or 0}") * units[match[3].lower()]
+        value = float(f"{match[1]}e{match[2] or 0}") * units[match[3].lower()]
+        if not isfinite(value):
+            self._refuse(name, wanted)
+        return value
 
-    def _refuse(self, name: str, wanted: str) -> None:
+    def _refuse(self, name: str, wanted: str) -> NoReturn:
         text = redact_options(f"?{name}={self._url.options[name]}")[1:]
         raise LinkURLError(f"{self._url.redacted}: the option {text} must be {wanted}")
