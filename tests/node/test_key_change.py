@@ -68,10 +68,10 @@ def test_both_keys_are_accepted_during_a_change_and_one_after_it(old, new):
     assert accepted(channel, peer) == expected
 
 
-@pytest.mark.parametrize(("told", "clock"), [(0, 10**12), (5, 10**12), (10**13, 10**13)])
-def test_timestamps_continue_with_a_new_key(told, clock):
+@pytest.mark.parametrize(("timestamp", "clock"), [(0, 10**12), (5, 10**12), (10**13, 10**13)])
+def test_timestamps_continue_with_a_new_key(timestamp, clock):
     channel = ChannelState("cable", common, signing=OLD.signing(timestamp=10**12))
-    apply_key_event(ListenForKey(VEHICLE, NEW, told), [channel])
+    apply_key_event(ListenForKey(VEHICLE, NEW, timestamp), [channel])
     channel.use_new(True)
     assert channel.clock == clock
 

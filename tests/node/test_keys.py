@@ -41,9 +41,7 @@ def test_an_installed_key_is_used_by_both_and_survives_reconnects(old, new) -> N
             await assert_both_use(pair, new)
             for _ in range(2):
                 await pair.reconnect()
-                await assert_both_use(
-                    pair, new, seconds=0.1
-                )  # heartbeats come at once
+                await assert_both_use(pair, new, seconds=0.1)  # heartbeats come at once
                 assert [refusals(node) for node in pair.nodes] == [0, 0]
 
     run_virtually(work())

@@ -54,19 +54,19 @@ def test_the_timestamp_is_stored_periodically_and_on_close() -> None:
 @pytest.mark.parametrize("error", [SigningError("the card is full"), RuntimeError("a defect")])
 def test_a_failing_store_is_reported_and_stops_nothing(error) -> None:
     async def work() -> None:
-        told: list[dict] = []
-        asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
+        reported: list[dict] = []
+        asyncio.get_running_loop().set_exception_handler(lambda _, context: reported.append(context))
         store = Store()
         store.error = error
         async with Pair(OLD, timestamps=store) as pair:
             await asyncio.sleep(2 * STORE_INTERVAL + 1)
-            assert [context["exception"] for context in told] == [error] * 2
+            assert [context["exception"] for context in reported] == [error] * 2
             await assert_both_use(pair, OLD)
             store.error = None
             await asyncio.sleep(STORE_INTERVAL)
             assert len(store.stored) == 1
             store.error = error
-        assert len(told) == 3
+        assert len(reported) == 3
         assert pair.vehicle_link.closed
 
     run_virtually(work())

@@ -8,7 +8,14 @@ from typing import Self
 import pytest
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.errors import CommandDenied, CommandTimeout, MavstackError, RemoteCancelled, RemoteTimeout
+from mavstack.errors import (
+    CommandDenied,
+    CommandTimeout,
+    InvalidStateError,
+    MavstackError,
+    RemoteCancelled,
+    RemoteTimeout,
+)
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.services.heartbeat import ComponentFound, ComponentLost
@@ -272,3 +279,83 @@ def test_a_command_cancelled_before_its_handler_started() -> None:
             assert not pair.vehicle.commands.server.running
 
     run_virtually(work())
+
+
+def test_listeners_get_messages_and_packets_until_they_close() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            await pair.ground.wait_for_autopilot()
+            messages, packets = [], []
+            first = pair.ground.add_listener((common.Attitude, common.VfrHud), messages.append, system=1)
+            second = pair.ground.add_packet_listener(common.Attitude, packets.append)
+            pair.vehicle.send(common.Attitude(roll=1))
+            pair.vehicle.send(common.VfrHud(airspeed=2))
+            await asyncio.sleep(1)
+            first.close()
+            first.close()
+            pair.vehicle.send(common.Attitude(roll=3))
+            await asyncio.sleep(1)
+            second.close()
+            assert messages == [common.Attitude(roll=1), common.VfrHud(airspeed=2)]
+            assert [packet.message.roll for packet in packets] == [1, 3]
+
+    run_virtually(work())
+
+
+def test_the_heartbeat_changes_at_once() -> None:
+    async def work() -> None:
+        async with Pair() as pair, pair.ground.stream(common.Heartbeat, system=1) as heartbeats:
+            await anext(heartbeats)
+            heartbeats.drain()
+            pair.vehicle.set_heartbeat(base_mode=129, custom_mode=7)
+            await asyncio.sleep(0.1)
+            (heartbeat,) = heartbeats.drain()
+            assert (heartbeat.base_mode, heartbeat.custom_mode) == (129, 7)
+            assert heartbeat.system_status == common.MavState.ACTIVE
+
+    run_virtually(work())
+
+
+def test_the_state_of_a_channel_ends_with_the_channel() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            await pair.ground.wait_for_autopilot()
+            (channel,) = pair.ground.links[0].channels
+            state = pair.ground.channel_state(channel)
+            assert state is not None
+            assert not state.trusted
+            await pair.ground.close()
+            assert pair.ground.channel_state(channel) is None
+
+    run_virtually(work())
+
+
+def test_closing_the_node_ends_a_wait_without_timeout() -> None:
+    async def work() -> None:
+        async with Node(MemoryNetwork().link()) as node:
+            waiting = asyncio.ensure_future(node.wait_for_autopilot(timeout=None))
+            await asyncio.sleep(1)
+            await node.close()
+            with pytest.raises(
+                RemoteTimeout, match=r"waiting for an autopilot on .* failed: the node was closed"
+            ):
+                await waiting
+
+    run_virtually(work())
+
+
+def test_the_timeout_of_a_ping_is_that_of_the_whole_call() -> None:
+    async def work() -> float:
+        loop = asyncio.get_running_loop()
+        async with Pair() as pair:
+            start = loop.time()
+            with pytest.raises(RemoteTimeout):
+                await pair.ground.component(9).ping(100, timeout=5)
+            return loop.time() - start
+
+    assert 4.9 < run_virtually(work()) < 5.5
+
+
+def test_a_closed_node_raises_an_error_of_state() -> None:
+    with pytest.raises(InvalidStateError, match="not open"):
+        Node().send(common.Heartbeat())

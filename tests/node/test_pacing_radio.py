@@ -60,8 +60,10 @@ class Fleet:
 
     def command_a_vehicle(self) -> None:
         client = self.command_clients[len(self.commands) % len(VEHICLES)]
-        begun = self.network.now
-        self.commands.append((begun, client.command(Command(SERVO, param1=len(self.commands)), begun)))
+        started_at = self.network.now
+        self.commands.append(
+            (started_at, client.command(Command(SERVO, param1=len(self.commands)), started_at))
+        )
         self.ground.engine.touch(client)
 
 
@@ -76,9 +78,9 @@ def test_ten_vehicles_share_a_slow_radio(share: float | None, status: bool) -> N
     plans = [client.upload(Plan.of(items), network.now) for client in fleet.mission_clients]
     for client in (*fleet.parameter_clients, *fleet.mission_clients):
         ground.engine.touch(client)
-    begun = network.now
+    started_at = network.now
     assert network.run(lambda: all(operation.done for operation in (*listing, *plans)), timeout=120)
-    took = network.now - begun
+    took = network.now - started_at
     for address, operation in zip(VEHICLES, listing, strict=True):
         values = {name: parameter.value for name, parameter in operation.result().items()}
         assert values == {f"P_{number}": number * 100 + address.system for number in range(PARAMETERS)}

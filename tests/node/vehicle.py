@@ -76,7 +76,7 @@ class Vehicle(Node):
                 self._heartbeat.send_now(self.now())
                 self.wake(self._heartbeat)
             case ShellInput(data=data):
-                self.shell.feed(b"you said " + data)
+                self.shell.feed(b"echo: " + data)
                 self.wake(self.shell)
 
 

@@ -129,7 +129,7 @@ def start_everything(engine: Engine, now: float, target: Address = VEHICLE) -> l
             )
         ),
         parameters.download(now),
-        parameters.read("P1", now),
+        parameters.get("P1", now),
         parameters.set("P2", 3, now, kind=6),
         extended.download(now),
         extended.set("E1", 3, now, kind=6),

@@ -20,7 +20,7 @@ with Node("udpin://0.0.0.0:14550") as node:
     reveal_type(vehicle.command(common.MavCmd.NAV_LAND).attempts)
     for message in node.stream(common.Attitude):
         reveal_type(message.roll)
-    node.wait_for_autopilot(5, patience=3)
+    node.wait_for_autopilot(5, limit=3)
 """
 
 
@@ -36,6 +36,6 @@ def test_type_checkers_see_blocking_calls(tmp_path: Path) -> None:
     assert [line.partition(": ")[2].partition("  [")[0] for line in lines] == [
         'note: Revealed type is "int"',
         'note: Revealed type is "float"',
-        'error: Unexpected keyword argument "patience" for "wait_for_autopilot" of "Node"',
+        'error: Unexpected keyword argument "limit" for "wait_for_autopilot" of "Node"',
         'note: "wait_for_autopilot" defined in "mavstack.sync"',
     ], lines

@@ -36,8 +36,8 @@ def test_a_script_flies_a_vehicle(node):
     assert vehicle.armed
     assert vehicle.position.relative_altitude == pytest.approx(10, abs=2)
     vehicle.move(north=10)
-    with vehicle.guided() as guidance:
-        guidance.velocity(north=1)
+    with vehicle.guided() as guided:
+        guided.velocity(north=1)
         vehicle.wait_for_message(common.GlobalPositionInt)
     assert vehicle.params.get("WPNAV_SPEED").value == 1000
     assert vehicle.mission.download().items is not None

@@ -1,4 +1,4 @@
-"""Typical programs on the blocking API; type checkers read them, nobody runs them."""
+"""Typical programs on the blocking API; read by type checkers, and not run."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 PROGRAMS = ("async_programs.py", "blocking_programs.py")
 #: Mistakes in a blocking program, and a word of the message of a type checker.
 MISTAKES = {
-    "import mavstack.sync\nasync def main() -> None:\n    await mavstack.sync.connect('udpin://:1')\n": "await",
+    "import mavstack.sync\nasync def main() -> None:\n    await mavstack.sync.connect('x')\n": "await",
     "from mavstack.sync import Driver\n": "Driver",
     "from mavstack.sync import Vehicle\ndef work(it: Vehicle) -> None:\n    it.armed = True\n": "armed",
 }

@@ -26,7 +26,6 @@ Result = TypeVar("Result")
 CLEANUP_TIMEOUT = 2.0
 
 
-
 @dataclass(frozen=True, slots=True)
 class Worker:
     """A function that runs in a thread of its own, and may make blocking calls."""

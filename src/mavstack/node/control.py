@@ -67,7 +67,7 @@ class ControlStream(Generic[Sent]):
 
     async def _release(self) -> None:
         self.stop()
-        # The release is repeated by timers, which tell nobody when they are done.
+        # The release is repeated by timers, which emit no event when they are done.
         while self._sender.active and self._host.is_open:  # noqa: ASYNC110
             await asyncio.sleep(RELEASE_INTERVAL)
 

@@ -43,7 +43,7 @@ class Driver:
         on_event: Callable[[object, Service | None], None],
         on_channel: Callable[[ChannelState], None],
         version: int = 2,
-        on_error: Callable[[Operation[Any], float], None] = lambda operation, begun: None,
+        on_error: Callable[[Operation[Any], float], None] = lambda operation, started_at: None,
     ) -> None:
         self.engine = engine
         self.channels: dict[Channel, ChannelState] = {}
@@ -89,7 +89,7 @@ class Driver:
         progress: Callable[[int, int], None] | None = None,
     ) -> Result:
         """Wait for the result of an operation that was just started."""
-        begun = self.now()
+        started_at = self.now()
         self._waiting[operation] = future = self._loop.create_future()
         if progress is not None:
             self._progress[operation] = progress
@@ -106,7 +106,7 @@ class Driver:
             self._waiting.pop(operation, None)
             self._progress.pop(operation, None)
         if operation.error is not None:
-            self._on_error(operation, begun)
+            self._on_error(operation, started_at)
         return operation.result()
 
     def step(self) -> None:

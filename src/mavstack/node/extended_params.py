@@ -41,7 +41,7 @@ class ExtendedParams:
             RemoteCancelled: The node was closed.
         """
         host, client = self._clients.host, self._clients.extended_params
-        return await host.finish(client, client.read(name, host.now(), timeout=timeout))
+        return await host.finish(client, client.get(name, host.now(), timeout=timeout))
 
     async def set(
         self, name: str, value: ExtendedValue, *, timeout: float | None = None
@@ -85,6 +85,6 @@ class ExtendedParams:
         return self.cached
 
     def changes(self) -> Subscription[ExtendedParameterChanged]:
-        """Subscribe to changes of extended parameters, whoever makes them."""
+        """Subscribe to changes of extended parameters made by anyone."""
         client = self._clients.extended_params
         return self._clients.host.events(ExtendedParameterChanged, of=client, queue=DEFAULT_QUEUE)

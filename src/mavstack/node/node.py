@@ -7,8 +7,8 @@
 
 The class serves ground stations, companion computers and payloads alike: `system`, `component` and `type` say
 what the program is, and `serve`, `publish` and `on_command` add what it offers. Nothing is global: dialect,
-version, address and keys belong to the node. A slow subscriber or handler loses messages alone; nobody waits
-for it.
+version, address and keys belong to the node. A slow subscriber loses its own messages and
+delays nothing else.
 """
 
 from __future__ import annotations
@@ -96,7 +96,9 @@ class Node(Messaging, Serving):
         if not (0 < local.system < 256 and 0 < local.component < 256):
             raise InvalidArgumentError(f"invalid address {local}: system and component must be 1 to 255")
         engine = Engine(local, dialect or Dialect.load("all"))
-        self._host = NodeHost(engine, Discovery(local, is_echo=engine.is_echo, channel_name=engine.arrival_channel))
+        self._host = NodeHost(
+            engine, Discovery(local, is_echo=engine.is_echo, channel_name=engine.arrival_channel)
+        )
         self._heartbeat = HeartbeatSender(local, type, autopilot)
         #: The node's links, in the order in which they were given.
         self.links: list[Link] = [open_link(link) if isinstance(link, str) else link for link in links]
@@ -282,7 +284,7 @@ class Node(Messaging, Serving):
                 self._keys.on_key_event(event, service)
         self._host.event_dispatch.deliver(event, service)
 
-    def _on_operation_error(self, operation: Operation[Any], begun: float) -> None:
+    def _on_operation_error(self, operation: Operation[Any], started_at: float) -> None:
         """Handle the error of an operation that began at a time; a subclass may add details to the error."""
 
     def _wait_error(self, description: str, found: str, timeout: float | None) -> RemoteTimeout:

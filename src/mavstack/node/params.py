@@ -57,7 +57,7 @@ class Params:
         """
         host, client, budget = self._start(timeout)
         await self._find_encoding(budget)
-        return await host.finish(client, client.read(name, host.now(), timeout=budget.remaining()))
+        return await host.finish(client, client.get(name, host.now(), timeout=budget.remaining()))
 
     async def set(self, name: str, value: Value, *, timeout: float | None = None) -> Parameter:
         """Set one parameter (PARAM_SET), and wait until the component reports its value.
@@ -112,7 +112,7 @@ class Params:
         return self.cached
 
     def changes(self) -> Subscription[ParameterChanged]:
-        """Subscribe to changes of parameters, whoever makes them."""
+        """Subscribe to changes of parameters made by anyone."""
         return self._clients.host.events(ParameterChanged, of=self._clients.params, queue=DEFAULT_QUEUE)
 
     def clear_cache(self) -> None:
@@ -128,13 +128,13 @@ class Params:
         if not has_packed_params(self._clients.info, self._capabilities or 0):
             return False
         host, ftp = self._clients.host, self._clients.ftp
-        begun = host.now()
+        started_at = host.now()
         try:
-            operation = ftp.download(PACKED_NAME, begun, timeout=budget.remaining())
+            operation = ftp.download(PACKED_NAME, started_at, timeout=budget.remaining())
             data = await host.finish(ftp, operation, progress)
         except (RemoteTimeout, RemoteDenied):
             return False
-        return self._clients.params.take_packed(data, host.now(), begun=begun)
+        return self._clients.params.load_packed(data, host.now(), started_at=started_at)
 
     async def _find_encoding(self, budget: TimeBudget) -> None:
         if self._capabilities is None:

@@ -46,7 +46,7 @@ class Serving:
         return self._host.serve(service)
 
     def wake(self, service: Service) -> None:
-        """Send what a service has to send, after the program called one of its methods.
+        """Process a service after the program called one of its methods: its messages, events and timer.
 
         Args:
             service: A service that was given to `serve`.
@@ -63,7 +63,7 @@ class Serving:
 
         Args:
             client: The client.
-            operation: The operation, which has not begun.
+            operation: The operation, not started yet.
             progress: Called with the units done and in total.
 
         Returns:

@@ -13,7 +13,7 @@ MIN_REMAINING = 0.001
 
 
 class TimeBudget:
-    """What remains of a call's `timeout` in seconds, by the clock `now`."""
+    """The remaining seconds of a call's `timeout`, by the clock `now`."""
 
     def __init__(self, timeout: float | None, now: Callable[[], float]) -> None:
         self._now = now

@@ -232,7 +232,7 @@ class ExtendedParams:
         """
 
     def changes(self) -> Subscription[ExtendedParameterChanged]:
-        """Subscribe to changes of extended parameters, whoever makes them."""
+        """Subscribe to changes of extended parameters made by anyone."""
 
 class Ftp:
     """The files of a remote component, by MAVLink FTP (FILE_TRANSFER_PROTOCOL).
@@ -532,7 +532,7 @@ class Params:
         """
 
     def changes(self) -> Subscription[ParameterChanged]:
-        """Subscribe to changes of parameters, whoever makes them."""
+        """Subscribe to changes of parameters made by anyone."""
 
     def clear_cache(self) -> None:
         """Discard the capabilities that were cached before a reboot."""
@@ -1021,7 +1021,7 @@ class Node:
         """
 
     def wake(self, service: Service) -> None:
-        """Send what a service has to send, after the program called one of its methods.
+        """Process a service after the program called one of its methods: its messages, events and timer.
 
         Args:
             service: A service that was given to `serve`.
@@ -1032,7 +1032,7 @@ class Node:
 
         Args:
             client: The client.
-            operation: The operation, which has not begun.
+            operation: The operation, not started yet.
             progress: Called with the units done and in total.
 
         Returns:

@@ -110,7 +110,7 @@ async def link(session: Session, words: list[str]) -> None:
         counters = each.counters
         session.print(f"{each.url}: {size_text(counters.bytes_in)} in, {size_text(counters.bytes_out)} out")
         for channel in each.channels:
-            state = session.connection.driver.channels.get(channel)
+            state = session.connection.channel_state(channel)
             if state is not None:
                 told = state.parser.statistics
                 session.print(
