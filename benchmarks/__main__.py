@@ -89,7 +89,7 @@ def _rows(options: argparse.Namespace, wanted: list[str]) -> None:
     with tempfile.TemporaryDirectory(prefix="mavstack-bench-") as folder:
         bench = rows.Bench(flight, program, amounts, Path(folder))
         measured = _measure(bench, wanted)
-    output = f"{len(flight):,} messages, {flight.mean_size:.1f} B a packet, seed {workload.SEED}"
+    output = f"{len(flight):,} messages, {flight.mean_size:.1f} B per packet, seed {workload.SEED}"
     conditions = report.Conditions(output, compiler, amounts.turns)
     print((report.as_json if options.json else report.table)(measured, conditions))
 

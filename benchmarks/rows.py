@@ -79,7 +79,7 @@ def live(bench: Bench) -> Row:
         **bench.c("live", many, file),
         OURS: partial(ours.live, flight.chunks(CHUNK, many), many),
     }
-    return bench.compare("live stream to messages, read_fields fields of each", work, 30, None)
+    return bench.compare("live stream to messages, three fields of each", work, 30, None)
 
 
 def single(bench: Bench) -> Row:
@@ -90,7 +90,7 @@ def single(bench: Bench) -> Row:
         PYMAVLINK: partial(peers_pymavlink.single, packets[:few]),
         OURS: partial(ours.single, packets),
     }
-    return bench.compare("the same from one call a packet", work, 10, None)
+    return bench.compare("one call per packet, three fields of each", work, 10, None)
 
 
 def encode(bench: Bench) -> Row:
@@ -138,7 +138,7 @@ def tlog(bench: Bench, threads: int = 0) -> Row:
         OURS: partial(ours.tlog, whole, many, threads),
     }
     if threads:
-        return bench.compare("the same on one core", work, None, None)
+        return bench.compare("tlog to columns on one core", work, None, None)
     return bench.compare("tlog to columns, CRC checked", work, 400, 4)
 
 
@@ -174,7 +174,7 @@ def log_memory(bench: Bench) -> Row:
         (
             Ratio("times its columns", tuple(one.anonymous / size for one in mine), 1.5, at_least=False),
             Ratio("with the mapped file's pages", tuple(one.peak / size for one in mine), None),
-            Ratio("streamed, nothing result", (streamed.peak / size,), None),
+            Ratio("streamed, no packets kept", (streamed.peak / size,), None),
         ),
     )
 

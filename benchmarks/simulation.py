@@ -187,9 +187,9 @@ def programs(options: argparse.Namespace) -> dict[str, str]:
 def main(words: Sequence[str] | None = None) -> None:
     """Measure all programs, and print a table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.simulation", description=__doc__)
-    parser.add_argument("--seconds", type=float, default=10.0, help="how long each run is watched")
-    parser.add_argument("--turns", type=int, default=3, help="runs of each; medians are output")
-    parser.add_argument("--fleets", type=int, nargs="+", default=FLEETS, help="sizes of fleets")
+    parser.add_argument("--seconds", type=float, default=10.0, help="duration of a measurement in seconds")
+    parser.add_argument("--turns", type=int, default=3, help="runs of each program; the table shows medians")
+    parser.add_argument("--fleets", type=int, nargs="+", default=FLEETS, help="numbers of vehicles")
     parser.add_argument(
         "--sitl", action="append", default=[], help="NAME=COMMAND of an autopilot, {port} in it"
     )

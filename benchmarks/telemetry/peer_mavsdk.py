@@ -39,7 +39,7 @@ class _Station:
         self._mavsdk.add_any_connection(f"udpin://127.0.0.1:{recorder.port}")
         self.system = self._mavsdk.first_autopilot(CONNECT_TIMEOUT)
         if self.system is None:
-            raise SystemExit("MAVSDK received no autopilot")
+            raise SystemExit("MAVSDK found no autopilot")
 
 
 def _direct(recorder: MessageRecorder) -> None:

@@ -66,7 +66,7 @@ def _paced(pace: str, turns: dict[str, list[Paced]]) -> str:
         )
         for name, each in turns.items()
     ]
-    return f"{rate:.0f} messages a second, {pace}\n{_lines(PACED_HEAD, rows)}"
+    return f"{rate:.0f} messages per second, {pace}\n{_lines(PACED_HEAD, rows)}"
 
 
 def _flooded(turns: dict[str, list[Flooded]]) -> str:

@@ -25,7 +25,7 @@ class _Session:
         self._mavsdk.add_any_connection(f"udpout://127.0.0.1:{job['port']}")
         self._system = self._mavsdk.first_autopilot(CONNECT_TIMEOUT)
         if self._system is None:
-            raise TimeoutError("no autopilot was received")
+            raise TimeoutError("no autopilot was found")
 
     def plugin(self, module: str, name: str) -> Any:  # noqa: ANN401 (the package has no types)
         """Return a plugin of MAVSDK for the autopilot."""
@@ -56,7 +56,7 @@ def _file(job: Job, *, burst: bool) -> Answer:
     start = perf_counter()
     plugin.download_async(job["remote_file"], job["folder"], burst, progress)
     if not ended.wait(job["timeout"]):
-        return {"problem": "never ended"}
+        return {"problem": "timed out"}
     seconds = perf_counter() - start
     name = results[0].name
     return {"seconds": seconds} if name == "SUCCESS" else {"problem": name, "seconds": seconds}

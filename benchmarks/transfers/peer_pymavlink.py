@@ -45,7 +45,7 @@ def connect(job: Job) -> Any:  # noqa: ANN401 (the package has no types)
             link.target_system, link.target_component = heartbeat.get_srcSystem(), 1
             link.is_px4 = heartbeat.autopilot == PX4
             return link
-    raise TimeoutError("no autopilot was received")
+    raise TimeoutError("no autopilot was found")
 
 
 def _value(link: Any, message: Any) -> float:  # noqa: ANN401

@@ -61,12 +61,10 @@ def table(cells: Iterable[Cell]) -> str:
     """Return the table; the best peer of a cell is marked by an asterisk."""
     lines = [HEAD, *(line for cell in cells for line in _lines(cell))]
     widths = [max(len(line[index]) for line in lines) for index in range(len(HEAD))]
-    output = [
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines
-    ]
-    output.insert(1, "  ".join("-" * width for width in widths))
+    rows = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
+    rows.insert(1, "  ".join("-" * width for width in widths))
     facts = [f"{letter}  {operation}" for letter, (operation, _) in CONDITIONS.items()]
-    return "\n".join((*(line.rstrip() for line in output), "", *facts))
+    return "\n".join((*(line.rstrip() for line in rows), "", *facts))
 
 
 def as_json(cells: Iterable[Cell]) -> str:
@@ -99,10 +97,10 @@ def _figures(seen: Sequence[Outcome]) -> tuple[str, str, str]:
 
 
 def _against(cell: Cell, name: str) -> tuple[str, str]:
-    output = ratio(cell, name) if not name.startswith(OURS) else None
-    if output is None:
+    found = ratio(cell, name) if not name.startswith(OURS) else None
+    if found is None:
         return "", ""
-    return f"{output.median:.2f}", f"{min(output.seen):.2f} … {max(output.seen):.2f}"
+    return f"{found.median:.2f}", f"{min(found.seen):.2f} … {max(found.seen):.2f}"
 
 
 def _why(seen: Sequence[Outcome]) -> str:

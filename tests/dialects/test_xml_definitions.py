@@ -72,7 +72,7 @@ BROKEN = {
         "defined twice",
     ),
     "message name no identifier": (message(FIELD, name="A-B"), 3, "'A-B'"),
-    "message name endless": (message(FIELD, name="A" * 10_000), 3, "not a to_identifier name"),
+    "message name endless": (message(FIELD, name="A" * 10_000), 3, "not a valid name"),
     "enum reference no identifier": (message('<field type="uint8_t" name="a" enum="E F"/>'), 5, "'E F'"),
     "no fields": (message(""), 3, "0 fields"),
     "too many fields": (

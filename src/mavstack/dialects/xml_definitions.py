@@ -86,7 +86,7 @@ class _Reader:
 
     def name_in(self, element: Element, name: str, what: str) -> str:
         if not _NAME.fullmatch(name):
-            self.fail(f"{name!r} is not a to_identifier name for a {what}", element)
+            self.fail(f"{name!r} is not a valid name for a {what}", element)
         return name
 
     def integer(self, element: Element, text: str, what: str, low: int, high: int) -> int:

@@ -64,7 +64,9 @@ class Impairment:
                 raise InvalidArgumentError(f"{name} must be between 0 and 1, got {getattr(self, name)}")
         for name in ("latency", "jitter", "hold", "bandwidth", "queue"):
             if not 0 <= getattr(self, name) < math.inf:
-                raise InvalidArgumentError(f"{name} must be finite and not negative, got {getattr(self, name)}")
+                raise InvalidArgumentError(
+                    f"{name} must be finite and not negative, got {getattr(self, name)}"
+                )
 
     @classmethod
     def from_options(cls, options: Options) -> Self | None:

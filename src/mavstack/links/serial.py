@@ -50,7 +50,9 @@ class SerialLink(ClientLink):
         port = self._open_port()
         name = f"serial {self.url.path}"
         if self._threads:
-            return ThreadedSerialChannel(name, self.url.path, self._inbox.remove_channel, self._send_queue, port)
+            return ThreadedSerialChannel(
+                name, self.url.path, self._inbox.remove_channel, self._send_queue, port
+            )
         try:
             return await _open_posix(port, name, self._inbox.remove_channel, self._send_queue)
         except BaseException:

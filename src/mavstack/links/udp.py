@@ -226,7 +226,9 @@ class UdpSender(UdpLink):
         except OSError as error:
             raise open_error(self.url, error) from error
         await self._start_reading(sock)
-        self._channel = UdpChannel(f"udpout {format_address(address)}", address, self._inbox.remove_channel, self)
+        self._channel = UdpChannel(
+            f"udpout {format_address(address)}", address, self._inbox.remove_channel, self
+        )
         self._inbox.add_channel(self._channel)
 
     def _is_broadcast_or_multicast(self, sock: socket.socket, address: Address) -> bool:
