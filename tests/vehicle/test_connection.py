@@ -63,7 +63,7 @@ def test_without_a_vehicle_the_error_tells_what_was_heard():
         with pytest.raises(RemoteTimeout) as caught:
             await stage.node.wait_for_vehicle(timeout=5)
         assert str(caught.value) == (
-            "a vehicle's heartbeat asked of memory://pair: "
+            "waiting for a vehicle on memory://pair failed: "
             "none in 5 s; heard: 1/100 camera, 254/190 ground station"
         )
 
@@ -73,7 +73,7 @@ def test_without_a_vehicle_the_error_tells_what_was_heard():
 def test_of_another_system_the_error_tells_the_vehicles():
     async def scenario(stage):
         await stage.enter(3)
-        with pytest.raises(RemoteTimeout, match=r"vehicle 7 asked.*heard: 3/1 quadrotor with ArduPilot$"):
+        with pytest.raises(RemoteTimeout, match=r"vehicle 7 on .*heard: 3/1 quadrotor with ArduPilot$"):
             await stage.node.wait_for_vehicle(7, timeout=5)
 
     play(scenario)
@@ -144,7 +144,7 @@ def test_waiting_for_many():
             await stage.enter(system)
         group = await stage.node.wait_for_vehicles(2)
         assert sorted(group.systems) == [1, 2]
-        with pytest.raises(RemoteTimeout, match=r"of 3 vehicles asked of .*: 2 in 4 s; heard: 1/1 quad"):
+        with pytest.raises(RemoteTimeout, match=r"for 3 vehicles on .* failed: 2 in 4 s; heard: 1/1 quad"):
             await stage.node.wait_for_vehicles(3, timeout=4)
         late = asyncio.create_task(stage.node.wait_for_vehicles(3))
         await asyncio.sleep(10)

@@ -110,7 +110,7 @@ def test_at_once(max_concurrency, most):
 
 def test_none_at_once_is_misuse():
     async def scenario(stage, group):
-        with pytest.raises(LocalProtocolError, match="0 at once"):
+        with pytest.raises(LocalProtocolError, match="max_concurrency must be at least 1, got 0"):
             await group.each(lambda vehicle: asyncio.sleep(0), max_concurrency=0)
 
     with_group(1, scenario)
@@ -177,7 +177,7 @@ def test_a_vehicle_is_in_a_group_once():
         assert twice.systems == (1, 2)
         assert vehicle in twice
         assert repr(twice) == "<Group of 1, 2>"
-        assert repr(Group([])) == "<Group of nobody>"
+        assert repr(Group([])) == "<Group of no vehicles>"
         assert (await Group([]).arm()).ok
 
     with_group(2, scenario)
@@ -229,7 +229,7 @@ def test_fifty_vehicles():
         (lost,) = events.drain()
         assert lost.vehicle.system == 7
 
-        with pytest.raises(RemoteTimeout, match=r"of 50 vehicles asked of .*: 49 in 2 s"):
+        with pytest.raises(RemoteTimeout, match=r"for 50 vehicles on .* failed: 49 in 2 s"):
             await node.wait_for_vehicles(50, timeout=2)
         there = await node.wait_for_vehicles(49)
         modes = {ARDUPILOT: "LOITER", PX4: "HOLD"}

@@ -42,9 +42,9 @@ def test_the_stream_begins_before_the_mode_and_keeps_its_rate(autopilot):
     async def scenario(made):
         times = timed(made)
         entered, held = MODES[autopilot]
-        async with made.vehicle.guided(rate=20) as guidance:
+        async with made.vehicle.guided(rate=20) as guided:
             assert made.vehicle.mode == entered
-            guidance.velocity(north=2.0, east=1.0, down=-0.5, yaw=90)
+            guided.velocity(north=2.0, east=1.0, up=0.5, yaw=90)
             await asyncio.sleep(4)
         assert made.vehicle.mode == held
         mode_asked = next(time for time, name in times if name == "CommandLong")
@@ -150,29 +150,29 @@ def test_guidance_that_is_not_entered_leaves_nothing():
 
 def test_each_kind_of_setpoint():
     async def scenario(made):
-        async with made.vehicle.guided() as guidance:
-            guidance.body_velocity(forward=3, right=1, down=-1, yaw_rate=90)
+        async with made.vehicle.guided() as guided:
+            guided.body_velocity(forward=3, right=1, up=1, yaw_rate=90)
             await asyncio.sleep(0.2)
             body = setpoints(made)[-1]
             assert body.coordinate_frame == common.MavFrame.BODY_NED
             assert (body.vx, body.vy, body.vz) == (3, 1, -1)
             assert body.yaw_rate == pytest.approx(pi / 2, abs=1e-5)
-            guidance.position(10, -5, -20, yaw=180)
+            guided.position(10, -5, 20, yaw=180)
             await asyncio.sleep(0.2)
             place = setpoints(made)[-1]
             assert (place.x, place.y, place.z) == (10, -5, -20)
             assert abs(place.yaw) == pytest.approx(pi, abs=1e-5)
-            guidance.goto(47.5, 8.25, 30)
+            guided.goto(47.5, 8.25, 30)
             await asyncio.sleep(0.2)
             far = setpoints(made)[-1]
             assert (far.lat_int, far.lon_int, far.alt) == (475000000, 82500000, 30)
-            guidance.attitude(roll=0, pitch=0, yaw=90, thrust=0.5)
+            guided.attitude(roll=0, pitch=0, yaw=90, thrust=0.5)
             await asyncio.sleep(0.2)
             attitude = setpoints(made)[-1]
             assert attitude.q == pytest.approx((0.70711, 0, 0, 0.70711), abs=1e-4)
             assert attitude.thrust == 0.5
             with pytest.raises(SetpointError):
-                guidance.set(LocalSetpoint())
+                guided.set(LocalSetpoint())
             await asyncio.sleep(0.2)
             assert setpoints(made)[-1].thrust == 0.5  # what was wrong changed nothing
 

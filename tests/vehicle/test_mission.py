@@ -46,7 +46,7 @@ def test_flown_to_its_end(kind, ending):
         await vehicle.mission.upload(plan_for(world, ending, bool(first)))
         async with vehicle.mission.reached_items() as passing:
             await vehicle.mission.fly()
-            reached = [each.seq for each in passing.take()]
+            reached = [each.seq for each in passing.drain()]
         assert world.simulated.body.truth.down > -1.0
         await world.wait_until(lambda: vehicle.armed is False, timeout=20)
         assert {first + 1, first + 2} <= set(reached)

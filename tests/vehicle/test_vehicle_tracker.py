@@ -69,7 +69,7 @@ def test_silence_and_return():
         assert back.after == pytest.approx(20, abs=1)
         assert back.vehicle is lost.vehicle is stage.node.vehicles[1]
         assert back.vehicle.alive
-        assert str(back) == f"vehicle 1 is back after {back.after:.0f} s"
+        assert str(back) == f"vehicle 1 returned after {back.after:.0f} s"
 
     play(scenario)
 
@@ -150,13 +150,13 @@ def test_two_vehicles_with_one_id_are_told_once_and_are_no_reboots():
         await stage.enter(uptime=100.0)
         other = await stage.enter(uptime=900.0)
         await asyncio.sleep(120)
-        found, clash = stage.told(*ALL)
+        found, conflict = stage.told(*ALL)
         assert isinstance(found, VehicleFound)
-        assert isinstance(clash, SystemIdConflict)
-        assert len(clash.claims) == 2
-        assert [len(claim.channels) for claim in clash.claims] == [1, 1]
-        assert clash.vehicle.has_id_conflict
-        assert str(clash).startswith("vehicle 1 is two, which have the same system id: quadrotor with Ardu")
+        assert isinstance(conflict, SystemIdConflict)
+        assert len(conflict.senders) == 2
+        assert [len(sender.channels) for sender in conflict.senders] == [1, 1]
+        assert conflict.vehicle.has_id_conflict
+        assert str(conflict).startswith("vehicle 1 has a system id conflict: quadrotor with Ardu")
         other.quiet = True
         await asyncio.sleep(60)
         (over,) = stage.told(*ALL)
@@ -183,8 +183,8 @@ def test_vehicles_of_one_id_and_two_kinds():
         await stage.enter(uptime=None)
         await stage.enter(type=TYPE.FIXED_WING, autopilot=AUTOPILOT.PX4, uptime=None)
         await asyncio.sleep(60)
-        (clash,) = stage.told(SystemIdConflict)
-        text = str(clash)
+        (conflict,) = stage.told(SystemIdConflict)
+        text = str(conflict)
         assert "quadrotor with ArduPilot on memory pair" in text
         assert "fixed wing with PX4 on memory pair" in text
 

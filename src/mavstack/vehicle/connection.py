@@ -5,8 +5,8 @@
         await vehicle.arm()
         await vehicle.takeoff(10)
 
-A vehicle is a system with an autopilot; the type and autopilot of the heartbeat decide that, not the component
-id. Cameras, gimbals, companion computers and other ground stations are components and never become vehicles.
+A vehicle is a system with an autopilot; the type and autopilot of the heartbeat decide that, not the
+component id. Cameras, gimbals, companion computers and other ground stations are never vehicles.
 The connection's `events` include the events of vehicles; see `mavstack.vehicle.events`.
 """
 

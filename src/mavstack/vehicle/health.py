@@ -1,7 +1,7 @@
 """The health of a vehicle: whether it is ready to arm, and if not, why not.
 
-A vehicle is ready if the pre-arm bit of its SYS_STATUS says so. The problems come from all messages that report
-some (`telemetry.problems`).
+A vehicle is ready if the pre-arm bit of its SYS_STATUS says so. The problems come from all messages that
+report some (`telemetry.problems`).
 """
 
 from __future__ import annotations

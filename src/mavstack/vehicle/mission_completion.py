@@ -16,7 +16,7 @@ _STATE: Final = common.MissionState
 #: The time after the end in which the vehicle may still enter a landing mode, in seconds: PX4 reports
 #: the end, then enters the mode of the last item, and leaves it before its heartbeat shows it disarmed.
 END_DELAY: Final = 2.5
-#: A vehicle that drives or dives stands still below this speed, in m/s, after so many seconds.
+#: A vehicle that drives or dives stands still below this speed, in m/s, for `STANDING_TIME` seconds.
 STANDING_SPEED: Final = 0.3
 STANDING_TIME: Final = 4.0
 

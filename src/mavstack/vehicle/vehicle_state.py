@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mavstack.services.heartbeat import ComponentInfo
     from mavstack.vehicle.telemetry.values import HomePosition, Position
 
-#: The time to wait for a position, in seconds, if a call has no timeout of its own.
+#: The time without a position after which a call fails that has no timeout of its own, in seconds.
 POSITION_TIMEOUT = 10.0
 
 
@@ -157,11 +157,11 @@ class VehicleState(TelemetryProperties):
                 raise
             return position.altitude - position.relative_altitude
 
-    async def get_position(self, *, timeout: float | None = POSITION_TIMEOUT) -> Position:
+    async def get_position(self, *, timeout: float | None = None) -> Position:
         """Return the position; wait for it if it was not received (GLOBAL_POSITION_INT).
 
         Args:
-            timeout: Seconds to wait; None waits for ever.
+            timeout: Seconds for the whole call; None: until no position has arrived for a while.
 
         Returns:
             The position in degrees and metres.
@@ -172,17 +172,18 @@ class VehicleState(TelemetryProperties):
             RemoteCancelled: The connection was closed.
         """
         if self.position is None:
-            await self.wait_for_message(common.GlobalPositionInt, timeout=timeout)
+            seconds = POSITION_TIMEOUT if timeout is None else timeout
+            await self.wait_for_message(common.GlobalPositionInt, timeout=seconds)
         position = self.position
         if position is None:
             raise MessageTimeout("reading the position of", str(self.address), answer="it does not know it")
         return position
 
-    async def get_relative_altitude(self, *, timeout: float | None = POSITION_TIMEOUT) -> float:
+    async def get_relative_altitude(self, *, timeout: float | None = None) -> float:
         """Return the altitude above home; wait for it if it was not received (GLOBAL_POSITION_INT).
 
         Args:
-            timeout: Seconds to wait; None waits for ever.
+            timeout: Seconds for the whole call; None: until no position has arrived for a while.
 
         Returns:
             Metres above home.

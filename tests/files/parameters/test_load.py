@@ -101,7 +101,7 @@ def test_its_own_id_comes_last_and_is_set_if_asked_for():
     told = []
     given = wanted(SYSID_THISMAV=9, RTL_ALT=3000, WPNAV_SPEED=700)
     results, vehicle = load_into(
-        "ardupilot", given, everything=True, tell=lambda each: told.append(each.name)
+        "ardupilot", given, everything=True, on_result=lambda each: told.append(each.name)
     )
     assert told[-1] == "SYSID_THISMAV"
     assert results["SYSID_THISMAV"].outcome is SET
@@ -225,7 +225,7 @@ def test_cancelled_it_knows_what_it_did():
 
     async def scenario(params):
         seen = asyncio.Event()
-        load = ParameterLoad(params, given, tell=lambda each: seen.set())
+        load = ParameterLoad(params, given, on_result=lambda each: seen.set())
         task = asyncio.create_task(load.run())
         await seen.wait()
         task.cancel()

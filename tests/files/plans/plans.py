@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from hypothesis import strategies as st
 
-from mavstack.files.plans.areas import Areas, Circle, Polygon, ReturnPoint, items_of
+from mavstack.files.plans.fence import Circle, FenceAreas, Polygon, ReturnPoint, fence_items
 from mavstack.files.plans.model import CMD, FRAME, Home, PlanFile, item_of, params_of, plain_frame
 from mavstack.services.mission import MissionItem
 
@@ -86,8 +86,8 @@ POLYGONS = st.builds(Polygon, st.booleans(), st.lists(PLACES, min_size=3, max_si
 CIRCLES = st.builds(Circle, st.booleans(), PLACES, st.floats(0.1, 1e5))
 RETURNS = st.builds(ReturnPoint, PLACES, SMALL)
 FENCES = st.builds(
-    Areas, st.lists(POLYGONS, max_size=3), st.lists(CIRCLES, max_size=3), st.lists(RETURNS, max_size=1)
-).map(items_of)
+    FenceAreas, st.lists(POLYGONS, max_size=3), st.lists(CIRCLES, max_size=3), st.lists(RETURNS, max_size=1)
+).map(fence_items)
 
 
 @st.composite

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from pymavlink import mavutil, mavwp
 
 from mavstack.files.plans import (
-    Areas,
+    FenceAreas,
     PlanFile,
     Polygon,
     ReturnPoint,
-    areas_of,
-    items_of,
+    fence_areas,
+    fence_items,
     read_plan,
     write_plan,
 )
@@ -115,16 +115,16 @@ def test_version_100_as_they_read_it(folder):
 def test_fence_lists_both_ways(folder, vertices, point):
     if point in vertices:
         return
-    areas = Areas(
+    areas = FenceAreas(
         [Polygon(inclusion=True, vertices=tuple(vertices))], [], [ReturnPoint(point, 0, FRAME.GLOBAL)]
     )
-    write_plan(folder / "ours.fen", PlanFile.of(fence=items_of(areas)))
+    write_plan(folder / "ours.fen", PlanFile.of(fence=fence_items(areas)))
     loader = mavwp.MAVFenceLoader()
     assert loader.load(str(folder / "ours.fen")) == len(vertices) + 2
     told = [(loader.point(index).lat, loader.point(index).lng) for index in range(loader.count())]
     assert told == [point, *vertices, vertices[0]]
     loader.save(str(folder / "theirs.fen"))
-    read = areas_of(read_plan(folder / "theirs.fen").fence.items)
+    read = fence_areas(read_plan(folder / "theirs.fen").fence.items)
     if len(read.return_points) == 1 and len(read.polygons[0].vertices) == len(vertices):
         for mine, theirs in zip(vertices, read.polygons[0].vertices, strict=True):
             assert mine == pytest.approx(theirs, abs=SIX)

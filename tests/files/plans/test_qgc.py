@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from mavstack.errors import PlanFileError
-from mavstack.files.plans import Home, PlanFile, areas_of, parse_plan
+from mavstack.files.plans import Home, PlanFile, fence_areas, parse_plan
 from mavstack.files.plans.model import CMD, FRAME, params_of
 from mavstack.services.mission import PlanType
 from tests.files.plans.plans import FLIGHT, names
@@ -44,7 +44,7 @@ def test_a_whole_plan():
     assert params_of(first)[4:] == (47.398, 8.546, 30)
     assert (second.autocontinue, second.frame) == (False, FRAME.GLOBAL)
     assert (jump.param1, jump.param2) == (1, 3)  # the second item
-    areas = areas_of(plan.fence.items)
+    areas = fence_areas(plan.fence.items)
     assert [len(polygon.vertices) for polygon in areas.polygons] == [4]
     assert areas.polygons[0].inclusion
     assert (areas.circles[0].inclusion, areas.circles[0].radius) == (False, 25.5)
@@ -218,7 +218,7 @@ def test_a_part_may_be_missing(part):
 def test_a_fence_of_version_1_is_one_polygon_to_stay_in():
     fence = {"version": 1, "polygon": [[47, 8], [47, 9], [48, 9]], "breachReturn": [47.1, 8.2]}
     plan = parse_plan(json.dumps({"fileType": "Plan", "version": 1, "geoFence": fence}))
-    areas = areas_of(plan.fence.items)
+    areas = fence_areas(plan.fence.items)
     assert (len(areas.polygons), areas.polygons[0].inclusion, areas.leftovers) == (1, True, [])
     assert areas.return_points[0].altitude == 0
 

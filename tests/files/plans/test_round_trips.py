@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 from mavstack.errors import PlanFileError
 from mavstack.files.plans import (
     FORMATS,
-    Areas,
     Circle,
+    FenceAreas,
     Home,
     PlanFile,
     Polygon,
     ReturnPoint,
     Settings,
+    fence_items,
     format_plan,
-    items_of,
     parse_plan,
     read_plan,
     write_plan,
@@ -95,8 +95,8 @@ def test_fence_lists_come_back_exactly(polygon, point):
     vertices = tuple(dict.fromkeys(place for place in polygon.vertices if place != point.place))
     if len(vertices) < 3:
         return
-    areas = Areas([replace(polygon, vertices=vertices)], [], [point])
-    plan = PlanFile.of(fence=items_of(areas))
+    areas = FenceAreas([replace(polygon, vertices=vertices)], [], [point])
+    plan = PlanFile.of(fence=fence_items(areas))
     read = returned(plan, "fence")
     assert exactly(read) == exactly(plan)
     assert read.notes == ()
@@ -139,8 +139,10 @@ def test_what_qgc_cannot_hold_is_told():
     two = [ReturnPoint((1.0, 2.0)), ReturnPoint((3.0, 4.0), 5.0, FRAME.GLOBAL)]
     assert lost("plan", fence=[group]) == "the inclusion group of fence item 0"
     assert "1 vertex stands together" in lost("plan", fence=[vertex])
-    assert lost("plan", fence=items_of(Areas(return_points=two))) == "return points but the first"
-    assert "altitude of the return point" in lost("plan", fence=items_of(Areas(return_points=two[1:])))
+    assert lost("plan", fence=fence_items(FenceAreas(return_points=two))) == "return points but the first"
+    assert "altitude of the return point" in lost(
+        "plan", fence=fence_items(FenceAreas(return_points=two[1:]))
+    )
     assert "params 1 to 4 of rally point 0" in lost("plan", rally=[rally])
     assert "altitude of rally point 0" in lost("plan", rally=[rally])
     assert "infinite params of mission item 1" in lost("plan", mission=[MissionItem(CMD.NAV_WAYPOINT, inf)])
@@ -154,15 +156,15 @@ def test_what_a_file_of_waypoints_cannot_hold_is_told():
 
 
 def test_what_a_fence_list_cannot_hold_is_told():
-    areas = Areas(
+    areas = FenceAreas(
         [Polygon(inclusion=True, vertices=SQUARE, group=1), Polygon(inclusion=False, vertices=SQUARE)],
         [Circle(inclusion=True, center=(1.0, 2.0), radius=3)],
         [ReturnPoint((47.05, 8.05), 30.0)],
     )
-    told = lost("fence", fence=items_of(areas), mission=[MissionItem(CMD.NAV_WAYPOINT)])
+    told = lost("fence", fence=fence_items(areas), mission=[MissionItem(CMD.NAV_WAYPOINT)])
     for part in ("the mission", "polygons to stay out of (1)", "circles (1)", "groups (1)", "altitude"):
         assert part in told
-    written = format_plan(PlanFile.of(fence=items_of(Areas(areas.polygons[:1]))), "fence")
+    written = format_plan(PlanFile.of(fence=fence_items(FenceAreas(areas.polygons[:1]))), "fence")
     assert written.text.splitlines()[0] == "47.05 8.05"
     assert "no return point" in written.notes[0]
 
@@ -170,7 +172,7 @@ def test_what_a_fence_list_cannot_hold_is_told():
 def test_what_a_rally_list_cannot_hold_is_told():
     strange = MissionItem(CMD.NAV_RALLY_POINT, 1, param5=1, param6=2, frame=FRAME.LOCAL_NED)
     usual = MissionItem(CMD.NAV_RALLY_POINT, 1, param5=1, param6=2)
-    told = lost("rally", rally=[strange, usual], fence=items_of(Areas([Polygon(True, SQUARE)])))
+    told = lost("rally", rally=[strange, usual], fence=fence_items(FenceAreas([Polygon(True, SQUARE)])))
     assert told == "the fence; rally point 0, a NAV_RALLY_POINT in frame 1; params 1 to 4 of rally point 1"
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from mavstack.files.plans import Home, PlanFile, format_plan, items_of, parse_plan
-from mavstack.files.plans.areas import Areas, Circle
+from mavstack.files.plans import Home, PlanFile, fence_items, format_plan, parse_plan
+from mavstack.files.plans.fence import Circle, FenceAreas
 from mavstack.files.plans.model import CMD, FRAME, params_of
 from mavstack.services.mission import PlanType
 from tests.files.plans.plans import FENCE, FLIGHT, WAYPOINTS, exactly, names
@@ -98,8 +98,8 @@ def test_a_fence_with_and_without_a_home():
 
 
 def test_the_home_of_a_fence_is_left_out_and_told():
-    areas = Areas(circles=[Circle(inclusion=True, center=(47.0, 8.0), radius=10)])
-    written = format_plan(PlanFile.of(fence=items_of(areas), home=Home(47, 8, 400)), "waypoints")
+    areas = FenceAreas(circles=[Circle(inclusion=True, center=(47.0, 8.0), radius=10)])
+    written = format_plan(PlanFile.of(fence=fence_items(areas), home=Home(47, 8, 400)), "waypoints")
     assert len(written.text.splitlines()) == 2
     assert written.lost == ()
     assert "no home" in written.notes[0]

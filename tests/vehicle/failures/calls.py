@@ -63,13 +63,13 @@ async def guided(scene: Scene) -> None:
 
 
 async def leave_guided(scene: Scene) -> None:
-    guidance = scene.guidance
-    await guidance.__aexit__(None, None, None)
+    guided = scene.guided
+    await guided.__aexit__(None, None, None)
 
 
 async def enter_guided(scene: Scene) -> None:
-    scene.guidance = scene.vehicle.guided()
-    await scene.guidance.__aenter__()
+    scene.guided = scene.vehicle.guided()
+    await scene.guided.__aenter__()
 
 
 async def first(scene: Scene) -> None:

@@ -146,8 +146,8 @@ def test_setpoints_end_with_a_cancelled_block(how):
 
     async def scenario(made):
         async def steer() -> None:
-            async with made.vehicle.guided() as guidance:
-                guidance.velocity(north=2)
+            async with made.vehicle.guided() as guided:
+                guided.velocity(north=2)
                 await asyncio.sleep(1000)
 
         doing = asyncio.create_task(steer())

@@ -164,7 +164,7 @@ def test_ardupilot_says_the_mode_that_it_refuses():
 def test_a_mode_that_there_is_not():
     async def scenario(made):
         with pytest.raises(
-            RemoteDenied, match=r"setting mode SIDEWAYS on 1/1 failed: there is no such mode; it has .*RTL"
+            RemoteDenied, match=r"setting mode SIDEWAYS on 1/1 failed: there is no such mode; the vehicle has .*RTL"
         ):
             await made.vehicle.set_mode("SIDEWAYS")
 

@@ -133,25 +133,25 @@ def test_the_next_setpoint_tells_that_guidance_was_interrupted():
     async def scenario(made):
         made.script.arm()
         await enter_guided(made)
-        guidance = made.guidance
-        guidance.velocity(north=1)
+        guided = made.guided
+        guided.velocity(north=1)
         made.say("Failsafe: no RC")
         made.script.enter("RTL")
         await asyncio.sleep(0.5)
-        assert guidance.interrupted
+        assert guided.interrupted
         for order in (
-            lambda: guidance.velocity(1),
-            lambda: guidance.body_velocity(1),
-            lambda: guidance.position(1, 2, -3),
-            lambda: guidance.goto(47, 8, 20),
-            lambda: guidance.attitude(0, 0, 0, 0.5),
-            guidance.check,
+            lambda: guided.velocity(1),
+            lambda: guided.body_velocity(1),
+            lambda: guided.position(1, 2, 3),
+            lambda: guided.goto(47, 8, 20),
+            lambda: guided.attitude(0, 0, 0, 0.5),
+            guided.check,
         ):
             with pytest.raises(ActionInterrupted) as error:
                 order()
             assert str(error.value) == "following setpoints 1/1 failed: it changed to RTL (Failsafe: no RC)"
         made.script.heard.clear()
-        await guidance.__aexit__(None, None, None)
+        await guided.__aexit__(None, None, None)
         assert not [each for each in made.script.heard if isinstance(each, common.CommandLong)]
         assert made.vehicle.mode == "RTL"
 

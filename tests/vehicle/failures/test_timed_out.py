@@ -197,9 +197,9 @@ def test_guidance_of_a_vehicle_that_falls_silent():
         made.script.silent = True
         await asyncio.sleep(8)
         with pytest.raises(ContactLost, match="following setpoints 1/1 failed: it fell silent"):
-            made.guidance.velocity(1)
+            made.guided.velocity(1)
         with pytest.raises(RemoteTimeout):
-            await made.guidance.__aexit__(None, None, None)
+            await made.guided.__aexit__(None, None, None)
 
     play(scenario)
 
@@ -209,8 +209,8 @@ def test_guidance_of_a_closed_connection():
         await enter_guided(made)
         await made.node.close()
         with pytest.raises(RemoteCancelled, match=r"following setpoints .*: the connection was closed"):
-            made.guidance.velocity(1)
-        await made.guidance.__aexit__(None, None, None)
+            made.guided.velocity(1)
+        await made.guided.__aexit__(None, None, None)
 
     play(scenario)
 

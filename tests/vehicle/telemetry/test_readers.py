@@ -276,7 +276,7 @@ VALUES = [
         "gps",
         "imu",
     ),
-    *("rc", "battery", "armed", "mode", "in_air", "landed_state", "vtol_state", "system_status", "type"),
+    *("rc", "battery", "armed", "mode", "in_air", "landed_state", "vtol_state", "system_status", "mav_type"),
 ]
 
 

@@ -73,7 +73,7 @@ def test_a_function_is_called_with_each_message_until_closed():
     async def scenario(stage):
         heard, from_camera = [], []
         listening = stage.vehicle.add_listener(common.Attitude, heard.append)
-        stage.vehicle.add_listener(common.Attitude, from_camera.append, CAMERA)
+        stage.vehicle.add_listener(common.Attitude, from_camera.append, component=CAMERA)
         stage.hear(common.Attitude(roll=1), common.Heartbeat())
         stage.hear(common.Attitude(roll=2), component=CAMERA)
         assert heard == [common.Attitude(roll=1)]
@@ -152,7 +152,7 @@ def test_the_next_message_is_one_that_comes_from_now_on():
 
 def test_a_next_message_that_does_not_come():
     async def scenario(peer):
-        with pytest.raises(MessageTimeout, match="ATTITUDE 1/1 failed: none came in 3 s"):
+        with pytest.raises(MessageTimeout, match="waiting for ATTITUDE from 1/1 failed: none arrived in 3 s"):
             await peer.vehicle.wait_for_message(common.Attitude, timeout=3)
         assert peer.asked == [(30, 250_000)]
 
@@ -173,7 +173,7 @@ def test_a_next_message_when_the_connection_closes():
         waiting = asyncio.create_task(peer.vehicle.wait_for_message(common.Attitude))
         await asyncio.sleep(0.5)
         await peer.vehicle.connection.close()
-        with pytest.raises(RemoteCancelled, match="ATTITUDE 1/1 failed: the connection was closed"):
+        with pytest.raises(RemoteCancelled, match="waiting for ATTITUDE from 1/1 failed: the connection was closed"):
             await waiting
 
     with_peer(scenario)

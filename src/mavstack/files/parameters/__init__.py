@@ -1,18 +1,18 @@
-"""Files of parameters: read, written, compared with a vehicle, and loaded into one."""
+"""Parameter files: read, written, compared with a vehicle's parameters, and loaded into a vehicle."""
 
 from mavstack.files.parameters.compare import AnyParameter, Comparison, Difference, compare, value_text
-from mavstack.files.parameters.files import parse_parameters, read_parameters, write_parameters
+from mavstack.files.parameters.file_access import parse_parameters, read_parameters, write_parameters
 from mavstack.files.parameters.format import ParameterFormat
-from mavstack.files.parameters.kinds import Owner, needs_reboot, owner_of
-from mavstack.files.parameters.load import Applied, Outcome, ParameterLoad, apply
+from mavstack.files.parameters.load import AppliedParameter, Outcome, ParameterLoad, apply
 from mavstack.files.parameters.numbers import read_number, write_number
+from mavstack.files.parameters.parameter_file import ParameterFile, StoredParameter
 from mavstack.files.parameters.registry import FORMATS, format_for
-from mavstack.files.parameters.stored import ParameterFile, StoredParameter
+from mavstack.files.parameters.traits import Owner, needs_reboot, owner_of
 
 __all__ = [
     "FORMATS",
     "AnyParameter",
-    "Applied",
+    "AppliedParameter",
     "Comparison",
     "Difference",
     "Outcome",

@@ -1,4 +1,4 @@
-"""What is different between two sets of parameters: of files, of vehicles, or of one of each."""
+"""The differences between two parameter sets, of files or of vehicles."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.files.parameters.numbers import agree, rounds_to
-from mavstack.files.parameters.stored import StoredParameter
+from mavstack.files.parameters.parameter_file import StoredParameter
 from mavstack.services.parameters import Parameter
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ AnyParameter: TypeAlias = StoredParameter | Parameter
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A parameter that both have, with two values."""
+    """A parameter that both sets have, with different values."""
 
     name: str
     ours: AnyParameter
@@ -27,7 +27,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Two sets side by side: different, the same, and what only one of them has, each by name."""
+    """Two parameter sets compared by name: different, the same, and in one of them only."""
 
     different: tuple[Difference, ...]
     same: tuple[str, ...]
@@ -36,12 +36,20 @@ class Comparison:
 
     @property
     def alike(self) -> bool:
-        """Whether nothing is different and neither has what the other lacks."""
+        """True if both sets have the same parameters with the same values."""
         return not (self.different or self.only_ours or self.only_theirs)
 
 
 def compare(ours: Mapping[str, AnyParameter], theirs: Mapping[str, AnyParameter]) -> Comparison:
-    """Compare two sets; values that are one float32 are the same, and so are names but for their case."""
+    """Compare two parameter sets by name; letter case does not matter.
+
+    Args:
+        ours: Parameters by name.
+        theirs: Parameters by name.
+
+    Returns:
+        The differences; values that are the same float32 are the same.
+    """
     pairs = matched(ours, theirs)
     different, same = [], []
     for name, mine in sorted(ours.items()):
@@ -61,7 +69,7 @@ def compare(ours: Mapping[str, AnyParameter], theirs: Mapping[str, AnyParameter]
 
 
 def matched(ours: Iterable[str], theirs: Iterable[str]) -> dict[str, str]:
-    """Which of their names each of ours is: itself, or what differs from it only in its case."""
+    """Return the name among `theirs` of each of `ours` that is there, ignoring letter case."""
     known = set(theirs)
     by_upper = {name.upper(): name for name in known}
     found = {}
@@ -73,10 +81,10 @@ def matched(ours: Iterable[str], theirs: Iterable[str]) -> dict[str, str]:
 
 
 def is_same(one: AnyParameter, other: AnyParameter) -> bool:
-    """Whether two parameters have the same value, as far as their types and what wrote them can tell."""
+    """Return whether two parameters have the same value, within the precision of their types and files."""
     kind = _type_of(one) or _type_of(other)
     if _type_of(one) is not None and _type_of(other) is not None and _type_of(one) != _type_of(other):
-        kind = int(common.MavParamType.REAL32)  # the coarser one of both decides
+        kind = int(common.MavParamType.REAL32)  # the less precise type decides
     exact = _is_exact(one) and _is_exact(other)
     return agree(one.value, other.value, kind=kind, exact=exact) or any(
         isinstance(each, StoredParameter) and bool(each.text) and rounds_to(held.value, each.text)
@@ -85,7 +93,7 @@ def is_same(one: AnyParameter, other: AnyParameter) -> bool:
 
 
 def value_text(parameter: AnyParameter) -> str:
-    """The value for people and files."""
+    """Return the value as texts and files show it."""
     if isinstance(parameter, StoredParameter):
         return parameter.value_text
     return StoredParameter(parameter.name, parameter.value, int(parameter.type)).value_text

@@ -1,4 +1,4 @@
-"""What a format of parameter files is, and what they share: lines, comments and numbers."""
+"""The description of a parameter file format, and the helpers that formats share."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from mavstack.files.parameters.numbers import read_number
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mavstack.files.parameters.stored import ParameterFile
+    from mavstack.files.parameters.parameter_file import ParameterFile
     from mavstack.services.parameters import Value
 
-#: So much of a line is shown in an error.
+#: The number of characters of a line that an error shows.
 _SHOWN = 40
 
 
 class ParameterFormat(NamedTuple):
-    """A format: its name, the suffixes of its files, and how it is recognised, read and written."""
+    """A parameter file format: its name, its suffixes, and the functions that detect, read and write it."""
 
     name: str
     suffixes: tuple[str, ...]
@@ -29,7 +29,7 @@ class ParameterFormat(NamedTuple):
 
 
 def content_lines(text: str) -> Iterator[tuple[int, str]]:
-    """The lines that hold something, with their numbers, without what follows a `#`."""
+    """Yield the lines with content and their numbers, without comments (from `#`)."""
     for number, line in enumerate(text.split("\n"), 1):
         content = line.partition("#")[0].strip()
         if content:
@@ -37,7 +37,7 @@ def content_lines(text: str) -> Iterator[tuple[int, str]]:
 
 
 def head_comments(text: str) -> tuple[str, ...]:
-    """The comments before the first parameter."""
+    """Return the comments before the first parameter."""
     found = []
     for line in text.split("\n"):
         if line.strip() and not line.lstrip().startswith("#"):
@@ -47,18 +47,18 @@ def head_comments(text: str) -> tuple[str, ...]:
 
 
 def comment_lines(comments: tuple[str, ...]) -> str:
-    """Comments as they are written."""
+    """Return comments as lines of a file."""
     return "".join(f"# {line}\n" for comment in comments for line in comment.splitlines())
 
 
 def number_of(name: str, text: str, line: int) -> Value:
-    """The value of a parameter; raises if it is no number."""
+    """Return the value of a parameter; raise `ParameterFileError` if it is not a number."""
     value = read_number(text)
     if value is None:
-        raise ParameterFileError(f"{shown(text)} is no number; correct or remove {name}", line=line)
+        raise ParameterFileError(f"{shown(text)} is not a number; correct or remove {name}", line=line)
     return value
 
 
 def shown(text: str) -> str:
-    """A text of a file in an error: short, and without what a terminal would obey."""
+    """Return a text from a file for an error: short, and without terminal control characters."""
     return ascii(text if len(text) <= _SHOWN else text[: _SHOWN - 1] + "~")

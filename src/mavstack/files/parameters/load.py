@@ -1,16 +1,16 @@
-"""Setting many parameters of a vehicle, with a result for each.
+"""Loading a parameter set into a vehicle, with a result for each parameter.
 
     for result in await apply(vehicle.params, file.by_name().values()):
         print(result.name, result.outcome.value, result.reason)
 
-The vehicle's parameters are fetched first, so what it holds already is not sent. What belongs to one vehicle
-alone (its counters, its id, the calibration of its sensors) and what the file marks @READONLY is left out
-unless `everything` asks for it. Parameters that reveal others (`*_ENABLE`) are set first; what the vehicle
-did not know is looked for again after that, as often as something new was set. Its system id is set last,
-since it answers under another address from then on.
+The vehicle's parameters are downloaded first, so that only differences are sent. Parameters that belong to
+one vehicle (its counters, its id, the calibration of its sensors) and those that the file marks @READONLY are
+skipped unless `everything` is set. Parameters that reveal others (`*_ENABLE`) are set first; the parameters
+that the vehicle did not know are looked up again after that, for as long as something new was set. The system
+id is set last, since the vehicle answers under another address from then on.
 
-`ParameterLoad.results` has an entry for each parameter at every moment, also if the load is cancelled or the
-link breaks: what was not tried says so.
+`ParameterLoad.results` always has an entry for each parameter, even if the load is cancelled or the link
+breaks; parameters that were not tried are marked as such.
 """
 
 from __future__ import annotations
@@ -18,31 +18,52 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 from mavstack.files.parameters.compare import is_same, matched
-from mavstack.files.parameters.kinds import needs_reboot, owner_of, turn_of
+from mavstack.files.parameters.traits import needs_reboot, owner_of, turn_of
 from mavstack.services.parameters.value import fitted, type_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
-    from mavstack.files.parameters.stored import StoredParameter
-    from mavstack.node.params import Params
-    from mavstack.services.parameters import Parameter
+    from mavstack.files.parameters.parameter_file import StoredParameter
+    from mavstack.services.parameters import Parameter, Value
 
-#: So many are on their way at once.
-AT_ONCE = 8
-#: So often it is looked whether what was set revealed others.
-MOST_ROUNDS = 5
-#: After so many in a row that were not answered, no more are tried.
-MOST_SILENT = 3
+#: The number of parameters that are set at the same time.
+MAX_CONCURRENCY = 8
+#: The number of times that newly revealed parameters are looked up.
+MAX_ROUNDS = 5
+#: After so many unanswered requests in a row no more parameters are tried.
+MAX_UNANSWERED = 3
 _LAST_TURN = 2
 
 
+class ParameterStore(Protocol):
+    """The parameters of a component; `mavstack.node.params.Params` is the implementation."""
+
+    @property
+    def cached(self) -> Mapping[str, Parameter]:
+        """Every parameter that was received, by name."""
+        ...
+
+    async def download(
+        self,
+        *,
+        timeout: float | None = None,  # noqa: ASYNC109 (its typed error tells what is missing)
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Mapping[str, Parameter]:
+        """Download all parameters."""
+        ...
+
+    async def set(self, name: str, value: Value) -> Parameter:
+        """Set one parameter; return it as the component confirmed it."""
+        ...
+
+
 class Outcome(Enum):
-    """What became of a parameter."""
+    """The outcome for one parameter."""
 
     SET = "set"
     UNCHANGED = "unchanged"
@@ -57,8 +78,8 @@ _GOOD = frozenset({Outcome.SET, Outcome.UNCHANGED, Outcome.SKIPPED})
 
 
 @dataclass(frozen=True, slots=True)
-class Applied:
-    """What became of one parameter: as it was to be, as it was, and as it is, if that is known."""
+class AppliedParameter:
+    """The result for one parameter: its wanted value, and its values before and after, as far as known."""
 
     wanted: StoredParameter
     outcome: Outcome = Outcome.UNTRIED
@@ -68,52 +89,71 @@ class Applied:
 
     @property
     def name(self) -> str:
-        """The name, as the vehicle writes it if it has it."""
+        """The name, as the vehicle writes it if it has the parameter."""
         return self.wanted.name if self.before is None else self.before.name
 
     @property
     def ok(self) -> bool:
-        """Whether the vehicle holds the value, or was not meant to."""
+        """True if the vehicle has the value, or the parameter was skipped on purpose."""
         return self.outcome in _GOOD
 
     @property
     def needs_reboot(self) -> bool:
-        """Whether a new value was set that is known to count only after a reboot."""
+        """True if a value was set that is known to take effect after a reboot only."""
         return self.outcome is Outcome.SET and needs_reboot(self.name)
 
 
 class ParameterLoad:
-    """Sets parameters of one component; `run` it once."""
+    """A load of parameters into one component; call `run` once.
+
+    Args:
+        parameters: The component's parameters: `vehicle.params`.
+        wanted: The parameters to set.
+        everything: Set those too that belong to one vehicle only, or are marked @READONLY.
+        dry_run: Set nothing, and report the parameters that would be set.
+        on_result: Called with each result.
+    """
 
     def __init__(
         self,
-        parameters: Params,
+        parameters: ParameterStore,
         wanted: Iterable[StoredParameter],
         *,
         everything: bool = False,
         dry_run: bool = False,
-        tell: Callable[[Applied], None] | None = None,
+        on_result: Callable[[AppliedParameter], None] | None = None,
     ) -> None:
         self._parameters = parameters
         self._everything = everything
         self._dry_run = dry_run
-        self._tell = tell
+        self._on_result = on_result
         self._silent = 0
         self._set_any = False
-        self._slots = asyncio.Semaphore(AT_ONCE)
-        self._results = {each.name: Applied(each) for each in wanted}
+        self._slots = asyncio.Semaphore(MAX_CONCURRENCY)
+        self._results = {each.name: AppliedParameter(each) for each in wanted}
 
     @property
-    def results(self) -> tuple[Applied, ...]:
-        """What became of each so far, in the order in which they were given."""
+    def results(self) -> tuple[AppliedParameter, ...]:
+        """The result of each parameter so far, in the order in which they were given."""
         return tuple(self._results.values())
 
     async def run(
-        self, *, timeout: float | None = None, progress: Callable[[int, int], None] | None = None
-    ) -> tuple[Applied, ...]:
-        """Do it; raises only if the vehicle's parameters cannot be fetched to begin with.
+        self,
+        *,
+        timeout: float | None = None,  # noqa: ASYNC109 (its typed error tells what is missing)
+        progress: Callable[[int, int], None] | None = None,
+    ) -> tuple[AppliedParameter, ...]:
+        """Download the vehicle's parameters and set those that differ.
 
-        `timeout` and `progress` are those of fetching them.
+        Args:
+            timeout: Seconds for the download; None: until retries are exhausted or progress stalls.
+            progress: Called with the number of parameters received and the number of all parameters.
+
+        Returns:
+            The result of each parameter.
+
+        Raises:
+            ParameterTimeout: The vehicle's parameters could not be downloaded.
         """
         await self._parameters.download(timeout=timeout, progress=progress)
         unknown = await self._rounds([each.name for each in self.results if turn_of(each.name) < _LAST_TURN])
@@ -125,9 +165,9 @@ class ParameterLoad:
         return self.results
 
     async def _rounds(self, names: list[str]) -> list[str]:
-        """Set what the vehicle knows, again while that reveals more; gives what it never knew."""
+        """Set the parameters that the vehicle knows, while that reveals more; return the unknown ones."""
         unknown = names
-        for _ in range(MOST_ROUNDS):
+        for _ in range(MAX_ROUNDS):
             self._set_any = False
             unknown = await self._set_known(unknown)
             if not (unknown and self._set_any) or self._gave_up:
@@ -139,7 +179,7 @@ class ParameterLoad:
         return unknown
 
     async def _set_known(self, names: list[str]) -> list[str]:
-        """Set those that the vehicle knows, in their turns; gives the others."""
+        """Set the parameters that the vehicle knows, in their turns; return the others."""
         pairs = matched(names, self._parameters.cached)
         for turn in sorted({turn_of(name) for name in pairs}):
             async with asyncio.TaskGroup() as group:
@@ -184,7 +224,7 @@ class ParameterLoad:
 
     @property
     def _gave_up(self) -> bool:
-        return self._silent >= MOST_SILENT
+        return self._silent >= MAX_UNANSWERED
 
     def _ended(
         self,
@@ -195,22 +235,38 @@ class ParameterLoad:
         before: Parameter | None = None,
         after: Parameter | None = None,
     ) -> None:
-        result = Applied(self._results[name].wanted, outcome, before, after, reason)
+        result = AppliedParameter(self._results[name].wanted, outcome, before, after, reason)
         self._results[name] = result
-        if self._tell is not None:
-            self._tell(result)
+        if self._on_result is not None:
+            self._on_result(result)
 
 
 async def apply(
-    parameters: Params,
+    parameters: ParameterStore,
     wanted: Iterable[StoredParameter],
     *,
     everything: bool = False,
     dry_run: bool = False,
-    tell: Callable[[Applied], None] | None = None,
-) -> tuple[Applied, ...]:
-    """Set many parameters; a result for each, in their order. See `ParameterLoad`."""
-    return await ParameterLoad(parameters, wanted, everything=everything, dry_run=dry_run, tell=tell).run()
+    on_result: Callable[[AppliedParameter], None] | None = None,
+) -> tuple[AppliedParameter, ...]:
+    """Set many parameters of a vehicle.
+
+    Args:
+        parameters: The vehicle's parameters: `vehicle.params`.
+        wanted: The parameters to set.
+        everything: Set those too that belong to one vehicle only, or are marked @READONLY.
+        dry_run: Set nothing, and report the parameters that would be set.
+        on_result: Called with each result.
+
+    Returns:
+        The result of each parameter, in the order in which they were given.
+
+    Raises:
+        ParameterTimeout: The vehicle's parameters could not be downloaded.
+    """
+    return await ParameterLoad(
+        parameters, wanted, everything=everything, dry_run=dry_run, on_result=on_result
+    ).run()
 
 
 def _reason_to_skip(wanted: StoredParameter) -> str:

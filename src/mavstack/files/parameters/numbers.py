@@ -1,9 +1,8 @@
-"""Values in the text of a file: read, written, and compared with what a vehicle holds.
+"""Parameter values in files: read, written, and compared with the values of a vehicle.
 
-An integer is written exactly, a float with the fewest digits that give the same float32 back. Not every
-program is so careful: MAVProxy writes six decimals and Mission Planner seven digits, so a value of theirs
-also agrees with one that they would have written so; else a file that was saved from a vehicle would seem to
-differ from it.
+An integer is written exactly, a float with the fewest digits that read back to the same float32. MAVProxy
+writes six decimals and Mission Planner seven digits, so a value in their files also agrees with every value
+that they would have written in the same way; otherwise a file saved from a vehicle would differ from it.
 """
 
 from __future__ import annotations
@@ -19,10 +18,10 @@ from mavstack.services.parameters.value import is_integer, same, shortest
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value
 
-#: Below this a float32 that is whole is written without an exponent.
-_WHOLE = 1e15
-#: No number that a file of parameters can mean is longer.
-_LONGEST = 64
+#: A whole float32 below this is written without an exponent.
+_MAX_WHOLE = 1e15
+#: The largest number of characters of a value.
+_MAX_LENGTH = 64
 _NUMBER = re.compile(
     r"[+-]?(?:0[xX][0-9a-fA-F]+|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|(?i:nan|inf|infinity))", re.ASCII
 )
@@ -32,8 +31,8 @@ _SEVEN = 7
 
 
 def read_number(text: str) -> Value | None:
-    """The number that a text is, an int if it is written as one; None if it is none."""
-    if len(text) > _LONGEST or not _NUMBER.fullmatch(text):
+    """Return the number in a text, an int if it is written as one; None if it is not a number."""
+    if len(text) > _MAX_LENGTH or not _NUMBER.fullmatch(text):
         return None
     if text.lstrip("+-")[:2].lower() == "0x":
         return int(text, 16)
@@ -43,24 +42,24 @@ def read_number(text: str) -> Value | None:
 
 
 def write_number(value: Value) -> str:
-    """The number with the fewest digits that read back to it, as a float32 if it is a float."""
+    """Return the shortest text that reads back to the value, for a float as a float32."""
     if isinstance(value, int):
         return str(int(value))
     if value == 0:
         return "-0.0" if copysign(1, value) < 0 else "0"
     single = as_single(value)
-    if abs(single) < _WHOLE and single == int(single):
+    if abs(single) < _MAX_WHOLE and single == int(single):
         return str(int(single))
     return shortest(single)
 
 
 def as_single(value: Value) -> float:
-    """The float32 that is nearest to a value; infinite if it is too large for one."""
+    """Return the float32 nearest to a value; infinite if it is too large."""
     return float(unpack("<f", pack("<f", as_float32(value)))[0])
 
 
 def agree(one: Value, other: Value, *, kind: int | None = None, exact: bool = True) -> bool:
-    """Whether two values are the same to a parameter of this type (None: not known).
+    """Return whether two values are the same for a parameter of this type (None: not known).
 
     Two integers are compared as such, unless their type or an inexact encoding makes floats of them.
     """
@@ -75,7 +74,7 @@ def agree(one: Value, other: Value, *, kind: int | None = None, exact: bool = Tr
 
 
 def rounds_to(held: Value, text: str) -> bool:
-    """Whether a program that writes six decimals, or seven digits, would have written `held` so."""
+    """Return whether a program that writes six decimals or seven digits writes `held` as `text`."""
     wanted = read_number(text)
     if not isinstance(wanted, float) or not isfinite(held) or not isfinite(wanted):
         return False

@@ -1,7 +1,7 @@
 """PX4's scripts (airframes, etc/config.txt): `param set NAME VALUE` and `param set-default NAME VALUE`.
 
-What else stands in such a script is not about parameters, or decides at the vehicle whether one is set; a
-file that has such lines is not read in part.
+Other lines of such a script are not about parameters, or decide on the vehicle whether one is set; a file
+with such lines is refused as a whole.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from mavstack.files.parameters.format import (
     number_of,
     shown,
 )
-from mavstack.files.parameters.stored import ParameterFile, StoredParameter, is_name
+from mavstack.files.parameters.parameter_file import ParameterFile, StoredParameter, is_name
 
 _LINE = re.compile(r"param\s+(?:set|set-default)\s+(?:-s\s+)?(\S+)\s+(\S+)", re.ASCII)
 
 
 def recognises(text: str) -> bool:
-    """Whether a line of it sets a parameter."""
+    """Return whether a line of the text sets a parameter."""
     return any(_LINE.fullmatch(line) for _, line in content_lines(text))
 
 
 def read(text: str) -> ParameterFile:
-    """Read a script that only sets parameters."""
+    """Read a script whose lines all set parameters."""
     parameters = tuple(_read_line(line, number) for number, line in content_lines(text))
     return ParameterFile(parameters, comments=head_comments(text))
 
@@ -43,7 +43,7 @@ def write(file: ParameterFile) -> str:
 def _read_line(line: str, number: int) -> StoredParameter:
     found = _LINE.fullmatch(line)
     if found is None:
-        problem = f"{shown(line)} sets no parameter; keep only the lines `param set NAME VALUE`"
+        problem = f"{shown(line)} does not set a parameter; keep only the lines `param set NAME VALUE`"
         raise ParameterFileError(problem, line=number)
     name, text = found.groups()
     if not is_name(name):

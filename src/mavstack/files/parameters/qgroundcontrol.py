@@ -1,7 +1,7 @@
-"""QGroundControl's files: vehicle id, component id, name, value and MAV_PARAM_TYPE, with tabs between.
+"""QGroundControl's files: vehicle id, component id, name, value and MAV_PARAM_TYPE, separated by tabs.
 
-Such a file may hold the parameters of several components of one vehicle. Types are kept, so a value of an
-integer type is an int and exact.
+A file may hold the parameters of several components of one vehicle. Types are kept, so that a value of an
+integer type is an exact int.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from mavstack.files.parameters.format import (
     number_of,
     shown,
 )
-from mavstack.files.parameters.stored import ParameterFile, StoredParameter, is_name
+from mavstack.files.parameters.parameter_file import ParameterFile, StoredParameter, is_name
 from mavstack.services.parameters.value import fitted, is_known, type_name
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _LAST_ID = 255
 
 
 def recognises(text: str) -> bool:
-    """Whether its first parameter has five columns, or its head is QGroundControl's."""
+    """Return whether the first parameter has five columns, or the head is QGroundControl's."""
     first = next((line for _, line in content_lines(text)), None)
     if first is None:
         return any(comment.startswith(_HEAD) for comment in head_comments(text))
@@ -39,7 +39,7 @@ def recognises(text: str) -> bool:
 
 
 def read(text: str) -> ParameterFile:
-    """Read a file; it may tell of one vehicle only."""
+    """Read a file, which may hold the parameters of one vehicle only."""
     systems: set[int] = set()
     parameters = tuple(_read_line(line, number, systems) for number, line in content_lines(text))
     comments = tuple(line for line in head_comments(text) if not line.startswith((_HEAD, _COLUMNS)))
@@ -47,7 +47,7 @@ def read(text: str) -> ParameterFile:
 
 
 def write(file: ParameterFile) -> str:
-    """Write a file; a type that is not known is taken from the value."""
+    """Write a file; a type that is not known follows from the value."""
     system = file.system or 1
     lines = (
         f"{system}\t{each.component or 1}\t{each.name}\t{each.value_text}\t{_type_of(each)}\n"
@@ -60,7 +60,7 @@ def write(file: ParameterFile) -> str:
 def _read_line(line: str, number: int, systems: set[int]) -> StoredParameter:
     words = line.split()
     if len(words) != 5:
-        raise ParameterFileError(f"{shown(line)} has not the columns {_COLUMNS}", line=number)
+        raise ParameterFileError(f"{shown(line)} does not have the columns {_COLUMNS}", line=number)
     system, component, name, text, kind_text = words
     if not is_name(name):
         raise ParameterFileError(f"{shown(name)} cannot be a parameter's name", line=number)
@@ -69,7 +69,7 @@ def _read_line(line: str, number: int, systems: set[int]) -> StoredParameter:
         raise ParameterFileError("a second vehicle begins; split the file by its first column", line=number)
     kind = int(kind_text) if kind_text.isascii() and kind_text.isdecimal() and len(kind_text) < 4 else 0
     if not is_known(kind):
-        raise ParameterFileError(f"{shown(kind_text)} is no MAV_PARAM_TYPE, 1 to 10", line=number)
+        raise ParameterFileError(f"{shown(kind_text)} is not a MAV_PARAM_TYPE, 1 to 10", line=number)
     value = _typed(name, number_of(name, text, number), kind, number)
     return StoredParameter(name, value, kind, _id(component, "component", number), text=text)
 
@@ -94,7 +94,7 @@ def _type_of(parameter: StoredParameter) -> int:
 def _id(text: str, what: str, line: int) -> int:
     if text.isascii() and text.isdecimal() and len(text) < 4 and int(text) <= _LAST_ID:
         return int(text)
-    raise ParameterFileError(f"{shown(text)} is no {what} id, 0 to {_LAST_ID}", line=line)
+    raise ParameterFileError(f"{shown(text)} is not a {what} id, 0 to {_LAST_ID}", line=line)
 
 
 FORMAT: Final = ParameterFormat(

@@ -1,7 +1,7 @@
-"""The formats of parameter files, one file each, and which of them a file is in.
+"""The parameter file formats, one module each, and the detection of a file's format.
 
-A format says of a text whether it is in it, reads it and writes it; its errors name the line, and `files`
-adds the path. `FORMATS` is in the order in which a text is tried; the last takes any text.
+A format detects, reads and writes texts; its errors name the line, and `file_access` adds the path. `FORMATS`
+is in the order of detection; the last format takes any text.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FORMATS: Final[Mapping[str, ParameterFormat]] = MappingProxyType(
 
 
 def format_named(name: str) -> ParameterFormat:
-    """A format by its name."""
+    """Return the format with a name."""
     found = FORMATS.get(name.lower())
     if found is None:
         raise ParameterFileError(f"there is no format {name!r}; there are {', '.join(FORMATS)}")
@@ -35,15 +35,15 @@ def format_named(name: str) -> ParameterFormat:
 
 
 def format_for(path: str) -> ParameterFormat:
-    """The format to write a file in, by its suffix."""
+    """Return the format of a file name's suffix."""
     suffix = PurePath(path).suffix.lower()
     for each in FORMATS.values():
         if suffix in each.suffixes:
             return each
     known = ", ".join(f"{suffix} ({each.name})" for each in FORMATS.values() for suffix in each.suffixes)
-    raise ParameterFileError(f"which format is meant? name the file with one of {known}", path)
+    raise ParameterFileError(f"the suffix names no format; use one of {known}", path)
 
 
 def format_of(text: str) -> ParameterFormat:
-    """The format that a text is in."""
+    """Return the format of a text."""
     return next((each for each in FORMATS.values() if each.recognises(text)), mavproxy.FORMAT)

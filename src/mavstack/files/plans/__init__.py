@@ -1,9 +1,8 @@
-"""Plans in files: QGroundControl's, ArduPilot's ground stations', and our own, read, checked and written."""
+"""Plan files of QGroundControl, Mission Planner, MAVProxy and Mavstack: read, validated and written."""
 
-from mavstack.files.plans.areas import Areas, Circle, Polygon, ReturnPoint, areas_of, items_of
-from mavstack.files.plans.checking import Problem, check
+from mavstack.files.plans.fence import Circle, FenceAreas, Polygon, ReturnPoint, fence_areas, fence_items
+from mavstack.files.plans.mavstack_json import item_json, plan_json
 from mavstack.files.plans.model import Home, PlanFile, Settings
-from mavstack.files.plans.own import item_json, plan_json
 from mavstack.files.plans.registry import (
     FORMATS,
     Format,
@@ -14,11 +13,12 @@ from mavstack.files.plans.registry import (
     read_plan,
     write_plan,
 )
+from mavstack.files.plans.validation import Problem, check
 
 __all__ = [
     "FORMATS",
-    "Areas",
     "Circle",
+    "FenceAreas",
     "Format",
     "Home",
     "PlanFile",
@@ -27,12 +27,12 @@ __all__ = [
     "ReturnPoint",
     "Settings",
     "Written",
-    "areas_of",
     "check",
+    "fence_areas",
+    "fence_items",
     "format_of",
     "format_plan",
     "item_json",
-    "items_of",
     "parse_plan",
     "plan_json",
     "read_plan",

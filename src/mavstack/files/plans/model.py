@@ -1,22 +1,22 @@
-"""What a file of plans holds: a mission, a fence, rally points, and the home they were planned from.
+"""The content of a plan file: a mission, a fence, rally points, and the home they were planned from.
 
-The formats, the firmwares and the wire number the items of a mission in different ways, because some of them
-count the home position as item 0 and some do not. Here it never counts: `mission` holds what is to be flown,
-`home` stands beside it, and where an item names another (DO_JUMP) it names its place in `mission`, from 0. So
-a plan means the same whatever it was read from:
+The file formats, the firmwares and the wire number the items of a mission in different ways, because some of
+them count the home position as item 0 and some do not. Here it is never counted: `mission` holds the items to
+fly, `home` is separate, and an item that names another one (DO_JUMP) holds its index in `mission`, from 0. So
+a plan means the same whatever format it was read from:
 
-    format                    item 0 is     the first item to be flown is called
-    QGC .plan                 (not there)   1, its `doJumpId`
+    format                    item 0 is     the number of the first item to fly
+    QGC .plan                 (none)        1, its `doJumpId`
     QGC WPL 110, 100          the home      1
-    QGC WPL 120               (not there)   0
+    QGC WPL 120               (none)        0
     wire, ArduPilot           the home      1
-    wire, PX4 and others      (not there)   0
+    wire, PX4 and others      (none)        0
 
-`mission_for` gives the mission as a vehicle counts it, `of_vehicle` takes it from there; `home_first` is what
-`MissionClient` calls a vehicle whose item 0 is its home. Fences and rally points are the same everywhere.
+`mission_for` returns the mission as a vehicle counts it, `of_vehicle` converts it back; `home_first` means
+that the vehicle's item 0 is its home. Fences and rally points are the same everywhere.
 
-Frames with and without `_INT` mean the same (see `services.mission.item`): files get those without. A plan
-without a home is given to ArduPilot behind an empty item 0, which it replaces by its own home.
+Frames with and without `_INT` mean the same (see `services.mission.item`); files get those without. A plan
+without a home is uploaded to ArduPilot behind an empty item 0, which it replaces by its own home.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 CMD: Final = common.MavCmd
 FRAME: Final = common.MavFrame
 
-#: What each kind of plan is called in texts.
-KINDS: Final[Mapping[int, str]] = MappingProxyType(
+#: The name of each plan type in texts.
+PLAN_NAMES: Final[Mapping[int, str]] = MappingProxyType(
     {PlanType.MISSION: "mission", PlanType.FENCE: "fence", PlanType.RALLY: "rally points"}
 )
 _PLAIN_FRAMES: Final[Mapping[int, int]] = MappingProxyType(
@@ -61,7 +61,14 @@ class Home:
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What QGC plans say about the vehicle they were made for; None is what a file leaves out."""
+    """The vehicle that a plan was made for; attributes that the file lacks are None.
+
+    Attributes:
+        firmware: The MAV_AUTOPILOT.
+        vehicle_type: The MAV_TYPE.
+        cruise_speed: Metres per second.
+        hover_speed: Metres per second.
+    """
 
     firmware: int | None = None
     vehicle_type: int | None = None
@@ -71,7 +78,17 @@ class Settings:
 
 @dataclass(frozen=True)
 class PlanFile:
-    """The plans of a file; `problems` is what it held that is not in them, `notes` what had to be assumed."""
+    """The plans of a file.
+
+    Attributes:
+        mission: The mission, without the home.
+        fence: The fence.
+        rally: The rally points.
+        home: The home position that the mission was planned from.
+        settings: The vehicle that the plans were made for.
+        problems: The parts of the file that could not be read into the plans.
+        notes: The assumptions that were made.
+    """
 
     mission: Plan = field(default_factory=lambda: Plan(PlanType.MISSION))
     fence: Plan = field(default_factory=lambda: Plan(PlanType.FENCE))
@@ -89,7 +106,7 @@ class PlanFile:
         rally: Iterable[MissionItem] = (),
         home: Home | None = None,
     ) -> Self:
-        """A file of these items."""
+        """Return a plan file with these items."""
         return cls(
             Plan.of(mission, PlanType.MISSION),
             Plan.of(fence, PlanType.FENCE),
@@ -99,7 +116,7 @@ class PlanFile:
 
     @classmethod
     def of_vehicle(cls, plans: Iterable[Plan], *, home_first: bool, settings: Settings | None = None) -> Self:
-        """The plans that were downloaded from a vehicle."""
+        """Return a plan file with the plans that were downloaded from a vehicle."""
         held = {plan.type: tuple(map(_readable, plan.items)) for plan in plans}
         mission, home = held.get(PlanType.MISSION, ()), None
         if home_first:
@@ -109,11 +126,11 @@ class PlanFile:
         return replace(whole, settings=settings or Settings())
 
     def plan(self, kind: int) -> Plan:
-        """The plan of a type."""
+        """Return the plan of a MAV_MISSION_TYPE."""
         return {PlanType.FENCE: self.fence, PlanType.RALLY: self.rally}.get(PlanType(kind), self.mission)
 
     def only(self, kinds: Iterable[int]) -> Self:
-        """The same without the plans of other types; the home goes with the mission."""
+        """Return a copy with the plans of some types only; the home belongs to the mission."""
         wanted = set(kinds)
         return replace(
             self,
@@ -125,27 +142,27 @@ class PlanFile:
 
     @property
     def kinds(self) -> tuple[PlanType, ...]:
-        """The types of plan that there are items of."""
-        return tuple(PlanType(kind) for kind in KINDS if len(self.plan(kind)))
+        """The types of the plans that have items."""
+        return tuple(PlanType(kind) for kind in PLAN_NAMES if len(self.plan(kind)))
 
     @property
     def first(self) -> int:
-        """What people call the first item of the mission: 1 behind a home, else 0."""
+        """The number of the mission's first item: 1 after a home, otherwise 0."""
         return 0 if self.home is None else 1
 
     def for_vehicle(self, kind: int, *, home_first: bool) -> Plan:
-        """A plan as a vehicle is given it."""
+        """Return a plan as a vehicle counts it."""
         return self.mission_for(home_first=home_first) if kind == PlanType.MISSION else self.plan(kind)
 
     def mission_for(self, *, home_first: bool) -> Plan:
-        """The mission as a vehicle counts it."""
+        """Return the mission as a vehicle counts it."""
         if not home_first or not self.mission.items:
             return Plan.of(self.mission.items)
         return Plan.of((home_item(self.home), *with_jumps_shifted(self.mission.items, 1)))
 
 
 def item_of(command: int, params: Sequence[float], frame: int, *, autocontinue: bool = True) -> MissionItem:
-    """The item of seven params."""
+    """Return an item with seven params."""
     first, second, third, fourth, fifth, sixth, seventh = params
     return MissionItem(
         command,
@@ -162,43 +179,43 @@ def item_of(command: int, params: Sequence[float], frame: int, *, autocontinue: 
 
 
 def params_of(item: MissionItem) -> tuple[float, ...]:
-    """The seven params of an item."""
+    """Return the seven params of an item."""
     return (item.param1, item.param2, item.param3, item.param4, item.param5, item.param6, item.param7)
 
 
 def home_item(home: Home | None) -> MissionItem:
-    """Item 0 of a mission that begins with the home; an empty one if it is not known."""
+    """Return item 0 of a mission that begins with the home; an empty item if it is not known."""
     place = (0.0, 0.0, 0.0) if home is None else (home.latitude, home.longitude, home.altitude)
     return item_of(CMD.NAV_WAYPOINT, (0.0, 0.0, 0.0, 0.0, *place), FRAME.GLOBAL)
 
 
 def home_of(item: MissionItem) -> Home | None:
-    """The home that stands in an item 0; None if it is empty."""
+    """Return the home in an item 0; None if the item is empty."""
     place = (item.param5, item.param6, item.param7)
     return None if not any(place) or not all(map(isfinite, place)) else Home(*place)
 
 
 def with_jumps_shifted(items: Iterable[MissionItem], by: int) -> tuple[MissionItem, ...]:
-    """The items with what they name counted from elsewhere."""
+    """Return the items with the targets of their jumps shifted."""
     return tuple(
         replace(item, param1=item.param1 + by) if item.command == CMD.DO_JUMP else item for item in items
     )
 
 
 def plain_frame(frame: int) -> int:
-    """The frame that means the same without `_INT`."""
+    """Return the equivalent frame without `_INT`."""
     return int(_PLAIN_FRAMES.get(frame, frame))
 
 
 def _readable(item: MissionItem) -> MissionItem:
-    """An item as it came over the wire, with the shortest numbers that are the same there."""
+    """Return a received item with the shortest numbers that are the same float32."""
     *first, latitude, longitude, altitude = params_of(item)
     params = (*map(_shortest, first), latitude, longitude, _shortest(altitude))
     return item_of(item.command, params, item.frame, autocontinue=item.autocontinue)
 
 
 def _shortest(value: float) -> float:
-    """The number of the fewest digits that is the same float32."""
+    """Return the number with the fewest digits that is the same float32."""
     if not isfinite(value):
         return value
     wire = pack("<f", value)

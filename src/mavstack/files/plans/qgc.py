@@ -6,11 +6,11 @@
      "rallyPoints": {"version": 2, "points": [[lat, lon, alt], …]}}
 
 A file of the older kind is one of the three inner objects, with a fileType of its own or (missions of version
-1) none. Parts may be missing, and Mission Planner writes no fileType: what is there is read. In version 1 a
-fence was one polygon to stay in; QGC itself passes over such a fence, which is not what its owner wants.
+1) none. Parts may be missing, and Mission Planner writes no fileType: the parts that exist are read. In
+version 1 a fence was one polygon to stay in; QGC ignores such a fence, here it is read.
 
-Altitudes of rally points and of the return point are relative to home. Of a fence only its shapes are kept,
-of a rally point only its place: what else an item says is told as lost when it is written.
+Altitudes of rally points and of the return point are relative to home. The format holds only the shapes of a
+fence and the positions of rally points; the other params of their items are reported as lost when written.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from math import isfinite, isnan
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.dialects import common
-from mavstack.files.plans.areas import (
-    Areas,
+from mavstack.files.plans.fence import (
     Circle,
+    FenceAreas,
     Polygon,
     ReturnPoint,
-    areas_of,
-    items_of,
+    fence_areas,
+    fence_items,
 )
+from mavstack.files.plans.json_tree import JsonValue, as_json
 from mavstack.files.plans.model import CMD, FRAME, Home, PlanFile, Settings, item_of
+from mavstack.files.plans.parsing import bounded
 from mavstack.files.plans.qgc_items import mission_json, read_items
-from mavstack.files.plans.reading import bounded
-from mavstack.files.plans.tree import Tree, as_json
 
 if TYPE_CHECKING:
-    from mavstack.files.plans.areas import Point
-    from mavstack.files.plans.reading import Report
+    from mavstack.files.plans.fence import Point
+    from mavstack.files.plans.parsing import Report
     from mavstack.services.mission import MissionItem
 
-#: What QGC writes for a vehicle that it knows nothing about.
+#: The settings that QGC writes for an unknown vehicle.
 _DEFAULTS: Final = Settings(
     int(common.MavAutopilot.GENERIC), int(common.MavType.QUADROTOR), cruise_speed=15.0, hover_speed=5.0
 )
@@ -47,13 +47,13 @@ _GROUND_STATION: Final = "Mavstack"
 
 
 def recognise(text: str) -> bool:
-    """Whether a text may be one of QGC's."""
+    """Return whether the text may be a JSON file of QGC."""
     return text.lstrip().startswith("{")
 
 
 def parse(text: str, name: str = "") -> PlanFile:
-    """Read a text."""
-    root = Tree.parse(text, name)
+    """Read the text of a file."""
+    root = JsonValue.parse(text, name)
     kind = root.find("fileType")
     kind_name = kind.text().lower() if kind is not None else ""
     mission, fence, rally = (root.find(key) for key in ("mission", "geoFence", "rallyPoints"))
@@ -63,21 +63,21 @@ def parse(text: str, name: str = "") -> PlanFile:
         rally = root if kind_name == "rallypoints" else None
     elif not (mission or fence or rally):
         if root.find("items") is None:
-            raise root.wrong("it has none of mission, geoFence and rallyPoints: it is no file of plans")
+            raise root.wrong("it has none of mission, geoFence and rallyPoints, so it is not a plan file")
         mission = root
     else:
         _version(root, (1,))
     problems: list[str] = []
     notes: list[str] = []
     whole = PlanFile() if mission is None else _read_mission(mission, problems, notes)
-    fence_items = [] if fence is None else bounded(items_of(_read_fence(fence, problems)), name)
-    rally_items = [] if rally is None else bounded(_read_rally(rally), name)
-    read = PlanFile.of(whole.mission.items, fence_items, rally_items, whole.home)
+    in_fence = [] if fence is None else bounded(fence_items(_read_fence(fence, problems)), name)
+    in_rally = [] if rally is None else bounded(_read_rally(rally), name)
+    read = PlanFile.of(whole.mission.items, in_fence, in_rally, whole.home)
     return replace(read, settings=whole.settings, problems=tuple(problems), notes=tuple(notes))
 
 
 def write(plan: PlanFile, report: Report) -> str:
-    """The text of a `.plan`; `report` hears of what it cannot hold."""
+    """Write plans as the text of a `.plan`; `report` collects what is lost."""
     settings = _filled(plan.settings)
     home = plan.home or _assumed_home(plan, report)
     mission = {
@@ -101,18 +101,18 @@ def write(plan: PlanFile, report: Report) -> str:
     return json.dumps(whole, indent=4, allow_nan=False) + "\n"
 
 
-def _version(tree: Tree, known: tuple[int, ...]) -> int:
-    """The version of a part; version 1 was once written as a text, and once left out."""
+def _version(tree: JsonValue, known: tuple[int, ...]) -> int:
+    """Return the version of a part; older files hold version 1 as a string, or leave it out."""
     found = tree.find("version")
     if found is None or found.value in ("1.0", "1"):
         return known[0]
     version = found.integer(0, 10**9)
     if version not in known:
-        raise found.wrong(f"version {version} is not known, only {' and '.join(map(str, known))}")
+        raise found.wrong(f"version {version} is not supported, only {' and '.join(map(str, known))}")
     return version
 
 
-def _read_mission(tree: Tree, problems: list[str], notes: list[str]) -> PlanFile:
+def _read_mission(tree: JsonValue, problems: list[str], notes: list[str]) -> PlanFile:
     version = _version(tree, (1, 2))
     items = bounded(read_items(tree, version, problems, notes), tree.name)
     home = tree.find("plannedHomePosition")
@@ -128,28 +128,28 @@ def _read_mission(tree: Tree, problems: list[str], notes: list[str]) -> PlanFile
     return replace(read, settings=settings)
 
 
-def _home(tree: Tree) -> Home | None:
-    """A home; none where QGC was never told one and writes zeros."""
+def _home(tree: JsonValue) -> Home | None:
+    """Return the home; None for the zeros that QGC writes without one."""
     latitude, longitude, altitude = (element.number() for element in tree.elements(3))
     if not (isfinite(latitude) and isfinite(longitude)):
-        raise tree.wrong("the home position is not a place")
+        raise tree.wrong("the home position is not finite")
     found = Home(latitude, longitude, altitude if isfinite(altitude) else 0.0)
     return found if found != Home(0.0, 0.0) else None
 
 
-def _optional_integer(tree: Tree, key: str) -> int | None:
+def _optional_integer(tree: JsonValue, key: str) -> int | None:
     found = tree.find(key)
     return None if found is None else found.integer(0, 255)
 
 
-def _optional_number(tree: Tree, key: str) -> float | None:
+def _optional_number(tree: JsonValue, key: str) -> float | None:
     found = tree.find(key)
     value = None if found is None else found.number()
     return None if value is None or not isfinite(value) else value
 
 
-def _read_fence(tree: Tree, problems: list[str]) -> Areas:
-    areas = Areas()
+def _read_fence(tree: JsonValue, problems: list[str]) -> FenceAreas:
+    areas = FenceAreas()
     if _version(tree, (1, 2)) == 1:
         polygon = tree.find("polygon")
         if polygon is not None and polygon.elements():
@@ -166,34 +166,34 @@ def _read_fence(tree: Tree, problems: list[str]) -> Areas:
     return areas
 
 
-def _polygon(tree: Tree, problems: list[str]) -> Polygon:
+def _polygon(tree: JsonValue, problems: list[str]) -> Polygon:
     for key in ("altitudeMin", "altitudeMax", "minAltitude", "maxAltitude"):
         limit = tree.find(key)
         if limit is not None and limit.value is not None:
-            problems.append(f"{limit.path}: limits of altitude of a polygon are not read")
+            problems.append(f"{limit.path}: altitude limits of a polygon are not supported")
     return Polygon(tree.get("inclusion").flag(), _vertices(tree.get("polygon")))
 
 
-def _vertices(tree: Tree) -> tuple[Point, ...]:
+def _vertices(tree: JsonValue) -> tuple[Point, ...]:
     vertices = tuple(_point(vertex) for vertex in tree.elements())
     if len(vertices) < 3:
-        raise tree.wrong(f"a polygon of {len(vertices)} vertices is none")
+        raise tree.wrong(f"a polygon needs at least 3 vertices, got {len(vertices)}")
     return vertices
 
 
-def _circle(tree: Tree) -> Circle:
+def _circle(tree: JsonValue) -> Circle:
     circle = tree.get("circle")
     return Circle(tree.get("inclusion").flag(), _point(circle.get("center")), circle.get("radius").finite())
 
 
-def _point(tree: Tree) -> Point:
+def _point(tree: JsonValue) -> Point:
     values = [element.finite() for element in tree.elements()[:2]]
     if len(values) != 2:
         raise tree.wrong("is not a latitude and a longitude")
     return values[0], values[1]
 
 
-def _read_rally(tree: Tree) -> list[MissionItem]:
+def _read_rally(tree: JsonValue) -> list[MissionItem]:
     _version(tree, (1, 2))
     items = []
     for point in tree.get("points").elements():
@@ -204,23 +204,23 @@ def _read_rally(tree: Tree) -> list[MissionItem]:
 
 
 def _filled(given: Settings) -> Settings:
-    """The settings, with what QGC assumes for those that are missing."""
+    """Return the settings with QGC's defaults for the missing ones."""
     names = ("firmware", "vehicle_type", "cruise_speed", "hover_speed")
     missing = {name: getattr(_DEFAULTS, name) for name in names if getattr(given, name) is None}
     return replace(given, **missing)
 
 
 def _assumed_home(plan: PlanFile, report: Report) -> Home:
-    """A home where there is none: the first place of the mission."""
+    """Return the first position of the mission, for a plan without a home."""
     places = ((item.param5, item.param6) for item in plan.mission.items if item.frame != FRAME.MISSION)
     place = next((place for place in places if any(place) and all(map(isfinite, place))), (0.0, 0.0))
     if len(plan.mission):
-        report.note("the mission has no home, and this format must have one: its first place was written")
+        report.note("the mission has no home, which this format needs: its first position was written")
     return Home(*place)
 
 
 def _fence_json(plan: PlanFile, report: Report) -> dict[str, Any]:
-    areas = areas_of(plan.fence.items)
+    areas = fence_areas(plan.fence.items)
     for index, problem in areas.leftovers:
         report.lost(f"fence item {index}: {problem}")
     for index, item in enumerate(plan.fence.items):

@@ -4,11 +4,11 @@ A SimpleItem is one MAV_CMD: {"command", "frame", "params": [7 numbers, null for
 "doJumpId"}. A DO_JUMP names the doJumpId of its target. Older forms have four params and a "coordinate", and
 before that "param1" to "param4" and an "id".
 
-A ComplexItem is a pattern that QGC draws. Of surveys and corridor scans it saves the items that are flown,
-and they are taken. A landing pattern is saved as its places; it is flown as DO_LAND_START, perhaps the end of
-taking photos and videos, the approach, and the landing, and so it is taken. A structure scan, and surveys of
-older versions, are saved as a polygon alone: what is flown is computed anew each time, and cannot be taken.
-Every pattern that was not taken, or not as a whole, is told as a problem: a mission without it is another.
+A ComplexItem is a pattern that QGC draws. For surveys and corridor scans the file holds the items to fly,
+and they are read. For a landing pattern it holds positions; the items are DO_LAND_START, commands that stop
+photos and videos, the approach, and the landing. For a structure scan, and surveys of older versions, it
+holds only a polygon, from which QGC computes the items each time; they cannot be read. Every pattern that
+was not read, or only in part, is reported as a problem, since the mission without it is a different one.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from math import isfinite, isinf, nan
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import PlanFileError
+from mavstack.files.plans.json_tree import JsonValue, as_json
 from mavstack.files.plans.model import CMD, FRAME, item_of, params_of, plain_frame
-from mavstack.files.plans.tree import Tree, as_json
 from mavstack.services.mission import MissionItem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from mavstack.files.plans.reading import Report
+    from mavstack.files.plans.parsing import Report
 
 _LANDINGS: Final = ("fwLandingPattern", "vtolLandingPattern")
 
 
 class _Items:
-    """The items as they are found, and by which ids jumps may name them."""
+    """The items read so far, and the ids by which jumps refer to them."""
 
     def __init__(self, problems: list[str], notes: list[str]) -> None:
         self.problems, self.notes = problems, notes
@@ -39,14 +39,14 @@ class _Items:
         self._ids: dict[int, int] = {}
         self._inner_ids: dict[int, int] = {}
 
-    def take(self, item: MissionItem, jump_id: int | None, *, inner: bool = False) -> None:
-        """Add an item; those inside a pattern are named only by jumps that nobody else answers."""
+    def add(self, item: MissionItem, jump_id: int | None, *, inner: bool = False) -> None:
+        """Add an item; ids inside a pattern (`inner`) count only where no other item has the same id."""
         if jump_id is not None:
             (self._inner_ids if inner else self._ids).setdefault(jump_id, len(self.items))
         self.items.append(item)
 
     def finished(self) -> list[MissionItem]:
-        """The items, jumps naming places in the list."""
+        """Return the items, with indexes in the list as the targets of jumps."""
         return [self._resolved(index, item) for index, item in enumerate(self.items)]
 
     def _resolved(self, index: int, item: MissionItem) -> MissionItem:
@@ -63,31 +63,31 @@ class _Items:
         return replace(item, param1=float(target))
 
 
-def read_items(mission: Tree, version: int, problems: list[str], notes: list[str]) -> list[MissionItem]:
-    """The items of a mission, patterns resolved."""
+def read_items(mission: JsonValue, version: int, problems: list[str], notes: list[str]) -> list[MissionItem]:
+    """Return the items of a mission, with patterns resolved."""
     found = _Items(problems, notes)
     for tree in mission.get("items").elements():
         kind = tree.find("type")
         name = "SimpleItem" if kind is None else kind.text()
         if name in ("SimpleItem", "missionItem"):
-            found.take(_simple(tree), _jump_id(tree))
+            found.add(_simple(tree), _jump_id(tree))
         elif name == "ComplexItem":
-            _take_pattern(tree, found)
+            _read_pattern(tree, found)
         else:
-            raise tree.wrong(f"is an item of the unknown type {name[:40]!a}")
+            raise tree.wrong(f"has the unknown item type {name[:40]!a}")
     apart = mission.find("complexItems") if version == 1 else None
     if apart is not None:
         for tree in apart.elements():
-            _not_taken(tree, "survey", found)
+            _skip(tree, "survey", found)
     return found.finished()
 
 
 def mission_json(items: Iterable[MissionItem], report: Report) -> list[dict[str, Any]]:
-    """The items as SimpleItems."""
+    """Return the items as SimpleItems."""
     return [_simple_json(index + 1, item, report) for index, item in enumerate(items)]
 
 
-def _simple(tree: Tree) -> MissionItem:
+def _simple(tree: JsonValue) -> MissionItem:
     params = tree.find("params")
     if params is None:
         values = [tree.get(f"param{number}").number() for number in range(1, 5)]
@@ -96,7 +96,7 @@ def _simple(tree: Tree) -> MissionItem:
     if len(values) == 4:
         values += tree.get("coordinate").numbers(3)
     if len(values) != 7:
-        raise (params or tree).wrong(f"has {len(values)} params where there must be 7")
+        raise (params or tree).wrong(f"has {len(values)} params instead of 7")
     proceeds = tree.find("autoContinue")
     return item_of(
         tree.get("command").integer(0, 0xFFFF),
@@ -106,39 +106,39 @@ def _simple(tree: Tree) -> MissionItem:
     )
 
 
-def _jump_id(tree: Tree) -> int | None:
+def _jump_id(tree: JsonValue) -> int | None:
     found = tree.find("doJumpId") or tree.find("id")
     jump_id = None if found is None else found.integer(-(2**31), 2**31)
     return jump_id if jump_id is not None and jump_id >= 0 else None
 
 
-def _take_pattern(tree: Tree, found: _Items) -> None:
+def _read_pattern(tree: JsonValue, found: _Items) -> None:
     kind_tree = tree.find("complexItemType")
     kind = "pattern" if kind_tree is None else kind_tree.text()[:40]
     style = tree.find("TransectStyleComplexItem")
     flown = None if style is None else style.find("Items")
     if flown is not None:
         for inner in flown.elements():
-            found.take(_simple(inner), _jump_id(inner), inner=True)
+            found.add(_simple(inner), _jump_id(inner), inner=True)
     elif kind in _LANDINGS:
         try:
             items = _landing(tree, kind, found)
         except PlanFileError as error:
-            _not_taken(tree, kind, found, f": {error.where} {error.problem}")
+            _skip(tree, kind, found, f": {error.where} {error.problem}")
             return
         for item in items:
-            found.take(item, None)
+            found.add(item, None)
     else:
-        _not_taken(tree, kind, found)
+        _skip(tree, kind, found)
 
 
-def _not_taken(tree: Tree, kind: str, found: _Items, why: str = "") -> None:
-    reason = why or ", since the file holds no items of it: plan it anew, or save the plan from the vehicle"
-    found.problems.append(f"{tree.path}: the {ascii(kind)[1:-1]} was not taken{reason}")
+def _skip(tree: JsonValue, kind: str, found: _Items, why: str = "") -> None:
+    reason = why or ", since the file holds no items of it: plan it again, or save the plan from the vehicle"
+    found.problems.append(f"{tree.path}: the {ascii(kind)[1:-1]} was not read{reason}")
 
 
-def _landing(tree: Tree, kind: str, found: _Items) -> list[MissionItem]:
-    """What is flown of a landing pattern."""
+def _landing(tree: JsonValue, kind: str, found: _Items) -> list[MissionItem]:
+    """Return the items of a landing pattern."""
     approach = tree.find("landingApproachCoordinate") or tree.get("loiterCoordinate")
     land = tree.get("landCoordinate")
     both = tree.find("altitudesAreRelative")
@@ -159,11 +159,11 @@ def _landing(tree: Tree, kind: str, found: _Items) -> list[MissionItem]:
     else:
         items.append(item_of(CMD.NAV_LAND, (0.0, 0.0, 0.0, 0.0, *place), frames[1]))
     if _flag(tree, "useDoChangeSpeed"):
-        found.problems.append(f"{tree.path}: the speed of the approach was not taken")
+        found.problems.append(f"{tree.path}: the approach speed was not read")
     return items
 
 
-def _approach(tree: Tree, place: list[float], frame: int) -> MissionItem:
+def _approach(tree: JsonValue, place: list[float], frame: int) -> MissionItem:
     if not _flag(tree, "useLoiterToAlt", default=True):
         return item_of(CMD.NAV_WAYPOINT, (0.0, 0.0, 0.0, nan, *place), frame)
     radius = tree.get("loiterRadius").finite() * (1 if tree.get("loiterClockwise").flag() else -1)
@@ -171,11 +171,11 @@ def _approach(tree: Tree, place: list[float], frame: int) -> MissionItem:
 
 
 def _reserved(command: int, used: int) -> MissionItem:
-    """A command of the camera, whose params after the used ones are reserved."""
+    """Return a camera command, whose params after the used ones are reserved."""
     return item_of(command, [0.0] * used + [nan] * (7 - used), FRAME.MISSION)
 
 
-def _flag(tree: Tree, key: str, *, default: bool = False) -> bool:
+def _flag(tree: JsonValue, key: str, *, default: bool = False) -> bool:
     found = tree.find(key)
     return default if found is None else found.flag()
 

@@ -2,9 +2,9 @@
 
     RALLY latitude longitude altitude break_altitude landing_direction flags
 
-Altitudes are relative to home, unless flag 4 (ALT_FRAME_VALID) says that flags 8 and 16 name the frame: 0
-above sea level, 1 above home, 3 above the terrain. The altitude at which to break off a loiter, the direction
-of landing and the other flags have no place in a rally point of today: they are told if they were set.
+Altitudes are relative to home, unless flag 4 (ALT_FRAME_VALID) marks flags 8 and 16 as the frame: 0 above
+mean sea level, 1 above home, 3 above the terrain. The break altitude, the landing direction and the other
+flags have no param in a rally point item; they are reported if they are set.
 """
 
 from __future__ import annotations
@@ -14,32 +14,32 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import PlanFileError
-from mavstack.files.plans.model import CMD, FRAME, KINDS, PlanFile, item_of, plain_frame
-from mavstack.files.plans.reading import bounded, first_line, lines_of, number_text
+from mavstack.files.plans.model import CMD, FRAME, PLAN_NAMES, PlanFile, item_of, plain_frame
+from mavstack.files.plans.parsing import bounded, first_line, lines_of, number_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.files.plans.reading import Line, Report
+    from mavstack.files.plans.parsing import Line, Report
     from mavstack.services.mission import MissionItem
 
 _FRAME_VALID: Final = 4
 _FRAME_BITS: Final = 24
 _FRAME_SHIFT: Final = 3
-#: Frames by what the flags call them.
+#: Frames by their number in the flags.
 _FRAMES: Final[Mapping[int, int]] = MappingProxyType(
     {0: FRAME.GLOBAL, 1: FRAME.GLOBAL_RELATIVE_ALT, 3: FRAME.GLOBAL_TERRAIN_ALT}
 )
 
 
 def recognise(text: str) -> bool:
-    """Whether a text begins as such a file."""
+    """Return whether the text begins as a file of this format."""
     line = first_line(text)
     return line is not None and line.words[0].upper() == "RALLY"
 
 
 def parse(text: str, name: str = "") -> PlanFile:
-    """Read a text."""
+    """Read the text of a file."""
     problems: list[str] = []
     items: list[MissionItem] = []
     for line in lines_of(text, name):
@@ -50,10 +50,10 @@ def parse(text: str, name: str = "") -> PlanFile:
 
 
 def write(plan: PlanFile, report: Report) -> str:
-    """The text of the rally points; `report` hears of what is lost."""
+    """Write the rally points as text; `report` collects what is lost."""
     for kind in plan.kinds:
         if kind != plan.rally.type:
-            report.lost(f"the {KINDS[kind]}")
+            report.lost(f"the {PLAN_NAMES[kind]}")
     if not len(plan.rally):
         raise PlanFileError("this format holds rally points, and the plan has none")
     return "".join(_text(index, item, report) for index, item in enumerate(plan.rally.items))
@@ -71,7 +71,7 @@ def _read_point(line: Line, index: int, problems: list[str]) -> MissionItem:
     if flags & _FRAME_VALID:
         named = (flags & _FRAME_BITS) >> _FRAME_SHIFT
         if named not in _FRAMES:
-            raise line.wrong(f"flags {flags} name an altitude above the origin, which no item can say")
+            raise line.wrong(f"flags {flags} mean an altitude above the origin, which no item can hold")
         frame = int(_FRAMES[named])
     params = (0.0, 0.0, 0.0, 0.0, *place, altitude)
     return item_of(CMD.NAV_RALLY_POINT, params, frame, autocontinue=False)

@@ -1,7 +1,7 @@
-"""The formats by name, and reading and writing with any of them.
+"""The plan file formats by name, and the functions that read and write with them.
 
-A file is read by what is in it, whatever it is called; it is written by its suffix or by a named format.
-Another format is one file with `recognise`, `parse` and `write`, and an entry here.
+The format of a file is detected from its content; a file is written in the format of its suffix, or in a
+named one. A new format is a module with `recognise`, `parse` and `write`, and an entry here.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.errors import PlanFileError
-from mavstack.files.plans import fence_list, own, qgc, rally_list, waypoints
-from mavstack.files.plans.reading import MOST_BYTES, Report, decoded
+from mavstack.files.plans import fence_list, mavstack_json, qgc, rally_list, waypoints
+from mavstack.files.plans.parsing import MAX_BYTES, Report, decoded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A way to write plans down."""
+    """A plan file format: its suffixes, and the functions that detect, read and write it."""
 
     summary: str
     suffixes: tuple[str, ...]
@@ -34,20 +34,26 @@ class Format:
 
 
 class Written(NamedTuple):
-    """A plan as text, what the format could not hold of it, and what had to be made up."""
+    """A plan as text, with the parts that the format could not hold, and the values that were assumed."""
 
     text: str
     lost: tuple[str, ...]
     notes: tuple[str, ...]
 
 
-#: In the order in which a file is tried.
+#: The formats by name, in the order of detection.
 FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
     {
-        "json": Format("everything, nothing lost", (".json",), own.recognise, own.parse, own.write),
+        "json": Format(
+            "Mavstack, without loss",
+            (".json",),
+            mavstack_json.recognise,
+            mavstack_json.parse,
+            mavstack_json.write,
+        ),
         "plan": Format("QGroundControl", (".plan", ".mission"), qgc.recognise, qgc.parse, qgc.write),
         "waypoints": Format(
-            "Mission Planner and MAVProxy (QGC WPL), one kind of plan",
+            "Mission Planner and MAVProxy (QGC WPL), one type of plan",
             (".waypoints", ".wpl", ".txt"),
             waypoints.recognise,
             waypoints.parse,
@@ -68,9 +74,16 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
 
 
 def read_plan(source: str | os.PathLike[str] | bytes) -> PlanFile:
-    """Read plans from a file; bytes, and a text of several lines or of JSON, are read themselves.
+    """Read a plan file in any of the formats.
 
-    Raises `PlanFileError`, whatever is wrong.
+    Args:
+        source: The path of a file; bytes, and a string of several lines or of JSON, are its content.
+
+    Returns:
+        The plans of the file.
+
+    Raises:
+        PlanFileError: The file cannot be read, or its content is not valid.
     """
     if isinstance(source, bytes):
         return parse_plan(source)
@@ -79,7 +92,7 @@ def read_plan(source: str | os.PathLike[str] | bytes) -> PlanFile:
     path = os.fspath(source)
     try:
         with Path(path).open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
+            data = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise PlanFileError(error.strerror or "it cannot be read", str(path)) from error
     except ValueError as error:
@@ -88,7 +101,18 @@ def read_plan(source: str | os.PathLike[str] | bytes) -> PlanFile:
 
 
 def parse_plan(content: str | bytes, name: str = "") -> PlanFile:
-    """Read plans from a text; `name` is what errors call it."""
+    """Read the content of a plan file.
+
+    Args:
+        content: The content.
+        name: The name of the file in errors.
+
+    Returns:
+        The plans.
+
+    Raises:
+        PlanFileError: The content is not valid; the error holds the line or the key.
+    """
     try:
         text = decoded(content if isinstance(content, bytes) else content.encode("utf-8", "replace"))
     except PlanFileError as error:
@@ -106,9 +130,18 @@ def write_plan(
     plan: PlanFile,
     format: str | None = None,  # noqa: A002 (its name)
 ) -> Written:
-    """Write plans into a file, in the format of its suffix or a named one; the result tells what was lost.
+    """Write a plan file.
 
-    Raises `PlanFileError` if there is no such format, or the plan is nothing that it could hold.
+    Args:
+        path: The file.
+        plan: The plans.
+        format: The name of the format (see `FORMATS`); None: that of the file name's suffix.
+
+    Returns:
+        The text, with the parts of the plans that the format could not hold.
+
+    Raises:
+        PlanFileError: The format is not known or holds no part of the plans, or the file is not writable.
     """
     written = format_plan(plan, format or format_of(path))
     try:
@@ -119,7 +152,18 @@ def write_plan(
 
 
 def format_plan(plan: PlanFile, format: str) -> Written:  # noqa: A002 (its name)
-    """Plans as a text of a format."""
+    """Write plans as a text.
+
+    Args:
+        plan: The plans.
+        format: The name of the format (see `FORMATS`).
+
+    Returns:
+        The text, with the parts of the plans that the format could not hold.
+
+    Raises:
+        PlanFileError: The format is not known, or can hold no part of the plans.
+    """
     if format not in FORMATS:
         raise PlanFileError(f"there is no format {format!r}; there are {', '.join(FORMATS)}")
     report = Report()
@@ -128,7 +172,7 @@ def format_plan(plan: PlanFile, format: str) -> Written:  # noqa: A002 (its name
 
 
 def format_of(path: str | os.PathLike[str]) -> str:
-    """The format of a file that is to be written, by its suffix."""
+    """Return the name of the format of a file name's suffix; raise `PlanFileError` if there is none."""
     suffix = Path(path).suffix.lower()
     for name, each in FORMATS.items():
         if suffix in each.suffixes:

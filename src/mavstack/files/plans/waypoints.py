@@ -1,19 +1,19 @@
-"""Waypoint text, `QGC WPL`: what Mission Planner, MAVProxy and older QGC write, for one kind of plan a file.
+"""Waypoint files, `QGC WPL`, of Mission Planner, MAVProxy and older QGC: one type of plan in a file.
 
     QGC WPL 110
     index  current  frame  command  param1 … param4  latitude  longitude  altitude  autocontinue
 
-In 110 the first item is the home; every reader takes it for that, and ArduPilot puts its own in its place. A
-file whose first item cannot be one (a take-off, say) has none, which is told. Mission Planner writes an empty
-item where it does not know the home. In 120 there is no home, and jumps count from 0. Version 100 has other
-columns and seven commands of its own:
+In 110 the first item is the home; all programs read it so, and ArduPilot replaces it by its own home. A file
+whose first item cannot be a home (such as a take-off) has none, which is reported. Mission Planner writes an
+empty item if it does not know the home. In 120 there is no home, and jumps count from 0. Version 100 has
+other columns and seven commands of its own:
 
     index frame action param3 param4 param1 param2 current longitude latitude altitude (unused) autocontinue
 
-Items are counted by their order, as every reader does; an index that is not that order is told. A file whose
-items are areas of a fence, or rally points, is a file of those; MAVProxy writes them without a home, Mission
-Planner with one and drops the first item if its index is 0. So they are written without a home, from index 1.
-Numbers are written exactly; NaN as `nan`, which Mission Planner does not read.
+Items are counted by their order, as all programs do; a different index is reported. A file with fence items
+or rally points is a fence or rally file; MAVProxy writes these without a home, Mission Planner with one, and
+it drops the first item if its index is 0. So they are written without a home, from index 1. Numbers are
+written exactly; NaN as `nan`, which Mission Planner does not read.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import PlanFileError
-from mavstack.files.plans.areas import FENCE_COMMANDS
+from mavstack.files.plans.fence import FENCE_COMMANDS
 from mavstack.files.plans.model import (
     CMD,
     FRAME,
-    KINDS,
+    PLAN_NAMES,
     PlanFile,
     home_item,
     home_of,
@@ -36,17 +36,17 @@ from mavstack.files.plans.model import (
     plain_frame,
     with_jumps_shifted,
 )
-from mavstack.files.plans.reading import bounded, first_line, lines_of, number_text, shown
+from mavstack.files.plans.parsing import bounded, first_line, lines_of, number_text, shown
 from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.services.mission import PlanType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from mavstack.files.plans.reading import Line, Report
+    from mavstack.files.plans.parsing import Line, Report
     from mavstack.services.mission import MissionItem
 
-#: The actions of version 100.
+#: The commands of the actions of version 100.
 _OLD_ACTIONS: Final[Mapping[int, int]] = MappingProxyType(
     {
         2: CMD.NAV_TAKEOFF,
@@ -65,7 +65,7 @@ _OTHER_KINDS: Final[Mapping[int, PlanType]] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class _Columns:
-    """Where a version has its columns."""
+    """The columns of a version."""
 
     count: int
     frame: int
@@ -85,20 +85,20 @@ _NAMES: Final = (
 
 
 def recognise(text: str) -> bool:
-    """Whether a text begins as such a file."""
+    """Return whether the text begins as a file of this format."""
     line = first_line(text)
     return line is not None and [word.upper() for word in line.words[:2]] == ["QGC", "WPL"]
 
 
 def parse(text: str, name: str = "") -> PlanFile:
-    """Read a text."""
+    """Read the text of a file."""
     lines = lines_of(text, name)
     header = next(lines, None)
     if header is None or not recognise(text):
         raise PlanFileError("it does not begin with QGC WPL", name)
     version = " ".join(header.words[2:])
     if version not in ("100", "110", "120"):
-        raise header.wrong(f"version {shown(version)} is not read, only 100, 110 and 120")
+        raise header.wrong(f"version {shown(version)} is not supported, only 100, 110 and 120")
     notes: list[str] = []
     items = _read_items(lines, version, notes)
     home = None
@@ -109,17 +109,17 @@ def parse(text: str, name: str = "") -> PlanFile:
 
 
 def write(plan: PlanFile, report: Report) -> str:
-    """The text of one kind of plan, the mission if there is one; `report` hears of what is left out."""
+    """Write one plan as text, the mission if there is one; `report` collects what is lost."""
     kinds = plan.kinds or (PlanType.MISSION,)
     for kind in kinds[1:]:
-        report.lost(f"the {KINDS[kind]}, as it holds one kind of plan a file")
+        report.lost(f"the {PLAN_NAMES[kind]}, as this format holds one type of plan")
     items = plan.plan(kinds[0]).items
     if kinds[0] == PlanType.MISSION:
         numbered = list(enumerate((home_item(plan.home), *with_jumps_shifted(items, 1))))
         numbered = numbered if items or plan.home else []
     else:
         if plan.home is not None:
-            report.note(f"a file of a {KINDS[kinds[0]]} has no home in this format")
+            report.note(f"a file of a {PLAN_NAMES[kinds[0]]} has no home in this format")
         numbered = list(enumerate(items, 1))
     return "".join(["QGC WPL 110\n", *(_text(seq, item) for seq, item in numbered)])
 
@@ -130,14 +130,14 @@ def _read_items(lines: Iterable[Line], version: str, notes: list[str]) -> tuple[
     first, counted = 0, True
     for line in lines:
         if len(line.words) != columns.count:
-            raise line.wrong(f"has {len(line.words)} columns where there must be {columns.count}")
+            raise line.wrong(f"has {len(line.words)} columns instead of {columns.count}")
         index = line.integer(0, "the index", 2**31)
         first = first if items else index
         counted = counted and index == first + len(items)
         items.append(_read_item(line, columns, old=version == "100"))
         bounded(items, line.name, beside=1)  # the home
     if not counted:
-        notes.append("the indexes of the items are not consecutive: they are counted by their order")
+        notes.append("the indexes of the items are not consecutive: the items are counted by their order")
     return tuple(items)
 
 
@@ -157,22 +157,22 @@ def _read_item(line: Line, columns: _Columns, *, old: bool) -> MissionItem:
 
 
 def _is_home(items: tuple[MissionItem, ...], notes: list[str]) -> bool:
-    """Whether the first item is the home, as it should be; in a file of a fence it need not be there."""
+    """Return whether the first item is the home; a fence file need not have one."""
     if not items or items[0].command in _OTHER_KINDS:
         return False
     first = items[0]
     if first.command not in (0, CMD.NAV_WAYPOINT) or first.frame not in GLOBAL_FRAMES:
-        notes.append(f"its first item is {first.name} where the home should be: it is taken to be flown")
+        notes.append(f"its first item is {first.name} instead of the home: it is read as an item to fly")
         return False
     if first.frame != FRAME.GLOBAL:
-        notes.append("its first item is taken as the home, as everybody does who reads this format")
+        notes.append("its first item is read as the home, as all programs do with this format")
     return True
 
 
 def _sorted_out(items: tuple[MissionItem, ...]) -> PlanFile:
-    """Each item to the kind of plan that it is of."""
+    """Return the items in the plans that they belong to."""
     kinds = {_OTHER_KINDS.get(item.command, PlanType.MISSION) for item in items}
-    if len(kinds) != 1:  # whatever this is, it is one plan; checking it tells what is out of place
+    if len(kinds) != 1:  # a mixture is read as one mission; validation reports the misplaced items
         return PlanFile.of(items)
     kind = kinds.pop()
     of_fence, of_rally = kind == PlanType.FENCE, kind == PlanType.RALLY

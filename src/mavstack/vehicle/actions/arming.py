@@ -26,7 +26,7 @@ FORCE: Final = 21196.0
 CONFIRMATION_TIMEOUT: Final = 10.0
 #: The time in which a vehicle is back after a reboot, in seconds.
 REBOOT_TIMEOUT: Final = 60.0
-#: The time to wait for the vehicle's clock before a reboot, in seconds: a quick reboot shows only by the clock.
+#: The time to wait for the vehicle's clock before a reboot, in seconds: only the clock shows a quick reboot.
 CLOCK_TIMEOUT: Final = 3.0
 _REBOOTING: Final = "rebooting"
 _BACK: Final = (ComponentRebooted, ComponentReturned, ComponentFound)

@@ -1,4 +1,4 @@
-"""Whatever a file holds, reading it ends in a plan or in a PlanFileError; so does writing what was read."""
+"""Whatever a file holds, parsing it ends in a plan or in a PlanFileError; so does writing what was read."""
 
 from __future__ import annotations
 
@@ -156,14 +156,14 @@ def test_a_text_for_a_terminal_is_made_harmless():
 
 
 def test_sizes_are_bounded(tmp_path, monkeypatch):
-    from mavstack.files.plans import reading, registry
+    from mavstack.files.plans import parsing, registry
 
     many = "QGC WPL 110\n" + "0\t0\t0\t16\t0\t0\t0\t0\t1\t2\t3\t1\n" * 65536
     assert len(parse_plan(many).mission) == 65535
     with pytest.raises(PlanFileError, match="65537 items are more than the 65535"):
         parse_plan(many + many.splitlines()[1])
-    monkeypatch.setattr(reading, "MOST_BYTES", 100)
-    monkeypatch.setattr(registry, "MOST_BYTES", 100)
+    monkeypatch.setattr(parsing, "MAX_BYTES", 100)
+    monkeypatch.setattr(registry, "MAX_BYTES", 100)
     path = tmp_path / "big.plan"
     path.write_text(FLIGHT)
     with pytest.raises(PlanFileError, match=r"big\.plan: 101 bytes are no file of plans"):

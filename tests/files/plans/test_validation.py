@@ -7,7 +7,7 @@ from math import inf, nan
 
 import pytest
 
-from mavstack.files.plans import Areas, Circle, Home, PlanFile, Polygon, check, items_of, parse_plan
+from mavstack.files.plans import Circle, FenceAreas, Home, PlanFile, Polygon, check, fence_items, parse_plan
 from mavstack.files.plans.model import CMD, FRAME
 from mavstack.services.mission import MissionItem
 from tests.files.plans.plans import FENCE, FLIGHT, RALLY, WAYPOINTS
@@ -77,13 +77,13 @@ def test_items_that_belong_elsewhere():
 
 
 def test_fences_that_are_none():
-    square = items_of(Areas([Polygon(inclusion=True, vertices=SQUARE)]))
-    circle = items_of(Areas(circles=[Circle(inclusion=False, center=(47.0, 8.0), radius=-3)]))
+    square = fence_items(FenceAreas([Polygon(inclusion=True, vertices=SQUARE)]))
+    circle = fence_items(FenceAreas(circles=[Circle(inclusion=False, center=(47.0, 8.0), radius=-3)]))
     assert said(PlanFile.of(fence=[*square[:3], *circle])) == [
         "fence item 3: NAV_FENCE_CIRCLE_EXCLUSION: its radius is -3, which is no circle",
         "fence item 0: 3 vertices stand together, but they say that their polygon has 4",
     ]
-    far = items_of(Areas(circles=[Circle(inclusion=False, center=(97.0, 8.0), radius=3)]))
+    far = fence_items(FenceAreas(circles=[Circle(inclusion=False, center=(97.0, 8.0), radius=3)]))
     assert "latitude 97 is not between" in said(PlanFile.of(fence=far))[0]
 
 

@@ -1,7 +1,7 @@
-"""A fence as areas: polygons, circles and a return point, which are items in a plan and shapes in files.
+"""The areas of a fence: polygons, circles and a return point, which are items in a plan and shapes in files.
 
-A polygon is as many vertex items in a row as each of them says in param 1. Vertices that do not add up to
-that are no polygon for any vehicle; they are left over.
+A polygon is a series of vertex items whose param 1 is the number of vertices. Vertices whose number does not
+match are not a polygon for any vehicle; they are left over.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ CIRCLES: Final[Mapping[int, bool]] = MappingProxyType(
     {CMD.NAV_FENCE_CIRCLE_INCLUSION: True, CMD.NAV_FENCE_CIRCLE_EXCLUSION: False}
 )
 FENCE_COMMANDS: Final = frozenset({CMD.NAV_FENCE_RETURN_POINT, *VERTICES, *CIRCLES})
-LEAST_VERTICES: Final = 3
+MIN_VERTICES: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
 class Polygon:
-    """Where to stay, or where not to go; `group` is 0 unless inclusions are combined."""
+    """A polygon to stay in, or to stay out of; `group` is 0 unless inclusions are combined."""
 
     inclusion: bool
     vertices: tuple[Point, ...]
@@ -40,7 +40,7 @@ class Polygon:
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """A circle of so many metres."""
+    """A circle to stay in, or to stay out of; `radius` in metres."""
 
     inclusion: bool
     center: Point
@@ -50,7 +50,7 @@ class Circle:
 
 @dataclass(frozen=True, slots=True)
 class ReturnPoint:
-    """Where to go after a breach."""
+    """The point to return to after a breach; `altitude` in metres in `frame`."""
 
     place: Point
     altitude: float = 0.0
@@ -58,8 +58,8 @@ class ReturnPoint:
 
 
 @dataclass(slots=True)
-class Areas:
-    """A whole fence; `leftovers` tells of the items that are no area."""
+class FenceAreas:
+    """A whole fence; `leftovers` holds the index and the problem of each item that is no area."""
 
     polygons: list[Polygon] = field(default_factory=list)
     circles: list[Circle] = field(default_factory=list)
@@ -67,15 +67,15 @@ class Areas:
     leftovers: list[tuple[int, str]] = field(default_factory=list)
 
 
-def areas_of(items: Iterable[MissionItem]) -> Areas:
-    """The areas that the items of a fence make."""
-    areas, open_items = Areas(), list[tuple[int, MissionItem]]()
+def fence_areas(items: Iterable[MissionItem]) -> FenceAreas:
+    """Return the areas of a fence's items."""
+    areas, open_items = FenceAreas(), list[tuple[int, MissionItem]]()
     for index, item in enumerate(items):
         if open_items and not _belongs(open_items[0][1], item):
             _leave_over(areas, open_items)
         if item.command in VERTICES:
             open_items.append((index, item))
-            if len(open_items) == item.param1 and len(open_items) >= LEAST_VERTICES:
+            if len(open_items) == item.param1 and len(open_items) >= MIN_VERTICES:
                 areas.polygons.append(_polygon([vertex for _, vertex in open_items]))
                 open_items.clear()
         elif item.command in CIRCLES:
@@ -85,13 +85,13 @@ def areas_of(items: Iterable[MissionItem]) -> Areas:
             point = ReturnPoint((item.param5, item.param6), item.param7, item.frame)
             areas.return_points.append(point)
         else:
-            areas.leftovers.append((index, f"{item.name} is no part of a fence"))
+            areas.leftovers.append((index, f"{item.name} is not a fence item"))
     _leave_over(areas, open_items)
     return areas
 
 
-def items_of(areas: Areas) -> list[MissionItem]:
-    """The items of a fence: polygons, circles, return point, as QGC orders them."""
+def fence_items(areas: FenceAreas) -> list[MissionItem]:
+    """Return the items of a fence in QGroundControl's order: polygons, circles, return point."""
     items: list[MissionItem] = []
     for polygon in areas.polygons:
         items += polygon_items(polygon)
@@ -101,7 +101,7 @@ def items_of(areas: Areas) -> list[MissionItem]:
 
 
 def polygon_items(polygon: Polygon) -> list[MissionItem]:
-    """The vertices of a polygon."""
+    """Return the vertex items of a polygon."""
     count = float(len(polygon.vertices))
     inside, outside = CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION, CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION
     command = inside if polygon.inclusion else outside
@@ -109,13 +109,13 @@ def polygon_items(polygon: Polygon) -> list[MissionItem]:
 
 
 def circle_item(circle: Circle) -> MissionItem:
-    """A circle."""
+    """Return the item of a circle."""
     command = CMD.NAV_FENCE_CIRCLE_INCLUSION if circle.inclusion else CMD.NAV_FENCE_CIRCLE_EXCLUSION
     return _fence_item(command, circle.radius, circle.group, circle.center)
 
 
 def return_item(point: ReturnPoint) -> MissionItem:
-    """A return point."""
+    """Return the item of a return point."""
     return MissionItem(
         CMD.NAV_FENCE_RETURN_POINT,
         param5=point.place[0],
@@ -148,12 +148,12 @@ def _polygon(vertices: list[MissionItem]) -> Polygon:
     return Polygon(VERTICES[first.command], places, first.param2)
 
 
-def _leave_over(areas: Areas, open_items: list[tuple[int, MissionItem]]) -> None:
+def _leave_over(areas: FenceAreas, open_items: list[tuple[int, MissionItem]]) -> None:
     if not open_items:
         return
     index, first = open_items[0]
-    wanted = f"{first.param1:g}" if isfinite(first.param1) else "no number"
+    wanted = f"{first.param1:g}" if isfinite(first.param1) else "an invalid number"
     count = len(open_items)
-    said = "1 vertex stands" if count == 1 else f"{count} vertices stand"
-    areas.leftovers.append((index, f"{said} together, but they say that their polygon has {wanted}"))
+    found = "1 vertex" if count == 1 else f"{count} vertices"
+    areas.leftovers.append((index, f"{found} in a row, but param 1 says that the polygon has {wanted}"))
     open_items.clear()

@@ -1,8 +1,7 @@
-"""What Mission Planner's and MAVProxy's files have in common: a name and a value a line.
+"""The common part of Mission Planner's and MAVProxy's files: a name and a value on each line.
 
-Between them stand commas, blanks, tabs or `=`, as all programs that read such files allow; behind them may
-stand ArduPilot's mark @READONLY. A name in the wrong case is left as it is: who compares it with a vehicle's
-finds the right one.
+Commas, blanks, tabs or `=` separate them, as all programs that read such files allow; ArduPilot's mark
+@READONLY may follow. A name keeps its letter case, which comparisons with a vehicle's parameters ignore.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from mavstack.files.parameters.format import (
     number_of,
     shown,
 )
-from mavstack.files.parameters.stored import ParameterFile, StoredParameter, is_name
+from mavstack.files.parameters.parameter_file import ParameterFile, StoredParameter, is_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +33,7 @@ def read(text: str) -> ParameterFile:
 
 
 def write(file: ParameterFile, layout: Callable[[str, str], str]) -> str:
-    """Write a file; `layout` puts a name and a value together."""
+    """Write a file; `layout` joins a name and a value."""
     lines = (
         layout(each.name, each.value_text) + (f" {READ_ONLY}" if each.read_only else "") + "\n"
         for each in file.parameters
@@ -45,7 +44,7 @@ def write(file: ParameterFile, layout: Callable[[str, str], str]) -> str:
 def _read_line(line: str, number: int) -> StoredParameter:
     words = list(filter(None, _SEPARATORS.split(line)))
     if words and words[0].lower() == "@include":
-        raise ParameterFileError("@include is not followed; give the other file itself", line=number)
+        raise ParameterFileError("@include is not supported; read the other file itself", line=number)
     read_only = words[-1:] == [READ_ONLY]
     if read_only:
         words.pop()

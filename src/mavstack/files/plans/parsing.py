@@ -1,7 +1,7 @@
-"""What the readers of plan files share: bounded input, lines, numbers, and errors that say where.
+"""The common parts of the plan file readers: bounded input, lines, numbers, and errors with their location.
 
-Whatever a file holds, reading it ends in a `PlanFile` or a `PlanFileError`. A file is bounded in size and a
-plan in items, so that no file makes a program use more than it is worth.
+Reading any file ends in a `PlanFile` or a `PlanFileError`. The size of a file and the number of items of a
+plan are bounded, so that no file exhausts memory.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from mavstack.errors import PlanFileError
-from mavstack.services.mission.plan import MOST_ITEMS
+from mavstack.services.mission.plan import MAX_ITEMS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.services.mission import MissionItem
 
-#: The largest plan that can be sent takes less than half of this in the wordiest format.
-MOST_BYTES: Final = 64 * 1024 * 1024
+#: The largest plan that can be uploaded takes less than half of this in the longest format.
+MAX_BYTES: Final = 64 * 1024 * 1024
 _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,18}(\.0*)?", re.ASCII)
 _FLOAT: Final = re.compile(
     r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,5})?|[+-]?(nan|inf|infinity)",
@@ -30,28 +30,28 @@ _BOMS: Final = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xb
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line that says something: its number, its words, and the file it is in."""
+    """A line with content: its number, its words, and the name of its file."""
 
     number: int
     words: list[str]
     name: str = ""
 
     def wrong(self, problem: str) -> PlanFileError:
-        """The error that this line is."""
+        """Return the error for a problem of this line."""
         return PlanFileError(problem, self.name, f"line {self.number}")
 
-    def integer(self, at: int, what: str, most: int, least: int = 0) -> int:
-        """A word that is a whole number; programs that know only floats write 16.0."""
+    def integer(self, at: int, what: str, maximum: int, minimum: int = 0) -> int:
+        """Return a word as a whole number; programs that know only floats write 16.0."""
         word = self.words[at]
         if not _INTEGER.fullmatch(word):
             raise self.wrong(f"{what} is {shown(word)}, which is not a whole number")
         value = int(word.partition(".")[0])
-        if not least <= value <= most:
-            raise self.wrong(f"{what} is {shown(word)}, which is not between {least} and {most}")
+        if not minimum <= value <= maximum:
+            raise self.wrong(f"{what} is {shown(word)}, which is not between {minimum} and {maximum}")
         return value
 
     def number_at(self, at: int, what: str) -> float:
-        """A word that is a number."""
+        """Return a word as a number."""
         word = self.words[at]
         if not _FLOAT.fullmatch(word):
             raise self.wrong(f"{what} is {shown(word)}, which is not a number")
@@ -59,28 +59,28 @@ class Line:
 
 
 def is_number(word: str) -> bool:
-    """Whether a word is a number."""
+    """Return whether a word is a number."""
     return _FLOAT.fullmatch(word) is not None
 
 
 class Report:
-    """What a writer tells: what its format cannot hold, and what it had to make up."""
+    """The report of a writer: the parts that its format cannot hold, and the values that it assumed."""
 
     def __init__(self) -> None:
         self.losses: list[str] = []
         self.notes: list[str] = []
 
     def lost(self, text: str) -> None:
-        """Something of the plan will not be in the file."""
+        """Report a part of the plan that the file does not hold."""
         self.losses.append(text)
 
     def note(self, text: str) -> None:
-        """Something will be in the file that is not in the plan."""
+        """Report a value in the file that is not in the plan."""
         self.notes.append(text)
 
 
 def lines_of(text: str, name: str = "") -> Iterator[Line]:
-    """The lines that say something: words apart by blanks, tabs or commas; from `#` on is comment."""
+    """Yield the lines with content: words separated by blanks, tabs or commas, without comments (`#`)."""
     for number, content in enumerate(text.split("\n"), 1):
         words = content.partition("#")[0].replace(",", " ").split()
         if words:
@@ -88,31 +88,31 @@ def lines_of(text: str, name: str = "") -> Iterator[Line]:
 
 
 def first_line(text: str) -> Line | None:
-    """The first line that says something."""
+    """Return the first line with content."""
     return next(lines_of(text[:65536]), None)
 
 
 def decoded(data: bytes) -> str:
-    """The text of a file, whatever its editor put around it; a comment may be in any encoding."""
-    if len(data) > MOST_BYTES:
-        raise PlanFileError(f"{len(data)} bytes are no file of plans: {MOST_BYTES} is the most that is read")
+    """Return the text of a file without marks of encodings; a comment may be in any encoding."""
+    if len(data) > MAX_BYTES:
+        raise PlanFileError(f"{len(data)} bytes are too many for a plan file: at most {MAX_BYTES} are read")
     encoding = next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
     text = data.decode(encoding, errors="replace")
     return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
 def bounded(items: list[MissionItem], name: str, *, beside: int = 0) -> list[MissionItem]:
-    """The items, unless they are more than a vehicle can be given; so many `beside` are no part of it."""
-    if len(items) > MOST_ITEMS + beside:
-        raise PlanFileError(f"{len(items)} items are more than the {MOST_ITEMS} that a plan can have", name)
+    """Return the items; raise if there are too many to upload, not counting `beside` of them."""
+    if len(items) > MAX_ITEMS + beside:
+        raise PlanFileError(f"{len(items)} items are more than the {MAX_ITEMS} that a plan can have", name)
     return items
 
 
 def shown(text: object) -> str:
-    """Something out of a file as an error shows it: short, and without what a terminal would obey."""
+    """Return a value from a file for an error: short, and without terminal control characters."""
     return ascii(text) if len(str(text)) <= 40 else ascii(str(text)[:40]) + "…"
 
 
 def number_text(value: float) -> str:
-    """A number as text formats write it: exact, and no longer than it must be."""
+    """Return a number as text formats hold it: exact, with the fewest digits."""
     return repr(float(value)).removesuffix(".0")

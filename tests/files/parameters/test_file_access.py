@@ -13,7 +13,7 @@ from mavstack.files.parameters import (
     read_parameters,
     write_parameters,
 )
-from mavstack.files.parameters import files as module
+from mavstack.files.parameters import file_access as module
 
 FILE = ParameterFile(
     (StoredParameter("RTL_ALT", 1500), StoredParameter("PSC_POSZ_P", 0.1)), comments=("hello",)

@@ -1,4 +1,4 @@
-"""Walking through JSON that anybody may have written, with the key of whatever is wrong."""
+"""Reading JSON files from any source, with the key of the value in every error."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.errors import PlanFileError
-from mavstack.files.plans.reading import shown
+from mavstack.files.plans.parsing import shown
 
 if TYPE_CHECKING:
     from typing import Self
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 _WORDS: Final = {"nan": nan, "inf": inf, "-inf": -inf}
 
 
-class Tree:
-    """A value in a JSON document, and the way to it."""
+class JsonValue:
+    """A value in a JSON document, and its path."""
 
     __slots__ = ("name", "path", "value")
 
@@ -27,7 +27,7 @@ class Tree:
 
     @classmethod
     def parse(cls, text: str, name: str = "") -> Self:
-        """The whole document."""
+        """Return the root of a document."""
         try:
             return cls(json.loads(text), name)
         except RecursionError:
@@ -39,34 +39,36 @@ class Tree:
             raise PlanFileError("it holds a number that is too long to be one", name) from None
 
     def wrong(self, problem: str) -> PlanFileError:
-        """The error that this value is."""
+        """Return the error for a problem of this value."""
         return PlanFileError(problem, self.name, self.path)
 
-    def find(self, key: str) -> Tree | None:
-        """What stands under a key, if anything does."""
+    def find(self, key: str) -> JsonValue | None:
+        """Return the value of a key; None if there is none."""
         if not isinstance(self.value, dict):
             raise self.wrong(f"is {shown(self.value)} where an object must be")
         if key not in self.value:
             return None
-        return Tree(self.value[key], self.name, f"{self.path}.{key}" if self.path else key)
+        return JsonValue(self.value[key], self.name, f"{self.path}.{key}" if self.path else key)
 
-    def get(self, key: str) -> Tree:
-        """What stands under a key."""
+    def get(self, key: str) -> JsonValue:
+        """Return the value of a key; raise if there is none."""
         found = self.find(key)
         if found is None:
             raise self.wrong(f"has no {key!r}")
         return found
 
-    def elements(self, most: int | None = None) -> list[Tree]:
-        """The elements of an array."""
+    def elements(self, length: int | None = None) -> list[JsonValue]:
+        """Return the elements of an array, of `length` elements unless it is None."""
         if not isinstance(self.value, list):
             raise self.wrong(f"is {shown(self.value)} where an array must be")
-        if most is not None and len(self.value) != most:
-            raise self.wrong(f"has {len(self.value)} values where there must be {most}")
-        return [Tree(value, self.name, f"{self.path}[{index}]") for index, value in enumerate(self.value)]
+        if length is not None and len(self.value) != length:
+            raise self.wrong(f"has {len(self.value)} values instead of {length}")
+        return [
+            JsonValue(value, self.name, f"{self.path}[{index}]") for index, value in enumerate(self.value)
+        ]
 
     def number(self) -> float:
-        """A number; null stands for NaN, as in QGC's files, and infinity for what no float holds."""
+        """Return a number; null means NaN, as in QGC's files, and a number too large is infinite."""
         value = self.value
         if value is None:
             return nan
@@ -80,38 +82,38 @@ class Tree:
             return inf if value > 0 else -inf
 
     def finite(self) -> float:
-        """A number that is one."""
+        """Return a finite number."""
         value = self.number()
         if not isfinite(value):
             raise self.wrong(f"is {shown(self.value)} where a finite number must be")
         return value
 
-    def integer(self, least: int, most: int) -> int:
-        """A whole number in a range."""
+    def integer(self, minimum: int, maximum: int) -> int:
+        """Return a whole number in a range."""
         value = self.finite()
-        if value != int(value) or not least <= value <= most:
-            raise self.wrong(f"is {shown(self.value)}, not a whole number between {least} and {most}")
+        if value != int(value) or not minimum <= value <= maximum:
+            raise self.wrong(f"is {shown(self.value)}, not a whole number between {minimum} and {maximum}")
         return int(value)
 
     def text(self) -> str:
-        """A string."""
+        """Return a string."""
         if not isinstance(self.value, str):
             raise self.wrong(f"is {shown(self.value)} where a text must be")
         return self.value
 
     def flag(self) -> bool:
-        """A truth value; some programs write 0 and 1."""
+        """Return a boolean; some programs write 0 and 1."""
         if isinstance(self.value, bool) or self.value in (0, 1):
             return bool(self.value)
         raise self.wrong(f"is {shown(self.value)} where true or false must be")
 
     def numbers(self, count: int) -> tuple[float, ...]:
-        """An array of so many numbers."""
+        """Return an array of `count` numbers."""
         return tuple(element.number() for element in self.elements(count))
 
 
 def as_json(value: float) -> Any:  # noqa: ANN401 (a number, a word or None)
-    """A number as JSON can hold it: null for NaN, words for the infinities, 16 rather than 16.0."""
+    """Return a number as JSON can hold it: null for NaN, strings for infinities, 16 rather than 16.0."""
     if value != value:
         return None
     if not isfinite(value):

@@ -1,4 +1,4 @@
-"""Parameters as a file holds them."""
+"""The content of a parameter file."""
 
 from __future__ import annotations
 
@@ -20,10 +20,15 @@ _AUTOPILOT = int(common.MavComponent.AUTOPILOT1)
 
 @dataclass(frozen=True, slots=True)
 class StoredParameter:
-    """One parameter of a file; what its format does not tell is None.
+    """One parameter of a file; attributes that the format does not hold are None.
 
-    `text` is the value as the file has it, and empty for what was never in one. `read_only` is ArduPilot's
-    mark @READONLY.
+    Attributes:
+        name: The name.
+        value: The value; an int if it is written as one.
+        type: The MAV_PARAM_TYPE.
+        component: The component id.
+        read_only: True if the file has ArduPilot's mark @READONLY.
+        text: The value as it is written in the file; empty if it was not read from one.
     """
 
     name: str
@@ -35,7 +40,7 @@ class StoredParameter:
 
     @property
     def value_text(self) -> str:
-        """The value as it is written and shown."""
+        """The value as files and texts show it."""
         if self.type == common.MavParamType.REAL64:
             return repr(float(self.value))
         return write_number(self.value)
@@ -43,7 +48,13 @@ class StoredParameter:
 
 @dataclass(frozen=True, slots=True)
 class ParameterFile:
-    """The parameters of a file in its order, and the comments at its head, a line each, without their `#`."""
+    """The parameters of a file in their order.
+
+    Attributes:
+        parameters: The parameters.
+        system: The system id, if the format holds it.
+        comments: The comments at the head of the file, one per line, without `#`.
+    """
 
     parameters: tuple[StoredParameter, ...]
     system: int | None = None
@@ -58,20 +69,27 @@ class ParameterFile:
         component: int | None = None,
         comments: Iterable[str] = (),
     ) -> Self:
-        """What a component told, to be written."""
+        """Return a file with parameters of a component.
+
+        Args:
+            parameters: The parameters, such as `vehicle.params.cached.values()`.
+            system: The system id.
+            component: The component id.
+            comments: The comments at the head of the file.
+        """
         stored = (StoredParameter(each.name, each.value, int(each.type), component) for each in parameters)
         return cls(tuple(stored), system, tuple(comments))
 
     def by_name(self, component: int = _AUTOPILOT) -> dict[str, StoredParameter]:
-        """Those of a component, or of none in particular; the last one of a name counts."""
+        """Return the parameters of a component, and those without one, by name; the last of a name counts."""
         return {each.name: each for each in self.parameters if each.component in (None, component)}
 
     @property
     def components(self) -> tuple[int, ...]:
-        """Which components the file tells of, if its format tells that."""
+        """The component ids in the file, if its format holds them."""
         return tuple(sorted({each.component for each in self.parameters if each.component is not None}))
 
 
 def is_name(text: str) -> bool:
-    """Whether a text can be the name of a parameter in a file."""
+    """Return whether a text can be the name of a parameter in a file."""
     return 1 <= len(text) <= NAME_LENGTH and all("!" < each <= "~" and each not in "#,=" for each in text)

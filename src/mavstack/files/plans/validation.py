@@ -1,7 +1,7 @@
-"""What is wrong with a plan that every vehicle would refuse, or fly otherwise than it says.
+"""Validation of plans: problems for which every vehicle refuses a plan, or flies it differently.
 
-Only what cannot be right anywhere: which commands a vehicle knows, and how many items it can hold, it says
-itself when it is given the plan.
+Only problems for every vehicle are found: the commands that a vehicle supports, and the number of items that
+it can hold, it reports itself when the plan is uploaded.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from math import isfinite, isnan
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from mavstack.files.plans.areas import CIRCLES, FENCE_COMMANDS, areas_of
-from mavstack.files.plans.model import CMD, FRAME, KINDS
+from mavstack.files.plans.fence import CIRCLES, FENCE_COMMANDS, fence_areas
+from mavstack.files.plans.model import CMD, FRAME, PLAN_NAMES
 from mavstack.services.frames import GLOBAL_FRAMES, commands_with_location
 from mavstack.services.mission import PlanType
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mavstack.files.plans.model import PlanFile
     from mavstack.services.mission import MissionItem
 
-#: Items that fly to their place; others mean the place where the vehicle is, if they name none.
+#: Items that fly to their position; other items mean the vehicle's position if they hold none.
 _PLACED: Final = frozenset({CMD.NAV_WAYPOINT, CMD.NAV_SPLINE_WAYPOINT})
 
 _FRAMES: Final = frozenset(FRAME)
@@ -33,28 +33,28 @@ _WHOLE: Final[Mapping[int, str]] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something wrong with an item, `item` being its place in its plan, from 0."""
+    """A problem of an item; `item` is its index in its plan, from 0."""
 
     kind: int
     item: int
     text: str
-    #: What people call the item.
+    #: The number of the item in ground stations.
     number: int
 
     def __str__(self) -> str:
-        what = "rally point" if self.kind == PlanType.RALLY else f"{KINDS[self.kind]} item"
+        what = "rally point" if self.kind == PlanType.RALLY else f"{PLAN_NAMES[self.kind]} item"
         return f"{what} {self.number}: {self.text}"
 
 
 def check(plan: PlanFile) -> list[Problem]:
-    """What is wrong with a plan, in the order of its items."""
+    """Return the problems of a plan, in the order of its items."""
     found: list[Problem] = []
     for kind in plan.kinds:
         first = plan.first if kind == PlanType.MISSION else 0
         for index, item in enumerate(plan.plan(kind).items):
             wrong = _wrong_with(kind, index, item, plan)
             found += [Problem(kind, index, f"{item.name}: {text}", index + first) for text in wrong]
-    for index, text in areas_of(plan.fence.items).leftovers:
+    for index, text in fence_areas(plan.fence.items).leftovers:
         if plan.fence.items[index].command in FENCE_COMMANDS:
             found.append(Problem(PlanType.FENCE, index, text, index))
     return found
@@ -68,13 +68,13 @@ def _wrong_with(kind: int, index: int, item: MissionItem, plan: PlanFile) -> Ite
     if item.command in commands_with_location():
         yield from _wrong_place(kind, item)
     if item.command in CIRCLES and not (isfinite(item.param1) and item.param1 > 0):
-        yield f"its radius is {item.param1:g}, which is no circle"
+        yield f"its radius is {item.param1:g}, which is not a positive number"
     if item.command == CMD.DO_JUMP:
         yield from _wrong_jump(index, item, plan)
 
 
 def _misplaced(kind: int, item: MissionItem) -> str:
-    """Why an item is of another kind of plan than this."""
+    """Return why an item belongs to another type of plan; empty if it does not."""
     is_fence, is_rally = item.command in FENCE_COMMANDS, item.command == CMD.NAV_RALLY_POINT
     home = PlanType.FENCE if is_fence else PlanType.RALLY if is_rally else PlanType.MISSION
     return "" if home == kind else f"it belongs to {_WHOLE[home]}, not to {_WHOLE[kind]}"
@@ -88,14 +88,14 @@ def _wrong_place(kind: int, item: MissionItem) -> Iterator[str]:
     if item.frame not in GLOBAL_FRAMES:
         return
     must_be = kind != PlanType.MISSION or item.command in _PLACED
-    for what, value, most in (("latitude", item.param5, 90.0), ("longitude", item.param6, 180.0)):
+    for what, value, limit in (("latitude", item.param5, 90.0), ("longitude", item.param6, 180.0)):
         if isnan(value):
             if must_be:
                 yield f"it has no {what}"
-        elif abs(value) > most:
-            yield f"{what} {value:g} is not between {-most:g} and {most:g}"
+        elif abs(value) > limit:
+            yield f"{what} {value:g} is not between {-limit:g} and {limit:g}"
     if not isfinite(item.param7) and (must_be or not isnan(item.param7)):
-        yield f"altitude {item.param7:g} is none"
+        yield f"altitude {item.param7:g} is not a number"
 
 
 def _wrong_jump(index: int, item: MissionItem, plan: PlanFile) -> Iterator[str]:

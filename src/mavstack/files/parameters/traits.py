@@ -1,10 +1,9 @@
-"""What is known of parameters by their names: which belong to one vehicle alone, which come first or last,
-and which count only after a reboot.
+"""Traits of parameters by name: belonging to one vehicle, order of setting, effect after a reboot only.
 
-The names are those of ArduPilot 4 and PX4; a pattern is that of `fnmatch`. A file from another vehicle must
-not give this one the other's sensors, calibration, counters or id, so these are left out unless asked for.
-What needs a reboot is told by each firmware's documentation of its parameters; the list is not complete, as
-boards and drivers add to it.
+The names are those of ArduPilot 4 and PX4, as `fnmatch` patterns. A file from another vehicle must not change
+this one's sensors, calibration, counters or id, so these are skipped by default. The parameters that need a
+reboot come from the firmwares' parameter documentation; the list is not complete, as boards and drivers add
+to it.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ _REBOOT = """
 
 
 class Owner(Enum):
-    """Why a parameter belongs to one vehicle alone; the value says it in words."""
+    """The reason why a parameter belongs to one vehicle only; the value is its text."""
 
     COUNTER = "the vehicle counts or measures it itself"
     IDENTITY = "it is the id of one vehicle"
@@ -62,19 +61,19 @@ _OWNERS: Final = ((Owner.COUNTER, _COUNTED), (Owner.IDENTITY, _IDENTITY), (Owner
 
 
 def owner_of(name: str) -> Owner | None:
-    """Why a parameter belongs to one vehicle alone; None if it may go to any."""
+    """Return why a parameter belongs to one vehicle only; None if it may be set on any."""
     return next((owner for owner, patterns in _OWNERS if _matches(patterns, name)), None)
 
 
 def turn_of(name: str) -> int:
-    """When a parameter is set: what reveals others first, what changes the vehicle's address last."""
+    """Return the turn in which a parameter is set: those that reveal others first, the system id last."""
     if owner_of(name) is Owner.IDENTITY:
         return 2
     return 0 if _matches(_FIRST, name) else 1
 
 
 def needs_reboot(name: str) -> bool:
-    """Whether a new value is known to count only after a reboot."""
+    """Return whether a new value is known to take effect after a reboot only."""
     return _matches(_REBOOT, name)
 
 

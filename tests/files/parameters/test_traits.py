@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.files.parameters import Owner, needs_reboot, owner_of
-from mavstack.files.parameters.kinds import turn_of
+from mavstack.files.parameters.traits import turn_of
 from mavstack.sim.parameters.tables import rows
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 

@@ -1,4 +1,4 @@
-"""Reading and writing files of parameters."""
+"""Reading and writing parameter files."""
 
 from __future__ import annotations
 
@@ -11,25 +11,34 @@ from uuid import uuid4
 
 from mavstack.errors import ParameterFileError
 from mavstack.files.parameters.format import shown
+from mavstack.files.parameters.parameter_file import is_name
 from mavstack.files.parameters.registry import format_for, format_named, format_of
-from mavstack.files.parameters.stored import is_name
 
 if TYPE_CHECKING:
     from mavstack.files.parameters.format import ParameterFormat
-    from mavstack.files.parameters.stored import ParameterFile
+    from mavstack.files.parameters.parameter_file import ParameterFile
 
-#: A larger file holds something else.
-MOST_BYTES = 16 << 20
+#: A larger file is not a parameter file.
+MAX_BYTES = 16 << 20
 _WIDE_MARKS = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
 def read_parameters(path: str | os.PathLike[str], format: str | None = None) -> ParameterFile:  # noqa: A002
-    """Read a file of parameters; its format is seen from what is in it, unless it is given.
+    """Read a parameter file.
 
-    Raises `ParameterFileError` with the line, or `OSError`.
+    Args:
+        path: The file.
+        format: The name of its format (see `FORMATS`); None detects the format from the content.
+
+    Returns:
+        The parameters of the file.
+
+    Raises:
+        ParameterFileError: The content is not valid; the error holds the line.
+        OSError: The file cannot be read.
     """
     with Path(path).open("rb") as file:
-        data = file.read(MOST_BYTES + 1)
+        data = file.read(MAX_BYTES + 1)
     try:
         return parse_parameters(_decoded(data), format)
     except ParameterFileError as error:
@@ -37,12 +46,23 @@ def read_parameters(path: str | os.PathLike[str], format: str | None = None) -> 
 
 
 def parse_parameters(text: str, format: str | None = None) -> ParameterFile:  # noqa: A002
-    """The same of a text that is in memory."""
+    """Read the text of a parameter file.
+
+    Args:
+        text: The text.
+        format: The name of its format (see `FORMATS`); None detects the format.
+
+    Returns:
+        The parameters.
+
+    Raises:
+        ParameterFileError: The text is not valid; the error holds the line.
+    """
     lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     chosen = format_of(lines) if format is None else format_named(format)
     file = chosen.read(lines)
     if not file.parameters:
-        raise ParameterFileError("there is no parameter in it")
+        raise ParameterFileError("it holds no parameters")
     return file
 
 
@@ -51,7 +71,17 @@ def write_parameters(
     file: ParameterFile,
     format: str | None = None,  # noqa: A002
 ) -> None:
-    """Write a file of parameters, in the format of its suffix unless one is given; whole or not at all."""
+    """Write a parameter file atomically.
+
+    Args:
+        path: The file.
+        file: The parameters.
+        format: The name of the format (see `FORMATS`); None: that of the file name's suffix.
+
+    Raises:
+        ParameterFileError: The format is not known, or a name cannot stand in a file.
+        OSError: The file cannot be written.
+    """
     chosen = _format_to_write(os.fspath(path), format)
     for each in file.parameters:
         if not is_name(each.name):
@@ -73,10 +103,10 @@ def _format_to_write(path: str, name: str | None) -> ParameterFormat:
 
 
 def _decoded(data: bytes) -> str:
-    if len(data) > MOST_BYTES:
-        raise ParameterFileError(f"it is larger than {MOST_BYTES >> 20} MiB, so it holds something else")
+    if len(data) > MAX_BYTES:
+        raise ParameterFileError(f"it is larger than {MAX_BYTES >> 20} MiB, so it is not a parameter file")
     wide = data.startswith(_WIDE_MARKS)
     text = data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
     if "\0" in text:
-        raise ParameterFileError("it is not a text")
+        raise ParameterFileError("it is not a text file")
     return text

@@ -1,12 +1,12 @@
-"""Mavstack's own JSON: everything that a plan can be, and nothing lost. `mav mission show --json` prints it.
+"""Mavstack's JSON format, which holds every plan without loss; `mav mission show --json` prints it.
 
     {"fileType": "MavstackPlan", "version": 1, "home": {"latitude", "longitude", "altitude"} or null,
      "vehicle": {"firmware", "vehicle_type", "cruise_speed", "hover_speed"},
      "mission": [item, …], "fence": [item, …], "rally": [item, …]}
 
-An item is {"seq", "command", "name", "frame", "params": [7 numbers], "autocontinue"}. `seq` is its place in
-the list, from 0, by which a DO_JUMP names it; the name is for people. NaN is null, infinities are "inf" and
-"-inf". Keys that are not known are passed over.
+An item is {"seq", "command", "name", "frame", "params": [7 numbers], "autocontinue"}. `seq` is its index in
+the list, from 0, which a DO_JUMP refers to; the name is for people. NaN is null, infinities are "inf" and
+"-inf". Unknown keys are ignored.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import json
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.files.plans.json_tree import JsonValue, as_json
 from mavstack.files.plans.model import Home, PlanFile, Settings, item_of, params_of
-from mavstack.files.plans.reading import bounded
-from mavstack.files.plans.tree import Tree, as_json
+from mavstack.files.plans.parsing import bounded
 
 if TYPE_CHECKING:
-    from mavstack.files.plans.reading import Report
+    from mavstack.files.plans.parsing import Report
     from mavstack.services.mission import MissionItem
 
 FILE_TYPE: Final = "MavstackPlan"
@@ -28,16 +28,16 @@ VERSION: Final = 1
 
 
 def recognise(text: str) -> bool:
-    """Whether a text begins as such a file."""
+    """Return whether the text begins as a file of this format."""
     return text.lstrip().startswith("{") and f'"{FILE_TYPE}"' in text[:4096]
 
 
 def parse(text: str, name: str = "") -> PlanFile:
-    """Read a text."""
-    root = Tree.parse(text, name)
+    """Read the text of a file."""
+    root = JsonValue.parse(text, name)
     version = root.get("version")
     if version.integer(0, 10**9) != VERSION:
-        raise version.wrong(f"version {version.value} is not known, only {VERSION}")
+        raise version.wrong(f"version {version.value} is not supported, only {VERSION}")
     home = root.find("home")
     items = {key: bounded(_items(root, key), name) for key in ("mission", "fence", "rally")}
     read = PlanFile.of(items["mission"], items["fence"], items["rally"], _home(home))
@@ -45,12 +45,12 @@ def parse(text: str, name: str = "") -> PlanFile:
 
 
 def write(plan: PlanFile, report: Report) -> str:
-    """The text of a plan."""
+    """Write a plan as text."""
     return json.dumps(plan_json(plan), indent=2, allow_nan=False) + "\n"
 
 
 def plan_json(plan: PlanFile) -> dict[str, Any]:
-    """A plan as an object of this format."""
+    """Return a plan as a JSON object of this format."""
     home = plan.home
     return {
         "fileType": FILE_TYPE,
@@ -64,7 +64,7 @@ def plan_json(plan: PlanFile) -> dict[str, Any]:
 
 
 def item_json(seq: int, item: MissionItem) -> dict[str, Any]:
-    """An item as an object."""
+    """Return an item as a JSON object."""
     return {
         "seq": seq,
         "command": int(item.command),
@@ -75,12 +75,12 @@ def item_json(seq: int, item: MissionItem) -> dict[str, Any]:
     }
 
 
-def _items(root: Tree, key: str) -> list[MissionItem]:
+def _items(root: JsonValue, key: str) -> list[MissionItem]:
     found = root.find(key)
     return [] if found is None else [_item(tree) for tree in found.elements()]
 
 
-def _item(tree: Tree) -> MissionItem:
+def _item(tree: JsonValue) -> MissionItem:
     proceeds = tree.find("autocontinue")
     return item_of(
         tree.get("command").integer(0, 0xFFFF),
@@ -90,7 +90,7 @@ def _item(tree: Tree) -> MissionItem:
     )
 
 
-def _home(tree: Tree | None) -> Home | None:
+def _home(tree: JsonValue | None) -> Home | None:
     if tree is None or tree.value is None:
         return None
     altitude = tree.find("altitude")
@@ -98,7 +98,7 @@ def _home(tree: Tree | None) -> Home | None:
     return Home(*place, 0.0 if altitude is None else altitude.finite())
 
 
-def _settings(tree: Tree | None) -> Settings:
+def _settings(tree: JsonValue | None) -> Settings:
     if tree is None:
         return Settings()
     found = {key: tree.find(key) for key in ("firmware", "vehicle_type", "cruise_speed", "hover_speed")}
