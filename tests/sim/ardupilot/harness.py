@@ -30,6 +30,11 @@ class ArdupilotHarness(VehicleHarness):
         assert self.port
         self.run(settle)
 
+    @property
+    def received_texts(self) -> list[str]:
+        """Status texts received so far, including those sent to this ground station only."""
+        return [message.text for message in self.received_of(common.Statustext)]
+
     def accepted(
         self, command: int, *params: float, frame: int | None = None, wait: float | None = None
     ) -> None:

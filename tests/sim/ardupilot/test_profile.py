@@ -59,16 +59,16 @@ def test_mode_that_needs_a_position_is_refused_without_one() -> None:
     harness.vehicle.body.fail_gps(True)
     harness.run_until(lambda: not harness.autopilot.has_position)
     assert harness.set_mode("LOITER") == RESULT.FAILED
-    assert harness.texts[-1] == "Mode change to LOITER failed: requires position"
+    assert "Mode change to LOITER failed: requires position" in harness.received_texts
     assert harness.command(CMD.NAV_RETURN_TO_LAUNCH) == RESULT.FAILED
-    assert "Mode change to RTL failed: requires position" in harness.texts
+    assert "Mode change to RTL failed: requires position" in harness.received_texts
 
 
 def test_fltmode_gcsblock() -> None:
     harness = ArdupilotHarness("copter")
     harness.vehicle.parameters.set("FLTMODE_GCSBLOCK", 1 << 4)
     assert harness.set_mode("GUIDED") == RESULT.FAILED
-    assert harness.texts[-1].startswith("Mode change to GUIDED failed: GCS entry disabled")
+    assert harness.received_texts[-1].startswith("Mode change to GUIDED failed: GCS entry disabled")
     assert harness.set_mode("LOITER") == RESULT.ACCEPTED
 
 
@@ -76,7 +76,7 @@ def test_auto_without_a_mission_is_refused_while_armed() -> None:
     harness = ArdupilotHarness("copter")
     harness.accepted(CMD.COMPONENT_ARM_DISARM, 1)
     assert harness.set_mode("AUTO") == RESULT.FAILED
-    assert harness.texts[-1] == "Mode change to AUTO failed: init failed"
+    assert harness.received_texts[-1] == "Mode change to AUTO failed: init failed"
 
 
 @pytest.mark.parametrize("vehicle_type", list(VehicleType))

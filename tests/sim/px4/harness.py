@@ -36,8 +36,8 @@ class Px4Harness(VehicleHarness):
         harness.attach(self)
         reduce_telemetry(self.vehicle)
         self.receiving = True
-        self.send_heartbeat()
         if ready:
+            self.send_heartbeat()
             self.run(4.0)
 
     def set_mode(self, main: int, sub: int = 0, *, source: Address = GROUND) -> common.MavResult | None:
