@@ -35,7 +35,7 @@ ERROR = common.MavParamError
 def test_one_parameter_is_read_by_name_and_by_index(encoding) -> None:
     pair = Pair(20, encoding=encoding)
     name, value, kind = pair.rows[7]
-    reads = [pair.client.read(which, pair.network.now) for which in (name, 7)]
+    reads = [pair.client.get(which, pair.network.now) for which in (name, 7)]
     pair.run(*reads)
     assert [read.result() for read in reads] == [Parameter(name, value, kind)] * 2
     assert reads[0].result().index == 7
@@ -101,8 +101,8 @@ def test_a_param_error_is_denied_with_its_reason() -> None:
     pair.server.add("FIXED", 1, read_only=True)
     pair.server.add("SMALL", 1, minimum=0, maximum=9)
     wrong = [
-        pair.client.read("NO_SUCH", pair.network.now),
-        pair.client.read(99, pair.network.now),
+        pair.client.get("NO_SUCH", pair.network.now),
+        pair.client.get(99, pair.network.now),
         pair.client.set("FIXED", 2, pair.network.now),
         pair.client.set("SMALL", 10, pair.network.now),
         pair.client.set("SMALL", 1.0, pair.network.now, kind=KIND.REAL32),
@@ -126,7 +126,7 @@ def test_a_param_error_is_denied_with_its_reason() -> None:
 
 def test_an_unknown_name_that_gets_silence_ends_in_a_timeout() -> None:
     hand = ByHand()
-    read = hand.client.read("NO_SUCH", hand.network.now)
+    read = hand.client.get("NO_SUCH", hand.network.now)
     asked = hand.run(60.0)
     assert isinstance(read.error, ParameterTimeout)
     assert read.error.attempts == len(asked) == 6
@@ -135,7 +135,7 @@ def test_an_unknown_name_that_gets_silence_ends_in_a_timeout() -> None:
 @pytest.mark.parametrize(("which", "text"), [("NO_SUCH", "param: NO_SUCH"), (7, "param ID: 7")])
 def test_an_unknown_name_that_gets_a_text_is_denied(which, text) -> None:
     hand = ByHand()
-    read = hand.client.read(which, hand.network.now)
+    read = hand.client.get(which, hand.network.now)
     hand.run(0.1)
     hand.send(common.Statustext(severity=6, text="[pm] unknown param: NO_SUCH_OTHER"))
     hand.run(0.1)
@@ -155,7 +155,7 @@ def test_a_component_that_keeps_its_value_is_told_so() -> None:
         if any(isinstance(message, common.ParamSet) for message in hand.run(0.1)):
             hand.tell("X", 3.0, 0, 1)
     assert isinstance(operation.error, ParameterDenied)
-    assert "it stayed 3" in str(operation.error)
+    assert "the value stayed 3" in str(operation.error)
 
 
 def test_an_old_value_that_comes_late_is_no_refusal() -> None:
@@ -231,11 +231,11 @@ def test_a_packed_file_fills_the_cache() -> None:
     pair = Pair(0)
     for number in range(50):
         pair.server.add(f"P{number}", number, KIND.INT16, default=1)
-    assert pair.client.take_packed(pair.server.table.packed(with_defaults=True, block_size=239), 1.0)
+    assert pair.client.load_packed(pair.server.table.packed(with_defaults=True, block_size=239), 1.0)
     assert pair.client.complete
     assert [parameter.value for parameter in pair.client.parameters.values()] == list(range(50))
     assert pair.client.defaults["P7"] == 1
-    assert not pair.client.take_packed(b"nothing", 1.0)
+    assert not pair.client.load_packed(b"nothing", 1.0)
 
 
 def test_what_was_told_during_a_download_is_newer_than_the_file() -> None:
@@ -243,7 +243,7 @@ def test_what_was_told_during_a_download_is_newer_than_the_file() -> None:
     client.receive(value_packet("OLD", 1.0, 1), 5.0)
     client.receive(value_packet("NEW", 1.0, 2), 15.0)
     file = write([Parameter("OLD", 2.0), Parameter("NEW", 2.0)])
-    assert client.take_packed(file, 20.0, begun=10.0)
+    assert client.load_packed(file, 20.0, started_at=10.0)
     assert {name: parameter.value for name, parameter in client.parameters.items()} == {
         "OLD": 2.0,
         "NEW": 1.0,
@@ -255,11 +255,11 @@ def test_misuse_raises_at_once() -> None:
     with pytest.raises(InvalidArgumentError, match="one component"):
         ParameterClient(GROUND, Address(1, 0))
     with pytest.raises(InvalidArgumentError, match="1 to 16"):
-        client.read("A" * 17, 0.0)
+        client.get("A" * 17, 0.0)
     with pytest.raises(InvalidArgumentError, match="1 to 16"):
         client.set("", 1, 0.0)
     with pytest.raises(InvalidArgumentError, match="index"):
-        client.read(-1, 0.0)
+        client.get(-1, 0.0)
 
 
 MESSAGES = [
@@ -284,7 +284,7 @@ def test_any_payload_harms_neither_end(messages, encoding) -> None:
     now = network.now
     client.download(now)
     client.set("A", 2, now)
-    client.read(0, now)
+    client.get(0, now)
     client.read_hash(now)
     for kind, payload, sequence in messages:
         now += 0.1

@@ -161,7 +161,7 @@ def test_silence_ends_in_a_timeout_that_says_how_many_came() -> None:
     hand.tell("A", 1.0, 0, 2)
     hand.run(20.0)
     assert isinstance(listing.error, ParameterTimeout)
-    assert "1 of 2 came" in str(listing.error)
+    assert "1 of 2 entries arrived" in str(listing.error)
     assert hand.client.parameters["A"].value == 1.0
 
 

@@ -39,7 +39,7 @@ def test_what_is_written_is_read(names, seed, block_size) -> None:
     assert packed is not None
     assert list(packed.parameters) == wanted
     assert [parameter.index for parameter in packed.parameters] == list(range(len(wanted)))
-    assert packed.whole
+    assert packed.complete
 
 
 @given(
@@ -75,7 +75,7 @@ def test_bytes_by_hand() -> None:
     assert packed is not None
     assert packed.parameters == (Parameter("ARMX", -2, KIND.INT16), Parameter("ARMZQT", 0.5, KIND.REAL32))
     assert packed.defaults == {"ARMX": -2, "ARMZQT": 1.5}
-    assert (packed.total, packed.whole, packed.parameters[0].index) == (9, False, 3)
+    assert (packed.total, packed.complete, packed.parameters[0].index) == (9, False, 3)
 
 
 @given(st.binary(max_size=200))

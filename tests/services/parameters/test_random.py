@@ -67,7 +67,7 @@ def scenario(seed: int) -> None:
     wanted = choose_sets(random, vehicle, encoding)
     sets = [(name, value, first.set(name, value, network.now)) for name, value in wanted]
     denied = [first.set("READ_ONLY", 8, network.now), second.set("SMALL", 11, network.now)]
-    unknown = second.read("UNKNOWN", network.now)
+    unknown = second.get("UNKNOWN", network.now)
     ends = (*lists, *(operation for _, _, operation in sets), *denied, unknown)
     for ground, client in zip(grounds, clients, strict=True):
         ground.engine.touch(client)

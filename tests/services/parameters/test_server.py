@@ -262,7 +262,7 @@ def test_a_flood_of_clients_is_bounded() -> None:
             wire.read(index, Address(number, 2))
     server = wire.server
     assert (len(server._lists), len(server._reads)) == (MAX_LISTS, MAX_READS)
-    assert len(server._newest_sets) <= 256
+    assert len(server._set_filters) <= 256
 
 
 def test_a_table_without_parameters_ignores_the_list() -> None:
@@ -279,9 +279,9 @@ def test_a_written_packed_file_sets_what_may_be_set() -> None:
         Parameter("FIXED", 9, KIND.INT32),
         Parameter("NONE", 9, KIND.INT32),
     ]
-    assert wire.server.take_packed(write_upload(rows), GROUND)
+    assert wire.server.load_packed(write_upload(rows), GROUND)
     assert (wire.server["P001"], wire.server["FIXED"]) == (50, 1)
-    assert not wire.server.take_packed(write_upload(rows)[:-1], GROUND)
+    assert not wire.server.load_packed(write_upload(rows)[:-1], GROUND)
     assert len(wire.server.events()) == 1
 
 
@@ -290,7 +290,7 @@ def test_a_part_of_the_table_is_packed() -> None:
     packed = unpack(wire.server.table.packed(start=3, count=4), start=3)
     assert packed is not None
     assert [parameter.name for parameter in packed.parameters] == ["P003", "P004", "P005", "P006"]
-    assert (packed.total, packed.whole) == (10, False)
+    assert (packed.total, packed.complete) == (10, False)
 
 
 def test_misuse_raises_at_once() -> None:

@@ -1,4 +1,4 @@
-"""Extended parameters, whose values may be text: the client and the server."""
+"""The extended parameter protocol, whose values may be text: client and server."""
 
 from mavstack.services.extended_parameters.client import ExtendedParameterChanged, ExtendedParameterClient
 from mavstack.services.extended_parameters.operations import (

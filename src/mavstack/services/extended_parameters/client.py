@@ -1,13 +1,13 @@
-"""Reading and setting the extended parameters of one component (guide: extended parameter protocol).
+"""The client of the extended parameters of one component (guide: extended parameter protocol).
 
-    set ── ack ACCEPTED with our value ──► result
-     │  ├── ack IN_PROGRESS ──► running: the value is asked for now and then ── it is ours ──► result
+    set ── ack ACCEPTED with the new value ──► result
+     │  ├── ack IN_PROGRESS ──► running: the value is requested at an interval ── it is new ──► result
      │  │                          └── silence ──► ParameterTimeout
      │  ├── ack FAILED, VALUE_UNSUPPORTED ──► ParameterDenied
      │  └── ack ACCEPTED with another value ──► another client's, or the third time: ParameterDenied
-     └── silence ──► sent again ──► ParameterTimeout
+     └── silence ──► repeated ──► ParameterTimeout
 
-Acknowledgements name the parameter alone; one client therefore sets one parameter once at a time.
+Acknowledgements name only the parameter; so a client runs one set of a parameter at a time.
 """
 
 from __future__ import annotations
@@ -47,61 +47,61 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ExtendedParameterChanged(Event):
-    """An extended parameter was told for the first time (`previous` is None), or with another value."""
+    """An extended parameter was received for the first time (`previous` is None), or with another value."""
 
     parameter: ExtendedParameter
     previous: ExtendedParameter | None
 
 
 @dataclass(frozen=True, slots=True)
-class HeardExtended:
-    """A PARAM_EXT_VALUE or PARAM_EXT_ACK: `result` is None in the former, `count` 0 in the latter."""
+class ReceivedExtendedParameter:
+    """A PARAM_EXT_VALUE or PARAM_EXT_ACK: `result` is None in the former, `count` is 0 in the latter."""
 
     parameter: ExtendedParameter
     count: int
     result: int | None
-    overtaken: bool
+    reordered: bool
 
 
 class ExtendedParameterClient(Client):
-    """The extended parameters of one component."""
+    """The extended parameter client of one component."""
 
     handles = message_ids(common.ParamExtValue, common.ParamExtAck)
 
     def __init__(self, local: Address, target: Address) -> None:
         if not target.system or not target.component:
-            raise InvalidArgumentError(f"parameters belong to one component, and {target} is not one")
+            raise InvalidArgumentError(f"the target of parameters must be one component, got {target}")
         super().__init__(local, target)
         self.round_trip = RoundTrip(initial=1.0, minimum=0.05, maximum=3.0)
-        #: What the packet under way told; operations look here.
-        self.heard: HeardExtended | None = None
+        #: The parameter in the packet that is being received, for the operations.
+        self.received: ReceivedExtendedParameter | None = None
         self._parameters: dict[str, ExtendedParameter] = {}
         self._reorder_filter = ReorderFilter()
         self._complete = False
 
     @property
     def parameters(self) -> Mapping[str, ExtendedParameter]:
-        """All extended parameters heard of, by name."""
+        """All received extended parameters, by name."""
         return MappingProxyType(self._parameters)
 
     @property
     def complete(self) -> bool:
-        """Whether the whole set was fetched."""
+        """True if the complete set was downloaded."""
         return self._complete
 
     def clear_cache(self, now: float) -> None:
-        """The component started anew: forget its parameters; a listing that is under way begins anew."""
-        self._parameters, self._complete = {}, False  # who was given the old ones keeps them
+        """Discard all parameters, because the component rebooted; a running download restarts."""
+        self._parameters, self._complete = {}, False  # callers keep the old mapping
         for operation in self._running:
             if isinstance(operation, DownloadExtendedParameters):
-                operation.begin_anew(now)
+                operation.restart_download(now)
 
-    def read(self, which: str | int, now: float, *, timeout: float | None = None) -> GetExtendedParameter:
-        """Ask for one parameter, by name or index; its result is the `ExtendedParameter`."""
+    def get(self, which: str | int, now: float, *, timeout: float | None = None) -> GetExtendedParameter:
+        """Request one parameter, by name or index; the result is the `ExtendedParameter`."""
         if isinstance(which, str):
             name_field(which)
         elif not 0 <= which < 32768:
-            raise InvalidArgumentError(f"no parameter can be asked for by index {which}")
+            raise InvalidArgumentError(f"a parameter index must be from 0 to 32767, got {which}")
         return self.begin(GetExtendedParameter(which, timeout=timeout), now)
 
     def set(
@@ -113,9 +113,9 @@ class ExtendedParameterClient(Client):
         kind: int | None = None,
         timeout: float | None = None,
     ) -> SetExtendedParameter:
-        """Set a parameter; its result is the `ExtendedParameter` as it is now.
+        """Set a parameter; the result is the `ExtendedParameter` with its new value.
 
-        The type is that which the component told; if it told none yet, and `kind` gives none, it is asked.
+        `kind` is its MAV_PARAM_EXT_TYPE; None: as received from the component, which is asked if necessary.
         """
         if kind is not None:
             encode(value, kind)
@@ -124,7 +124,7 @@ class ExtendedParameterClient(Client):
     def download(
         self, now: float, *, timeout: float | None = None, idle_timeout: float = 10.0
     ) -> DownloadExtendedParameters:
-        """Fetch the whole set; its result are the parameters by name, in the order of their table."""
+        """Download the complete set; the result are the parameters by name, in the order of the table."""
         return self.begin(
             DownloadExtendedParameters(self.round_trip, timeout=timeout, idle_timeout=idle_timeout), now
         )
@@ -135,24 +135,24 @@ class ExtendedParameterClient(Client):
         return isinstance(new, DownloadExtendedParameters) and isinstance(running, DownloadExtendedParameters)
 
     def observe(self, packet: Packet, now: float) -> None:
-        self.heard = None
+        self.received = None
         match packet.message:
             case common.ParamExtValue(param_id=name) as message if name:
-                overtaken = self._reorder_filter.is_overtaken(packet.sequence, now)
+                reordered = self._reorder_filter.is_reordered(packet.sequence, now)
                 parameter = read_value(message)
-                self.heard = HeardExtended(parameter, message.param_count, None, overtaken)
-                if not overtaken or name not in self._parameters:
+                self.received = ReceivedExtendedParameter(parameter, message.param_count, None, reordered)
+                if not reordered or name not in self._parameters:
                     self._learn(parameter)
             case common.ParamExtAck(param_id=name) as message if name:
-                overtaken = self._reorder_filter.is_overtaken(packet.sequence, now)
+                reordered = self._reorder_filter.is_reordered(packet.sequence, now)
                 kind = int(message.param_type)
                 parameter = ExtendedParameter(name, decode(field_of(message), kind), kind)
-                self.heard = HeardExtended(parameter, 0, int(message.param_result), overtaken)
-                if message.param_result == common.ParamAck.ACCEPTED and not overtaken:
+                self.received = ReceivedExtendedParameter(parameter, 0, int(message.param_result), reordered)
+                if message.param_result == common.ParamAck.ACCEPTED and not reordered:
                     self._learn(parameter)
 
-    def now_whole(self, names: list[str]) -> None:
-        """These are all parameters there are, in their order; others are gone."""
+    def set_complete(self, names: list[str]) -> None:
+        """Record that these are all parameters, in their order; others are removed."""
         known = self._parameters
         self._parameters = {name: known[name] for name in names if name in known}
         self._complete = True

@@ -1,4 +1,4 @@
-"""What an `ExtendedParameterClient` asks: one parameter, a new value, or all of them; see `client`."""
+"""The operations of an `ExtendedParameterClient`: getting, setting and downloading; see `client`."""
 
 from __future__ import annotations
 
@@ -18,22 +18,25 @@ from mavstack.services.parameters.retrying_request import MAX_REFUSALS, Retrying
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
-    from mavstack.services.extended_parameters.client import ExtendedParameterClient, HeardExtended
+    from mavstack.services.extended_parameters.client import (
+        ExtendedParameterClient,
+        ReceivedExtendedParameter,
+    )
     from mavstack.services.timing import RoundTrip
     from mavstack.wire import Packet
 
 Result = TypeVar("Result")
 
-#: How often the value is asked for while it is being set.
+#: Seconds between two requests of the value while it is being set.
 PROGRESS_INTERVAL = 2.0
 
 
 class ExtendedOperation(RetryingRequest[Result]):
-    """An operation of an `ExtendedParameterClient` that sends one request until it is answered."""
+    """The base of `ExtendedParameterClient` operations that repeat one request until it is answered."""
 
     @property
     def parameters(self) -> ExtendedParameterClient:
-        """The client that runs it."""
+        """The client that runs the operation."""
         return cast("ExtendedParameterClient", self.client)
 
     @property
@@ -41,16 +44,16 @@ class ExtendedOperation(RetryingRequest[Result]):
         return self.parameters.round_trip
 
     def receive(self, packet: Packet, now: float) -> None:
-        heard = self.parameters.heard
-        if heard is not None and not heard.overtaken:
-            self.value_came(heard, now)
+        received = self.parameters.received
+        if received is not None and not received.reordered:
+            self.value_came(received, now)
 
-    def value_came(self, heard: HeardExtended, now: float) -> None:
-        """The target told a value or acknowledged one."""
+    def value_came(self, received: ReceivedExtendedParameter, now: float) -> None:
+        """Handle a value or an acknowledgement of the target."""
 
 
 class GetExtendedParameter(ExtendedOperation[ExtendedParameter]):
-    """Asks for one parameter by name or index."""
+    """The request of one parameter by name or index."""
 
     def __init__(self, which: str | int, *, timeout: float | None = None) -> None:
         super().__init__(f"reading extended parameter {which} of", timeout=timeout)
@@ -59,14 +62,14 @@ class GetExtendedParameter(ExtendedOperation[ExtendedParameter]):
     def send_request(self) -> None:
         self.send(read_request(self.target.system, self.target.component, self.which))
 
-    def value_came(self, heard: HeardExtended, now: float) -> None:
-        if heard.result is None and self.which in (heard.parameter.name, heard.parameter.index):
+    def value_came(self, received: ReceivedExtendedParameter, now: float) -> None:
+        if received.result is None and self.which in (received.parameter.name, received.parameter.index):
             self.answered(now)
-            self.finish(heard.parameter)
+            self.finish(received.parameter)
 
 
 class SetExtendedParameter(SetRequest[ExtendedParameter], ExtendedOperation[ExtendedParameter]):
-    """Sets one parameter; its end may take a while, which the component says."""
+    """The setting of one parameter, which may take a while (IN_PROGRESS)."""
 
     def __init__(self, name: str, value: ExtendedValue, kind: int | None, *, timeout: float | None) -> None:
         super().__init__(name, kind, repr(value), timeout=timeout)
@@ -75,11 +78,11 @@ class SetExtendedParameter(SetRequest[ExtendedParameter], ExtendedOperation[Exte
         self._kept: ExtendedParameter | None = None
         self._in_progress = False
 
-    def known_kind(self) -> int | None:
+    def known_type(self) -> int | None:
         known = self.parameters.parameters.get(self.name)
         return None if known is None else known.type
 
-    def reading(self) -> GetExtendedParameter:
+    def type_request(self) -> GetExtendedParameter:
         return GetExtendedParameter(self.name)
 
     def handle_timeout(self, now: float) -> None:
@@ -95,7 +98,7 @@ class SetExtendedParameter(SetRequest[ExtendedParameter], ExtendedOperation[Exte
         super().handle_timeout(now)
 
     def time_out(self, now: float, answer: str = "no answer") -> None:
-        super().time_out(now, "began, and then fell silent" if self._in_progress else answer)
+        super().time_out(now, "started, then no further answer" if self._in_progress else answer)
 
     def send_request(self) -> None:
         message = common.ParamExtSet(
@@ -107,24 +110,24 @@ class SetExtendedParameter(SetRequest[ExtendedParameter], ExtendedOperation[Exte
         self.send(with_field(message, self._wanted or b""))
         self._kept = None
 
-    def value_came(self, heard: HeardExtended, now: float) -> None:
-        if heard.parameter.name != self.name or self._wanted is None:
+    def value_came(self, received: ReceivedExtendedParameter, now: float) -> None:
+        if received.parameter.name != self.name or self._wanted is None:
             return
-        if heard.result is None:
-            if self._in_progress and self._is_wanted(heard.parameter):
-                self.finish(heard.parameter)
-        elif heard.result == common.ParamAck.IN_PROGRESS:
+        if received.result is None:
+            if self._in_progress and self._is_wanted(received.parameter):
+                self.finish(received.parameter)
+        elif received.result == common.ParamAck.IN_PROGRESS:
             self._in_progress = True
             self.report_progress(now)
             self.timer = now + PROGRESS_INTERVAL
-        elif heard.result != common.ParamAck.ACCEPTED:
+        elif received.result != common.ParamAck.ACCEPTED:
             self.answered(now)
-            self._deny(heard.result)
-        elif self._is_wanted(heard.parameter):
+            self._deny(received.result)
+        elif self._is_wanted(received.parameter):
             self.answered(now)
-            self.finish(self.parameters.parameters.get(self.name, heard.parameter))
+            self.finish(self.parameters.parameters.get(self.name, received.parameter))
         else:
-            self._kept = heard.parameter
+            self._kept = received.parameter
 
     def _is_wanted(self, parameter: ExtendedParameter) -> bool:
         return (
@@ -133,7 +136,7 @@ class SetExtendedParameter(SetRequest[ExtendedParameter], ExtendedOperation[Exte
             and encode(parameter.value, parameter.type) == self._wanted
         )
 
-    def begin_setting(self, now: float) -> None:
+    def send_value(self, now: float) -> None:
         try:
             self._wanted = encode(self._asked, self._kind or 0)
         except LocalProtocolError as error:
@@ -152,7 +155,7 @@ class SetExtendedParameter(SetRequest[ExtendedParameter], ExtendedOperation[Exte
 
 
 class DownloadExtendedParameters(Listing["dict[str, ExtendedParameter]"]):
-    """Fetches all extended parameters."""
+    """The download of all extended parameters."""
 
     def __init__(
         self, round_trip: RoundTrip, *, timeout: float | None = None, idle_timeout: float = 10.0
@@ -163,7 +166,7 @@ class DownloadExtendedParameters(Listing["dict[str, ExtendedParameter]"]):
 
     @property
     def parameters(self) -> ExtendedParameterClient:
-        """The client that runs it."""
+        """The client that runs the operation."""
         return cast("ExtendedParameterClient", self.client)
 
     def list_request(self) -> Message:
@@ -174,18 +177,20 @@ class DownloadExtendedParameters(Listing["dict[str, ExtendedParameter]"]):
         return read_request(self.target.system, self.target.component, index)
 
     def receive(self, packet: Packet, now: float) -> None:
-        heard = self.parameters.heard
-        if heard is not None and heard.result is None and heard.parameter.index is not None:
-            parameter = heard.parameter
-            self.entry_came(parameter.index or 0, heard.count, parameter.name, now, overtaken=heard.overtaken)
+        received = self.parameters.received
+        if received is not None and received.result is None and received.parameter.index is not None:
+            parameter = received.parameter
+            self.receive_entry(
+                parameter.index or 0, received.count, parameter.name, now, reordered=received.reordered
+            )
 
-    def listed(self, names: list[str], now: float) -> None:
-        self.parameters.now_whole(names)
+    def finish_list(self, names: list[str], now: float) -> None:
+        self.parameters.set_complete(names)
         self.finish(dict(self.parameters.parameters))
 
 
 def read_request(system: int, component: int, which: str | int) -> common.ParamExtRequestRead:
-    """The message that asks for one parameter by name or index."""
+    """Return the message that requests one parameter by name or index."""
     return common.ParamExtRequestRead(
         target_system=system,
         target_component=component,

@@ -1,10 +1,9 @@
-"""Offering extended parameters (guide: extended parameter protocol).
+"""The extended parameter server (guide: extended parameter protocol).
 
-SetRequest is acknowledged: to everybody if it was accepted, so that all may know the new value, else to who
-asked. A handler may set a value at once, refuse it, or return None for a long change: then IN_PROGRESS is
-said, and the program ends it with `complete`. A repetition of what is under way hears IN_PROGRESS again; a
-repetition of what was ended lately hears the same end; a value that the parameter has already is accepted as
-it is.
+A set is acknowledged: to all components if it was accepted, so that they know the new value, else to the
+client. A handler may accept or refuse a value at once, or return None for a long change: then IN_PROGRESS is
+sent, and the program ends the change with `complete`. A repetition of a running change gets IN_PROGRESS
+again, one of a recently ended change the same result; a value that the parameter already has is accepted.
 """
 
 from __future__ import annotations
@@ -39,18 +38,18 @@ if TYPE_CHECKING:
 
 MAX_LISTS = 32
 MAX_READS = 256
-MAX_REMEMBERED = 256
-#: For so long a repetition of a long change that ended is recognised as one.
-MEMORY = 5.0
+MAX_ENDED = 256
+#: Seconds for which a repetition of an ended long change is recognised.
+REPETITION_WINDOW = 5.0
 BURST = 16
 BURST_INTERVAL = 0.004
-#: How often IN_PROGRESS is said again.
+#: Seconds between two IN_PROGRESS.
 PROGRESS_INTERVAL = 2.0
 
 
 @dataclass(eq=False, slots=True)
 class ExtendedSetRequest:
-    """A value that a client wants set."""
+    """A client's request to set a value."""
 
     parameter: ExtendedParameter
     source: Address
@@ -69,17 +68,17 @@ class ExtendedParameterWritten(Event):
 
 @dataclass(frozen=True, slots=True)
 class ExtendedSetStarted(Event):
-    """A long change began; end it with `complete`."""
+    """A long change started; end it with `complete`."""
 
     request: ExtendedSetRequest
 
 
-#: What decides on a new value: its PARAM_ACK, or None for a long change.
+#: The handler of a new value: returns its PARAM_ACK, or None for a long change.
 Handler: TypeAlias = Callable[[ExtendedSetRequest], "common.ParamAck | None"]
 
 
 class ExtendedParameterServer(Service):
-    """Offers extended parameters; those without a handler of their own take any value of their type."""
+    """The extended parameter server; parameters without a handler accept any value of their type."""
 
     handles = message_ids(common.ParamExtRequestList, common.ParamExtRequestRead, common.ParamExtSet)
 
@@ -90,21 +89,21 @@ class ExtendedParameterServer(Service):
         self._handlers: dict[str, Handler] = {}
         self._running: dict[str, ExtendedSetRequest] = {}
         self._ended: OrderedDict[tuple[Address, str], tuple[bytes, int, float]] = OrderedDict()
-        self._newest_sets: OrderedDict[tuple[Address, str], ReorderFilter] = OrderedDict()
+        self._set_filters: OrderedDict[tuple[Address, str], ReorderFilter] = OrderedDict()
         self._lists: OrderedDict[Address, int] = OrderedDict()
         self._reads: OrderedDict[tuple[Address, str], None] = OrderedDict()
         self._next_burst: float | None = None
         self._left_in_burst = BURST
 
-    # What the program calls
+    # Methods for the program
 
     def add(
         self, name: str, value: ExtendedValue, kind: int | None = None, *, handler: Handler | None = None
     ) -> None:
-        """Offer a parameter; its type follows from the value if `kind` is not given."""
+        """Add a parameter; its type follows from the value if `kind` is None."""
         kind = usual_type(value) if kind is None else kind
         if name in self._parameters or len(self._parameters) >= MAX_PARAMETERS:
-            raise InvalidArgumentError(f"there is no place for another parameter {name}")
+            raise InvalidArgumentError(f"cannot add parameter {name}: it exists, or the table is full")
         held = decode(encode(value, kind), kind)
         self._parameters[name_field(name)] = ExtendedParameter(name, held, kind, len(self._order))
         self._order.append(name)
@@ -112,18 +111,18 @@ class ExtendedParameterServer(Service):
             self._handlers[name] = handler
 
     def __getitem__(self, name: str) -> ExtendedValue:
-        """The value of a parameter."""
+        """Return the value of a parameter."""
         return self._parameters[name].value
 
     def set(self, name: str, value: ExtendedValue) -> None:
-        """Set a parameter by the program's own right, and tell everybody if it changed."""
+        """Set a parameter by the program, and broadcast it if it changed."""
         old = self._parameters[name]
         if encode(value, old.type) != encode(old.value, old.type):
             self._store(name, encode(value, old.type))
             self.send(self._value_message(name), EVERYBODY)
 
     def complete(self, request: ExtendedSetRequest, result: int, now: float) -> None:
-        """End a long change; ending it twice does nothing."""
+        """End a long change with a PARAM_ACK. Idempotent."""
         name = request.parameter.name
         if self._running.get(name) is request:
             del self._running[name]
@@ -131,10 +130,10 @@ class ExtendedParameterServer(Service):
 
     @property
     def running(self) -> tuple[ExtendedSetRequest, ...]:
-        """The long changes that have not ended."""
+        """The running long changes."""
         return tuple(self._running.values())
 
-    # As a service
+    # Methods of a service
 
     def receive(self, packet: Packet, now: float) -> None:
         source = Address(packet.system, packet.component)
@@ -190,7 +189,7 @@ class ExtendedParameterServer(Service):
     def _next_of_list(self, client: Address) -> common.ParamExtValue:
         entry = self._lists.pop(client)
         if entry + 1 < len(self._parameters):
-            self._lists[client] = entry + 1  # behind the others
+            self._lists[client] = entry + 1  # behind the other clients
         return self._value_message(self._order[entry])
 
     def _read_requested(self, client: Address, name: str, index: int) -> None:
@@ -199,7 +198,7 @@ class ExtendedParameterServer(Service):
         if name in self._parameters and len(self._reads) < MAX_READS:
             self._reads[client, name] = None
 
-    # SetRequest
+    # Sets
 
     def _set_requested(self, source: Address, message: common.ParamExtSet, sequence: int, now: float) -> None:
         name, kind, data = message.param_id, int(message.param_type), field_of(message)
@@ -223,7 +222,7 @@ class ExtendedParameterServer(Service):
                 self.send(_ack(self._parameters[name], common.ParamAck.FAILED), request.source)
         elif wanted == _data(self._parameters[name]):
             self.send(_ack(self._parameters[name], common.ParamAck.ACCEPTED), request.source)
-        elif lately is not None and lately[0] == wanted and now - lately[2] < MEMORY:
+        elif lately is not None and lately[0] == wanted and now - lately[2] < REPETITION_WINDOW:
             self.send(_ack(self._parameters[name], lately[1]), request.source)
         else:
             self._carry_out(request, now)
@@ -242,7 +241,7 @@ class ExtendedParameterServer(Service):
         key = (request.source, request.parameter.name)
         self._ended[key] = (_data(request.parameter), result, now)
         self._ended.move_to_end(key)
-        if len(self._ended) > MAX_REMEMBERED:
+        if len(self._ended) > MAX_ENDED:
             self._ended.popitem(last=False)
         self._answer(request, result)
 
@@ -265,12 +264,12 @@ class ExtendedParameterServer(Service):
         self.send(_ack(request.parameter, common.ParamAck.IN_PROGRESS), request.source)
 
     def _was_overtaken(self, source: Address, name: str, sequence: int, now: float) -> bool:
-        """Whether a newer wish of the same client for the same parameter came before this one."""
-        newest = self._newest_sets.setdefault((source, name), ReorderFilter())
-        self._newest_sets.move_to_end((source, name))
-        if len(self._newest_sets) > MAX_REMEMBERED:
-            self._newest_sets.popitem(last=False)
-        return newest.is_overtaken(sequence, now)
+        """Return whether a newer set of the same client for the same parameter arrived before."""
+        newest = self._set_filters.setdefault((source, name), ReorderFilter())
+        self._set_filters.move_to_end((source, name))
+        if len(self._set_filters) > MAX_ENDED:
+            self._set_filters.popitem(last=False)
+        return newest.is_reordered(sequence, now)
 
     def _value_message(self, name: str) -> common.ParamExtValue:
         parameter = self._parameters[name]

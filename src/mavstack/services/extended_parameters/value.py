@@ -1,7 +1,7 @@
-"""An extended parameter, and its value in the 128 bytes of a field (guide: extended parameter protocol).
+"""Extended parameters, and the encoding of their values in 128 bytes (guide: extended parameter protocol).
 
-Numbers lie there as their own bytes. The custom type is up to 128 bytes of anything: text as a rule, ended by
-a NUL if it is shorter. Here it is a `str` if it is text, and else `bytes`.
+Numbers are stored in their own bytes. The custom type is up to 128 bytes: usually text, with a NUL behind it
+if it is shorter. In Python it is a `str` if it is text, and `bytes` otherwise.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ FieldMessage = TypeVar("FieldMessage", common.ParamExtValue, common.ParamExtSet,
 
 @dataclass(frozen=True, slots=True)
 class ExtendedParameter:
-    """An extended parameter as its component told it."""
+    """An extended parameter as received from its component."""
 
     name: str
     value: ExtendedValue
@@ -48,19 +48,19 @@ class ExtendedParameter:
 
 
 def usual_type(value: ExtendedValue) -> int:
-    """The type of a value that comes without one."""
+    """Return the default type for a value."""
     if isinstance(value, str | bytes):
         return common.MavParamExtType.CUSTOM
     return common.MavParamExtType.INT32 if isinstance(value, int) else common.MavParamExtType.REAL32
 
 
 def is_known(kind: int) -> bool:
-    """Whether a MAV_PARAM_EXT_TYPE is one of the eleven."""
+    """Return whether a number is a MAV_PARAM_EXT_TYPE."""
     return kind in _FORMATS or kind == common.MavParamExtType.CUSTOM
 
 
 def encode(value: ExtendedValue, kind: int) -> bytes:
-    """The bytes of the field; raises LocalProtocolError if the type cannot hold the value."""
+    """Encode a value; raises InvalidArgumentError if the type cannot hold it."""
     data = _bytes_of(value, kind)
     if data is None or len(data) > VALUE_LENGTH:
         raise InvalidArgumentError(f"an extended parameter of type {kind} cannot hold {value!r}")
@@ -68,7 +68,7 @@ def encode(value: ExtendedValue, kind: int) -> bytes:
 
 
 def decode(data: bytes, kind: int) -> ExtendedValue:
-    """The value in the bytes of the field; an unknown type is read as the custom one."""
+    """Decode the bytes of the field; an unknown type is decoded like the custom one."""
     layout = _FORMATS.get(common.MavParamExtType(kind)) if is_known(kind) else None
     if layout is not None:
         number: int | float = unpack_from(layout, data)[0]
@@ -82,20 +82,20 @@ def decode(data: bytes, kind: int) -> ExtendedValue:
 
 
 def field_of(message: Message) -> bytes:
-    """The bytes of `param_value`, untouched."""
+    """Return the unmodified bytes of `param_value`."""
     begin = _OFFSETS[type(message)]
     return message.to_payload()[begin : begin + VALUE_LENGTH].ljust(VALUE_LENGTH, b"\0")
 
 
 def with_field(message: FieldMessage, data: bytes) -> FieldMessage:
-    """The message with these bytes in `param_value`."""
+    """Return a message with these bytes in `param_value`."""
     begin = _OFFSETS[type(message)]
     payload = message.to_payload().ljust(begin + VALUE_LENGTH, b"\0")
     return message.from_payload(payload[:begin] + data + payload[begin + VALUE_LENGTH :])
 
 
 def read_value(message: common.ParamExtValue) -> ExtendedParameter:
-    """The parameter that a PARAM_EXT_VALUE tells."""
+    """Return the parameter in a PARAM_EXT_VALUE."""
     kind = int(message.param_type)
     index = message.param_index if message.param_index < message.param_count else None
     return ExtendedParameter(message.param_id, decode(field_of(message), kind), kind, index)

@@ -1,4 +1,4 @@
-"""Parameters: read, set, listed and watched, in both encodings, and the server that offers them."""
+"""The parameter protocol: client and server, in both encodings (guide: parameter protocol)."""
 
 from mavstack.services.parameters.client import (
     ParameterChanged,

@@ -1,8 +1,8 @@
-"""Reading and setting the parameters of one component (guide: parameter protocol).
+"""The parameter client of one component (guide: parameter protocol).
 
-`ParameterClient.parameters` is what is known of them, kept up by every PARAM_VALUE that the component sends,
-whoever asked for it; each change is told as `ParameterChanged`. How values are to be read follows from the
-component (`encoding_of`); a client that is told otherwise later forgets what it read.
+`ParameterClient.parameters` is updated by every PARAM_VALUE of the component, whoever requested it; each
+change is emitted as `ParameterChanged`. The encoding of values follows from the component (`encoding_of`); a
+change of the encoding discards all values.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ParameterChanged(Event):
-    """A parameter was told for the first time (`previous` is None), or with another value."""
+    """A parameter was received for the first time (`previous` is None), or with another value."""
 
     parameter: Parameter
     previous: Parameter | None
@@ -47,65 +47,70 @@ class ParameterChanged(Event):
 
 @dataclass(frozen=True, slots=True)
 class ParameterRounded(Event):
-    """A value that was to be set lost digits on its way: `asked` became `sent`."""
+    """A value to set lost digits in the encoding: `requested` became `sent`."""
 
     name: str
-    asked: Value
+    requested: Value
     sent: Value
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A whole set in the order of its table, and the hash that the component told for it, if it did."""
+    """A complete parameter set, for example from an earlier connection.
+
+    Attributes:
+        parameters: The parameters in the order of the component's table.
+        hash: The hash that the component sent for the set, if it did.
+    """
 
     parameters: tuple[Parameter, ...]
     hash: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
-    """A PARAM_VALUE: `count` parameters in all; `overtaken` if newer ones came before it."""
+class ReceivedParameter:
+    """A PARAM_VALUE; `count` is the size of the table, `reordered` means that newer ones arrived before."""
 
     parameter: Parameter
     count: int
-    overtaken: bool
+    reordered: bool
 
 
 class ParameterClient(Client):
-    """The parameters of one component."""
+    """The parameter client of one component."""
 
     handles = message_ids(common.ParamValue, common.ParamError)
 
     def __init__(self, local: Address, target: Address, encoding: Encoding = Encoding.BYTEWISE) -> None:
         if not target.system or not target.component:
-            raise InvalidArgumentError(f"parameters belong to one component, and {target} is not one")
+            raise InvalidArgumentError(f"the target of parameters must be one component, got {target}")
         super().__init__(local, target)
         self.round_trip = RoundTrip(initial=1.0, minimum=0.05, maximum=3.0)
-        #: What the packet under way told; operations look here.
-        self.heard: Heard | None = None
-        self.told_hash: int | None = None
+        #: The parameter in the packet that is being received, for the operations.
+        self.received: ReceivedParameter | None = None
+        self.remote_hash: int | None = None
         self.defaults: dict[str, Value] = {}
         self._encoding = encoding
         self._parameters: dict[str, Parameter] = {}
-        self._told_at: dict[str, float] = {}
+        self._received_at: dict[str, float] = {}
         self._reorder_filter = ReorderFilter()
         self._complete = False
 
-    # What is known
+    # State
 
     @property
     def parameters(self) -> Mapping[str, Parameter]:
-        """All parameters heard of, by name."""
+        """All received parameters, by name."""
         return MappingProxyType(self._parameters)
 
     @property
     def complete(self) -> bool:
-        """Whether the whole set was fetched."""
+        """True if the complete set was downloaded."""
         return self._complete
 
     @property
     def encoding(self) -> Encoding:
-        """How values are read; another one forgets what was read."""
+        """The encoding of values; a change discards all received values."""
         return self._encoding
 
     @encoding.setter
@@ -115,36 +120,59 @@ class ParameterClient(Client):
             self._clear()
 
     def clear_cache(self, now: float) -> None:
-        """The component started anew: forget its parameters; a listing that is under way begins anew."""
+        """Discard all parameters, because the component rebooted; a running download restarts."""
         self._clear()
         for operation in self._running:
             if isinstance(operation, DownloadParameters):
-                operation.begin_anew(now)
+                operation.restart_download(now)
 
     def _clear(self) -> None:
-        self._parameters, self._told_at = {}, {}  # who was given the old ones keeps them
-        self._complete, self.told_hash = False, None
+        self._parameters, self._received_at = {}, {}  # callers keep the old mapping
+        self._complete, self.remote_hash = False, None
 
     def snapshot(self) -> Snapshot | None:
-        """The whole set to keep for another day; None if it was not fetched."""
-        return Snapshot(tuple(self._parameters.values()), self.told_hash) if self._complete else None
+        """Return the complete set for a later `download`; None if it was not downloaded."""
+        return Snapshot(tuple(self._parameters.values()), self.remote_hash) if self._complete else None
 
-    # What is asked
+    # Operations
 
-    def read(self, which: str | int, now: float, *, timeout: float | None = None) -> GetParameter:
-        """Ask for one parameter, by name or index; its result is the `Parameter`."""
+    def get(self, which: str | int, now: float, *, timeout: float | None = None) -> GetParameter:
+        """Request one parameter.
+
+        Args:
+            which: Its name or index.
+            now: The time, Unix seconds.
+            timeout: Seconds for the complete operation; None sets no overall limit.
+
+        Returns:
+            The operation, whose result is the `Parameter`.
+
+        Raises:
+            InvalidArgumentError: The name or the index is invalid.
+        """
         if isinstance(which, str):
             name_field(which)
         elif not 0 <= which < 32768:
-            raise InvalidArgumentError(f"no parameter can be asked for by index {which}")
+            raise InvalidArgumentError(f"a parameter index must be from 0 to 32767, got {which}")
         return self.begin(GetParameter(which, timeout=timeout), now)
 
     def set(
         self, name: str, value: Value, now: float, *, kind: int | None = None, timeout: float | None = None
     ) -> SetParameter:
-        """Set a parameter and see it read back; its result is the `Parameter` as it is now.
+        """Set a parameter and confirm its value.
 
-        The type is that which the component told; if it told none yet, and `kind` gives none, it is asked.
+        Args:
+            name: Its name.
+            value: The new value.
+            now: The time, Unix seconds.
+            kind: Its MAV_PARAM_TYPE; None: as received from the component, which is asked if necessary.
+            timeout: Seconds for the complete operation; None sets no overall limit.
+
+        Returns:
+            The operation, whose result is the `Parameter` with its new value.
+
+        Raises:
+            InvalidArgumentError: The name is invalid.
         """
         return self.begin(SetParameter(name_field(name), value, kind, timeout=timeout), now)
 
@@ -156,40 +184,49 @@ class ParameterClient(Client):
         timeout: float | None = None,
         idle_timeout: float = 10.0,
     ) -> DownloadParameters:
-        """Fetch the whole set; its result are the parameters by name, in the order of their table.
+        """Download the complete set.
 
-        If the component tells the hash of a `known` set, that is the result, and nothing is transferred.
+        Args:
+            now: The time, Unix seconds.
+            known: A set that is the result without a transfer, if the component sends its hash.
+            timeout: Seconds for the complete operation; None sets no overall limit.
+            idle_timeout: Seconds without progress after which the operation fails.
+
+        Returns:
+            The operation, whose result are the parameters by name, in the order of the table.
         """
         return self.begin(
             DownloadParameters(self.round_trip, known, timeout=timeout, idle_timeout=idle_timeout), now
         )
 
     def read_hash(self, now: float, *, timeout: float | None = None) -> ReadHash:
-        """Ask for the hash of all parameters, which PX4 knows; its result is the number."""
+        """Request the hash of all parameters, which PX4 supports; the result is the number."""
         return self.begin(ReadHash(timeout=timeout), now)
 
-    def take_packed(self, data: bytes, now: float, *, begun: float | None = None, start: int = 0) -> bool:
-        """Take in a downloaded packed file; False if it is damaged.
+    def load_packed(
+        self, data: bytes, now: float, *, started_at: float | None = None, start: int = 0
+    ) -> bool:
+        """Load a downloaded packed file; returns False if it is damaged.
 
-        What was told after `begun`, when its download began, is newer than the file and stays.
+        Values received after `started_at`, when its download began, are newer than the file and stay.
         """
         packed = unpack(data, start=start)
         if packed is None:
             return False
-        self.take_packed_file(packed, now, begun=begun)
+        self.load_packed_file(packed, now, started_at=started_at)
         return True
 
-    def take_packed_file(self, packed: PackedFile, now: float, *, begun: float | None = None) -> None:
-        """Take in a packed file that was read already."""
-        since = now if begun is None else begun
+    def load_packed_file(self, packed: PackedFile, now: float, *, started_at: float | None = None) -> None:
+        """Load a decoded packed file."""
+        since = now if started_at is None else started_at
         for parameter in packed.parameters:
-            if self._told_at.get(parameter.name, since) <= since:
-                self._learn(parameter, now)
+            if self._received_at.get(parameter.name, since) <= since:
+                self._store(parameter, now)
         self.defaults.update(packed.defaults)
-        if packed.whole:
-            self.now_whole([parameter.name for parameter in packed.parameters], None)
+        if packed.complete:
+            self.set_complete([parameter.name for parameter in packed.parameters], None)
 
-    # As a client
+    # Methods of a client
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         if isinstance(new, SetParameter):
@@ -197,48 +234,48 @@ class ParameterClient(Client):
         return isinstance(new, DownloadParameters) and isinstance(running, DownloadParameters)
 
     def observe(self, packet: Packet, now: float) -> None:
-        self.heard = None
+        self.received = None
         match packet.message:
             case common.ParamValue(param_id=name) as message if name == HASH_NAME:
-                self.told_hash = int.from_bytes(field_of(message), "little")
+                self.remote_hash = int.from_bytes(field_of(message), "little")
             case common.ParamValue(param_id=name) as message if name:
-                overtaken = self._reorder_filter.is_overtaken(packet.sequence, now)
+                reordered = self._reorder_filter.is_reordered(packet.sequence, now)
                 parameter = read_value(message, self._encoding)
-                self.heard = Heard(parameter, message.param_count, overtaken)
-                if not overtaken or name not in self._parameters:
-                    self._learn(parameter, now)
+                self.received = ReceivedParameter(parameter, message.param_count, reordered)
+                if not reordered or name not in self._parameters:
+                    self._store(parameter, now)
 
-    def now_whole(self, names: list[str], told_hash: int | None) -> None:
-        """These are all parameters there are, in their order; others are gone."""
+    def set_complete(self, names: list[str], remote_hash: int | None) -> None:
+        """Record that these are all parameters, in their order; others are removed."""
         known = self._parameters
         self._parameters = {name: known[name] for name in names if name in known}
-        self._told_at = {name: self._told_at[name] for name in self._parameters}
-        self._complete, self.told_hash = True, told_hash
+        self._received_at = {name: self._received_at[name] for name in self._parameters}
+        self._complete, self.remote_hash = True, remote_hash
 
-    def take_snapshot(self, snapshot: Snapshot, told_hash: int, now: float) -> None:
-        """The component's parameters are those of a snapshot."""
+    def load_snapshot(self, snapshot: Snapshot, remote_hash: int, now: float) -> None:
+        """Use the parameters of a snapshot."""
         for parameter in snapshot.parameters:
-            self._learn(parameter, now)
-        self.now_whole([parameter.name for parameter in snapshot.parameters], told_hash)
+            self._store(parameter, now)
+        self.set_complete([parameter.name for parameter in snapshot.parameters], remote_hash)
 
-    def say_rounded(self, name: str, asked: Value, sent: Value) -> None:
-        """Tell the program that a value lost digits."""
-        self.emit(ParameterRounded(name, asked, sent))
+    def report_rounded(self, name: str, requested: Value, sent: Value) -> None:
+        """Emit `ParameterRounded`."""
+        self.emit(ParameterRounded(name, requested, sent))
 
-    def _learn(self, parameter: Parameter, now: float) -> None:
+    def _store(self, parameter: Parameter, now: float) -> None:
         name = parameter.name
         previous = self._parameters.get(name)
         if previous is None and len(self._parameters) >= MAX_PARAMETERS:
             return
         self._parameters[name] = _with_index(parameter, previous)
-        self._told_at[name] = now
-        if previous is None or not _alike(parameter, previous):
+        self._received_at[name] = now
+        if previous is None or not _equal(parameter, previous):
             if previous is not None:
-                self.told_hash = None  # it was told for the values before
+                self.remote_hash = None  # it belongs to the values before
             self.emit(ParameterChanged(parameter, previous))
 
 
-def _alike(one: Parameter, other: Parameter) -> bool:
+def _equal(one: Parameter, other: Parameter) -> bool:
     return one.type == other.type and same(one.value, other.value)
 
 

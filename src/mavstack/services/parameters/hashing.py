@@ -1,8 +1,8 @@
-"""`_HASH_CHECK`: PX4 tells one number for all of its parameters, so that a known set need not be fetched.
+"""`_HASH_CHECK`: PX4's hash of all its parameters, so that a known set need not be downloaded.
 
-The number is a CRC-32 (reflected, beginning at 0, without final inversion) over the name and the value bytes
-of each parameter in the order of the table. Volatile parameters are left out, and which those are is known
-to the vehicle alone; so the number it told beside a set is as good as one computed here, and often better.
+The hash is a CRC-32 (reflected, initial value 0, without final inversion) over the name and the value bytes
+of each parameter in the order of the table. Volatile parameters are excluded, and only the vehicle knows
+which those are; so the hash that it sent for a set is as good as one computed here, and often better.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _ALL_ONES = 0xFFFFFFFF
 
 
 def hash_of(parameters: Iterable[Parameter]) -> int:
-    """The hash of parameters that are given in the order of their table."""
+    """Return the hash of parameters in the order of their table."""
     state = _ALL_ONES  # zlib inverts before and after; PX4 does neither
     for parameter in parameters:
         state = crc32(parameter.name.encode(errors="surrogateescape"), state)

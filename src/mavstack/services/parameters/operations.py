@@ -1,10 +1,10 @@
-"""What a `ParameterClient` asks: one parameter, a new value, all of them, or their hash.
+"""The operations of a `ParameterClient`: getting, setting and downloading parameters, and their hash.
 
-A set is answered by the PARAM_VALUE that reads back what the component has now. Some answer only a change,
-so that in every second attempt the value is asked for beside. A value that came from elsewhere, or that is on
-its way since before, is not taken for a refusal, nor one that was asked for, as the new one may have been
-lost: only the third answer in vain is. Of a name that they do not have some say nothing, some a PARAM_ERROR,
-and PX4 before that message existed a STATUSTEXT.
+A set is answered by the PARAM_VALUE with the new value. Some components answer only a change, so every second
+attempt also requests the value. A value from another source, or one that was in transit before, is no
+refusal, nor is one that was requested, since the new value may have been lost: only the third wrong answer
+is. For an unknown name some components send nothing, some a PARAM_ERROR, and PX4 before that message a
+STATUSTEXT.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from mavstack.services.parameters.value import (
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
-    from mavstack.services.parameters.client import Heard, ParameterClient, Snapshot
+    from mavstack.services.parameters.client import ParameterClient, ReceivedParameter, Snapshot
     from mavstack.services.timing import RoundTrip
     from mavstack.wire import Packet
 
@@ -44,13 +44,13 @@ UNKNOWN_INDEX_TEXT = "unknown param ID: "
 
 
 class ParameterOperation(RetryingRequest[Result]):
-    """An operation of a `ParameterClient` that sends one request until it is answered."""
+    """The base of `ParameterClient` operations that repeat one request until it is answered."""
 
     handles = message_ids(common.Statustext)
 
     @property
     def parameters(self) -> ParameterClient:
-        """The client that runs it."""
+        """The client that runs the operation."""
         return cast("ParameterClient", self.client)
 
     @property
@@ -60,28 +60,28 @@ class ParameterOperation(RetryingRequest[Result]):
     def receive(self, packet: Packet, now: float) -> None:
         match packet.message:
             case common.ParamError() as error:
-                if self.is_mine(error):
+                if self.is_about_this(error):
                     self.answered(now)
                     self.fail(denied(self, int(error.error)))
             case common.ParamValue() as message:
-                self.value_came(message, now)
+                self.receive_value(message, now)
             case common.Statustext(text=text) if text.endswith(self.unknown_text()):
                 self.fail(denied(self, common.MavParamError.DOES_NOT_EXIST))
 
     def unknown_text(self) -> str:
-        """The end of the text that says that what is asked does not exist."""
+        """Return the end of the status text that reports an unknown parameter."""
         return UNKNOWN_TEXT + HASH_NAME
 
-    def is_mine(self, error: common.ParamError) -> bool:
-        """Whether a PARAM_ERROR is about what is asked."""
+    def is_about_this(self, error: common.ParamError) -> bool:
+        """Return whether a PARAM_ERROR refers to this operation."""
         return False
 
-    def value_came(self, message: common.ParamValue, now: float) -> None:
-        """A PARAM_VALUE of the target."""
+    def receive_value(self, message: common.ParamValue, now: float) -> None:
+        """Handle a PARAM_VALUE of the target."""
 
 
 class GetParameter(ParameterOperation[Parameter]):
-    """Asks for one parameter by name or index."""
+    """The request of one parameter by name or index."""
 
     def __init__(self, which: str | int, *, timeout: float | None = None) -> None:
         super().__init__(f"reading parameter {which} of", timeout=timeout)
@@ -95,41 +95,41 @@ class GetParameter(ParameterOperation[Parameter]):
             UNKNOWN_TEXT + self.which if isinstance(self.which, str) else f"{UNKNOWN_INDEX_TEXT}{self.which}"
         )
 
-    def is_mine(self, error: common.ParamError) -> bool:
-        return asks_for(self.which, error.param_id, error.param_index)
+    def is_about_this(self, error: common.ParamError) -> bool:
+        return concerns(self.which, error.param_id, error.param_index)
 
-    def value_came(self, message: common.ParamValue, now: float) -> None:
-        heard = self.parameters.heard
-        if heard is None or heard.overtaken:
+    def receive_value(self, message: common.ParamValue, now: float) -> None:
+        received = self.parameters.received
+        if received is None or received.reordered:
             return
-        if self.which in (heard.parameter.name, heard.parameter.index):
+        if self.which in (received.parameter.name, received.parameter.index):
             self.answered(now)
-            self.finish(heard.parameter)
+            self.finish(received.parameter)
 
 
 class SetParameter(SetRequest[Parameter], ParameterOperation[Parameter]):
-    """Sets one parameter and reads it back."""
+    """The setting of one parameter, confirmed by its value."""
 
     def __init__(self, name: str, value: Value, kind: int | None, *, timeout: float | None = None) -> None:
         super().__init__(name, kind, shortest(value), timeout=timeout)
-        self._asked = value
+        self._requested = value
         self._wanted: Value | None = None
-        self._kept: Parameter | None = None
-        self._asks_beside = False
+        self._other_value: Parameter | None = None
+        self._requests_value = False
 
-    def known_kind(self) -> int | None:
+    def known_type(self) -> int | None:
         known = self.parameters.parameters.get(self.name)
         return None if known is None else known.type
 
-    def reading(self) -> GetParameter:
+    def type_request(self) -> GetParameter:
         return GetParameter(self.name)
 
     def handle_timeout(self, now: float) -> None:
-        if self._kept is not None:
+        if self._other_value is not None:
             self._silent = -1
-            self._refusals += 0 if self._asks_beside else 1
+            self._refusals += 0 if self._requests_value else 1
             if self._refusals >= MAX_REFUSALS:
-                self.fail(denied(self, 0, f"it stayed {self._kept.text}"))
+                self.fail(denied(self, 0, f"the value stayed {self._other_value.text}"))
                 return
         super().handle_timeout(now)
 
@@ -141,46 +141,51 @@ class SetParameter(SetRequest[Parameter], ParameterOperation[Parameter]):
             param_id=self.name,
             param_type=kind,
         )
-        wanted = self._asked if self._wanted is None else self._wanted
+        wanted = self._requested if self._wanted is None else self._wanted
         self.send(with_field(message, encode(wanted, kind, self.parameters.encoding)))
-        self._asks_beside = self.attempts % 2 == 1
-        if self._asks_beside:
+        self._requests_value = self.attempts % 2 == 1
+        if self._requests_value:
             self.send(read_request(target.system, target.component, self.name))
-        self._kept = None
+        self._other_value = None
 
     def unknown_text(self) -> str:
         return UNKNOWN_TEXT + self.name
 
-    def is_mine(self, error: common.ParamError) -> bool:
-        return self._wanted is not None and asks_for(self.name, error.param_id, error.param_index)
+    def is_about_this(self, error: common.ParamError) -> bool:
+        return self._wanted is not None and concerns(self.name, error.param_id, error.param_index)
 
-    def value_came(self, message: common.ParamValue, now: float) -> None:
-        heard = self.parameters.heard
-        if heard is None or heard.overtaken or heard.parameter.name != self.name or self._wanted is None:
+    def receive_value(self, message: common.ParamValue, now: float) -> None:
+        received = self.parameters.received
+        if (
+            received is None
+            or received.reordered
+            or received.parameter.name != self.name
+            or self._wanted is None
+        ):
             return
-        cast_value = self.parameters.encoding is Encoding.C_CAST  # whose sender's type says nothing
-        right_type = cast_value or heard.parameter.type == self._kind
-        if right_type and same(heard.parameter.value, self._wanted):
+        cast_value = self.parameters.encoding is Encoding.C_CAST  # its type field is not reliable
+        right_type = cast_value or received.parameter.type == self._kind
+        if right_type and same(received.parameter.value, self._wanted):
             self.answered(now)
-            self.finish(heard.parameter)
+            self.finish(received.parameter)
         else:
-            self._kept = heard.parameter
+            self._other_value = received.parameter
 
-    def begin_setting(self, now: float) -> None:
+    def send_value(self, now: float) -> None:
         kind, encoding = self._kind or 0, self.parameters.encoding
         try:
-            value = as_type(self.name, self._asked, kind)
+            value = as_type(self.name, self._requested, kind)
         except LocalProtocolError as error:
             self.fail(error)
             return
         self._wanted = decode(encode(value, kind, encoding), kind, encoding)
         if not survives(value, kind, encoding):
-            self.parameters.say_rounded(self.name, self._asked, self._wanted)
+            self.parameters.report_rounded(self.name, self._requested, self._wanted)
         self.transmit(now)
 
 
 class ReadHash(ParameterOperation[int]):
-    """Asks for the hash of all parameters."""
+    """The request of the hash of all parameters."""
 
     def __init__(self, *, timeout: float | None = None) -> None:
         super().__init__("reading the parameter hash of", timeout=timeout)
@@ -188,18 +193,18 @@ class ReadHash(ParameterOperation[int]):
     def send_request(self) -> None:
         self.send(read_request(self.target.system, self.target.component, HASH_NAME))
 
-    def is_mine(self, error: common.ParamError) -> bool:
-        return asks_for(HASH_NAME, error.param_id, error.param_index)
+    def is_about_this(self, error: common.ParamError) -> bool:
+        return concerns(HASH_NAME, error.param_id, error.param_index)
 
-    def value_came(self, message: common.ParamValue, now: float) -> None:
-        told = self.parameters.told_hash
-        if message.param_id == HASH_NAME and told is not None:
+    def receive_value(self, message: common.ParamValue, now: float) -> None:
+        remote = self.parameters.remote_hash
+        if message.param_id == HASH_NAME and remote is not None:
             self.answered(now)
-            self.finish(told)
+            self.finish(remote)
 
 
 class DownloadParameters(Listing["dict[str, Parameter]"]):
-    """Fetches all parameters, unless their hash is that of a known set."""
+    """The download of all parameters, unless their hash is that of a known set."""
 
     handles = message_ids(common.ParamError)
 
@@ -222,7 +227,7 @@ class DownloadParameters(Listing["dict[str, Parameter]"]):
 
     @property
     def parameters(self) -> ParameterClient:
-        """The client that runs it."""
+        """The client that runs the operation."""
         return cast("ParameterClient", self.client)
 
     def list_request(self) -> Message:
@@ -242,31 +247,33 @@ class DownloadParameters(Listing["dict[str, Parameter]"]):
             case common.ParamError(param_index=index, error=error) if index >= 0:
                 self.entry_refused(index, int(error), now)
             case common.ParamValue(param_id=name) if name == HASH_NAME:
-                self._hash_came(now)
+                self._receive_hash(now)
             case common.ParamValue():
-                heard = self.parameters.heard
-                if heard is not None and heard.parameter.index is not None:
-                    self._entry_came(heard, now)
+                received = self.parameters.received
+                if received is not None and received.parameter.index is not None:
+                    self._receive_entry(received, now)
 
-    def _entry_came(self, heard: Heard, now: float) -> None:
-        parameter = heard.parameter
-        self.entry_came(parameter.index or 0, heard.count, parameter.name, now, overtaken=heard.overtaken)
+    def _receive_entry(self, received: ReceivedParameter, now: float) -> None:
+        parameter = received.parameter
+        self.receive_entry(
+            parameter.index or 0, received.count, parameter.name, now, reordered=received.reordered
+        )
 
-    def listed(self, names: list[str], now: float) -> None:
+    def finish_list(self, names: list[str], now: float) -> None:
         client = self.parameters
-        client.now_whole(names, client.told_hash)
+        client.set_complete(names, client.remote_hash)
         self.finish(dict(client.parameters))
 
     def clean_up(self, now: float) -> None:
-        """PX4 stops listing when someone sets the hash; others know no such name."""
-        if self.parameters.told_hash is not None:
+        """Stop PX4's list, which ends when the hash is set; other autopilots have no such name."""
+        if self.parameters.remote_hash is not None:
             self._stop_list()
 
-    def _hash_came(self, now: float) -> None:
-        told = self.parameters.told_hash
-        if self._known is not None and told is not None and told in self._hashes:
+    def _receive_hash(self, now: float) -> None:
+        remote = self.parameters.remote_hash
+        if self._known is not None and remote is not None and remote in self._hashes:
             self._stop_list()
-            self.parameters.take_snapshot(self._known, told, now)
+            self.parameters.load_snapshot(self._known, remote, now)
             self.finish(dict(self.parameters.parameters))
 
     def _stop_list(self) -> None:
@@ -282,7 +289,7 @@ class DownloadParameters(Listing["dict[str, Parameter]"]):
 
 
 def read_request(system: int, component: int, which: str | int) -> common.ParamRequestRead:
-    """The message that asks for one parameter by name or index."""
+    """Return the message that requests one parameter by name or index."""
     by_name = isinstance(which, str)
     return common.ParamRequestRead(
         target_system=system,
@@ -292,6 +299,6 @@ def read_request(system: int, component: int, which: str | int) -> common.ParamR
     )
 
 
-def asks_for(which: str | int, name: str, index: int) -> bool:
-    """Whether a PARAM_ERROR, which tells a name, or an index and a name without meaning, is about this."""
+def concerns(which: str | int, name: str, index: int) -> bool:
+    """Return whether a PARAM_ERROR, which has a valid name or a valid index, refers to this request."""
     return index == which if isinstance(which, int) else index < 0 and name == which

@@ -1,14 +1,13 @@
-"""ArduPilot's packed file of parameters, `@PARAM/param.pck`: all of them in a few bytes each.
+"""ArduPilot's packed parameter file, `@PARAM/param.pck`: all parameters in a few bytes each.
 
     header      magic u16 · parameters in this file u16 · parameters in all u16
     parameter   type and flags u8 · name lengths u8 · end of the name · value · default, if flag 1 is set
 
 The low half of the first byte is the type (1 int8, 2 int16, 3 int32, 4 float), never 0; zero bytes before it
-are padding, by which a value never lies across the border of two blocks, as one read of the file may fetch
-another moment's value than the next. The low half of the second byte says how much of the name is that of
-the parameter before, the high half how many characters follow, less one. Defaults exist only under the
-second magic. A file that is written to the vehicle has no padding and no defaults, and its third number is
-its length in bytes.
+are padding, so that a value never crosses the border of two blocks, which may be read at different times. The
+low half of the second byte is the number of characters shared with the name before, the high half the number
+of characters that follow, less one. Defaults exist only under the second magic. An uploaded file has no
+padding and no defaults, and its third number is its length in bytes.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ _WIDER = {
 
 @dataclass(frozen=True, slots=True)
 class PackedFile:
-    """What a packed file holds; `total` is how many parameters the vehicle has in all."""
+    """The content of a packed file; `total` is the number of parameters of the vehicle."""
 
     parameters: tuple[Parameter, ...]
     defaults: dict[str, Value]
@@ -54,13 +53,13 @@ class PackedFile:
     with_defaults: bool = False
 
     @property
-    def whole(self) -> bool:
-        """Whether these are all parameters."""
+    def complete(self) -> bool:
+        """True if these are all parameters."""
         return len(self.parameters) == self.total
 
 
 def unpack(data: bytes, *, start: int = 0) -> PackedFile | None:
-    """Read a packed file, whose first parameter has the index `start`; None if it is damaged or cut off."""
+    """Decode a packed file whose first parameter has the index `start`; None if it is damaged."""
     if len(data) < HEADER_SIZE:
         return None
     magic, number, total = unpack_from("<HHH", data)
@@ -73,7 +72,7 @@ def unpack(data: bytes, *, start: int = 0) -> PackedFile | None:
     if len(reader.parameters) != number:
         return None
     if magic == MAGIC and total == len(data) != number:
-        total = number  # written for upload, where it is the length
+        total = number  # a file for upload, where it is the length
     return PackedFile(tuple(reader.parameters), reader.defaults, total, reader.with_defaults)
 
 
@@ -84,7 +83,7 @@ def write(
     defaults: Mapping[str, Value] | None = None,
     block_size: int | None = None,
 ) -> bytes:
-    """Pack parameters for reading; `block_size` is how much one read of the file fetches."""
+    """Encode parameters for download; `block_size` is the size of one read of the file."""
     _check_number(len(parameters))
     magic = MAGIC if defaults is None else MAGIC_WITH_DEFAULTS
     data = bytearray(pack("<HHH", magic, len(parameters), len(parameters) if total is None else total))
@@ -98,16 +97,16 @@ def write(
 
 
 def write_upload(parameters: Sequence[Parameter]) -> bytes:
-    """Pack parameters to be written to a vehicle in one file."""
+    """Encode parameters for upload in one file."""
     data = bytearray(write(parameters))
     if len(data) > MAX_PARAMETERS:
-        raise InvalidArgumentError(f"a packed upload holds {MAX_PARAMETERS} bytes at most")
+        raise InvalidArgumentError(f"a packed upload holds at most {MAX_PARAMETERS} bytes")
     data[4:6] = pack("<H", len(data))
     return bytes(data)
 
 
 class _Reader:
-    """Goes through the entries of a file."""
+    """The decoder of the entries of a file."""
 
     def __init__(self, data: bytes, with_defaults: bool, start: int) -> None:
         self.parameters: list[Parameter] = []
@@ -119,13 +118,13 @@ class _Reader:
         self._last = b""
 
     def find_next(self) -> bool:
-        """Go past padding; False at the end."""
+        """Skip padding; returns False at the end."""
         rest = self._data[self._at :]
         self._at += len(rest) - len(rest.lstrip(b"\0"))
         return self._at < len(self._data)
 
     def take(self) -> bool:
-        """Read one entry; False if it is damaged."""
+        """Decode one entry; returns False if it is damaged."""
         head = self._data[self._at : self._at + 2]
         kind = _KINDS.get(head[0] & 15)
         if len(head) < 2 or kind is None:
@@ -153,11 +152,11 @@ class _Reader:
 
 def _check_number(number: int) -> None:
     if number > MAX_PARAMETERS:
-        raise InvalidArgumentError(f"a packed file holds {MAX_PARAMETERS} parameters at most")
+        raise InvalidArgumentError(f"a packed file holds at most {MAX_PARAMETERS} parameters")
 
 
 def _kind_for(parameter: Parameter) -> int:
-    """The type of the file that holds a parameter; a float for what no integer of the file can."""
+    """Return the file's type for a parameter; a float if no integer type fits."""
     kind = _WIDER.get(common.MavParamType(parameter.type))
     if kind is None and is_integer(parameter.type):
         kind = 3 if fitted(parameter.value, common.MavParamType.INT32) is not None else 4
@@ -178,7 +177,7 @@ def _entry(parameter: Parameter, last: str, default: Value | None) -> tuple[byte
 
 
 def _shared(one: bytes, other: bytes) -> int:
-    """How many characters two names begin with alike."""
+    """Return the length of the common prefix of two names."""
     unlike = (at for at, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
     return next(unlike, min(len(one), len(other)))
 
@@ -186,7 +185,7 @@ def _shared(one: bytes, other: bytes) -> int:
 def _packed(value: Value, kind: int) -> bytes:
     held = fitted(value, _KINDS[kind][0])
     if held is None:
-        raise InvalidArgumentError(f"{value!r} does not fit into its type")
+        raise InvalidArgumentError(f"{value!r} does not fit into the parameter's type")
     return pack(_KINDS[kind][1], held)
 
 

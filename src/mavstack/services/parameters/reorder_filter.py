@@ -1,16 +1,16 @@
-"""Telling a packet that was overtaken on its way from a new one.
+"""The filter for reordered packets.
 
-Parameter messages carry no number, so an old PARAM_VALUE that comes late looks like a change back, and an
-old PARAM_SET like a new wish. The sequence number of the packets tells: one that lies a little behind the
-newest, shortly after it, was overtaken or is a copy. Numbers begin anew after 256, so that after a while
-nothing is known and everything is taken as new; who is judged wrongly only asks again.
+Parameter messages carry no number, so a late PARAM_VALUE looks like a change back, and a late PARAM_SET like
+a new request. The packets' sequence numbers tell: one a little behind the newest, shortly after it, was
+reordered or is a duplicate. Numbers wrap after 256, so that after a while every packet counts as new; a wrong
+decision costs only a repetition.
 """
 
 from __future__ import annotations
 
-#: How far behind, in packets and in seconds, an overtaken packet may come.
-BEHIND = 32
-WITHIN = 0.5
+#: How far behind, in packets and in seconds, a reordered packet may arrive.
+MAX_BEHIND = 32
+REORDER_WINDOW = 0.5
 
 
 class ReorderFilter:
@@ -22,10 +22,10 @@ class ReorderFilter:
         self._sequence = 0
         self._at: float | None = None
 
-    def is_overtaken(self, sequence: int, now: float) -> bool:
-        """Take in a packet; True if it is older than the newest, or a copy of it."""
-        recent = self._at is not None and now - self._at < WITHIN
-        if recent and (self._sequence - sequence) % 256 < BEHIND:
+    def is_reordered(self, sequence: int, now: float) -> bool:
+        """Record a packet; returns True if it is older than the newest, or a duplicate of it."""
+        recent = self._at is not None and now - self._at < REORDER_WINDOW
+        if recent and (self._sequence - sequence) % 256 < MAX_BEHIND:
             return True
         self._sequence, self._at = sequence, now
         return False

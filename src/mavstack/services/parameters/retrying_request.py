@@ -1,7 +1,7 @@
-"""What reading and setting have in common, for plain and extended parameters alike.
+"""The base of getting and setting, for plain and extended parameters alike.
 
-One request is sent until it is answered, each time with more patience. A value can be set only as the type
-that the component holds, so who does not know it asks for the parameter first.
+A request is repeated until it is answered, with increasing timeouts. A value can be set only with the type
+that the component has, so a client that does not know the type requests the parameter first.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 ATTEMPTS = 6
-#: So many answers with another value say that the component keeps it.
+#: The number of answers with another value that mean a refusal.
 MAX_REFUSALS = 3
 IDLE_TIMEOUT = 30.0
 
 
 class RetryingRequest(Operation[Result]):
-    """An operation that sends one request until it is answered."""
+    """An operation that repeats one request until it is answered."""
 
     timeout_error = ParameterTimeout
 
     def __init__(self, description: str, *, timeout: float | None = None) -> None:
         super().__init__(description, timeout=timeout, idle_timeout=IDLE_TIMEOUT)
         self._sent_at = 0.0
-        self._silent = 0  # attempts in a row without any answer
+        self._silent = 0  # consecutive attempts without any answer
 
     @property
     @abstractmethod
     def round_trip(self) -> RoundTrip:
-        """The round trips of its client."""
+        """The round trips of the client."""
 
     @abstractmethod
     def send_request(self) -> None:
-        """Send what is asked."""
+        """Send the request."""
 
     def start(self, now: float) -> None:
         self.transmit(now)
@@ -55,20 +55,20 @@ class RetryingRequest(Operation[Result]):
             self.transmit(now)
 
     def transmit(self, now: float) -> None:
-        """Send the request and wait."""
+        """Send the request and set the timer."""
         self.send_request()
         self.attempts += 1
         self._sent_at = now
         self.timer = now + self.round_trip.timeout(self._silent + 1)
 
     def answered(self, now: float) -> None:
-        """An answer came; an only request measures the round trip."""
+        """Record an answer; that to a single request is a round-trip sample."""
         if self.attempts == 1:
             self.round_trip.add_sample(now - self._sent_at)
 
 
 class SetRequest(RetryingRequest[Result]):
-    """Sets one parameter; begins by asking for its type, if that is not known."""
+    """The setting of one parameter; requests its type first, if that is unknown."""
 
     def __init__(self, name: str, kind: int | None, text: str, *, timeout: float | None = None) -> None:
         super().__init__(f"setting parameter {name} to {text} on", timeout=timeout)
@@ -77,24 +77,24 @@ class SetRequest(RetryingRequest[Result]):
         self._refusals = 0
 
     @abstractmethod
-    def known_kind(self) -> int | None:
-        """The type that the component told before."""
+    def known_type(self) -> int | None:
+        """Return the type as received before."""
 
     @abstractmethod
-    def reading(self) -> Operation[Any]:
-        """What asks for the parameter, to learn its type."""
+    def type_request(self) -> Operation[Any]:
+        """Return the operation that requests the parameter, for its type."""
 
     @abstractmethod
-    def begin_setting(self, now: float) -> None:
-        """The type is known: send the value."""
+    def send_value(self, now: float) -> None:
+        """Send the value, once the type is known."""
 
     def start(self, now: float) -> None:
         if self._kind is None:
-            self._kind = self.known_kind()
+            self._kind = self.known_type()
         if self._kind is None:
-            self.begin(self.reading(), now)
+            self.begin(self.type_request(), now)
         else:
-            self.begin_setting(now)
+            self.send_value(now)
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
         if self.done:
@@ -104,4 +104,4 @@ class SetRequest(RetryingRequest[Result]):
         else:
             self._kind = child.result().type
             self.report_progress(now)
-            self.begin_setting(now)
+            self.send_value(now)

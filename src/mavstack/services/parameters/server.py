@@ -1,13 +1,13 @@
-"""Offering parameters to clients (guide: parameter protocol).
+"""The parameter server (guide: parameter protocol).
 
-Values that are asked for go to who asked, a value that was set goes to everybody. Lists are sent in turns,
-one value for each client that listens to one, as there is room on the way to it and never more than a handful
-at once; single values go before lists. A client that asks for the list again hears it from its beginning.
+Requested values are sent to the client, changed values to all components. Lists are sent in turns, one value
+for each client, as the links to it have room and never more than a burst at once; single values go before
+lists. A repeated list request restarts the client's list.
 
-What cannot be set is answered with PARAM_ERROR, and with the value that stays, which old clients understand.
-A client that speaks MAVLink 1 cannot hear PARAM_ERROR and hears the value alone. Types must be right under
-bytewise encoding; a cast value says all by itself, and is accepted whatever type it claims, as ArduPilot
-does. SetRequest `_HASH_CHECK` ends the sender's list, as on PX4.
+A refused set is answered with PARAM_ERROR, and with the unchanged value, which old clients understand. A
+client of MAVLink 1 cannot receive PARAM_ERROR and gets only the value. Types must match in the bytewise
+encoding; a cast value is accepted with any type, as by ArduPilot. Setting `_HASH_CHECK` ends the client's
+list, as on PX4.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Bounds on what clients can make us keep.
+#: Limits of the state that clients can create.
 MAX_LISTS = 32
 MAX_READS = 256
 MAX_SETTERS = 256
-#: So many list entries leave at once, and then again after so many seconds: a receiver's buffer is finite.
+#: The list entries that are sent at once, and the seconds between two bursts: a receiver's buffer is finite.
 BURST = 32
 BURST_INTERVAL = 0.004
-#: Entry of a list that comes before the first.
+#: The number of the hash, which is sent before the first entry.
 HASH_FIRST = -1
 
 
@@ -67,12 +67,19 @@ class ParameterWritten(Event):
     source: Address
 
 
-#: A further word of the program before a value is set: why not, or None.
+#: The program's check of a value: returns the reason of a refusal, or None.
 Check: TypeAlias = Callable[[ParameterDefinition, Value], "common.MavParamError | None"]
 
 
 class ParameterServer(Service):
-    """Offers a table of parameters; with `hash_check`, usual for bytewise encoding, also their hash."""
+    """The parameter server of one component.
+
+    Args:
+        local: The local component.
+        encoding: The encoding of values.
+        hash_check: Also offer `_HASH_CHECK`; None: with the bytewise encoding.
+        check: Checks a value before a client sets it.
+    """
 
     handles = message_ids(common.ParamRequestList, common.ParamRequestRead, common.ParamSet)
 
@@ -91,11 +98,11 @@ class ParameterServer(Service):
         self._check = check
         self._lists: OrderedDict[Address, int] = OrderedDict()  # the next entry for each client
         self._reads: OrderedDict[tuple[Address, str], None] = OrderedDict()
-        self._newest_sets: OrderedDict[tuple[Address, str], ReorderFilter] = OrderedDict()
+        self._set_filters: OrderedDict[tuple[Address, str], ReorderFilter] = OrderedDict()
         self._next_burst: float | None = None
         self._left_in_burst = BURST
 
-    # What the program calls
+    # Methods for the program
 
     def add(
         self,
@@ -109,16 +116,27 @@ class ParameterServer(Service):
         read_only: bool = False,
         volatile: bool = False,
     ) -> None:
-        """Offer a parameter; its type follows from the value if `kind` is not given."""
+        """Add a parameter.
+
+        Args:
+            name: Its name, 1 to 16 bytes.
+            value: Its value.
+            kind: Its MAV_PARAM_TYPE; None: INT32 or REAL32, by the value.
+            minimum: The smallest value that clients can set; None: no limit.
+            maximum: The largest value that clients can set; None: no limit.
+            default: Its default; None: `value`.
+            read_only: Refuse sets by clients.
+            volatile: It changes by itself, and is excluded from the hash.
+        """
         default = value if default is None else default
         self.table.add(ParameterDefinition(name, value, kind, minimum, maximum, default, read_only, volatile))
 
     def __getitem__(self, name: str) -> Value:
-        """The value of a parameter."""
+        """Return the value of a parameter."""
         return self.table[name].value
 
     def set(self, name: str, value: Value) -> None:
-        """Set a parameter by the program's own right, and tell everybody if it changed."""
+        """Set a parameter by the program, and broadcast it if it changed."""
         definition = self.table[name]
         held = as_type(name, value, definition.kind)
         changed = not same(held, definition.value)
@@ -126,10 +144,10 @@ class ParameterServer(Service):
         if changed:
             self.send(self._value_message(name), EVERYBODY)
 
-    def take_packed(self, data: bytes, source: Address) -> bool:
-        """Set what a packed file says that a client wrote; False, and nothing is set, if it is damaged.
+    def load_packed(self, data: bytes, source: Address) -> bool:
+        """Set the parameters of an uploaded packed file; returns False, without any change, if it is damaged.
 
-        Parameters that are not known or cannot be set so are left out.
+        Unknown parameters and refused values are skipped.
         """
         packed = unpack(data)
         if packed is None or packed.with_defaults:
@@ -140,7 +158,7 @@ class ParameterServer(Service):
                 self._write(definition, parameter.value, source)
         return True
 
-    # As a service
+    # Methods of a service
 
     def receive(self, packet: Packet, now: float) -> None:
         source = Address(packet.system, packet.component)
@@ -190,7 +208,7 @@ class ParameterServer(Service):
         entry = self._lists.pop(client)
         definition = self.table.find(entry) if entry >= 0 else None
         if entry + 1 < len(self.table):
-            self._lists[client] = entry + 1  # behind the others
+            self._lists[client] = entry + 1  # behind the other clients
         return self._hash_message() if definition is None else self._value_message(definition.name)
 
     def _wanted_values(self, has_room: HasRoom) -> Iterator[Outgoing]:
@@ -215,10 +233,10 @@ class ParameterServer(Service):
             self._say_error(packet, which, common.MavParamError.DOES_NOT_EXIST)
 
     def _queue_read(self, client: Address, name: str) -> None:
-        if len(self._reads) < MAX_READS:  # else it asks again
+        if len(self._reads) < MAX_READS:  # else the client asks again
             self._reads[client, name] = None
 
-    # SetRequest
+    # Sets
 
     def _set_requested(self, source: Address, message: common.ParamSet, packet: Packet, now: float) -> None:
         name = message.param_id
@@ -261,12 +279,12 @@ class ParameterServer(Service):
         return common.MavParamError.TYPE_MISMATCH if is_known(kind) else common.MavParamError.TYPE_UNSUPPORTED
 
     def _value_in(self, definition: ParameterDefinition, message: common.ParamSet) -> Value:
-        """The value that is to be set; a cast one is rounded, as ArduPilot does."""
+        """Return the requested value; a cast one is rounded, as by ArduPilot."""
         data, kind = field_of(message), definition.kind
         value = decode(data, kind, self.encoding)
         if self.encoding is Encoding.BYTEWISE or not is_integer(kind):
             return value
-        # The greatest integers are cast to a float that lies beyond them.
+        # The largest integers are cast to a float that exceeds them.
         number = decode(data, common.MavParamType.REAL32, self.encoding)
         at_limit = encode(value, kind, self.encoding) == data
         return value if at_limit else round(number) if isfinite(number) else number
@@ -278,12 +296,12 @@ class ParameterServer(Service):
         return error
 
     def _was_overtaken(self, source: Address, name: str, packet: Packet, now: float) -> bool:
-        """Whether a newer wish of the same client for the same parameter came before this one."""
-        newest = self._newest_sets.setdefault((source, name), ReorderFilter())
-        self._newest_sets.move_to_end((source, name))
-        if len(self._newest_sets) > MAX_SETTERS:
-            self._newest_sets.popitem(last=False)
-        return newest.is_overtaken(packet.sequence, now)
+        """Return whether a newer set of the same client for the same parameter arrived before."""
+        newest = self._set_filters.setdefault((source, name), ReorderFilter())
+        self._set_filters.move_to_end((source, name))
+        if len(self._set_filters) > MAX_SETTERS:
+            self._set_filters.popitem(last=False)
+        return newest.is_reordered(packet.sequence, now)
 
     # Messages
 

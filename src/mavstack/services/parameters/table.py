@@ -1,7 +1,7 @@
-"""The parameters that a component has: their types, limits and values, in one order.
+"""The parameter table of a component: types, limits and values, in a fixed order.
 
-The place in the order is the index on the wire. Parameters can be added and removed while clients list them;
-their count then tells the clients.
+The position is the index on the wire. Parameters can be added and removed while clients download the list;
+they notice the change by the count.
 """
 
 from __future__ import annotations
@@ -22,10 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class ParameterDefinition:
-    """One parameter of a table; `type` follows from the value if it is not given.
-
-    A volatile parameter changes by itself and is left out of the hash.
-    """
+    """One parameter of a table; see `ParameterServer.add`."""
 
     name: str
     value: Value
@@ -42,7 +39,7 @@ class ParameterDefinition:
             self.type = kind.REAL32 if isinstance(self.value, float) else kind.INT32
         self.value = as_type(name_field(self.name), self.value, self.kind)
         if self.name == HASH_NAME:
-            raise InvalidArgumentError(f"{HASH_NAME} is the name of the hash")
+            raise InvalidArgumentError(f"a parameter cannot be named {HASH_NAME}, the name of the hash")
 
     @property
     def kind(self) -> int:
@@ -50,7 +47,7 @@ class ParameterDefinition:
         return common.MavParamType.REAL32 if self.type is None else self.type
 
     def refusal(self, value: Value) -> common.MavParamError | None:
-        """Why a client may not set this value."""
+        """Return the reason why a client may not set a value, or None."""
         if self.read_only:
             return common.MavParamError.READ_ONLY
         held = fitted(value, self.kind)
@@ -62,7 +59,7 @@ class ParameterDefinition:
 
 
 class ParameterTable:
-    """Parameters in their order."""
+    """The parameters in their order."""
 
     def __init__(self) -> None:
         self._definitions: dict[str, ParameterDefinition] = {}
@@ -84,13 +81,15 @@ class ParameterTable:
     def add(self, definition: ParameterDefinition) -> None:
         """Add a parameter at the end."""
         if definition.name in self._definitions or len(self) >= MAX_PARAMETERS:
-            raise InvalidArgumentError(f"there is no place for another parameter {definition.name}")
+            raise InvalidArgumentError(
+                f"cannot add parameter {definition.name}: it exists, or the table is full"
+            )
         self._definitions[definition.name] = definition
         self._places[definition.name] = len(self._order)
         self._order.append(definition.name)
 
     def remove(self, name: str) -> None:
-        """Take a parameter away; those behind it move up."""
+        """Remove a parameter; those behind it move up."""
         if name not in self._definitions:
             raise InvalidArgumentError(f"there is no parameter {name}")
         del self._definitions[name]
@@ -98,26 +97,26 @@ class ParameterTable:
         self._places = {known: place for place, known in enumerate(self._order)}
 
     def find(self, which: str | int) -> ParameterDefinition | None:
-        """A parameter by name or index."""
+        """Return a parameter by name or index."""
         if isinstance(which, int):
             return self._definitions[self._order[which]] if 0 <= which < len(self._order) else None
         return self._definitions.get(which)
 
     def index_of(self, name: str) -> int:
-        """The place of a parameter."""
+        """Return the index of a parameter."""
         return self._places[name]
 
     def parameter(self, name: str) -> Parameter:
-        """A parameter as clients see it."""
+        """Return a parameter as clients see it."""
         definition = self._definitions[name]
         return Parameter(name, definition.value, definition.kind, self._places[name])
 
     def parameters(self) -> list[Parameter]:
-        """All parameters as clients see them."""
+        """Return all parameters as clients see them."""
         return [self.parameter(name) for name in self._order]
 
     def hash(self) -> int:
-        """The number for `_HASH_CHECK`."""
+        """Return the hash for `_HASH_CHECK`."""
         return hash_of(self.parameter(definition.name) for definition in self if not definition.volatile)
 
     def packed(
@@ -128,7 +127,7 @@ class ParameterTable:
         with_defaults: bool = False,
         block_size: int | None = None,
     ) -> bytes:
-        """The bytes of `@PARAM/param.pck`, from `start` on and `count` at most; `block_size` of its reads."""
+        """Encode `@PARAM/param.pck`: up to `count` parameters from `start` on, padded for `block_size`."""
         chosen = self.parameters()[start : None if count is None else start + count]
         defaults = {
             definition.name: definition.value if definition.default is None else definition.default

@@ -1,12 +1,12 @@
-"""A parameter, and its value in four bytes of a float field (guide: parameter protocol).
+"""Parameters, and the encoding of their values in a float field (guide: parameter protocol).
 
-Two encodings exist and a message does not say which it is in. *Bytewise* puts the bytes of the value where
-the float would lie; nothing is lost, but 64-bit types do not fit and are cast. A *C cast* turns the value
-into a float32, which holds integers only up to 24 bits. AUTOPILOT_VERSION tells which of them a component
-speaks; if it tells both or none, ArduPilot casts and the others do not.
+There are two encodings, and a message does not tell which it uses. *Bytewise* stores the bytes of the value
+in the float's place; nothing is lost, but 64-bit types do not fit and are cast. A *C cast* converts the value
+to a float32, which holds integers only up to 24 bits. AUTOPILOT_VERSION tells which encoding a component
+uses; if it tells both or none, ArduPilot casts and the others do not.
 
-Bytewise values must never pass through a float: some integers are signalling NaNs, and the processor changes
-a bit of those. They are therefore taken from the payload, where the float field lies first.
+Bytewise values must never pass through a float: some integers are signalling NaNs, of which the processor
+changes a bit. They are therefore read from the payload, where the float field comes first.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from mavstack.services.frames import as_float32
 if TYPE_CHECKING:
     from mavstack.dialects import Message
 
-#: `param_index` of a value that was not asked for by its index.
+#: `param_index` of a value that was not requested by its index.
 NO_INDEX = 65535
 NAME_LENGTH = 16
-#: From here on neighbouring integers are one float32.
+#: From here on neighbouring integers map to one float32.
 CAST_LIMIT = 1 << 24
 Value: TypeAlias = int | float
 
@@ -48,7 +48,7 @@ FieldMessage = TypeVar("FieldMessage", common.ParamValue, common.ParamSet)
 
 
 class Encoding(Enum):
-    """How a component puts values into `param_value`."""
+    """The encoding of values in `param_value`."""
 
     BYTEWISE = "bytewise"
     C_CAST = "C cast"
@@ -56,9 +56,14 @@ class Encoding(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter as its component told it; `index` is its place in the table, if that was told.
+    """A parameter as received from its component.
 
-    `exact` is False if the encoding may have cost the last digits of the value.
+    Attributes:
+        name: Its name.
+        value: Its value.
+        type: Its MAV_PARAM_TYPE.
+        index: Its index in the component's table; None if unknown.
+        exact: False if the encoding may have rounded the value.
     """
 
     name: str
@@ -69,12 +74,12 @@ class Parameter:
 
     @property
     def text(self) -> str:
-        """The value for people: a float32 with the fewest digits that read back to it."""
+        """The value as text: a float32 with the fewest digits that convert back to it."""
         return shortest(self.value) if self.type == common.MavParamType.REAL32 else str(self.value)
 
 
 def encoding_of(capabilities: int, autopilot: int) -> Encoding:
-    """The encoding of a component, from AUTOPILOT_VERSION.capabilities and HEARTBEAT.autopilot."""
+    """Return the encoding of a component, from AUTOPILOT_VERSION.capabilities and HEARTBEAT.autopilot."""
     bytewise = bool(capabilities & common.MavProtocolCapability.PARAM_ENCODE_BYTEWISE)
     cast = bool(capabilities & common.MavProtocolCapability.PARAM_ENCODE_C_CAST)
     if bytewise != cast:
@@ -83,24 +88,24 @@ def encoding_of(capabilities: int, autopilot: int) -> Encoding:
 
 
 def is_integer(kind: int) -> bool:
-    """Whether a MAV_PARAM_TYPE holds integers; an unknown type counts as REAL32."""
+    """Return whether a MAV_PARAM_TYPE holds integers; an unknown type counts as REAL32."""
     return kind in _FORMATS and kind not in _REAL
 
 
 def is_known(kind: int) -> bool:
-    """Whether a MAV_PARAM_TYPE is one of the ten."""
+    """Return whether a number is a MAV_PARAM_TYPE."""
     return kind in _FORMATS
 
 
 def limits(kind: int) -> tuple[int, int]:
-    """The least and the greatest value of an integer type."""
+    """Return the smallest and the largest value of an integer type."""
     bits = 8 * calcsize(_FORMATS[common.MavParamType(kind)])
     signed = _FORMATS[common.MavParamType(kind)][1].islower()
     return (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
 
 
 def fitted(value: Value, kind: int) -> Value | None:
-    """The value as the type holds it, or None if the type has no such value."""
+    """Convert a value to a type; None if the type cannot hold it."""
     if kind == common.MavParamType.REAL64:
         return float(value)
     if not is_integer(kind):
@@ -112,7 +117,7 @@ def fitted(value: Value, kind: int) -> Value | None:
 
 
 def as_type(name: str, value: Value, kind: int) -> Value:
-    """The value as the type holds it; raises LocalProtocolError if it cannot."""
+    """Convert a value to a type; raises InvalidArgumentError if the type cannot hold it."""
     found = fitted(value, kind) if is_known(kind) else None
     if found is None:
         raise InvalidArgumentError(f"{name} is of type {type_name(kind)}, which cannot hold {value!r}")
@@ -120,24 +125,24 @@ def as_type(name: str, value: Value, kind: int) -> Value:
 
 
 def type_name(kind: int) -> str:
-    """The type for people: INT32."""
+    """Return the name of a type: INT32."""
     return common.MavParamType(kind).name if is_known(kind) else f"MAV_PARAM_TYPE {kind}"
 
 
 def same(one: Value, other: Value) -> bool:
-    """Whether two values are equal, NaN being equal to itself."""
+    """Return whether two values are equal; NaN equals itself."""
     return one == other or (isnan(one) and isnan(other))
 
 
 def encode(value: Value, kind: int, encoding: Encoding) -> bytes:
-    """The four bytes of the field."""
+    """Encode a value into the four bytes of the field."""
     if encoding is Encoding.BYTEWISE and _lies_bytewise(kind) and is_integer(kind):
         return pack(_FORMATS[common.MavParamType(kind)], value).ljust(4, b"\0")
     return pack("<f", as_float32(value))
 
 
 def decode(data: bytes, kind: int, encoding: Encoding) -> Value:
-    """The value in the four bytes of the field; a cast beyond the type's limits is brought within."""
+    """Decode the four bytes of the field; a cast beyond the type's limits is clamped."""
     if encoding is Encoding.BYTEWISE and _lies_bytewise(kind):
         layout = _FORMATS[common.MavParamType(kind)]
         found: Value = unpack(layout, data[: calcsize(layout)])[0]
@@ -150,42 +155,42 @@ def decode(data: bytes, kind: int, encoding: Encoding) -> Value:
 
 
 def whole_bytes(value: Value, kind: int) -> bytes:
-    """The value in all bytes of its own type."""
+    """Encode a value into the bytes of its own type."""
     layout = _FORMATS[common.MavParamType(kind)]
     return pack(layout, as_float32(value) if layout == "<f" else value)
 
 
 def is_exact(value: Value, kind: int, encoding: Encoding) -> bool:
-    """Whether a value that came in this encoding is surely what was sent."""
+    """Return whether a received value is certainly exact."""
     if encoding is Encoding.BYTEWISE and _lies_bytewise(kind):
         return True
     return abs(value) < CAST_LIMIT if is_integer(kind) else kind != common.MavParamType.REAL64
 
 
 def survives(value: Value, kind: int, encoding: Encoding) -> bool:
-    """Whether a value comes out of the field as it went in."""
+    """Return whether the encoding preserves a value."""
     return same(decode(encode(value, kind, encoding), kind, encoding), value)
 
 
 def name_field(name: str) -> str:
-    """The name if it can be an id, 1 to 16 bytes; else raises LocalProtocolError."""
+    """Return a parameter name if it is valid; else raise InvalidArgumentError."""
     if not 1 <= len(name.encode(errors="surrogateescape")) <= NAME_LENGTH or "\0" in name:
-        raise InvalidArgumentError(f"{name!r} cannot be a parameter's name: 1 to {NAME_LENGTH} bytes")
+        raise InvalidArgumentError(f"a parameter name must have 1 to {NAME_LENGTH} bytes, got {name!r}")
     return name
 
 
 def field_of(message: Message) -> bytes:
-    """The bytes of `param_value` in a PARAM_VALUE or PARAM_SET, untouched."""
+    """Return the unmodified bytes of `param_value` in a PARAM_VALUE or PARAM_SET."""
     return message.to_payload()[:4].ljust(4, b"\0")
 
 
 def with_field(message: FieldMessage, data: bytes) -> FieldMessage:
-    """The message with these bytes in `param_value`."""
+    """Return a message with these bytes in `param_value`."""
     return message.from_payload(data + message.to_payload()[4:])
 
 
 def read_value(message: common.ParamValue, encoding: Encoding) -> Parameter:
-    """The parameter that a PARAM_VALUE tells."""
+    """Return the parameter in a PARAM_VALUE."""
     kind = int(message.param_type)
     value = decode(field_of(message), kind, encoding)
     index = None if message.param_index >= max(message.param_count, 1) else message.param_index
@@ -193,7 +198,7 @@ def read_value(message: common.ParamValue, encoding: Encoding) -> Parameter:
 
 
 def shortest(value: Value) -> str:
-    """A float32 with the fewest digits that read back to it."""
+    """Format a float32 with the fewest digits that convert back to it."""
     if not isfinite(value):
         return str(value)
     for digits in range(6, 9):
