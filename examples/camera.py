@@ -10,7 +10,7 @@ CAMERA = common.MavComponent.CAMERA
 
 
 async def camera() -> None:
-    """What makes a component: an address, what it tells, and what it does when it is asked."""
+    """Run the camera: an address, a message that can be requested, and the handler of a command."""
     type_ = common.MavType.CAMERA
     async with mavstack.Node("udpin://127.0.0.1:14590", system=1, component=CAMERA, type=type_) as node:
         node.publish(common.CameraInformation, lambda _: common.CameraInformation(model_name=b"Pinhole"))
@@ -30,9 +30,9 @@ async def camera() -> None:
 
 
 async def photographer() -> None:
-    """The other side: find it, ask what it is, have it take three pictures."""
+    """Run the ground station: find the camera, request its model, take three pictures."""
     async with mavstack.Node("udpout://127.0.0.1:14590") as node:
-        remote = await node.wait_for_component(lambda info: info.type == common.MavType.CAMERA, "a camera's heartbeat")
+        remote = await node.wait_for_component(lambda info: info.type == common.MavType.CAMERA, "a camera")
         information = await remote.request_message(common.CameraInformation)
         print(information.model_name.rstrip(b"\0").decode(), "at", remote.address)
         async with remote.stream(common.CameraImageCaptured) as pictures:
@@ -41,7 +41,7 @@ async def photographer() -> None:
 
 
 async def main() -> None:
-    """Both in one program."""
+    """Run both in one program."""
     running = asyncio.create_task(camera())
     await photographer()
     running.cancel()

@@ -29,7 +29,7 @@ with tempfile.TemporaryDirectory() as folder:
     encoder = mavstack.Encoder(system=1, component=158)
     stream = encoder.encode(status) + encoder.encode(common.Heartbeat(type=common.MavType.QUADROTOR))
 
-    # Who knows the dialect reads the message; who does not gets the packet all the same.
+    # A parser with the dialect reads the message; a parser without it still returns the packet.
     for packet in mavstack.Parser(sprayer).feed(stream):
         print(packet, packet.message)
     for packet in mavstack.Parser(common).feed(stream):

@@ -1,4 +1,4 @@
-"""Three simulated copters take off, fly north together and come home; what each answers is told."""
+"""Fly three simulated copters north together and return, with the outcome of each."""
 
 import asyncio
 
@@ -7,9 +7,9 @@ from mavstack.sim.background import BackgroundSimulator
 
 
 async def main(url: str) -> None:
-    """Fly all of them at once."""
-    async with mavstack.connect(url) as node:
-        fleet = await node.wait_for_vehicles(3)
+    """Fly all vehicles at the same time."""
+    async with mavstack.connect(url) as connection:
+        fleet = await connection.wait_for_vehicles(3)
         (await fleet.each(lambda vehicle: vehicle.wait_until_ready())).check()
         for step in (fleet.arm(), fleet.takeoff(10)):
             print(await step)
@@ -17,7 +17,7 @@ async def main(url: str) -> None:
         for vehicle in fleet:
             print(vehicle, vehicle.mode, vehicle.position)
         (await fleet.rtl()).check()
-        print("all are home")
+        print("all have landed")
 
 
 with BackgroundSimulator("copter", "px4", count=3, speed=10) as simulated:

@@ -1,4 +1,4 @@
-"""A simulated copter follows setpoints: a circle, flown by a velocity that turns."""
+"""Fly a simulated copter by setpoints: a circle, by a velocity that turns."""
 
 import asyncio
 from math import cos, sin
@@ -6,20 +6,20 @@ from math import cos, sin
 import mavstack
 from mavstack.sim.background import BackgroundSimulator
 
-SPEED = 5  # simulated seconds in a real one
+SPEED = 5  # simulated seconds per second
 
 
 async def main(url: str) -> None:
-    """Take off, follow, land."""
-    async with mavstack.connect(url) as node:
-        vehicle = await node.wait_for_vehicle()
+    """Take off, follow setpoints, land."""
+    async with mavstack.connect(url) as connection:
+        vehicle = await connection.wait_for_vehicle()
         await vehicle.wait_until_ready()
         await vehicle.arm()
         await vehicle.takeoff(10)
-        async with vehicle.guided() as guidance:
+        async with vehicle.guided() as guided:
             for step in range(40):
                 angle = step * 0.3
-                guidance.velocity(north=3 * cos(angle), east=3 * sin(angle))
+                guided.velocity(north=3 * cos(angle), east=3 * sin(angle))
                 await asyncio.sleep(0.5 / SPEED)
         print("after the circle:", vehicle.velocity, vehicle.position)
         await vehicle.land()

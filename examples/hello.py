@@ -1,4 +1,4 @@
-"""Make a packet, find it in a stream, read its message."""
+"""Encode a packet, find it in a stream of bytes, read its message."""
 
 import mavstack
 from mavstack.dialects import common

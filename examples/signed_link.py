@@ -1,4 +1,4 @@
-"""Sign what is sent and refuse what is forged, replayed or unsigned."""
+"""Sign sent packets, and refuse forged, replayed and unsigned ones."""
 
 import time
 

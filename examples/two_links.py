@@ -1,4 +1,4 @@
-"""Listen on UDP, send to it through a bad radio, and see what arrived."""
+"""Send packets over a lossy radio link to a UDP link, and count the lost ones."""
 
 import asyncio
 
@@ -10,7 +10,7 @@ PACKETS = 200
 
 
 async def listen(link: Link, parser: mavstack.Parser) -> None:
-    """Parse what comes until nothing does for a moment."""
+    """Parse received bytes until none arrive for half a second."""
     while True:
         try:
             event = await asyncio.wait_for(anext(link), timeout=0.5)
@@ -31,8 +31,8 @@ async def main() -> None:
             for step in range(PACKETS):
                 channel.write(encoder.encode(common.Attitude(time_boot_ms=step)))
             await listen(ground, parser)
-    heard = parser.sources[1, 1]
-    print(f"{heard.received} of {PACKETS} arrived, {heard.lost} known to be lost ({heard.loss:.0%})")
+    source = parser.sources[1, 1]
+    print(f"{source.received} of {PACKETS} arrived, {source.lost} are known to be lost ({source.loss:.0%})")
 
 
 asyncio.run(main())

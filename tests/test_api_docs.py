@@ -1,4 +1,4 @@
-"""The contracts of the public API: documented arguments and errors, and one meaning for each argument name."""
+"""The contracts of the public API: documented arguments and errors, one meaning for each argument."""
 
 from __future__ import annotations
 
@@ -28,7 +28,9 @@ RAISES_NOTHING = {
     "Node.serve_forever": "it only waits to be cancelled",
 }
 ERRORS = {
-    name for name, value in vars(errors).items() if isinstance(value, type) and issubclass(value, MavstackError)
+    name
+    for name, value in vars(errors).items()
+    if isinstance(value, type) and issubclass(value, MavstackError)
 }
 SECTION = r"^{}:\n((?:[ ]{{4}}.*\n?|\n)+)"
 
@@ -72,7 +74,8 @@ def test_the_errors_are_documented(name):
     if name in RAISES_NOTHING:
         return
     if name.startswith("Group.") and name != "Group.each":
-        assert f"its errors are those of `Vehicle.{name.removeprefix('Group.')}`" in section(function, "Returns")
+        method = name.replace("Group", "Vehicle")
+        assert f"its errors are those of `{method}`" in section(function, "Returns")
         return
     raised = re.findall(r"^ {4}(\w+):", section(function, "Raises"), re.MULTILINE)
     assert raised, "no Raises section"

@@ -1,4 +1,4 @@
-"""The README's programs and the examples run as they are written."""
+"""The programs and commands in README, and the examples, run as they are."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from mavstack.sim.background import Background
+from mavstack.sim.background import BackgroundSimulator
 
 ROOT = Path(__file__).parents[1]
 PROGRAMS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
@@ -28,7 +28,7 @@ def run(*command: str, url: str = "") -> subprocess.CompletedProcess[str]:
 
 @contextmanager
 def vehicle_for(program):
-    """A simulated vehicle that speaks to the port where the program listens, if it listens at all."""
+    """Run a simulated vehicle for the port on which the program listens, if it listens on one."""
     port = re.search(r"udpin://0.0.0.0:(\d+)", program)
     if port is None:
         yield
@@ -63,8 +63,8 @@ def test_the_readme_has_programs_and_commands():
 
 @pytest.fixture(scope="module")
 def vehicle_url():
-    """One vehicle for all commands; they leave and come back to it."""
-    with Background("copter", speed=5.0, link="udpin://127.0.0.1:0?idle=600") as vehicle:
+    """Run one vehicle for all commands, which connect one after the other."""
+    with BackgroundSimulator("copter", speed=5.0, link="udpin://127.0.0.1:0?idle=600") as vehicle:
         yield f"udpout://127.0.0.1:{vehicle.port}"
 
 
@@ -72,7 +72,7 @@ def vehicle_url():
 def test_the_readmes_commands_are_understood(command, vehicle_url):
     words = shlex.split(command)
     if words[1] == "watch" and words[2] != "flight.tlog":
-        pytest.skip("needs a vehicle; the links have tests of their own")
+        pytest.skip("needs a vehicle; tests/links covers the links")
     words = ["tests/recordings/flight.tlog" if word == "flight.tlog" else word for word in words]
     if words[1] == "sim":
         words += ["--for", "1", "--speed", "max"]
