@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from typing import TYPE_CHECKING
@@ -10,6 +11,17 @@ from mavstack.sync import generate
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+#: Classes of the node and the vehicle that have no blocking counterpart: values and options.
+VALUES = {
+    "mavstack.node.channel_state.ChannelState",
+    "mavstack.vehicle.connection.NodeOptions",
+    "mavstack.vehicle.health.Health",
+    "mavstack.vehicle.telemetry.values",
+    "mavstack.vehicle.telemetry.values.HomePosition",
+    "mavstack.vehicle.telemetry.values.Position",
+    "mavstack.vehicle.vehicle_type.VehicleType",
+}
 
 PROGRAM = """
 from mavstack.dialects import common
@@ -26,6 +38,21 @@ with Node("udpin://0.0.0.0:14550") as node:
 
 def test_the_stub_is_up_to_date() -> None:
     assert generate.main(["--check"]) == 0
+
+
+def test_the_stub_shows_no_internal_class() -> None:
+    tree = ast.parse(generate.STUB.read_text("utf-8"))
+    imported = {
+        f"{item.module}.{alias.name}"
+        for item in tree.body
+        if isinstance(item, ast.ImportFrom)
+        for alias in item.names
+        if str(item.module).startswith(("mavstack.node", "mavstack.vehicle"))
+    }
+    assert imported <= VALUES
+    methods = {item.name for item in ast.walk(tree) if isinstance(item, ast.FunctionDef)}
+    assert "__await__" not in methods
+    assert not any(isinstance(item, ast.AsyncFunctionDef | ast.Await) for item in ast.walk(tree))
 
 
 def test_type_checkers_see_blocking_calls(tmp_path: Path) -> None:

@@ -51,11 +51,8 @@ from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
 from mavstack.vehicle.connection import NodeOptions
-from mavstack.vehicle.firmware import Firmware
 from mavstack.vehicle.health import Health
-from mavstack.vehicle.telemetry import Telemetry
 from mavstack.vehicle.telemetry import values
-from mavstack.vehicle.telemetry.telemetry import Telemetry
 from mavstack.vehicle.telemetry.values import HomePosition
 from mavstack.vehicle.telemetry.values import Position
 from mavstack.vehicle.vehicle_type import VehicleType
@@ -1486,7 +1483,6 @@ class Mission(VehiclePlan):
 
 class Vehicle:
     """One vehicle; made by `Connection.wait_for_vehicle` and found in `Connection.vehicles`."""
-    telemetry: Telemetry
 
     def latest(self, message: type[AnyMessage], component: int | None=None) -> AnyMessage | None:
         """Return the last message of a class.
@@ -1734,11 +1730,11 @@ class Vehicle:
             MessageTimeout: The vehicle did not answer, and its position is not known.
         """
 
-    def get_position(self, *, timeout: float | None=...) -> Position:
+    def get_position(self, *, timeout: float | None=None) -> Position:
         """Return the position; wait for it if it was not received (GLOBAL_POSITION_INT).
 
         Args:
-            timeout: Seconds to wait; None waits for ever.
+            timeout: Seconds for the whole call; None: until no position has arrived for a while.
 
         Returns:
             The position in degrees and metres.
@@ -1749,11 +1745,11 @@ class Vehicle:
             RemoteCancelled: The connection was closed.
         """
 
-    def get_relative_altitude(self, *, timeout: float | None=...) -> float:
+    def get_relative_altitude(self, *, timeout: float | None=None) -> float:
         """Return the altitude above home; wait for it if it was not received (GLOBAL_POSITION_INT).
 
         Args:
-            timeout: Seconds to wait; None waits for ever.
+            timeout: Seconds for the whole call; None: until no position has arrived for a while.
 
         Returns:
             Metres above home.
@@ -1763,10 +1759,6 @@ class Vehicle:
             CommandDenied: The vehicle refused to send its position.
             RemoteCancelled: The connection was closed.
         """
-
-    @property
-    def firmware(self) -> Firmware:
-        """The firmware's way to take commands, by the MAV_AUTOPILOT of the heartbeat."""
 
     def wait_until_ready(self, *, timeout: float | None=...) -> Health:
         """Wait until the vehicle reports that it is ready to arm.
