@@ -30,7 +30,7 @@ def test_fields_may_be_given_by_position_in_the_order_of_the_definition():
 
 
 def test_a_wrong_field_name_raises_with_the_known_names():
-    with pytest.raises(FieldNameError, match=r"Attitude has no field rol; it has .*roll"):
+    with pytest.raises(FieldNameError, match=r"Attitude has no field rol; .*roll"):
         common.Attitude(rol=1)
     with pytest.raises(AttributeError):
         common.Attitude().rol = 1

@@ -51,7 +51,6 @@ Args:
 
 Raises:
     ValueError: The bytes are not exactly one valid packet.";
-
 static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 
 /// Returns the class of packets.

@@ -9,18 +9,18 @@ if they are equal on the wire, so that programs written for `common` work with a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, cached_property, lru_cache
 
 from mavstack._core import Dialect as CoreDialect
 from mavstack.dialects.classes import attribute_names, make_class, official_bases
-from mavstack.dialects.enums import EnumClass, make_enum, reserved_names
+from mavstack.dialects.enums import EnumClass, EnumMapping, make_enum, reserved_names
 from mavstack.dialects.names import class_name, member_names
 from mavstack.dialects.tables import MessageRow, Table, load_table, official_name, official_names
 from mavstack.errors import UnknownMessageError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
     from os import PathLike
     from typing import Any
 
@@ -46,7 +46,7 @@ class Dialect:
         self._classes: dict[int, type[Message]] = {}
         self._enum_classes: dict[str, EnumClass] = {}
         self.definitions: dict[int, MessageDefinition] = {}
-        self.enums: Mapping[str, EnumClass] = EnumMapping(self)
+        self.enums = EnumMapping(self)
 
     @classmethod
     def load(cls, name: str) -> Dialect:
@@ -355,28 +355,6 @@ class Dialect:
         """Names of the enums by class name; `Enum` is appended to the name of a message class."""
         names = ((class_name(name), name) for name in self.enum_files)
         return {f"{made}Enum" if made in self.messages_by_class else made: name for made, name in names}
-
-
-class EnumMapping(Mapping[str, EnumClass]):
-    """The enum classes of a dialect by name, such as `MAV_CMD`."""
-
-    def __init__(self, dialect: Dialect) -> None:
-        self._dialect = dialect
-
-    def __getitem__(self, name: str) -> EnumClass:
-        return self._dialect.enum_class(name) if name in self else self._missing(name)
-
-    def _missing(self, name: str) -> EnumClass:
-        raise KeyError(name)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._dialect.enum_files
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._dialect.enum_files)
-
-    def __len__(self) -> int:
-        return len(self._dialect.enum_files)
 
 
 @cache

@@ -7,12 +7,13 @@ fill the memory; `_missing_` here creates combinations without keeping them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import IntEnum, IntFlag
 from functools import lru_cache
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator
     from typing import Any, Protocol, TypeAlias
 
     from mavstack.dialects.model import EnumDefinition
@@ -30,6 +31,16 @@ if TYPE_CHECKING:
 
         def enum_definition(self, name: str) -> EnumDefinition:
             """Return the definition of an enum."""
+
+    class EnumFiles(Protocol):
+        """The part of a dialect that its mapping of enums uses."""
+
+        @property
+        def enum_files(self) -> Mapping[str, object]:
+            """The files of each enum by name."""
+
+        def enum_class(self, name: str) -> EnumClass:
+            """Return the class of an enum."""
 
 
 #: Number of combinations of flags cached per bitmask.
@@ -196,3 +207,25 @@ def restore_member(dialect: EnumDialect, official: str, value: int) -> int:
     enum = dialect.enums[official]
     members, fallback = enum_reader(enum)
     return members.get(value, fallback(value) if fallback else value)
+
+
+class EnumMapping(Mapping[str, EnumClass]):
+    """The enum classes of a dialect by name, such as `MAV_CMD`."""
+
+    def __init__(self, dialect: EnumFiles) -> None:
+        self._dialect = dialect
+
+    def __getitem__(self, name: str) -> EnumClass:
+        return self._dialect.enum_class(name) if name in self else self._missing(name)
+
+    def _missing(self, name: str) -> EnumClass:
+        raise KeyError(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._dialect.enum_files
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._dialect.enum_files)
+
+    def __len__(self) -> int:
+        return len(self._dialect.enum_files)
