@@ -12,12 +12,12 @@ from mavstack.sync import Node
 
 def test_one_on_the_ground(vehicle):
     with Node(vehicle.url.replace(":", "://", 1)) as ground:
-        remote = ground.autopilot()
+        remote = ground.wait_for_autopilot()
         assert not remote.info.armed
 
-@pytest.mark.vehicle(type="plane", firmware="px4", seed=4)
+@pytest.mark.vehicle(vehicle_type="plane", firmware="px4", seed=4)
 def test_one_in_the_air(flying_vehicle):
-    assert flying_vehicle.vehicle.type == "plane"
+    assert flying_vehicle.vehicle.vehicle_type == "plane"
     assert flying_vehicle.vehicle.autopilot.altitude > 30
 
 def test_virtually(virtual_vehicle):

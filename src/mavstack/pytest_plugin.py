@@ -1,10 +1,10 @@
-"""Fixtures for the tests of anybody's MAVLink software; they come with this package.
+"""Pytest fixtures with simulated vehicles, for tests of any MAVLink software.
 
     def test_my_ground_station(vehicle):                    # a copter on a UDP port, in real time
         connection = mavutil.mavlink_connection(vehicle.url)
 
-    @pytest.mark.vehicle(type="plane", firmware="px4")      # another one
-    def test_a_plane(flying_vehicle): ...                   # it is in the air already
+    @pytest.mark.vehicle(vehicle_type="plane", firmware="px4")
+    def test_a_plane(flying_vehicle): ...                   # a plane in the air
 
     def test_virtually(virtual_vehicle):                    # minutes of flight in a moment
         async def flight(remote):
@@ -12,7 +12,7 @@
 
         virtual_vehicle.run(flight)
 
-The marker takes what `mavstack.sim.BackgroundSimulator` takes.
+The marker has the keyword arguments of `mavstack.sim.BackgroundSimulator`.
 """
 
 from __future__ import annotations
@@ -33,52 +33,72 @@ Result = TypeVar("Result")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Declare the marker."""
+    """Register the marker."""
     config.addinivalue_line(
-        "markers", "vehicle(type, firmware, ...): which simulated vehicle the fixtures of mavstack give"
+        "markers",
+        "vehicle(vehicle_type, firmware, ...): options of the simulated vehicle that the fixtures of mavstack create",
     )
 
 
-def _wishes(request: pytest.FixtureRequest) -> dict[str, Any]:
+def _marker_options(request: pytest.FixtureRequest) -> dict[str, Any]:
     marker = request.node.get_closest_marker("vehicle")
     return dict(marker.kwargs) if marker else {}
 
 
 @pytest.fixture
 def vehicle(request: pytest.FixtureRequest) -> Iterator[BackgroundSimulator]:
-    """A simulated vehicle on a UDP port of this machine, `vehicle.url`, in real time."""
+    """Provide a simulated vehicle on a local UDP port, in real time.
+
+    Yields:
+        The simulator; `vehicle.url` is the address for clients.
+    """
     from mavstack.sim.background import BackgroundSimulator
 
-    with BackgroundSimulator(**_wishes(request)) as running:
+    with BackgroundSimulator(**_marker_options(request)) as running:
         yield running
 
 
 @pytest.fixture
 def flying_vehicle(request: pytest.FixtureRequest) -> Iterator[BackgroundSimulator]:
-    """The same, in the air."""
+    """Provide a simulated vehicle in the air on a local UDP port, in real time.
+
+    Yields:
+        The simulator; `flying_vehicle.url` is the address for clients.
+    """
     from mavstack.sim.background import BackgroundSimulator
 
-    with BackgroundSimulator(**_wishes(request), airborne=True) as running:
+    with BackgroundSimulator(**_marker_options(request), airborne=True) as running:
         yield running
 
 
 @pytest.fixture
 def virtual_vehicle(request: pytest.FixtureRequest) -> VirtualVehicle:
-    """A simulated vehicle in virtual time, and a ground station that talks to it."""
-    return VirtualVehicle(**_wishes(request))
+    """Provide a simulated vehicle in virtual time, with a ground station.
+
+    Returns:
+        The vehicle; its `run` flies it.
+    """
+    return VirtualVehicle(**_marker_options(request))
 
 
 class VirtualVehicle:
-    """A vehicle, and `run` to fly it in virtual time."""
+    """A simulated vehicle in virtual time; `run` flies it."""
 
-    def __init__(self, type: str = "copter", firmware: str = "ardupilot", *, seed: int = 1) -> None:  # noqa: A002
+    def __init__(self, vehicle_type: str = "copter", firmware: str = "ardupilot", *, seed: int = 1) -> None:
         from mavstack.sim.simulation import Simulation
 
         self.simulation: Simulation = Simulation(seed=seed)
-        self.vehicle: SimulatedVehicle = self.simulation.add(type, firmware)
+        self.vehicle: SimulatedVehicle = self.simulation.add(vehicle_type, firmware)
 
     def run(self, flight: Callable[[RemoteComponent], Awaitable[Result]]) -> Result:
-        """Run a coroutine function with the vehicle as a ground station sees it."""
+        """Run a coroutine function in virtual time.
+
+        Args:
+            flight: Called with the vehicle's component, as a ground station has it.
+
+        Returns:
+            The result of the coroutine.
+        """
         from mavstack.sim.virtual import run_virtually
 
         return run_virtually(self._fly(flight))
@@ -95,5 +115,5 @@ class VirtualVehicle:
             async with Node(network.link()) as ground:
                 result = await flight(await ground.wait_for_autopilot())
             if running.done():
-                running.result()  # what went wrong in the simulation is what the test should tell
+                running.result()  # an error of the simulation fails the test
         return result

@@ -12,7 +12,7 @@ from mavstack.services.mission import MissionItem
 from mavstack.sim.faults import Fault, FaultError, FaultScript
 from mavstack.sim.simulation import Simulation
 from mavstack.wire import Parser
-from tests.sim.flights import CMD, RESULT, Airspace, Flown, airborne, grounded
+from tests.sim.harness import CMD, RESULT, SimulationHarness, VehicleHarness, airborne, grounded
 
 FIRMWARES = ["ardupilot", "px4"]
 
@@ -150,7 +150,7 @@ def test_a_script_injects_what_is_due_to_whom_it_means() -> None:
 
 
 @pytest.fixture(scope="module", params=FIRMWARES)
-def copter(request: pytest.FixtureRequest) -> Flown:
+def copter(request: pytest.FixtureRequest) -> VehicleHarness:
     return grounded("copter", request.param)
 
 
@@ -209,8 +209,8 @@ def test_battery(copter) -> None:
 # Reboot and link
 
 
-def boot_times(one: Flown) -> list[int]:
-    return [message.time_boot_ms for message in one.heard if hasattr(message, "time_boot_ms")]
+def boot_times(one: VehicleHarness) -> list[int]:
+    return [message.time_boot_ms for message in one.received if hasattr(message, "time_boot_ms")]
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
@@ -219,22 +219,24 @@ def test_a_reboot_on_the_ground(firmware) -> None:
     name = "RTL_ALT" if firmware == "ardupilot" else "RTL_RETURN_ALT"
     one.set(**{name: 42})
     one.load(*[waypoint()] * 2)
-    one.listens = True
+    one.receiving = True
     one.run(2)
     boots, before = one.vehicle.boots, boot_times(one)
     assert before[-1] > 4000
     one.send(Command.of(CMD.PREFLIGHT_REBOOT_SHUTDOWN, [1], None).to_long(one.vehicle.address))
     one.run(0.2)
-    assert [ack.result for ack in one.all_of(common.CommandAck)] == [RESULT.ACCEPTED], "it is told before"
-    one.heard.clear()
+    assert [ack.result for ack in one.received_of(common.CommandAck)] == [RESULT.ACCEPTED], (
+        "it is told before"
+    )
+    one.received.clear()
     one.run(0.5)
-    assert not one.heard, "for a moment it is silent"
+    assert not one.received, "for a moment it is silent"
     one.run(3)
     assert one.vehicle.boots == boots + 1
     assert boot_times(one)[0] < 2500, "time begins anew"
     assert one.vehicle.parameters[name] == 42
     assert len(one.vehicle.mission.plan(0).items) >= 2
-    assert one.all_of(common.Heartbeat), "the link is the same"
+    assert one.received_of(common.Heartbeat), "the link is the same"
     assert one.command(CMD.COMPONENT_ARM_DISARM, 1) == RESULT.ACCEPTED, one.texts
 
 
@@ -244,14 +246,14 @@ def test_another_system_id_counts_from_the_next_boot(firmware, name) -> None:
     vehicle = simulation.add("copter", firmware)
     vehicle.open_port("ground")
     vehicle.parameters.set(name, 42)
-    heard = []
+    received = []
     for _ in range(2):
         simulation.advance(simulation.now + 3)
         data = b"".join(data for _, data in vehicle.data_to_send())
-        heard.append({packet.system for packet in Parser(common).feed(data)})
+        received.append({packet.system for packet in Parser(common).feed(data)})
         vehicle.reboot()
     simulation.advance(simulation.now + 3)
-    assert heard == [{1}, {42}]
+    assert received == [{1}, {42}]
 
 
 def waypoint() -> MissionItem:
@@ -298,16 +300,16 @@ def test_a_link_that_is_cut_lets_nothing_through_until_it_is_whole(firmware) -> 
     enabled = {"FS_GCS_ENABLE": 1, "FS_GCS_TIMEOUT": 2} if firmware == "ardupilot" else {
         "NAV_DLL_ACT": 2, "COM_DL_LOSS_T": 2, "COM_FAIL_ACT_T": 0}  # fmt: skip
     one = airborne("copter", firmware, **enabled)
-    one.listens = True
+    one.receiving = True
     one.inject("link off")
     one.run(0.1)
-    one.heard.clear()
+    one.received.clear()
     assert one.command(CMD.NAV_LAND) is None
     one.run(3.5)
-    assert not one.heard
+    assert not one.received
     assert one.mode in ("RTL", "Return"), "the failsafe acts"
     one.inject("link on").run(2)
-    assert one.all_of(common.Heartbeat)
+    assert one.received_of(common.Heartbeat)
     assert one.mode in ("RTL", "Return")
     assert {"GCS Failsafe Cleared", "GCS connection regained"} & set(one.texts)
     assert "link" not in one.vehicle.faults.active
@@ -317,7 +319,7 @@ def test_a_link_that_is_cut_lets_nothing_through_until_it_is_whole(firmware) -> 
 
 
 @pytest.fixture(scope="module")
-def tuned() -> Flown:
+def tuned() -> VehicleHarness:
     return grounded()
 
 
@@ -407,14 +409,14 @@ UNIT, TYPE = common.FailureUnit, common.FailureType
     ],
 )
 def test_px4_takes_failures_by_command(unit, kind, what) -> None:
-    one = SKY.flown[0] if SKY.flown else SKY.add("copter", "px4").run(3)
+    one = SKY.vehicles[0] if SKY.vehicles else SKY.add("copter", "px4").run(3)
     assert one.command(CMD.INJECT_FAILURE, unit, kind, 0) == RESULT.ACCEPTED
     assert set(one.vehicle.faults.active) == what
     assert one.command(CMD.INJECT_FAILURE, unit, TYPE.OK, 0) == RESULT.ACCEPTED
     assert not one.vehicle.faults.active
 
 
-SKY = Airspace()
+SKY = SimulationHarness()
 
 
 def test_px4_takes_one_motor_and_a_failing_link_by_command() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from mavstack.errors import LinkURLError, MavstackError
 from mavstack.sim import Fleet, Home, Simulation, VehicleType
-from mavstack.sim.fleet import SPACING, own_links
+from mavstack.sim.fleet import SPACING, link_per_vehicle
 from mavstack.sim.motion import LocalFrame
 
 
@@ -34,7 +34,7 @@ def test_types_and_firmwares_take_turns():
     simulation = Simulation()
     fleet = Fleet((VehicleType.COPTER, VehicleType.ROVER), count=3, first_system=10)
     vehicles = fleet.add_to(simulation)
-    assert [vehicle.type for vehicle in vehicles] == ["copter", "rover", "copter"]
+    assert [vehicle.vehicle_type for vehicle in vehicles] == ["copter", "rover", "copter"]
     assert [vehicle.address.system for vehicle in vehicles] == [10, 11, 12]
 
 
@@ -45,8 +45,10 @@ def test_ids_that_do_not_fit(first, count):
 
 
 def test_a_port_for_each():
-    assert own_links("tcpin://0.0.0.0:5760", 3) == [f"tcpin://0.0.0.0:{port}" for port in (5760, 5761, 5762)]
+    assert link_per_vehicle("tcpin://0.0.0.0:5760", 3) == [
+        f"tcpin://0.0.0.0:{port}" for port in (5760, 5761, 5762)
+    ]
     with pytest.raises(LinkURLError, match="no 3 ports"):
-        own_links("udpout://127.0.0.1:65534", 3)
+        link_per_vehicle("udpout://127.0.0.1:65534", 3)
     with pytest.raises(LinkURLError):
-        own_links("serial:///dev/ttyACM0", 2)
+        link_per_vehicle("serial:///dev/ttyACM0", 2)

@@ -5,7 +5,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
 from mavstack.sim import DEFAULT_HOME, Firmware, Home, Simulation, VehicleType
-from mavstack.sim.scenarios import order, run_until, take_off
+from mavstack.sim.scenarios import execute_command, run_until, take_off
 from mavstack.wire import Parser
 
 
@@ -55,7 +55,7 @@ def test_system_ids_are_free_ones():
 def test_types_are_named_by_their_words():
     simulation = Simulation()
     vehicle = simulation.add("rover", "px4")
-    assert (vehicle.type, vehicle.firmware) == (VehicleType.ROVER, Firmware.PX4)
+    assert (vehicle.vehicle_type, vehicle.firmware) == (VehicleType.ROVER, Firmware.PX4)
     with pytest.raises(ValueError, match="spaceship"):
         simulation.add("spaceship")
 
@@ -89,12 +89,12 @@ def test_waiting_for_what_never_comes_ends():
     simulation = Simulation()
     simulation.add()
     with pytest.raises(MavstackError, match="10 simulated seconds"):
-        run_until(simulation, lambda: False, limit=10)
+        run_until(simulation, lambda: False, timeout=10)
 
 
 def test_an_order_that_is_not_known():
     vehicle = Simulation().add()
-    assert order(vehicle, 31_999) == common.MavResult.UNSUPPORTED
+    assert execute_command(vehicle, 31_999) == common.MavResult.UNSUPPORTED
 
 
 def test_a_vehicle_without_peers_keeps_nothing_to_send():

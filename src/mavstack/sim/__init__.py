@@ -1,6 +1,6 @@
-"""Simulated vehicles that other people's software can fly.
+"""Simulated vehicles for tests, demonstrations and development without hardware.
 
-Names are imported on first use: what a vehicle is called needs neither numpy nor a world.
+Names are imported on first use: vehicle types and homes need neither numpy nor a world.
 """
 
 from __future__ import annotations

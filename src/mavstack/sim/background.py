@@ -1,17 +1,17 @@
-"""A simulation that runs beside a program or a test that has no event loop: in a thread of its own.
+"""A simulation in a thread of its own, for programs and tests without an event loop.
 
     with BackgroundSimulator("copter", "px4") as target:
         connection = mavutil.mavlink_connection(target.url)
 
-The vehicles listen on a free port of this machine; `url` is what clients connect to. With `airborne=True` the
-first one has taken off before anybody sees it: that part is simulated as fast as it can be.
+The vehicles listen on a free UDP port of this machine; clients connect to `url`. With `airborne=True` the
+first vehicle has taken off before the port opens: that flight is simulated as fast as possible.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from mavstack.errors import MavstackError
+from mavstack.errors import InvalidStateError
 from mavstack.node.blocking_portal import BlockingPortal
 from mavstack.sim.runner import Runner
 from mavstack.sim.scenarios import take_off
@@ -27,16 +27,32 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-#: Scripts that only listen say something once, and go on listening for long.
+#: The long idle time serves scripts that send one packet and then only listen.
 LINK = "udpin://127.0.0.1:0?idle=600"
 
 
 class BackgroundSimulator:
-    """One simulated vehicle, or several of a kind, in a thread."""
+    """One or several simulated vehicles of one type, in a thread.
+
+    Use it as a context manager, or call `start` and `stop`.
+
+    Args:
+        vehicle_type: The vehicle type, such as "copter".
+        firmware: The firmware, "ardupilot" or "px4".
+        count: The number of vehicles; their system ids count from 1.
+        home: The home position of all vehicles.
+        seed: The seed of wind, noise and all other random numbers.
+        speed: Simulated seconds per second.
+        link: The link URL of the vehicles.
+        airborne: True to start with the first vehicle in the air.
+
+    Raises:
+        InvalidArgumentError: An argument is out of range.
+    """
 
     def __init__(
         self,
-        type: VehicleType | str = VehicleType.COPTER,  # noqa: A002 (HEARTBEAT's name for it)
+        vehicle_type: VehicleType | str = VehicleType.COPTER,
         firmware: Firmware | str = Firmware.ARDUPILOT,
         *,
         count: int = 1,
@@ -48,7 +64,7 @@ class BackgroundSimulator:
     ) -> None:
         self.simulation = Simulation(seed=seed)
         for _ in range(count):
-            self.simulation.add(type, firmware, home=home)
+            self.simulation.add(vehicle_type, firmware, home=home)
         if airborne:
             take_off(self.simulation, self.vehicle)
         self.port = 0
@@ -59,16 +75,23 @@ class BackgroundSimulator:
 
     @property
     def vehicle(self) -> SimulatedVehicle:
-        """The first vehicle; look at it freely, but change it only by `call`."""
+        """The first vehicle. Read it freely; change it only through `call`."""
         return self.simulation.vehicles[0]
 
     @property
     def url(self) -> str:
-        """Where clients find the vehicles, in the form that pymavlink and MAVProxy understand."""
+        """The address for clients, in the form that pymavlink and MAVProxy understand."""
         return f"udpout:127.0.0.1:{self.port}"
 
     def start(self) -> Self:
-        """Begin; returns when the port is open."""
+        """Start the simulation and open the port.
+
+        Returns:
+            The simulator itself.
+
+        Raises:
+            LinkError: The link cannot be opened.
+        """
         self._portal = BlockingPortal()
         try:
             self._portal.wait(self._open())
@@ -78,7 +101,7 @@ class BackgroundSimulator:
         return self
 
     def stop(self) -> None:
-        """End; stopping twice does nothing."""
+        """Stop the simulation. Idempotent."""
         portal, self._portal = self._portal, None
         runner, self._runner = self._runner, None
         if portal is not None:
@@ -88,9 +111,21 @@ class BackgroundSimulator:
         self.simulation.close()
 
     def call(self, function: Callable[[], Result]) -> Result:
-        """Call a function between two steps of the simulation, such as one that injects a fault."""
+        """Call a function between two steps of the simulation, such as one that injects a fault.
+
+        Args:
+            function: The function, called in the simulation's thread.
+
+        Returns:
+            The result of the function.
+
+        Raises:
+            InvalidStateError: The simulation is not running.
+        """
         if self._portal is None:
-            raise MavstackError("the simulation does not run: use `with` or `start`")
+            raise InvalidStateError(
+                "calling a function failed: the simulation is not running; use `with` or `start`"
+            )
         return self._portal.call(function)
 
     async def _open(self) -> None:

@@ -1,19 +1,19 @@
-"""Faults on demand: what goes wrong with a simulated vehicle, live or by a script.
+"""Faults of simulated vehicles, injected live or by a script.
 
     vehicle.faults.inject("gps off")
 
-    gps off | on              no satellites, and again
-    gps spoof NORTH EAST      the receiver is told to be so many metres away from where it is; 0 0 ends it
-    compass DEGREES           the compass is wrong by so much
-    baro METRES               the barometer is wrong by so much
-    motor NUMBER off | on     a motor stands still
-    battery sag VOLTS         the battery gives so much less; 0 ends it
-    battery PERCENT           the battery holds so much from now on
-    radio off | on            the pilot's transmitter is switched off
-    link off | on             nothing that is sent arrives, in either direction
-    reboot                    the autopilot restarts, wherever the vehicle is
+    gps off | on              loss of all satellites
+    gps spoof NORTH EAST      GPS position shifted by metres; 0 0 ends it
+    compass DEGREES           compass error in degrees
+    baro METRES               barometer error in metres
+    motor NUMBER off | on     motor failure
+    battery sag VOLTS         voltage drop in volts; 0 ends it
+    battery PERCENT           remaining charge in percent
+    radio off | on            loss of the pilot's transmitter
+    link off | on             loss of all links, in both directions
+    reboot                    restart of the autopilot
 
-A script has a line a fault: when, in seconds from its beginning; optionally to which vehicle; and the fault.
+A script has one fault per line: the time in seconds from the start, optionally the system id, and the fault.
 
     30 gps off
     42.5 2: motor 1 off       # system 2; without one, all vehicles
@@ -21,11 +21,12 @@ A script has a line a fault: when, in seconds from its beginning; optionally to 
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from math import isfinite, radians
 from typing import TYPE_CHECKING, Final, Protocol
 
-from mavstack.errors import MavstackError
+from mavstack.errors import InvalidArgumentError
 from mavstack.sim.motion.airframes import AIRFRAMES
 
 if TYPE_CHECKING:
@@ -33,9 +34,10 @@ if TYPE_CHECKING:
 
     from mavstack.sim.autopilot.interfaces import Vehicle
 
+_LOG = logging.getLogger("mavstack.sim")
 _MOTORS = 16
 _PERCENT = 100.0
-_MOST_SYSTEMS = 255
+_MAX_SYSTEMS = 255
 
 
 class FaultSimulation(Protocol):
@@ -53,8 +55,8 @@ class FaultSimulation(Protocol):
         """Simulated seconds since the start."""
 
 
-class FaultError(MavstackError, ValueError):
-    """There is no such fault; the text says which there are."""
+class FaultError(InvalidArgumentError):
+    """A fault is unknown or malformed; the text lists the faults or the usage."""
 
 
 class Faults:
@@ -62,15 +64,22 @@ class Faults:
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
-        #: What is wrong now, as it was injected, by what it is wrong with: "gps", "gps spoof", "motor 1".
+        #: The active faults by subject ("gps", "gps spoof", "motor 1"), as they were injected.
         self.active: dict[str, str] = {}
 
     def inject(self, text: str) -> None:
-        """Let something go wrong, or right again; raises FaultError if it is not understood."""
+        """Inject or end a fault.
+
+        Args:
+            text: The fault, such as `gps off`.
+
+        Raises:
+            FaultError: The fault is unknown or malformed.
+        """
         Fault.parse(text).inject(self._vehicle)
 
     def note(self, subject: str, text: str | None) -> None:
-        """Remember what is wrong; None if it is right again."""
+        """Record the fault of a subject; None records its end."""
         if text is None:
             self.active.pop(subject, None)
         else:
@@ -79,29 +88,29 @@ class Faults:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One fault, understood: its kind, its words, and what it does."""
+    """A parsed fault: its kind and its words."""
 
     kind: str
     words: tuple[str, ...]
 
     @classmethod
     def parse(cls, text: str) -> Fault:
-        """Read `gps off` and the like; raises FaultError."""
+        """Parse a fault such as `gps off`; raises FaultError."""
         kind, *words = text.lower().split() or [""]
         if kind not in _KINDS:
-            raise FaultError(f"there is no fault {text!r}; there are: {', '.join(_KINDS)}")
+            raise FaultError(f"unknown fault {text!r}; faults are: {', '.join(_KINDS)}")
         fault = cls(kind, tuple(words))
-        _KINDS[kind](fault.words)  # raises if its words make no sense
+        _KINDS[kind](fault.words)  # raises FaultError for wrong words
         return fault
 
     @property
     def text(self) -> str:
-        """As it was written."""
+        """The fault as text."""
         return " ".join((self.kind, *self.words))
 
     @property
-    def what(self) -> str:
-        """What it is wrong with: the same for a fault and for its end."""
+    def subject(self) -> str:
+        """The subject of the fault, equal for a fault and its end."""
         if self.kind == "motor":
             return f"motor {float(self.words[0]):g}"
         if self.words[:1] in (("spoof",), ("sag",)):
@@ -109,14 +118,15 @@ class Fault:
         return self.kind
 
     def inject(self, vehicle: Vehicle) -> None:
-        """Let it happen to a vehicle."""
-        wrong = _KINDS[self.kind](self.words)(vehicle)
-        vehicle.faults.note(self.what, self.text if wrong else None)
+        """Inject the fault into a vehicle."""
+        _LOG.info("vehicle %d: fault %s", vehicle.address.system, self.text)
+        active = _KINDS[self.kind](self.words)(vehicle)
+        vehicle.faults.note(self.subject, self.text if active else None)
 
 
 @dataclass(frozen=True, slots=True)
 class TimedFault:
-    """A fault, when it comes in seconds, and to whom: `system` 0 means every vehicle."""
+    """A fault with its time in seconds; `system` 0 means every vehicle."""
 
     time: float
     system: int
@@ -124,25 +134,32 @@ class TimedFault:
 
     @classmethod
     def parse(cls, text: str, time: float = 0.0) -> TimedFault:
-        """Read `gps off` or `2: gps off`; raises FaultError."""
+        """Parse `gps off` or `2: gps off`; raises FaultError."""
         who, colon, rest = text.partition(":")
         try:
             system = int(who) if colon else 0
         except ValueError:
             raise FaultError(f"{text.strip()!r} is not [SYSTEM:] FAULT") from None
-        if not 0 <= system <= _MOST_SYSTEMS:
-            raise FaultError(f"there is no system {system}")
+        if not 0 <= system <= _MAX_SYSTEMS:
+            raise FaultError(f"system id {system} is outside 0 to {_MAX_SYSTEMS}")
         return cls(time, system, Fault.parse(rest if colon else text))
 
     def inject(self, simulation: FaultSimulation) -> None:
-        """Let it happen now."""
+        """Inject the fault now."""
         for vehicle in simulation.vehicles:
             if self.system in (0, vehicle.address.system):
                 self.fault.inject(vehicle)
 
 
 class FaultScript:
-    """Faults at their times."""
+    """A script of timed faults.
+
+    Args:
+        lines: The lines of the script.
+
+    Raises:
+        FaultError: A line is malformed; the text has its number.
+    """
 
     def __init__(self, lines: Iterable[str]) -> None:
         self.faults = sorted(
@@ -152,19 +169,24 @@ class FaultScript:
         self._next = 0
 
     def run_in(
-        self, simulation: FaultSimulation, told: Callable[[TimedFault], None] = lambda timed: None
+        self, simulation: FaultSimulation, on_fault: Callable[[TimedFault], None] = lambda timed: None
     ) -> None:
-        """Inject each fault when its time comes, counted from now; `told` hears of each."""
+        """Inject each fault at its time from now on.
+
+        Args:
+            simulation: The simulation that runs the script.
+            on_fault: Called with each injected fault.
+        """
         begun = simulation.elapsed
 
         def act(elapsed: float) -> None:
             for timed in self.inject_due(simulation, elapsed - begun):
-                told(timed)
+                on_fault(timed)
 
         simulation.before_step.append(act)
 
     def inject_due(self, simulation: FaultSimulation, elapsed: float) -> list[TimedFault]:
-        """Inject what is due when so many seconds have passed; gives what was."""
+        """Inject the faults that are due after `elapsed` seconds, and return them."""
         due = []
         while self._next < len(self.faults) and self.faults[self._next].time <= elapsed:
             due.append(self.faults[self._next])
@@ -185,14 +207,15 @@ def _timed(number: int, line: str) -> TimedFault:
     except ValueError:
         raise FaultError(f"line {number}: {line.strip()!r} is not SECONDS [SYSTEM:] FAULT") from None
     if not (isfinite(seconds) and seconds >= 0):
-        raise FaultError(f"line {number}: {time} is no time")
+        raise FaultError(f"line {number}: {time} is not a time in seconds")
     try:
         return TimedFault.parse(rest, seconds)
     except FaultError as error:
         raise FaultError(f"line {number}: {error}") from None
 
 
-# What each kind does: the words give a function of the vehicle, which gives whether something is wrong now.
+# Kinds of faults: each parses its words into a function that injects the fault and returns whether
+# it is active.
 
 
 def _gps(words: Sequence[str]) -> Callable[[Vehicle], bool]:
@@ -238,11 +261,11 @@ def _motor(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     (number,) = _numbers(usage, words[:1], 1)
     off = _is_off(usage, words[1:])
     if number != int(number) or not 1 <= number <= _MOTORS:
-        raise FaultError(f"a motor's number is 1 to {_MOTORS}, not {words[0]}")
+        raise FaultError(f"the motor number must be 1 to {_MOTORS}, got {words[0]}")
 
     def stop(vehicle: Vehicle) -> bool:
         vehicle.body.fail_motor(int(number), off)
-        return off and number <= AIRFRAMES[vehicle.type].motors
+        return off and number <= AIRFRAMES[vehicle.vehicle_type].motors
 
     return stop
 
@@ -252,7 +275,7 @@ def _battery(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     if words[:1] == ("sag",):
         (volts,) = _numbers(usage, words[1:], 1)
         if volts < 0:
-            raise FaultError(f"it sags by 0 V or more, not by {words[1]}")
+            raise FaultError(f"the voltage sag must be at least 0 V, got {words[1]}")
 
         def sag(vehicle: Vehicle) -> bool:
             vehicle.body.sag_battery(volts)
@@ -261,7 +284,7 @@ def _battery(words: Sequence[str]) -> Callable[[Vehicle], bool]:
         return sag
     (percent,) = _numbers(usage, words, 1)
     if not 0 <= percent <= _PERCENT:
-        raise FaultError(f"{words[0]} is no percentage")
+        raise FaultError(f"the battery must be 0 to 100 percent, got {words[0]}")
 
     def hold(vehicle: Vehicle) -> bool:
         vehicle.body.recharge(percent / _PERCENT)
@@ -292,7 +315,7 @@ def _link(words: Sequence[str]) -> Callable[[Vehicle], bool]:
 
 def _reboot(words: Sequence[str]) -> Callable[[Vehicle], bool]:
     if words:
-        raise FaultError("reboot stands alone")
+        raise FaultError("usage: reboot")
 
     def reboot(vehicle: Vehicle) -> bool:
         vehicle.reboot()
@@ -319,11 +342,11 @@ def _numbers(usage: str, words: Sequence[str], count: int) -> tuple[float, ...]:
     except ValueError:
         numbers = ()
     if len(numbers) != count or not all(map(isfinite, numbers)):
-        raise FaultError(f"it is {usage}")
+        raise FaultError(f"usage: {usage}")
     return numbers
 
 
 def _is_off(usage: str, words: Sequence[str]) -> bool:
     if tuple(words) not in (("off",), ("on",)):
-        raise FaultError(f"it is {usage}")
+        raise FaultError(f"usage: {usage}")
     return words[0] == "off"

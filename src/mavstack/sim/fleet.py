@@ -1,8 +1,7 @@
-"""Fleets: where many vehicles begin, and how they meet the world.
+"""Fleets: start positions and links of many vehicles.
 
-Vehicles of a fleet stand in rows, `SPACING` metres apart, the first one at the home that was given, the
-others behind and beside it as its heading goes. They share one link, or each has one of its own, on ports
-that count up from the first one's.
+Vehicles of a fleet stand in rows, `SPACING` metres apart: the first at the given home, the others behind and
+beside it relative to its heading. They share one link, or each has a link of its own on consecutive ports.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from itertools import cycle, islice
 from math import ceil, cos, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
-from mavstack.errors import LinkURLError, MavstackError
+from mavstack.errors import InvalidArgumentError, LinkURLError
 from mavstack.links import parse_url
 from mavstack.sim.motion import LocalFrame
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
@@ -24,12 +23,12 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 SPACING = 10.0
-LARGEST_PORT = 65535
+MAX_PORT = 65535
 
 
 @dataclass(frozen=True, slots=True)
 class Fleet:
-    """How many vehicles of which types; types and firmwares take turns."""
+    """A fleet: the number of vehicles, and the types and firmwares that they take in turn."""
 
     types: Sequence[VehicleType] = (VehicleType.COPTER,)
     firmwares: Sequence[Firmware] = (Firmware.ARDUPILOT,)
@@ -38,19 +37,29 @@ class Fleet:
     first_system: int = 1
 
     def add_to(self, simulation: Simulation) -> list[SimulatedVehicle]:
-        """Put the fleet into a simulation."""
+        """Add the fleet to a simulation.
+
+        Args:
+            simulation: The simulation.
+
+        Returns:
+            The vehicles.
+
+        Raises:
+            InvalidArgumentError: A system id would exceed 255, or is taken.
+        """
         if not 1 <= self.first_system <= self.first_system + self.count - 1 <= 255:
-            raise MavstackError(
-                f"{self.count} vehicles from system {self.first_system} on do not fit into ids 1 to 255"
+            raise InvalidArgumentError(
+                f"{self.count} vehicles from system id {self.first_system} do not fit into ids 1 to 255"
             )
-        kinds = islice(zip(cycle(self.types), cycle(self.firmwares), strict=False), self.count)
+        types = islice(zip(cycle(self.types), cycle(self.firmwares), strict=False), self.count)
         return [
-            simulation.add(kind, firmware, home=home, system=self.first_system + number)
-            for number, ((kind, firmware), home) in enumerate(zip(kinds, self.homes(), strict=True))
+            simulation.add(vehicle_type, firmware, home=home, system=self.first_system + number)
+            for number, ((vehicle_type, firmware), home) in enumerate(zip(types, self.homes(), strict=True))
         ]
 
     def homes(self) -> Iterator[Home]:
-        """Where each vehicle begins."""
+        """Yield the home of each vehicle."""
         frame = LocalFrame(self.home.latitude, self.home.longitude, self.home.altitude)
         heading, columns = radians(self.home.heading), ceil(sqrt(self.count))
         for number in range(self.count):
@@ -62,9 +71,9 @@ class Fleet:
             yield self.home._replace(latitude=latitude, longitude=longitude)
 
 
-def own_links(url: str, count: int) -> list[str]:
-    """A link for each vehicle: the port counts up from the URL's."""
+def link_per_vehicle(url: str, count: int) -> list[str]:
+    """Return a link URL for each vehicle, on consecutive ports; raises LinkURLError."""
     parsed = parse_url(url)
-    if not parsed.port or parsed.port + count - 1 > LARGEST_PORT:
-        raise LinkURLError(f"{url} has no {count} ports to count up from")
+    if not parsed.port or parsed.port + count - 1 > MAX_PORT:
+        raise LinkURLError(f"link URL {url} needs a port, with {count} ports from it up to {MAX_PORT}")
     return [str(replace(parsed, port=parsed.port + number)) for number in range(count)]

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False, slots=True)
 class Port:
-    """The connection of a vehicle to one peer; `state` is its channel in the engine, replaced at each boot."""
+    """The connection of a vehicle to one peer; `state` is its channel in the engine, new at each boot."""
 
     name: str
     options: dict[str, Any] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Which profile a firmware has on a type of vehicle."""
+"""Selection of the firmware profile."""
 
 from __future__ import annotations
 
@@ -13,6 +13,6 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import VehicleType
 
 
-def profile_of(firmware: Firmware, type: VehicleType) -> FirmwareProfile:  # noqa: A002 (HEARTBEAT's name for it)
-    """The profile of one vehicle."""
-    return Px4Profile(type) if firmware is Firmware.PX4 else ArdupilotProfile(type)
+def profile_of(firmware: Firmware, vehicle_type: VehicleType) -> FirmwareProfile:
+    """Return the profile of a firmware on a vehicle type."""
+    return Px4Profile(vehicle_type) if firmware is Firmware.PX4 else ArdupilotProfile(vehicle_type)

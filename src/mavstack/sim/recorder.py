@@ -1,8 +1,8 @@
-"""What a simulated vehicle writes into its log, and when a log begins and ends.
+"""The flight recorder of a simulated vehicle: the content of its log, and when a log begins and ends.
 
-A log begins at arming and ends a moment after disarming, so that the last words are in it; parameters of the
-firmware (LOG_DISARMED, SDLOG_MODE) may have it begin at boot, or go on until the next. Ten times a second the
-vehicle is sampled; what happens in between is told by whoever does it.
+A log begins at arming and ends shortly after disarming, so that it has the last status texts. Parameters
+(LOG_DISARMED, SDLOG_MODE) can make it begin at boot, or continue until the next one. The vehicle is sampled
+ten times a second; events are written as they happen.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Vehicle
     from mavstack.sim.vehicle_types import Home
 
-#: How long a log goes on after disarming, in seconds.
-LAST_WORDS = 1.0
+#: Time from disarming to the end of a log, in seconds.
+LOG_TAIL = 1.0
 
-#: SDLOG_MODE of logs that begin at boot, and of those that go on after disarming.
+#: Values of SDLOG_MODE with logs from boot, and with logs that continue after disarming.
 _FROM_BOOT, _AFTER_DISARMING = (1, 2), (2, 4)
-#: ArduPilot's ModeReason by a word in ours, and its LogErrorSubsystem by a word in a failsafe's name.
+#: ArduPilot's ModeReason by a word of the reason, and its LogErrorSubsystem by a word of a failsafe's name.
 _REASONS = {
     "command": 2,
     "radio": 3,
@@ -41,7 +41,7 @@ _WITH_AIRSPEED = (VehicleType.PLANE, VehicleType.VTOL)
 
 
 class Recorder:
-    """Keeps the log of one vehicle."""
+    """Writes the log of one vehicle."""
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
@@ -53,10 +53,10 @@ class Recorder:
         self._reached = -1
         self._failsafes: frozenset[str] = frozenset()
 
-    # What the vehicle tells
+    # Events
 
     def tick(self, now: float) -> None:
-        """Look at the vehicle, and write what it does."""
+        """Sample the vehicle."""
         if self._boots != self._vehicle.boots:
             self._booted()
         if self._ends_at is not None and now >= self._ends_at:
@@ -67,29 +67,29 @@ class Recorder:
             self._logs.write(self._sample())
 
     def text(self, text: str, severity: int) -> None:
-        """The vehicle says something."""
+        """Write a status text."""
         self._logs.text(self._time_us, severity, text)
 
     def mode(self, number: int, reason: str) -> None:
-        """It is in another mode."""
+        """Write a mode change."""
         self._logs.mode(self._time_us, number, _number_of(reason, _REASONS))
 
     def armed(self, armed: bool) -> None:
-        """It was armed or disarmed."""
+        """Write arming or disarming."""
         if armed:
             self._ends_at = None
             if not self._logs.writing and self._wanted:
                 self._begin()
         self._logs.armed(self._time_us, armed)
         if not armed and not self._goes_on:
-            self._ends_at = self._vehicle.now + LAST_WORDS
+            self._ends_at = self._vehicle.now + LOG_TAIL
 
     def home(self, home: Home | None) -> None:
-        """It has another home."""
+        """Write a new home."""
         if home is not None:
             self._logs.home(self._time_us, home.latitude, home.longitude, home.altitude)
 
-    # When there is a log
+    # Begin and end of a log
 
     @property
     def _time_us(self) -> int:
@@ -97,7 +97,7 @@ class Recorder:
 
     @property
     def _mode(self) -> int:
-        """PX4's SDLOG_MODE, and what comes nearest to it of ArduPilot's."""
+        """PX4's SDLOG_MODE, or the closest value for ArduPilot's parameters."""
         parameters = self._vehicle.parameters
         if self._vehicle.firmware is Firmware.PX4:
             return int(parameters.get("SDLOG_MODE", 0))
@@ -127,13 +127,13 @@ class Recorder:
         self._sequence, self._reached = self._vehicle.mission.current, -1
         self._failsafes = frozenset()
 
-    # What it writes
+    # Content
 
     def _parameter_changed(self, name: str, value: Value) -> None:
         self._logs.parameter(self._time_us, name, value, self._vehicle.parameters.table[name].default)
 
     def _notice(self) -> None:
-        """Write what changed since the last look."""
+        """Write the changes since the last sample."""
         vehicle, time_us = self._vehicle, self._time_us
         sequence, landed = vehicle.mission.current, vehicle.autopilot.landed
         if sequence != self._sequence:
@@ -148,7 +148,9 @@ class Recorder:
         items = self._vehicle.mission.plan(common.MavMissionType.MISSION).items
         self._reached = sequence - 1 if sequence > self._sequence else -1
         self._sequence = sequence
-        if sequence < len(items) and self._vehicle.autopilot.armed:  # disarmed, it only begins anew
+        if (
+            sequence < len(items) and self._vehicle.autopilot.armed
+        ):  # while disarmed the mission is only reset
             self._logs.command(time_us, items[sequence], sequence, len(items))
 
     def _notice_failsafes(self, time_us: int) -> None:
@@ -178,13 +180,13 @@ class Recorder:
             mission_sequence=self._sequence,
             mission_total=len(vehicle.plans.get(common.MavMissionType.MISSION)),
             mission_reached=self._reached,
-            airspeed=body.airspeed if vehicle.type in _WITH_AIRSPEED else 0.0,
+            airspeed=body.airspeed if vehicle.vehicle_type in _WITH_AIRSPEED else 0.0,
             home_altitude=body.frame.altitude if home is None else home.altitude,
             health=body.health,
         )
 
 
 def _number_of(text: str, numbers: dict[str, int]) -> int:
-    """The number of the first word that is in a text; 0 if none is."""
+    """Return the number of the first word that is in a text; 0 if there is none."""
     text = text.lower()
     return next((number for word, number in numbers.items() if word in text), 0)

@@ -1,25 +1,25 @@
-"""Runs a simulation by the event loop's clock, and joins its vehicles to links.
+"""The runner: it advances a simulation by the event loop's clock and connects its vehicles to links.
 
     runner = Runner(simulation, speed=1)
     await runner.connect("udpout://127.0.0.1:14550", simulation.vehicles)
     await runner.run()
 
-A link may carry one vehicle or many: what comes in goes to the vehicles that it is addressed to. With a
-`speed` of 2 two simulated seconds pass in a real one; with an infinite one time passes as fast as it can. A
-speed that is set while it runs counts from then on. If the machine cannot keep up, simulated time falls
-behind rather than jump, and `lag` tells by how much.
-A loop in virtual time (see `virtual`) makes the whole virtual.
+A link may carry one vehicle or many: a packet reaches the vehicles that it is addressed to. A `speed` of 2
+simulates two seconds per second, an infinite one runs as fast as possible; it may be changed at any time. If
+the machine is too slow, simulated time falls behind, and `lag` tells by how much. In a loop with virtual time
+(see `virtual`) the whole simulation is virtual.
 """
 
 from __future__ import annotations
 
 import asyncio
+import logging
 from dataclasses import dataclass
 from math import ceil, inf, isinf
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import Dialect
-from mavstack.errors import LinkClosedError, LinkError, MavstackError
+from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError
 from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened, Link, LinkDown, open_link
 from mavstack.services.addressing import target_of
 from mavstack.sim.simulation import ROUNDING
@@ -35,28 +35,41 @@ if TYPE_CHECKING:
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
 
-#: Simulated time is given up beyond so many seconds behind: the machine slept, or is too slow.
-MOST_LAG = 0.5
-#: So many steps are made at most before the links have their turn: what came in while the machine was busy
-#: must not find that the vehicle's patience has ended meanwhile.
-STEPS_AT_ONCE = 5
-#: Packets of a log or a file that peers are sent in a real second, as simulators of the firmwares do: those
-#: who are slower would lose most of them.
+_LOG = logging.getLogger("mavstack.sim")
+
+#: Maximum backlog in seconds; simulated time beyond it is dropped, as after the machine slept.
+MAX_LAG = 0.5
+#: Maximum number of steps between two turns of the links, so that received packets do not wait so long
+#: that timeouts of the vehicle expire.
+MAX_STEPS_PER_TURN = 5
+#: Packets of logs and files per second to each peer, as simulators of the firmwares send; slower receivers
+#: would lose most of a faster stream.
 BULK_RATE = 1000.0
 
 
 @dataclass(eq=False, slots=True)
-class _Mooring:
-    """One channel of a link, and the port that each vehicle has on it."""
+class _ChannelPorts:
+    """One channel of a link, and the port of each vehicle on it."""
 
     channel: Channel
-    pace: int  # of its link, in bytes a real second; 0 if it is not known
+    pace: int  # bytes per second of the link; 0 if unknown
     ports: dict[SimulatedVehicle, Port]
-    parser: Parser | None  # for finding out to whom a packet is addressed; None for a single vehicle
+    parser: Parser | None  # finds the addressee of a packet; None for a single vehicle
 
 
 class Runner:
-    """The clock and the links of a simulation."""
+    """Advances a simulation by the clock, and connects its vehicles to links.
+
+    Use it as an asynchronous context manager, or call `close` at the end.
+
+    Args:
+        simulation: The simulation.
+        speed: Simulated seconds per second; may be infinite.
+        on_link_down: Called with a link that fails, and the reason.
+
+    Raises:
+        InvalidArgumentError: The speed is not positive.
+    """
 
     def __init__(
         self,
@@ -66,10 +79,10 @@ class Runner:
         on_link_down: Callable[[Link, str], None] | None = None,
     ) -> None:
         self.simulation = simulation
-        self._moorings: dict[Channel, _Mooring] = {}
+        self._channel_ports: dict[Channel, _ChannelPorts] = {}
         self.speed = speed
         self.links: list[Link] = []
-        #: Simulated seconds that were given up because the machine could not keep up.
+        #: Simulated seconds that were dropped because the machine was too slow.
         self.lag = 0.0
         self._on_link_down = on_link_down
         self._dialect = Dialect.load("all")
@@ -78,43 +91,59 @@ class Runner:
 
     @property
     def speed(self) -> float:
-        """Simulated seconds in a real one."""
+        """Simulated seconds per second."""
         return self._speed
 
     @speed.setter
     def speed(self, speed: float) -> None:
         if not speed > 0:
-            raise MavstackError(f"a simulation cannot run at a speed of {speed}")
+            raise InvalidArgumentError(f"the speed of a simulation must be positive, got {speed}")
         self._speed = speed
-        for mooring in self._moorings.values():
-            for port in mooring.ports.values():
-                port.limit(*self._limits(mooring.pace))
+        for entry in self._channel_ports.values():
+            for port in entry.ports.values():
+                port.limit(*self._limits(entry.pace))
 
     def _limits(self, pace: int) -> tuple[float | None, float | None]:
-        """Bandwidth and rate of bulk: what a real second carries is spread over `speed` simulated ones."""
+        """Return bandwidth and rate of bulk packets per simulated second."""
         if isinf(self._speed):
             return pace or None, None
         return pace / self._speed or None, BULK_RATE / self._speed
 
     async def connect(self, link: str | Link, vehicles: Iterable[SimulatedVehicle]) -> Link:
-        """Open a link for these vehicles; raises `LinkError` if it cannot be."""
+        """Open a link for some vehicles.
+
+        Args:
+            link: A link URL or a link.
+            vehicles: The vehicles that the link carries.
+
+        Returns:
+            The open link.
+
+        Raises:
+            LinkError: The link cannot be opened.
+        """
         opened = open_link(link) if isinstance(link, str) else link
         await opened.open()
         self.links.append(opened)
+        _LOG.info("link %s open", opened.url.redacted)
         task = asyncio.get_running_loop().create_task(self._read(opened, tuple(vehicles)))
         self._tasks.add(task)
         task.add_done_callback(self._ended)
         return opened
 
     def start(self) -> asyncio.Task[None]:
-        """Let time pass in the background until `close`."""
+        """Run in the background until `close`."""
         task = asyncio.get_running_loop().create_task(self.run())
         self._tasks.add(task)
         return task
 
     async def run(self, seconds: float | None = None) -> None:
-        """Let time pass, for so many simulated seconds (whole steps) or until cancelled."""
-        length = self.simulation.length
+        """Run the simulation.
+
+        Args:
+            seconds: Simulated seconds, rounded up to whole steps; None runs until cancelled.
+        """
+        length = self.simulation.step_length
         end = inf if seconds is None else self.simulation.now + ceil(seconds / length) * length - ROUNDING
         while self.simulation.now < end:
             if isinf(self.speed):
@@ -123,7 +152,7 @@ class Runner:
                 await self._run_by_clock(end)
 
     async def close(self) -> None:
-        """Stop, and close the links; an error that stopped the vehicles in the background is raised here."""
+        """Stop, close the links, and raise the error that ended the background run, if any."""
         tasks = tuple(self._tasks)
         self._tasks.clear()
         for task in tasks:
@@ -131,45 +160,46 @@ class Runner:
         endings = await asyncio.gather(*tasks, return_exceptions=True)
         for link in self.links:
             await link.close()
-        for channel in tuple(self._moorings):
-            self._part(channel)
+        for channel in tuple(self._channel_ports):
+            self._close_channel(channel)
         for ending in endings:
             if isinstance(ending, Exception):
                 raise ending
 
     def _ended(self, task: asyncio.Task[None]) -> None:
-        """A link was read to its end; the task stays if it ended with an error, for `close` to tell."""
+        """Discard a reader that ended; one that failed stays, so that `close` raises its error."""
         if task.cancelled() or task.exception() is None:
             self._tasks.discard(task)
 
     async def _run_freely(self, end: float) -> None:
         simulation = self.simulation
         while simulation.now < end and isinf(self.speed):
-            due = simulation.now + STEPS_AT_ONCE * simulation.length
-            simulation.advance(min(due, end + ROUNDING))
+            target = simulation.now + MAX_STEPS_PER_TURN * simulation.step_length
+            simulation.advance(min(target, end + ROUNDING))
             self.flush()
             await asyncio.sleep(0)
 
     async def _run_by_clock(self, end: float) -> None:
         loop, simulation = asyncio.get_running_loop(), self.simulation
-        looked_at, owed = loop.time(), 0.0  # simulated seconds that the clock is ahead
+        last, due = loop.time(), 0.0  # `due`: simulated seconds that the clock is ahead
         while simulation.now < end and not isinf(self.speed):
-            before, now = looked_at, loop.time()
-            looked_at = now
-            owed += (now - before) * self.speed
-            behind = owed - MOST_LAG * max(self.speed, 1.0)
+            before, now = last, loop.time()
+            last = now
+            due += (now - before) * self.speed
+            behind = due - MAX_LAG * max(self.speed, 1.0)
             if behind > 0:
                 self.lag += behind
-                owed -= behind
+                _LOG.debug("%.3f simulated seconds dropped: the machine is too slow", behind)
+                due -= behind
             begun = simulation.now
-            due = begun + min(owed, STEPS_AT_ONCE * simulation.length)
-            simulation.advance(min(due, end + ROUNDING))
-            owed -= simulation.now - begun
+            target = begun + min(due, MAX_STEPS_PER_TURN * simulation.step_length)
+            simulation.advance(min(target, end + ROUNDING))
+            due -= simulation.now - begun
             self.flush()
-            await asyncio.sleep(max((simulation.length - owed) / self.speed - loop.time() + now, 0.0))
+            await asyncio.sleep(max((simulation.step_length - due) / self.speed - loop.time() + now, 0.0))
 
     def flush(self) -> None:
-        """Send what the vehicles have to say."""
+        """Send the pending data of all vehicles."""
         for vehicle in self.simulation.vehicles:
             self._flush(vehicle)
 
@@ -180,7 +210,7 @@ class Runner:
                 try:
                     channel.write(data)
                 except LinkClosedError:
-                    continue  # its ChannelClosed is on the way
+                    continue  # ChannelClosed follows
 
     async def _read(self, link: Link, vehicles: Sequence[SimulatedVehicle]) -> None:
         try:
@@ -190,13 +220,14 @@ class Runner:
                 for vehicle in vehicles:
                     self._flush(vehicle)
         except LinkError as error:
+            _LOG.warning("link %s down: %s", link.url.redacted, error)
             if self._on_link_down is not None:
                 self._on_link_down(link, str(error))
 
     def _take(self, link: Link, vehicles: Sequence[SimulatedVehicle], event: LinkEvent) -> None:
         match event:
             case BytesReceived(channel, data):
-                self._received(self._moorings[channel], data)
+                self._received(self._channel_ports[channel], data)
             case ChannelOpened(channel):
                 bandwidth, bulk_rate = self._limits(link.pace)
                 ports = {
@@ -204,27 +235,31 @@ class Runner:
                     for vehicle in vehicles
                 }
                 parser = Parser(self._dialect) if len(vehicles) > 1 else None
-                self._moorings[channel] = _Mooring(channel, link.pace, ports, parser)
+                self._channel_ports[channel] = _ChannelPorts(channel, link.pace, ports, parser)
                 self._channels.update(dict.fromkeys(ports.values(), channel))
+                _LOG.info("channel %s up", channel.name)
             case ChannelClosed(channel):
-                self._part(channel)
-            case LinkDown(reason) if self._on_link_down is not None:
-                self._on_link_down(link, reason)
+                _LOG.info("channel %s down", channel.name)
+                self._close_channel(channel)
+            case LinkDown(reason):
+                _LOG.warning("link %s down: %s", link.url.redacted, reason)
+                if self._on_link_down is not None:
+                    self._on_link_down(link, reason)
 
-    def _part(self, channel: Channel) -> None:
-        """The peer is gone, for all vehicles."""
-        for vehicle, port in self._moorings.pop(channel).ports.items():
+    def _close_channel(self, channel: Channel) -> None:
+        """Close the ports of a channel."""
+        for vehicle, port in self._channel_ports.pop(channel).ports.items():
             del self._channels[port]
             vehicle.close_port(port)
 
-    def _received(self, mooring: _Mooring, data: bytes) -> None:
-        if mooring.parser is None:
-            for vehicle, port in mooring.ports.items():
+    def _received(self, entry: _ChannelPorts, data: bytes) -> None:
+        if entry.parser is None:
+            for vehicle, port in entry.ports.items():
                 vehicle.receive(port, data)
             return
-        for packet in mooring.parser.feed(data):
+        for packet in entry.parser.feed(data):
             system = target_of(packet.message).system if packet.message is not None else 0
-            for vehicle, port in mooring.ports.items():
+            for vehicle, port in entry.ports.items():
                 if system in (0, vehicle.address.system):
                     vehicle.receive(port, packet.raw)
 

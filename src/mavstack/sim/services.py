@@ -1,4 +1,4 @@
-"""The services of one simulated vehicle, as they are made at each boot."""
+"""The services of one simulated vehicle, created at each boot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mavstack.services.heartbeat import Discovery, HeartbeatSender
 from mavstack.services.log import LogServer
 from mavstack.services.manual_control import ManualControlReceiver
 from mavstack.services.message_request import MessageServer
-from mavstack.services.mission import MissionServer
+from mavstack.services.mission import MissionServer, MissionServerOptions
 from mavstack.services.modes import ModeChanged, ModeServer
 from mavstack.services.parameters import ParameterWritten
 from mavstack.services.ping import PingServer
@@ -32,19 +32,19 @@ if TYPE_CHECKING:
     from mavstack.sim.port import Port
 
 
-#: How long the firmwares wait for an item of a plan, in seconds.
-_ASK_AGAIN = {Firmware.ARDUPILOT: 1.0, Firmware.PX4: 0.25}
+#: Interval of repeated requests for an item of a plan, in seconds.
+_REQUEST_INTERVALS = {Firmware.ARDUPILOT: 1.0, Firmware.PX4: 0.25}
 
 
 class Services:
-    """What lives on one vehicle's engine."""
+    """The services on one vehicle's engine."""
 
     def __init__(self, vehicle: Vehicle, dialect: HasCoreDialect) -> None:
         self._vehicle = vehicle
         local, profile = vehicle.address, vehicle.profile
         self.engine = engine = Engine(local, dialect)
         autopilot = vehicle.firmware.mav_autopilot
-        self.beacon = engine.add(HeartbeatSender(local, vehicle.type.mav_type, autopilot))
+        self.beacon = engine.add(HeartbeatSender(local, vehicle.vehicle_type.mav_type, autopilot))
         self.discovery = engine.add(Discovery(local))
         self.commands = engine.add(CommandServer(local))
         self.messages = engine.add(MessageServer(local, self.commands))
@@ -65,13 +65,15 @@ class Services:
             MissionServer(
                 local,
                 vehicle.plans,
+                MissionServerOptions(
+                    home_first=vehicle.firmware is Firmware.ARDUPILOT,
+                    plain_requests=vehicle.firmware is Firmware.ARDUPILOT,
+                    float_answers=True,
+                    request_interval=_REQUEST_INTERVALS[vehicle.firmware],
+                ),
                 validate=self._validate,
                 check=self._check,
-                home_first=vehicle.firmware is Firmware.ARDUPILOT,
                 guided=profile.guided_items(vehicle),
-                plain_requests=vehicle.firmware is Firmware.ARDUPILOT,
-                float_answers=True,
-                ask_again=_ASK_AGAIN[vehicle.firmware],
             )
         )
         self.mission.answer_commands(self.commands, engine.touch)
@@ -90,7 +92,7 @@ class Services:
         return next((port for port in self._vehicle.ports if port.state is state), None)
 
     def refresh_heartbeat(self) -> None:
-        """Say at once what HEARTBEAT tells; it is right whenever it is sent."""
+        """Send HEARTBEAT immediately if its content has changed."""
         autopilot, beacon = self._vehicle.autopilot, self.beacon
         fields = (autopilot.base_mode, autopilot.mode.number, autopilot.system_status)
         if (beacon.base_mode, beacon.custom_mode, beacon.system_status) != fields:
@@ -99,7 +101,7 @@ class Services:
             self.engine.touch(beacon)
 
     def send(self, message: Message, target: Address | None = None) -> None:
-        """Send a message by its own right, such as HOME_POSITION when home has changed."""
+        """Send a message, such as HOME_POSITION after a change of home; without a target to everybody."""
         self.engine.send(message, self._vehicle.now, target)
 
     def _validate(self, plan: Plan, source: Address) -> int:

@@ -1,19 +1,21 @@
-"""A simulation: a world, the vehicles in it, and their time, which goes on only when it is told to.
+"""A simulation: a world, its vehicles, and their time.
 
     simulation = Simulation(seed=1)
     copter = simulation.add(VehicleType.COPTER, Firmware.ARDUPILOT)
     simulation.advance(simulation.now + 10)
 
-Time goes in steps of equal length, and everything follows from the seed and from what comes in, so that the
-same seed gives the same bytes. A runner advances it by a clock, a test as fast as it can.
+Time advances in steps of equal length, only when the caller advances it. Everything follows from the seed and
+from the received data, so that the same seed gives the same bytes. A `Runner` advances it by the clock, a
+test as fast as it can.
 """
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import MavstackError
+from mavstack.errors import InvalidArgumentError
 from mavstack.services import Address
 from mavstack.sim.motion import World
 from mavstack.sim.parameters import Parameters
@@ -27,72 +29,99 @@ if TYPE_CHECKING:
 
     from mavstack.sim.port import Port
 
-#: Steps a second.
+_LOG = logging.getLogger("mavstack.sim")
+
+#: Default rate of steps, in hertz.
 RATE = 50.0
-#: The Unix time at which a simulation begins if nobody says when: the same for all, so that runs are alike.
+#: Default Unix time of the start, constant so that runs are equal.
 EPOCH = 1_767_225_600.0
-MOST_SYSTEMS = 255
-#: Unix times are floats good to a quarter of a microsecond.
+MAX_SYSTEMS = 255
+#: Tolerance of comparisons, above the resolution of Unix times in floats (0.25 µs).
 ROUNDING = 1e-6
 
 
 class Simulation:
-    """Vehicles in one world."""
+    """Simulated vehicles in one world.
+
+    Args:
+        seed: The seed of wind, noise and all other random numbers.
+        rate: Steps per second.
+        start: The simulated Unix time of the start.
+        storage: The folder of the vehicles' files and logs, one subfolder each; None keeps them in memory.
+    """
 
     def __init__(
         self, *, seed: int = 1, rate: float = RATE, start: float = EPOCH, storage: Path | None = None
     ) -> None:
         self.world = World(seed=seed, rate=rate)
         self.seed = seed
-        #: Where vehicles keep their files, each in a folder of its own; in memory if there is no such place.
+        #: The folder of the vehicles' files and logs; None keeps them in memory.
         self.storage = storage
         self.vehicles: list[SimulatedVehicle] = []
         #: Called before each step with the simulated seconds since the start.
         self.before_step: list[Callable[[float], None]] = []
         self._start = start
         self._step = 0
-        #: Of a step, in seconds.
-        self.length = 1.0 / rate
+        #: Length of a step, in seconds.
+        self.step_length = 1.0 / rate
 
     @property
     def now(self) -> float:
-        """The simulated Unix time."""
-        return self._start + self._step * self.length
+        """The simulated Unix time, in seconds."""
+        return self._start + self._step * self.step_length
 
     @property
     def elapsed(self) -> float:
-        """The simulated seconds since the start."""
-        return self._step * self.length
+        """Simulated seconds since the start."""
+        return self._step * self.step_length
 
     def add(
         self,
-        type: VehicleType | str = VehicleType.COPTER,  # noqa: A002 (HEARTBEAT's name for it)
+        vehicle_type: VehicleType | str = VehicleType.COPTER,
         firmware: Firmware | str = Firmware.ARDUPILOT,
         *,
         home: Home = DEFAULT_HOME,
         system: int | None = None,
     ) -> SimulatedVehicle:
-        """Put a vehicle into the world, with the next free system id unless it is given."""
+        """Add a vehicle to the world.
+
+        Args:
+            vehicle_type: The vehicle type, such as "copter".
+            firmware: The firmware, "ardupilot" or "px4".
+            home: The start position.
+            system: The system id; None for the next free one.
+
+        Returns:
+            The vehicle, disarmed on the ground.
+
+        Raises:
+            InvalidArgumentError: The system id is taken or out of range, or all are taken.
+        """
         taken = {vehicle.address.system for vehicle in self.vehicles}
-        system = system or next((free for free in range(1, MOST_SYSTEMS + 1) if free not in taken), 0)
-        if not 1 <= system <= MOST_SYSTEMS or system in taken:
-            raise MavstackError(f"there is no system id left for another vehicle: {system or 'all'} taken")
-        kind, profile = VehicleType(type), Firmware(firmware)
+        system = system or next((free for free in range(1, MAX_SYSTEMS + 1) if free not in taken), 0)
+        if not 1 <= system <= MAX_SYSTEMS or system in taken:
+            raise InvalidArgumentError(
+                f"adding a vehicle failed: system id {system} is taken or outside 1 to {MAX_SYSTEMS}"
+                if system
+                else f"adding a vehicle failed: all {MAX_SYSTEMS} system ids are taken"
+            )
+        vehicle_type, firmware = VehicleType(vehicle_type), Firmware(firmware)
         vehicle = SimulatedVehicle(
-            self.world.add(kind, home),
-            kind,
-            profile,
+            self.world.add(vehicle_type, home),
+            vehicle_type,
+            firmware,
             Address(system, common.MavComponent.AUTOPILOT1),
-            profile_of(profile, kind),
-            Parameters(profile, kind, system),
-            self.now,
+            profile_of(firmware, vehicle_type),
+            Parameters(firmware, vehicle_type, system),
+            now=self.now,
             folder=self.storage and self.storage / str(system),
         )
         self.vehicles.append(vehicle)
+        _LOG.info("vehicle %d added: %s %s", system, firmware, vehicle_type)
         return vehicle
 
     def step(self) -> None:
-        """One step of everything."""
+        """Advance by one step."""
         for act in self.before_step:
             act(self.elapsed)
         self.world.step()
@@ -102,15 +131,15 @@ class Simulation:
             vehicle.step(now)
 
     def advance(self, now: float) -> None:
-        """All steps until `now`; a step that is due within a rounding error is due."""
-        while self._start + (self._step + 1) * self.length <= now + ROUNDING:
+        """Advance by all steps up to the simulated Unix time `now`."""
+        while self._start + (self._step + 1) * self.step_length <= now + ROUNDING:
             self.step()
 
     def close(self) -> None:
-        """Finish what vehicles are writing."""
+        """Finish the logs of all vehicles."""
         for vehicle in self.vehicles:
             vehicle.close()
 
     def data_to_send(self) -> list[tuple[SimulatedVehicle, Port, bytes]]:
-        """What all vehicles sent since the last call."""
+        """Return the data sent by all vehicles since the last call."""
         return [(vehicle, port, data) for vehicle in self.vehicles for port, data in vehicle.data_to_send()]

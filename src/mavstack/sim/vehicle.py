@@ -1,19 +1,19 @@
-"""One simulated vehicle as a MAVLink component: the services of the floor below, and the autopilot behind.
+"""A simulated vehicle as a MAVLink component: its services, and the autopilot that they drive.
 
-It needs no event loop and no clock: bytes go in by `receive`, time by `step`, and what it sends comes out of
-`data_to_send`. What clients ask of the services comes as their events to whoever said `on` for them; what the
-autopilot does goes back to the services.
+It needs no event loop and no clock: bytes enter through `receive`, time through `step`, and `data_to_send`
+returns the bytes to send. Requests of clients reach the autopilot as events of the services (`on_event`).
 
     vehicle = simulation.add(VehicleType.COPTER, Firmware.ARDUPILOT)
     port = vehicle.open_port("ground")
     vehicle.receive(port, data)
     for port, data in vehicle.data_to_send(): ...
 
-A reboot makes the services and the autopilot anew; ports, parameters, plans, files and the body stay.
+A reboot creates new services and a new autopilot; ports, parameters, plans, files and the body stay.
 """
 
 from __future__ import annotations
 
+import logging
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -40,42 +40,55 @@ if TYPE_CHECKING:
 
 AnyEvent = TypeVar("AnyEvent", bound="Event")
 
-#: How long nothing is heard of a vehicle that reboots, in seconds.
+_LOG = logging.getLogger("mavstack.sim")
+
+#: Silence of a rebooting vehicle, in seconds.
 REBOOT_SILENCE = 1.0
-LARGEST_ID = 255
+MAX_SYSTEM_ID = 255
 
 
 class SimulatedVehicle:
-    """A vehicle that other programs can talk to."""
+    """One simulated vehicle; `Simulation.add` creates it.
+
+    Attributes:
+        vehicle_type: The vehicle type.
+        firmware: The firmware.
+        address: System and component id.
+        autopilot: The autopilot, new at each boot.
+        parameters: The parameters.
+        plans: The stored mission, fence and rally points.
+        faults: The injected faults.
+        body: The physical body: true motion, estimate, sensors.
+    """
 
     def __init__(
         self,
         body: Body,
-        type: VehicleType,  # noqa: A002 (HEARTBEAT's name for it)
+        vehicle_type: VehicleType,
         firmware: Firmware,
         address: Address,
         profile: FirmwareProfile,
         parameters: Parameters,
-        now: float,
         *,
+        now: float,
         folder: Path | None = None,
     ) -> None:
-        self.body, self.type, self.firmware, self.address = body, type, firmware, address
+        self.body, self.vehicle_type, self.firmware, self.address = body, vehicle_type, firmware, address
         self.profile = profile
         self.parameters = parameters
         self.plans = PlanStore()
         self.now = self.booted_at = now
         self.boots = 0
-        #: Told of what the vehicle says and does: itself, "text", "mode" or "armed", and words for people.
+        #: Called with the vehicle, "text", "mode" or "armed", and a description of the event.
         self.listeners: list[Callable[[SimulatedVehicle, str, str], None]] = []
         self.ports: list[Port] = []
         self.storage = Storage(self, folder=folder)
         self.recorder = Recorder(self)
         self.faults = Faults(self)
-        #: Whether nothing gets through, in either direction.
+        #: True while the links are cut in both directions.
         self.cut_off = False
-        #: What was sent before it fell silent.
-        self._last_words: list[tuple[Port, bytes]] = []
+        #: Data sent before a reboot or a cut.
+        self._final_data: list[tuple[Port, bytes]] = []
         self._dialect = Dialect.load("all")
         self._silent_until = now
         self._boot()
@@ -85,7 +98,7 @@ class SimulatedVehicle:
         self.booted_at = self.now
         self._reactions: dict[type, list[Callable[[Any], None]]] = defaultdict(list)
         self._to_send: list[tuple[Port, bytes]] = []
-        self._tick_due = self.now + self.address.system % 5 * TICK / 5  # the fleet's load is spread
+        self._tick_due = self.now + self.address.system % 5 * TICK / 5  # spreads the load of a fleet
         self.services = Services(self, self._dialect)
         self.engine = self.services.engine
         self.modes, self.commands = self.services.modes, self.services.commands
@@ -107,7 +120,17 @@ class SimulatedVehicle:
         bandwidth: float | None = None,
         bulk_rate: float | None = None,
     ) -> Port:
-        """A peer appeared; `bandwidth` in bytes and `bulk_rate` in packets a second, where they are known."""
+        """Open a port for a peer.
+
+        Args:
+            name: The name of the peer, for logs.
+            signing: The signing state of the port; None for no signing.
+            bandwidth: Bytes per second; None if unknown.
+            bulk_rate: Packets of logs and files per second; None for no limit.
+
+        Returns:
+            The port.
+        """
         port = Port(name, {"signing": signing, "bandwidth": bandwidth, "bulk_rate": bulk_rate})
         self.ports.append(port)
         self._connect(port)
@@ -116,18 +139,18 @@ class SimulatedVehicle:
         return port
 
     def close_port(self, port: Port) -> None:
-        """The peer is gone."""
+        """Close the port of a peer, and drop its pending data."""
         self.ports.remove(port)
         if port.state is not None:
             self.engine.close_channel(port.state)
         self._to_send = [item for item in self._to_send if item[0] is not port]
-        self._last_words = [item for item in self._last_words if item[0] is not port]
+        self._final_data = [item for item in self._final_data if item[0] is not port]
 
     def _connect(self, port: Port) -> None:
         port.state = self.engine.open_channel(port.name, **port.options)
 
     def receive(self, port: Port, data: bytes) -> list[Packet]:
-        """Take in what a peer sent; answers are made at once."""
+        """Process data from a peer; returns the packets in it."""
         if port.state is None or self.cut_off or self.now < self._silent_until:
             return []
         packets = self.engine.receive(port.state, data, self.now)
@@ -135,8 +158,8 @@ class SimulatedVehicle:
         return packets
 
     def data_to_send(self) -> list[tuple[Port, bytes]]:
-        """What was sent since the last call, in order."""
-        sent, self._last_words = self._last_words, []
+        """Return the data sent since the last call, in order."""
+        sent, self._final_data = self._final_data, []
         if self.now < self._silent_until:
             return sent
         self._settle()
@@ -148,7 +171,7 @@ class SimulatedVehicle:
     # Time
 
     def step(self, now: float) -> None:
-        """Go on in time."""
+        """Advance to the simulated Unix time `now`."""
         self.now = now
         if now < self._silent_until:
             return
@@ -164,38 +187,39 @@ class SimulatedVehicle:
 
     @property
     def uptime(self) -> float:
-        """Seconds since power, or since the last reboot."""
+        """Seconds since the last boot."""
         return self.now - self.booted_at
 
     @property
     def uptime_ms(self) -> int:
-        """The same as `time_boot_ms` has it."""
+        """Milliseconds since the last boot, as in `time_boot_ms`."""
         return int(self.uptime * 1000) & 0xFFFFFFFF
 
     def reboot(self) -> None:
-        """Restart the autopilot: motors off wherever it is, then silence, perhaps another system id."""
-        self.fall_silent()
+        """Restart the autopilot: motors off, a short silence, and the system id of the parameters."""
+        self.flush_pending()
         self.body.stop()
-        if 0 < self.parameters.system <= LARGEST_ID:  # two vehicles may have the same, as real ones may
+        if 0 < self.parameters.system <= MAX_SYSTEM_ID:  # two vehicles may have equal ids, as real ones may
             self.address = self.address._replace(system=self.parameters.system)
+        _LOG.info("vehicle %d reboots", self.address.system)
         self._boot()
         self._silent_until = self.now + REBOOT_SILENCE
 
     def close(self) -> None:
-        """Finish the log that is being written: the vehicle goes away."""
+        """Finish the current log."""
         self.storage.logs.end()
 
     def cut(self, off: bool) -> None:
-        """Cut all links, or make them whole again; what was sent before still arrives."""
+        """Cut or restore all links; data sent before still arrives."""
         if off and not self.cut_off:
-            self.fall_silent()
+            self.flush_pending()
         self.cut_off = off
 
-    def fall_silent(self) -> None:
-        """Have what was to be said until now go out, such as the acknowledgement of a reboot."""
+    def flush_pending(self) -> None:
+        """Keep the pending data, such as the acknowledgement of a reboot, for the next `data_to_send`."""
         self._settle()
         if not self.cut_off:
-            self._last_words += self._to_send
+            self._final_data += self._to_send
         self._to_send = []
 
     # For the parts of the vehicle
@@ -206,42 +230,43 @@ class SimulatedVehicle:
             self.listeners.append(listener)
 
     def on_event(self, kind: type[AnyEvent], reaction: Callable[[AnyEvent], None]) -> None:
-        """Call `reaction` with each event of a class out of the services."""
+        """Call `reaction` with each event of a class from the services."""
         self._reactions[kind].append(reaction)
 
     def touch(self, service: Service) -> None:
-        """Say that a service's method was called, so that what it wants to send goes out."""
+        """Schedule a service whose method was called, so that its messages are sent."""
         self.engine.touch(service)
 
     def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
-        """Say something by STATUSTEXT, and write it into the log."""
-        self.services.texts.say(text, severity)
+        """Send a STATUSTEXT, and log it."""
+        self.services.texts.send_text(text, severity)
         self.touch(self.services.texts)
         self.recorder.text(text, severity)
-        self._tell("text", text)
+        self._notify("text", text)
 
     def mode_entered(self, mode: Mode, reason: str) -> None:
-        """The autopilot is in another mode: tell it."""
+        """Publish that the autopilot entered a mode."""
         self.recorder.mode(mode.number, reason)
-        self._tell("mode", f"mode {mode.name}")
+        self._notify("mode", f"mode {mode.name}")
         self.refresh_heartbeat()
 
     def armed_changed(self) -> None:
-        """The autopilot was armed or disarmed: tell it, and begin or end a log."""
+        """Publish that the vehicle was armed or disarmed, and begin or end a log."""
         self.recorder.armed(self.autopilot.armed)
-        self._tell("armed", "armed" if self.autopilot.armed else "disarmed")
+        self._notify("armed", "armed" if self.autopilot.armed else "disarmed")
         self.refresh_heartbeat()
 
     def home_changed(self) -> None:
-        """There is another home: tell it."""
+        """Publish the new home position."""
         self.recorder.home(self.autopilot.home)
         self.profile.home_changed(self)
 
     def refresh_heartbeat(self) -> None:
-        """Say at once what HEARTBEAT tells."""
+        """Send HEARTBEAT immediately if its content has changed."""
         self.services.refresh_heartbeat()
 
-    def _tell(self, kind: str, text: str) -> None:
+    def _notify(self, kind: str, text: str) -> None:
+        _LOG.debug("vehicle %d: %s", self.address.system, text)
         for listener in self.listeners:
             listener(self, kind, text)
 

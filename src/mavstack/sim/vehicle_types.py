@@ -1,4 +1,4 @@
-"""What can be simulated, and where it begins."""
+"""Vehicle types, firmwares and home positions of simulated vehicles."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
 from mavstack.dialects import common
-from mavstack.errors import MavstackError
+from mavstack.errors import InvalidArgumentError
 
 if TYPE_CHECKING:
     from typing import Self
 
-_LATITUDE, _LONGITUDE, _CIRCLE = 90.0, 180.0, 360.0
+_LATITUDE, _LONGITUDE, _CIRCLE, _ALTITUDE = 90.0, 180.0, 360.0, 1e5
 
 
 class VehicleType(StrEnum):
-    """The types of vehicle; `vtol` is a quadplane."""
+    """A type of simulated vehicle; `vtol` is a quadplane."""
 
     COPTER = "copter"
     PLANE = "plane"
@@ -26,17 +26,17 @@ class VehicleType(StrEnum):
 
     @property
     def mav_type(self) -> common.MavType:
-        """As HEARTBEAT tells it."""
+        """The MAV_TYPE in HEARTBEAT."""
         return _MAV_TYPES[self]
 
     @property
     def flies(self) -> bool:
-        """Whether it leaves the ground."""
+        """True for types that can fly."""
         return self in (VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL)
 
     @property
     def on_surface(self) -> bool:
-        """Whether it only moves in the plane."""
+        """True for types that move on a surface."""
         return self in (VehicleType.ROVER, VehicleType.BOAT)
 
 
@@ -51,19 +51,19 @@ _MAV_TYPES = {
 
 
 class Firmware(StrEnum):
-    """Whose behaviour a simulated autopilot has."""
+    """A firmware whose behaviour is simulated."""
 
     ARDUPILOT = "ardupilot"
     PX4 = "px4"
 
     @property
     def mav_autopilot(self) -> common.MavAutopilot:
-        """As HEARTBEAT tells it."""
+        """The MAV_AUTOPILOT in HEARTBEAT."""
         return common.MavAutopilot.PX4 if self is Firmware.PX4 else common.MavAutopilot.ARDUPILOTMEGA
 
 
 class Home(NamedTuple):
-    """A place and a direction: degrees, metres above mean sea level, degrees from north."""
+    """A position and heading: degrees, metres above mean sea level, degrees from north."""
 
     latitude: float
     longitude: float
@@ -72,17 +72,23 @@ class Home(NamedTuple):
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Read `LAT,LON,ALT,HDG`; altitude and heading may be left out."""
+        """Parse `LAT,LON[,ALT[,HDG]]`; raises InvalidArgumentError."""
         try:
             home = cls(*(float(part) for part in text.split(",")))
         except (TypeError, ValueError):
-            raise MavstackError(f"{text!r} is not LAT,LON,ALT,HDG, such as 47.3977,8.5456,488,0") from None
+            raise InvalidArgumentError(
+                f"home {text!r} is not LAT,LON,ALT,HDG, such as 47.3977,8.5456,488,0"
+            ) from None
         if not (abs(home.latitude) <= _LATITUDE and abs(home.longitude) <= _LONGITUDE):
-            raise MavstackError(f"{text!r} is no place on Earth: -90 to 90, -180 to 180 degrees")
-        if not (abs(home.altitude) < 1e5 and abs(home.heading) <= _CIRCLE):
-            raise MavstackError(f"{text!r}: altitude is in metres, heading in degrees")
+            raise InvalidArgumentError(
+                f"home {text!r}: latitude must be -90 to 90 degrees, longitude -180 to 180 degrees"
+            )
+        if not (abs(home.altitude) < _ALTITUDE and abs(home.heading) <= _CIRCLE):
+            raise InvalidArgumentError(
+                f"home {text!r}: altitude must be within 100 km, heading within 360 degrees"
+            )
         return home
 
 
-#: Where vehicles begin if nobody says where: a field near Zurich.
+#: The default home: a field near Zurich.
 DEFAULT_HOME = Home(47.3977418, 8.5455939, 488.0, 0.0)

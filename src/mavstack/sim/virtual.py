@@ -1,9 +1,9 @@
-"""An event loop whose clock jumps to the next timer instead of waiting for it.
+"""An event loop with virtual time: its clock jumps to the next timer instead of waiting.
 
     result = run_virtually(my_test())
 
-A minute of flight then takes as long as computing it takes. It suits whatever lives in one process, over
-memory links; for what comes through a real socket the clock does not wait.
+A minute of flight takes as long as its computation. It suits programs within one process, over memory links;
+the clock does not wait for data from real sockets.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-#: With nothing to wait for but sockets, how long these are waited for, in real seconds.
-_PATIENCE = 10.0
+#: Maximum wait for sockets while there is no timer, in real seconds.
+_SOCKET_TIMEOUT = 10.0
 
 
 class _JumpingSelector(selectors.DefaultSelector):
@@ -27,25 +27,32 @@ class _JumpingSelector(selectors.DefaultSelector):
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
         ready = super().select(0)
         if not ready and timeout is None:
-            return super().select(_PATIENCE)
+            return super().select(_SOCKET_TIMEOUT)
         if not ready:
             self.now += max(timeout or 0, 0)
         return ready
 
 
 class VirtualLoop(asyncio.SelectorEventLoop):
-    """The loop; its time begins at 0."""
+    """An event loop with virtual time, which begins at 0."""
 
     def __init__(self) -> None:
         self._jumping = _JumpingSelector()
         super().__init__(self._jumping)
 
     def time(self) -> float:
-        """Virtual seconds."""
+        """Return virtual seconds."""
         return self._jumping.now
 
 
 def run_virtually(work: Coroutine[Any, Any, T]) -> T:
-    """Run a coroutine to its end in virtual time."""
+    """Run a coroutine to its end in virtual time.
+
+    Args:
+        work: The coroutine.
+
+    Returns:
+        The result of the coroutine.
+    """
     with asyncio.Runner(loop_factory=VirtualLoop) as runner:
         return runner.run(work)

@@ -11,7 +11,7 @@ from mavstack.services import Address
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint, SetpointReceived
 from mavstack.sim.autopilot.behaviours import Offboard
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import GUIDED, HOLD, Flight, turned
+from tests.sim.autopilot.harness import GUIDED, HOLD, AutopilotHarness, turned
 
 F = common.MavFrame
 GROUND = Address(255, 190)
@@ -19,9 +19,9 @@ GROUND = Address(255, 190)
 
 def guided(
     kind: VehicleType = VehicleType.COPTER, height: float = 15.0, **flight_parameters: object
-) -> Flight:
+) -> AutopilotHarness:
     """A vehicle in the air, or on its way, in the guided mode."""
-    flight = Flight(kind, **flight_parameters)
+    flight = AutopilotHarness(kind, **flight_parameters)
     if kind.flies:
         flight.in_the_air(height)
     else:
@@ -31,18 +31,18 @@ def guided(
     return flight
 
 
-def tell(flight: Flight, setpoint: object) -> None:
+def tell(flight: AutopilotHarness, setpoint: object) -> None:
     flight.vehicle.tell(SetpointReceived(GROUND, setpoint))
 
 
-def stream(flight: Flight, setpoint: object, seconds: float, rate: float = 10.0) -> None:
+def stream(flight: AutopilotHarness, setpoint: object, seconds: float, rate: float = 10.0) -> None:
     """Repeat a setpoint."""
     for _ in range(round(seconds * rate)):
         tell(flight, setpoint)
         flight.run(1 / rate)
 
 
-def face(flight: Flight, yaw: float) -> None:
+def face(flight: AutopilotHarness, yaw: float) -> None:
     """Turn to a heading."""
     place = flight.autopilot.maneuvers.place
     flight.autopilot.guided.go_to(place, yaw=yaw)
@@ -290,7 +290,7 @@ def test_setpoints_are_not_followed_in_other_modes() -> None:
 
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL])
 def test_on_the_ground_only_a_take_off_is_followed(kind: VehicleType) -> None:
-    flight = Flight(kind)
+    flight = AutopilotHarness(kind)
     flight.arm()
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((20.0, 0.0, -20.0))
@@ -301,7 +301,7 @@ def test_on_the_ground_only_a_take_off_is_followed(kind: VehicleType) -> None:
 
 
 def test_guided_takes_off_then_goes_on() -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.arm()
     flight.enter(GUIDED)
     flight.autopilot.guided.take_off(10.0)
@@ -329,7 +329,7 @@ def test_flown_into_the_ground_it_stays_there_and_disarms() -> None:
 # A stream that must live
 
 
-def offboard(flight: Flight) -> None:
+def offboard(flight: AutopilotHarness) -> None:
     flight.fly(Offboard)
 
 
@@ -351,7 +351,7 @@ def test_a_stream_lives_from_its_second_setpoint_while_it_is_quick() -> None:
 
 
 def test_offboard_takes_off_by_a_position_and_follows() -> None:
-    flight = Flight(setpoint_timeout=1.0)
+    flight = AutopilotHarness(setpoint_timeout=1.0)
     stream(flight, LocalSetpoint(position=(0.0, 0.0, -5.0)), 1.0)
     flight.arm()
     offboard(flight)
@@ -362,7 +362,7 @@ def test_offboard_takes_off_by_a_position_and_follows() -> None:
 
 
 def test_offboard_that_starves_does_what_the_firmware_does() -> None:
-    flight = Flight(setpoint_timeout=1.0).in_the_air(10.0)
+    flight = AutopilotHarness(setpoint_timeout=1.0).in_the_air(10.0)
     stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0)), 1.0)
     offboard(flight)
     stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0)), 3.0)
@@ -376,7 +376,7 @@ def test_offboard_that_starves_does_what_the_firmware_does() -> None:
 
 
 def test_offboard_without_a_stream_ends_at_once() -> None:
-    flight = Flight().in_the_air(10.0)
+    flight = AutopilotHarness().in_the_air(10.0)
     offboard(flight)
     flight.run(0.5)
     assert flight.autopilot.mode.number == HOLD

@@ -8,11 +8,11 @@ import pytest
 
 from mavstack.sim.autopilot.behaviours import Hold
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import GUIDED, HOLD, Flight
+from tests.sim.autopilot.harness import GUIDED, HOLD, AutopilotHarness
 
 
 def test_a_copter_has_reached_a_point_when_it_is_near_and_as_high() -> None:
-    flight = Flight(acceptance_radius=2.0)
+    flight = AutopilotHarness(acceptance_radius=2.0)
     flight.body.place(10.0, 0.0, -10.0, 0.0)
     flight.world.step()
     maneuvers = flight.autopilot.maneuvers
@@ -23,12 +23,12 @@ def test_a_copter_has_reached_a_point_when_it_is_near_and_as_high() -> None:
 
 
 def test_a_rover_is_always_as_high() -> None:
-    flight = Flight(VehicleType.ROVER)
+    flight = AutopilotHarness(VehicleType.ROVER)
     assert flight.autopilot.maneuvers.has_reached((0.5, 0.0, -50.0))
 
 
 def test_a_wing_has_reached_a_point_that_it_has_passed() -> None:
-    flight = Flight(VehicleType.PLANE)
+    flight = AutopilotHarness(VehicleType.PLANE)
     maneuvers = flight.autopilot.maneuvers
     maneuvers.go_to((100.0, 0.0, -50.0), start=(0.0, 0.0, -50.0))
     flight.body.place(90.0, 80.0, -50.0, 0.0)
@@ -41,24 +41,24 @@ def test_a_wing_has_reached_a_point_that_it_has_passed() -> None:
 
 @pytest.mark.parametrize(("kind", "circles"), [(kind, kind is VehicleType.PLANE) for kind in VehicleType])
 def test_who_circles(kind: VehicleType, circles: bool) -> None:
-    assert Flight(kind).autopilot.maneuvers.circles == circles
+    assert AutopilotHarness(kind).autopilot.maneuvers.circles == circles
 
 
 def test_a_vtol_circles_when_it_is_to_fly_forward() -> None:
-    flight = Flight(VehicleType.VTOL)
+    flight = AutopilotHarness(VehicleType.VTOL)
     flight.body.transition_to(True)
     assert flight.autopilot.maneuvers.circles
 
 
 def test_its_height_is_what_the_rangefinder_says_near_the_ground() -> None:
-    flight = Flight().in_the_air(12.0)
+    flight = AutopilotHarness().in_the_air(12.0)
     flight.body.drift_barometer(4.0)
     flight.run(2.0)
     assert flight.autopilot.maneuvers.height == pytest.approx(flight.height, abs=0.5)
 
 
 def test_it_comes_to_rest_ahead_of_where_it_is() -> None:
-    flight = Flight().in_the_air(10.0)
+    flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(GUIDED)
     flight.autopilot.guided.fly_velocity(6.0, 0.0, 0.0)
     flight.run(2.5)
@@ -70,7 +70,7 @@ def test_it_comes_to_rest_ahead_of_where_it_is() -> None:
 
 
 def test_a_speed_and_a_yaw_that_are_chosen_count_at_once() -> None:
-    flight = Flight().in_the_air(10.0)
+    flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((200.0, 0.0, -10.0), speed=3.0)
     flight.run(5)
@@ -88,7 +88,7 @@ def test_a_speed_and_a_yaw_that_are_chosen_count_at_once() -> None:
 
 
 def test_what_is_repeated_keeps_the_yaw_it_was_given() -> None:
-    flight = Flight().in_the_air(10.0)
+    flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((100.0, 0.0, -10.0), yaw=1.0)
     flight.run(4)

@@ -7,18 +7,18 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.sim.autopilot.radio import Sticks
-from tests.sim.flights import Flown, airborne, grounded
+from tests.sim.harness import VehicleHarness, airborne, grounded
 
 IGNORE = 0xFFFF
 
 
-def override(one: Flown, source: Address | None = None, **channels: int) -> None:
+def override(one: VehicleHarness, source: Address | None = None, **channels: int) -> None:
     values = {f"chan{channel}_raw": IGNORE for channel in range(1, 9)}
     values |= {f"chan{name[1:]}_raw": value for name, value in channels.items()}
     one.send(common.RcChannelsOverride(target_system=1, target_component=1, **values), source)
 
 
-def sticks(one: Flown, source: Address | None = None, **axes: int) -> None:
+def sticks(one: VehicleHarness, source: Address | None = None, **axes: int) -> None:
     fields = {"x": 0, "y": 0, "z": 500, "r": 0} | axes
     one.send(common.ManualControl(target=1, **fields), source)
 

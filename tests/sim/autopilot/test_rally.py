@@ -6,8 +6,8 @@ import pytest
 
 from mavstack.services.mission import MissionItem, PlanType
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
-from tests.sim.autopilot.mission.stand import CMD, FRAME, MissionFlight, item
-from tests.sim.autopilot.stub import RETURN
+from tests.sim.autopilot.harness import RETURN
+from tests.sim.autopilot.mission.harness import CMD, FRAME, MissionHarness, item
 
 ARDUPILOT, PX4 = Firmware.ARDUPILOT, Firmware.PX4
 
@@ -18,8 +18,8 @@ def point(north: float, east: float, up: float = 30.0, frame: int = FRAME.GLOBAL
 
 def at(
     north: float, *points: MissionItem, firmware: Firmware = ARDUPILOT, **parameters: float
-) -> MissionFlight:
-    flight = MissionFlight(VehicleType.COPTER, firmware)
+) -> MissionHarness:
+    flight = MissionHarness(VehicleType.COPTER, firmware)
     flight.vehicle.parameters |= parameters
     assert flight.upload(*points, kind=PlanType.RALLY) == 0
     flight.body.place(north, 0.0, 0.0, 0.0)
@@ -67,7 +67,7 @@ def test_absolute_altitudes() -> None:
 
 
 def test_returning_to_one() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.upload(point(40, 0), kind=PlanType.RALLY)
     flight.in_the_air(15)
     flight.enter(RETURN)

@@ -29,7 +29,7 @@ from mavstack.sim.autopilot.behaviours import (
 )
 from mavstack.sim.autopilot.radio import Sticks
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import GUIDED, Flight
+from tests.sim.autopilot.harness import GUIDED, AutopilotHarness
 
 F = common.MavFrame
 FRAMES = [F.LOCAL_NED, F.LOCAL_OFFSET_NED, F.BODY_NED, F.BODY_OFFSET_NED]
@@ -83,7 +83,7 @@ events = st.one_of(
 )
 
 
-def happen(flight: Flight, event: Any) -> None:
+def happen(flight: AutopilotHarness, event: Any) -> None:
     autopilot, body = flight.autopilot, flight.body
     match event:
         case LocalSetpoint() | GlobalSetpoint() | AttitudeSetpoint():
@@ -117,7 +117,7 @@ def happen(flight: Flight, event: Any) -> None:
     climbs=st.booleans(),
 )
 def test_anything_may_be_asked_at_any_time(kind: VehicleType, flown: list[Any], climbs: bool) -> None:
-    flight = Flight(kind, thrust_is_climb=climbs, forward_beyond=150.0 if climbs else 1e9)
+    flight = AutopilotHarness(kind, thrust_is_climb=climbs, forward_beyond=150.0 if climbs else 1e9)
     flight.arm()
     for event, seconds in flown:
         happen(flight, event)
@@ -132,7 +132,7 @@ def test_anything_may_be_asked_at_any_time(kind: VehicleType, flown: list[Any], 
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(kind=st.sampled_from(list(VehicleType)), targets=st.lists(setpoints, min_size=1, max_size=15))
 def test_a_guided_vehicle_follows_any_setpoints(kind: VehicleType, targets: list[Any]) -> None:
-    flight = Flight(kind)
+    flight = AutopilotHarness(kind)
     flight.arm()
     flight.enter(GUIDED)
     if kind is VehicleType.COPTER:

@@ -7,8 +7,8 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.mission import MissionItem
-from tests.sim.failsafes.scenes import Scene, play, silence
-from tests.sim.flights import CMD, Flown, airborne
+from tests.sim.failsafes.cases import Case, run_cases, stop_heartbeats
+from tests.sim.harness import CMD, VehicleHarness, airborne
 
 RADIO, GROUND = "Radio Failsafe", "GCS Failsafe"
 
@@ -18,68 +18,68 @@ def waypoint(latitude: float = 47.41) -> MissionItem:
     return MissionItem(CMD.NAV_WAYPOINT, param5=latitude, param6=8.5456, param7=30.0, frame=frame)
 
 
-def with_mission(one: Flown) -> None:
+def with_mission(one: VehicleHarness) -> None:
     one.load(waypoint(), waypoint(47.42))
 
 
-def with_landing(one: Flown) -> None:
+def with_landing(one: VehicleHarness) -> None:
     one.load(waypoint(), MissionItem(CMD.DO_LAND_START), waypoint(47.42))
 
 
-def close_throttle(one: Flown) -> None:
+def close_throttle(one: VehicleHarness) -> None:
     one.autopilot.radio.move(3, 1000)
 
 
-def open_throttle(one: Flown) -> None:
+def open_throttle(one: VehicleHarness) -> None:
     one.autopilot.radio.move(3, 1500)
 
 
-def close_gripper(one: Flown) -> None:
+def close_gripper(one: VehicleHarness) -> None:
     one.autopilot.payload.grip(closed=True)
 
 
-def by_radio(value: int, mode: str, *says: str, name: str = "", **more: object) -> Scene:
-    return Scene(
+def by_radio(value: int, mode: str, *texts: str, name: str = "", **more: object) -> Case:
+    return Case(
         name or f"radio-{value}",
         parameters={"FS_THR_ENABLE": value, **more.pop("parameters", {})},  # type: ignore[dict-item]
         faults=("radio off",),
         mode=mode,
-        says=says,
+        texts=texts,
         **more,  # type: ignore[arg-type]
     )
 
 
-def by_ground(value: int, mode: str, *says: str, name: str = "", **more: object) -> Scene:
+def by_ground(value: int, mode: str, *texts: str, name: str = "", **more: object) -> Case:
     parameters = {"FS_GCS_ENABLE": value, "FS_GCS_TIMEOUT": 2, **more.pop("parameters", {})}  # type: ignore[dict-item]
-    return Scene(
+    return Case(
         name or f"ground-{value}",
         parameters=parameters,
-        talks=True,
-        event=silence,
+        sends_heartbeats=True,
+        event=stop_heartbeats,
         mode=mode,
-        says=says,
+        texts=texts,
         **more,  # type: ignore[arg-type]
     )
 
 
 def by_battery(
-    value: int, mode: str, *says: str, name: str = "", level: str = "LOW", **more: object
-) -> Scene:
+    value: int, mode: str, *texts: str, name: str = "", level: str = "LOW", **more: object
+) -> Case:
     parameters = {f"BATT_FS_{level}_ACT": value, "BATT_LOW_TIMER": 1, **more.pop("parameters", {})}  # type: ignore[dict-item]
     if level == "CRT":
         parameters |= {"BATT_CRT_VOLT": 13.5, "BATT_LOW_VOLT": 0}
-    return Scene(
+    return Case(
         name or f"battery-{level}-{value}",
         parameters=parameters,
         faults=("battery sag 4",),
         mode=mode,
-        says=says,
+        texts=texts,
         **more,  # type: ignore[arg-type]
     )
 
 
 NO_LANDING = "Mode change to AUTO_RTL failed: init failed"
-SCENES = [
+CASES = [
     by_radio(0, "GUIDED"),
     by_radio(1, "RTL", RADIO),
     by_radio(2, "RTL", RADIO),
@@ -139,50 +139,50 @@ SCENES = [
                begin="GUIDED", armed=False),
     by_battery(2, "LAND", "Battery Failsafe - Continuing Landing", name="battery-landing", begin="LAND",
                parameters={"FS_OPTIONS": 8}),
-    Scene("battery-disarmed", parameters={"BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1}, arms=False, armed=False,
+    Case("battery-disarmed", parameters={"BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1}, arms=False, armed=False,
           faults=("battery sag 4",), mode="STABILIZE"),
-    Scene("battery-not-watched", parameters={"BATT_MONITOR": 0, "BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1},
+    Case("battery-not-watched", parameters={"BATT_MONITOR": 0, "BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1},
           faults=("battery sag 4",), mode="GUIDED"),
-    Scene("battery-by-charge", parameters={"BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1, "BATT_LOW_MAH": 2600,
-          "BATT_LOW_VOLT": 0}, faults=("battery 40",), mode="RTL", says=("Battery Failsafe",)),
-    Scene("battery-then-radio", parameters={"BATT_FS_LOW_ACT": 1, "BATT_LOW_TIMER": 1, "RC_FS_TIMEOUT": 2.5},
+    Case("battery-by-charge", parameters={"BATT_FS_LOW_ACT": 2, "BATT_LOW_TIMER": 1, "BATT_LOW_MAH": 2600,
+          "BATT_LOW_VOLT": 0}, faults=("battery 40",), mode="RTL", texts=("Battery Failsafe",)),
+    Case("battery-then-radio", parameters={"BATT_FS_LOW_ACT": 1, "BATT_LOW_TIMER": 1, "RC_FS_TIMEOUT": 2.5},
           faults=("battery sag 4", "radio off"), mode="LAND",
-          says=("Battery Failsafe", "Radio + Battery Failsafe - Continuing Landing")),
+          texts=("Battery Failsafe", "Radio + Battery Failsafe - Continuing Landing")),
 ]  # fmt: skip
 CALM = {"radio-0", "ground-0", "battery-not-watched", "battery-disarmed"}
 
 
 @pytest.fixture(scope="module")
-def played() -> dict[str, Flown]:
-    return play(SCENES, "ardupilot")
+def results() -> dict[str, VehicleHarness]:
+    return run_cases(CASES, "ardupilot")
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
-def test_a_failsafe_does_what_its_parameter_says_and_says_so(played, scene) -> None:
-    one = played[scene.name]
-    assert (one.mode, one.armed) == (scene.mode, scene.armed), list(one.texts)
-    assert set(scene.says) <= set(one.texts), list(one.texts)
-    if scene.name in CALM:
+@pytest.mark.parametrize("scene", CASES, ids=lambda case: case.name)
+def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
+    one = results[case.name]
+    assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)
+    assert set(case.texts) <= set(one.texts), list(one.texts)
+    if case.name in CALM:
         assert not one.texts
         assert not one.critical
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
-def test_the_state_is_critical_while_a_failsafe_is_active_on_an_armed_vehicle(played, scene) -> None:
-    one = played[scene.name]
-    assert one.critical == (one.armed and scene.name not in CALM)
+@pytest.mark.parametrize("scene", CASES, ids=lambda case: case.name)
+def test_the_state_is_critical_while_a_failsafe_is_active_on_an_armed_vehicle(results, case) -> None:
+    one = results[case.name]
+    assert one.critical == (one.armed and case.name not in CALM)
 
 
-def test_a_low_battery_tells_what_it_measures(played) -> None:
-    battery = played["battery-LOW-2"].texts.first("Battery 1 is low ")
+def test_a_low_battery_tells_what_it_measures(results) -> None:
+    battery = results["battery-LOW-2"].texts.first("Battery 1 is low ")
     assert battery.endswith(" mAh")
     assert 11.0 < float(battery.split()[4].removesuffix("V")) < 14.0
-    assert played["battery-CRT-2"].texts.first("Battery 1 is critical ")
+    assert results["battery-CRT-2"].texts.first("Battery 1 is critical ")
 
 
-def test_the_gripper_lets_go(played) -> None:
-    assert not played["radio-gripper"].autopilot.payload.gripper_closed
-    assert played["radio-no-gripper"].autopilot.payload.gripper_closed
+def test_the_gripper_lets_go(results) -> None:
+    assert not results["radio-gripper"].autopilot.payload.gripper_closed
+    assert results["radio-no-gripper"].autopilot.payload.gripper_closed
 
 
 def test_where_there_is_no_way_home_it_lands() -> None:
@@ -196,11 +196,11 @@ def test_where_there_is_no_way_home_it_lands() -> None:
 def test_when_radio_and_ground_are_back_it_says_so_and_goes_on_with_what_it_does() -> None:
     copter = airborne(FS_THR_ENABLE=1, FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
     copter.inject("radio off")
-    copter.talks = False
+    copter.sends_heartbeats = False
     copter.run(4)
     assert copter.critical
     copter.inject("radio on")
-    copter.talks = True
+    copter.sends_heartbeats = True
     copter.run(2)
     assert {"Radio Failsafe Cleared", "GCS Failsafe Cleared"} <= set(copter.texts)
     assert copter.mode == "RTL"
@@ -209,7 +209,7 @@ def test_when_radio_and_ground_are_back_it_says_so_and_goes_on_with_what_it_does
 
 def test_a_failsafe_acts_once_so_that_a_pilot_can_go_on() -> None:
     copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
-    copter.talks = False
+    copter.sends_heartbeats = False
     copter.run(4)
     assert copter.mode == "RTL"
     copter.enter("GUIDED").run(5)
@@ -221,7 +221,7 @@ def test_it_takes_as_long_as_the_parameters_say() -> None:
     copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=4, RC_FS_TIMEOUT=1.5, BATT_FS_LOW_ACT=1)
     begun = copter.vehicle.now
     copter.inject("radio off", "battery sag 4")
-    copter.talks = False
+    copter.sends_heartbeats = False
     copter.run(11)
     times = {text: copter.texts.time_of(text) - begun for text in ("Radio Failsafe", "GCS Failsafe")}
     assert times["Radio Failsafe"] == pytest.approx(1.5, abs=0.2)

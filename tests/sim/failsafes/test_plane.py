@@ -8,8 +8,8 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem
-from tests.sim.failsafes.scenes import Scene, play, silence
-from tests.sim.flights import CMD, Flown, airborne
+from tests.sim.failsafes.cases import Case, run_cases, stop_heartbeats
+from tests.sim.harness import CMD, VehicleHarness, airborne
 
 ON, CLEARED = "RC Short Failsafe On", "RC Short Failsafe Cleared"
 
@@ -19,53 +19,69 @@ def waypoint(latitude: float = 47.42) -> MissionItem:
     return MissionItem(CMD.NAV_WAYPOINT, param5=latitude, param6=8.5456, param7=150.0, frame=frame)
 
 
-def with_mission(one: Flown) -> None:
+def with_mission(one: VehicleHarness) -> None:
     one.load(waypoint(), waypoint(47.43))
 
 
-def with_landing(one: Flown) -> None:
+def with_landing(one: VehicleHarness) -> None:
     one.load(waypoint(), MissionItem(CMD.DO_LAND_START), waypoint(47.43))
 
 
-def lost(name: str, begin: str, mode: str, *says: str, **more: Any) -> Scene:
+def lost(name: str, begin: str, mode: str, *texts: str, **more: Any) -> Case:
     """The radio, for longer than both timeouts."""
     parameters = {"RC_FS_TIMEOUT": 0.5, "FS_SHORT_TIMEOUT": 1, "FS_LONG_TIMEOUT": 3}
     parameters |= more.pop("parameters", {})
     kind = more.pop("kind", "plane")
-    return Scene(name, kind, parameters, ("radio off",), begin, mode=mode, says=says, **more)
+    return Case(name, kind, parameters, ("radio off",), begin, mode=mode, texts=texts, **more)
 
 
-def short(name: str, begin: str, mode: str, *says: str, action: int = 0, **more: Any) -> Scene:
+def short(name: str, begin: str, mode: str, *texts: str, action: int = 0, **more: Any) -> Case:
     """For longer than the short timeout only."""
     parameters = {"FS_LONG_TIMEOUT": 60, "FS_SHORT_ACTN": action, **more.pop("parameters", {})}
-    return lost(name, begin, mode, *says, parameters=parameters, **more)
+    return lost(name, begin, mode, *texts, parameters=parameters, **more)
 
 
-def long(name: str, begin: str, mode: str, *says: str, action: int = 0, **more: Any) -> Scene:
+def long(name: str, begin: str, mode: str, *texts: str, action: int = 0, **more: Any) -> Case:
     parameters = {"FS_LONG_ACTN": action, **more.pop("parameters", {})}
     return lost(
-        name, begin, mode, f"RC Long Failsafe On: switched to {mode}", *says, parameters=parameters, **more
+        name, begin, mode, f"RC Long Failsafe On: switched to {mode}", *texts, parameters=parameters, **more
     )
 
 
 def ground(
-    name: str, begin: str, mode: str, *says: str, action: int = 0, enabled: int = 1, **more: Any
-) -> Scene:
+    name: str, begin: str, mode: str, *texts: str, action: int = 0, enabled: int = 1, **more: Any
+) -> Case:
     parameters = {"FS_GCS_ENABL": enabled, "FS_LONG_TIMEOUT": 2, "FS_LONG_ACTN": action}
-    return Scene(
-        name, "plane", parameters, (), begin, talks=True, event=silence, mode=mode, says=says, **more
+    return Case(
+        name,
+        "plane",
+        parameters,
+        (),
+        begin,
+        sends_heartbeats=True,
+        event=stop_heartbeats,
+        mode=mode,
+        texts=texts,
+        **more,
     )
 
 
-def battery(name: str, mode: str, *says: str, action: int, kind: str = "plane", **more: Any) -> Scene:
+def battery(name: str, mode: str, *texts: str, action: int, kind: str = "plane", **more: Any) -> Case:
     parameters = {"BATT_FS_LOW_ACT": action, "BATT_LOW_TIMER": 1}
-    return Scene(
-        name, kind, parameters, ("battery sag 6",), more.pop("begin", "GUIDED"), mode=mode, says=says, **more
+    return Case(
+        name,
+        kind,
+        parameters,
+        ("battery sag 6",),
+        more.pop("begin", "GUIDED"),
+        mode=mode,
+        texts=texts,
+        **more,
     )
 
 
 TO_CIRCLE = "RC Short Failsafe: switched to CIRCLE"
-SCENES = [
+CASES = [
     short("short-0", "FBWA", "CIRCLE", TO_CIRCLE, "Throttle failsafe on"),
     short("short-1", "CRUISE", "CIRCLE", TO_CIRCLE, action=1),
     short("short-2", "STABILIZE", "FBWA", "RC Short Failsafe: switched to FBWA", action=2),
@@ -114,18 +130,18 @@ SILENT = {"off", "on-without-action", "ground-0", "ground-only-auto"}
 
 
 @pytest.fixture(scope="module")
-def played() -> dict[str, Flown]:
-    return play(SCENES, "ardupilot", 4.5)
+def results() -> dict[str, VehicleHarness]:
+    return run_cases(CASES, "ardupilot", 4.5)
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
-def test_a_failsafe_does_what_its_parameter_says_and_says_so(played, scene) -> None:
-    one = played[scene.name]
-    assert one.mode == scene.mode, list(one.texts)
+@pytest.mark.parametrize("scene", CASES, ids=lambda case: case.name)
+def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
+    one = results[case.name]
+    assert one.mode == case.mode, list(one.texts)
     assert one.armed
-    assert set(scene.says) <= set(one.texts), list(one.texts)
-    assert bool(one.texts) == (scene.name not in SILENT), list(one.texts)
-    assert one.critical == (scene.name not in SILENT)
+    assert set(case.texts) <= set(one.texts), list(one.texts)
+    assert bool(one.texts) == (case.name not in SILENT), list(one.texts)
+    assert one.critical == (case.name not in SILENT)
 
 
 def test_the_mode_before_is_restored_when_the_radio_is_back() -> None:
@@ -153,9 +169,9 @@ def test_after_the_long_failsafe_it_stays_on_its_way_home() -> None:
 
 def test_the_ground_station_is_back() -> None:
     plane = airborne("plane", mode="FBWA", FS_GCS_ENABL=1, FS_LONG_TIMEOUT=2)
-    plane.talks = False
+    plane.sends_heartbeats = False
     plane.run(4)
-    plane.talks = True
+    plane.sends_heartbeats = True
     plane.run(1.5)
     assert plane.mode == "RTL"
     assert plane.texts[-1] == "GCS Failsafe Cleared"

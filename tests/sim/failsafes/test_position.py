@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from tests.sim.failsafes.scenes import Scene, play
-from tests.sim.flights import Flown, airborne, grounded
+from tests.sim.failsafes.cases import Case, run_cases
+from tests.sim.harness import VehicleHarness, airborne, grounded
 
 GLITCH, CLEARED = "GPS Glitch or Compass error", "Glitch cleared"
 VARIANCE, FAILSAFE = "EKF variance", "EKF failsafe"
@@ -17,7 +17,7 @@ DESCEND = "Failsafe activated: Autopilot disengaged, switching to Descend"
 OFF = ("gps off",)
 
 
-def open_throttle(one: Flown) -> None:
+def open_throttle(one: VehicleHarness) -> None:
     one.autopilot.radio.move(3, 1500)
 
 
@@ -25,20 +25,20 @@ def lost(
     name: str,
     kind: str,
     mode: str,
-    *says: str,
+    *texts: str,
     begin: str | None = None,
     action: float | None = None,
     **more: Any,
-) -> Scene:
+) -> Case:
     parameters = {} if action is None else {"FS_EKF_ACTION": action}
-    return Scene(
+    return Case(
         name,
         kind,
         parameters | more.pop("parameters", {}),
         more.pop("faults", OFF),
         begin,
         mode=mode,
-        says=says,
+        texts=texts,
         **more,
     )
 
@@ -84,32 +84,32 @@ PX4 = [
 
 
 @pytest.fixture(scope="module")
-def ardupilot() -> dict[str, Flown]:
-    return play(ARDUPILOT, "ardupilot", 7.5)
+def ardupilot() -> dict[str, VehicleHarness]:
+    return run_cases(ARDUPILOT, "ardupilot", 7.5)
 
 
 @pytest.fixture(scope="module")
-def px4() -> dict[str, Flown]:
-    return play(PX4, "px4", 7.0)
+def px4() -> dict[str, VehicleHarness]:
+    return run_cases(PX4, "px4", 7.0)
 
 
-def check(one: Flown, scene: Scene) -> None:
-    assert (one.mode, one.armed) == (scene.mode, scene.armed), list(one.texts)
-    assert set(scene.says) <= set(one.texts), list(one.texts)
+def check(one: VehicleHarness, case: Case) -> None:
+    assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)
+    assert set(case.texts) <= set(one.texts), list(one.texts)
 
 
-@pytest.mark.parametrize("scene", ARDUPILOT, ids=lambda scene: scene.name)
-def test_without_a_position_an_ardupilot_does_what_fs_ekf_action_says(ardupilot, scene) -> None:
-    one = ardupilot[scene.name]
-    check(one, scene)
+@pytest.mark.parametrize("scene", ARDUPILOT, ids=lambda case: case.name)
+def test_without_a_position_an_ardupilot_does_what_fs_ekf_action_says(ardupilot, case) -> None:
+    one = ardupilot[case.name]
+    check(one, case)
     watched = {"copter-disabled", "copter-compass-a-little", "plane"}
-    assert one.critical == (one.armed and scene.name not in watched)
+    assert one.critical == (one.armed and case.name not in watched)
 
 
-@pytest.mark.parametrize("scene", PX4, ids=lambda scene: scene.name)
-def test_without_a_position_a_px4_descends(px4, scene) -> None:
-    check(px4[scene.name], scene)
-    assert px4[scene.name].critical == scene.armed
+@pytest.mark.parametrize("scene", PX4, ids=lambda case: case.name)
+def test_without_a_position_a_px4_descends(px4, case) -> None:
+    check(px4[case.name], case)
+    assert px4[case.name].critical == case.armed
 
 
 def test_ardupilot_acts_six_seconds_after_the_last_fix() -> None:
@@ -143,7 +143,7 @@ def test_a_px4_with_a_pilot_is_given_into_his_hands() -> None:
     from mavstack.dialects import common
 
     copter = airborne("copter", "px4")
-    copter.repeats = lambda: common.ManualControl(target=1, x=0, y=0, z=500, r=0)
+    copter.repeated_message = lambda: common.ManualControl(target=1, x=0, y=0, z=500, r=0)
     copter.enter("Position").run(1).inject("gps off").run(6)
     assert copter.mode == "Altitude"
     assert "Failsafe activated: Autopilot disengaged, switching to Altitude mode" in copter.texts

@@ -8,69 +8,80 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem
-from tests.sim.failsafes.scenes import Scene, play, silence
-from tests.sim.flights import CMD, Flown, airborne
+from tests.sim.failsafes.cases import Case, run_cases, stop_heartbeats
+from tests.sim.harness import CMD, VehicleHarness, airborne
 
 ACTIVATED = "Failsafe activated"
 STATION, STATION_BACK = "Connection to ground station lost", "GCS connection regained"
 DELAYED = "Failsafe activated: entering Hold for 2 seconds"
 
 
-def with_mission(one: Flown) -> None:
+def with_mission(one: VehicleHarness) -> None:
     frame = common.MavFrame.GLOBAL_RELATIVE_ALT
     home = MissionItem(CMD.NAV_WAYPOINT, param5=47.41, param6=8.5456, param7=50.0, frame=frame)
     one.load(home, MissionItem(CMD.NAV_WAYPOINT, param5=47.42, param6=8.5456, param7=50.0, frame=frame))
 
 
-def hold_sticks(one: Flown) -> None:
-    one.repeats = lambda: common.ManualControl(target=one.vehicle.address.system, x=0, y=0, z=500, r=0)
+def hold_sticks(one: VehicleHarness) -> None:
+    one.repeated_message = lambda: common.ManualControl(
+        target=one.vehicle.address.system, x=0, y=0, z=500, r=0
+    )
 
 
-def let_go(one: Flown) -> None:
-    one.repeats = None
+def let_go(one: VehicleHarness) -> None:
+    one.repeated_message = None
 
 
-def sticks(name: str, mode: str, *says: str, act: int = 2, **more: Any) -> Scene:
+def sticks(name: str, mode: str, *texts: str, act: int = 2, **more: Any) -> Case:
     """Held, and let go."""
     parameters = {"NAV_RCL_ACT": act, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
     more = {"before": hold_sticks, "begin": "Position", **more}
-    return Scene(name, more.pop("kind", "copter"), parameters, event=let_go, mode=mode, says=says, **more)
+    return Case(name, more.pop("kind", "copter"), parameters, event=let_go, mode=mode, texts=texts, **more)
 
 
-def both(one: Flown) -> None:
+def both(one: VehicleHarness) -> None:
     with_mission(one)
     hold_sticks(one)
 
 
-def station(name: str, mode: str, *says: str, act: int, **more: Any) -> Scene:
+def station(name: str, mode: str, *texts: str, act: int, **more: Any) -> Case:
     parameters = {"NAV_DLL_ACT": act, "COM_DL_LOSS_T": 1, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
     kind = more.pop("kind", "copter")
-    return Scene(name, kind, parameters, talks=True, event=silence, mode=mode, says=(STATION, *says), **more)
+    return Case(
+        name,
+        kind,
+        parameters,
+        sends_heartbeats=True,
+        event=stop_heartbeats,
+        mode=mode,
+        texts=(STATION, *texts),
+        **more,
+    )
 
 
-def battery(name: str, mode: str, percent: float, *says: str, act: int = 3, **more: Any) -> Scene:
+def battery(name: str, mode: str, percent: float, *texts: str, act: int = 3, **more: Any) -> Case:
     parameters = {"COM_LOW_BAT_ACT": act, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
     kind = more.pop("kind", "copter")
-    return Scene(
+    return Case(
         name,
         kind,
         parameters,
         (f"battery {percent}",),
         more.pop("begin", "Hold"),
         mode=mode,
-        says=says,
+        texts=texts,
         **more,
     )
 
 
-def no_position(name: str, mode: str, *says: str, **more: Any) -> Scene:
-    return Scene(
+def no_position(name: str, mode: str, *texts: str, **more: Any) -> Case:
+    return Case(
         name,
         more.pop("kind", "copter"),
         more.pop("parameters", {}),
         ("gps off",),
         mode=mode,
-        says=says,
+        texts=texts,
         **more,
     )
 
@@ -78,7 +89,7 @@ def no_position(name: str, mode: str, *says: str, **more: Any) -> Scene:
 LOW, LAND_NOW = "Low battery level, return advised", "Critical battery level, land now"
 AT_ONCE = "Emergency battery level, land immediately"
 TERMINATED = common.MavState.FLIGHT_TERMINATION
-SCENES = [
+CASES = [
     sticks("sticks-0", "Position", "Manual control lost", act=0),
     sticks("sticks-1", "Hold", ACTIVATED, "Manual control loss: switching to Hold", act=1),
     sticks("sticks-2", "Return", ACTIVATED, "Manual control loss: switching to RTL", act=2),
@@ -135,9 +146,9 @@ SCENES = [
     battery("battery-disarmed", "Hold", 4, arms=False, armed=False),
     battery("battery-threshold", "Return", 40, ACTIVATED, parameters={"BAT_CRIT_THR": 0.5,
             "BAT_LOW_THR": 0.6}),
-    Scene("motor-not-looked-at", faults=("motor 1 off",), mode="Hold"),
-    Scene("motor-1", parameters={"FD_ACT_EN": 1, "COM_ACT_FAIL_ACT": 2, "COM_FAIL_ACT_T": 0},
-          faults=("motor 1 off",), mode="Land", says=(ACTIVATED,)),
+    Case("motor-not-looked-at", faults=("motor 1 off",), mode="Hold"),
+    Case("motor-1", parameters={"FD_ACT_EN": 1, "COM_ACT_FAIL_ACT": 2, "COM_FAIL_ACT_T": 0},
+          faults=("motor 1 off",), mode="Land", texts=(ACTIVATED,)),
 ]  # fmt: skip
 CALM = {
     "sticks-0", "sticks-mission-excepted", "sticks-hold-excepted", "sticks-not-looked-at", "sticks-patience",
@@ -148,30 +159,30 @@ CALM = {
 
 
 @pytest.fixture(scope="module")
-def played() -> dict[str, Flown]:
-    return play(SCENES, "px4")
+def results() -> dict[str, VehicleHarness]:
+    return run_cases(CASES, "px4")
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
-def test_a_failsafe_does_what_its_parameter_says_and_says_so(played, scene) -> None:
-    one = played[scene.name]
-    assert (one.mode, one.armed) == (scene.mode, scene.armed), list(one.texts)
-    assert set(scene.says) <= set(one.texts), list(one.texts)
-    if scene.name in CALM:
+@pytest.mark.parametrize("scene", CASES, ids=lambda case: case.name)
+def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
+    one = results[case.name]
+    assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)
+    assert set(case.texts) <= set(one.texts), list(one.texts)
+    if case.name in CALM:
         assert not any(text.startswith(ACTIVATED) for text in one.texts)
-    assert one.critical == (scene.armed and scene.name not in CALM), one.autopilot.failsafes
+    assert one.critical == (case.armed and case.name not in CALM), one.autopilot.failsafes
 
 
 @pytest.mark.parametrize("name", ["sticks-5", "station-5", "emergency-4"])
-def test_a_terminated_flight_stays_terminated(played, name) -> None:
-    one = played[name]
+def test_a_terminated_flight_stays_terminated(results, name) -> None:
+    one = results[name]
     assert one.autopilot.system_status == TERMINATED
     assert one.autopilot.arm()
 
 
 def test_before_it_acts_it_holds_so_that_a_pilot_may_take_over() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=3)
-    copter.talks = False
+    copter.sends_heartbeats = False
     copter.run(3)
     assert copter.mode == "Hold"
     assert copter.critical
@@ -183,24 +194,24 @@ def test_before_it_acts_it_holds_so_that_a_pilot_may_take_over() -> None:
 
 def test_a_pilot_may_choose_another_mode_later_too_and_keeps_it() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
-    copter.talks = False
+    copter.sends_heartbeats = False
     copter.run(3)
     assert copter.mode == "Return"
     copter.enter("Hold").run(5)
     assert copter.mode == "Hold"
-    copter.talks = True
+    copter.sends_heartbeats = True
     copter.run(1.5)
     assert STATION_BACK in copter.texts
-    copter.talks = False
+    copter.sends_heartbeats = False
     copter.run(3)
     assert copter.mode == "Return", "each loss acts anew"
 
 
 def test_a_link_that_is_back_does_not_end_what_its_loss_began() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
-    copter.talks = False
+    copter.sends_heartbeats = False
     copter.run(3)
-    copter.talks = True
+    copter.sends_heartbeats = True
     copter.run(2)
     assert copter.mode == "Return"
     assert copter.texts[-1] == STATION_BACK
@@ -210,7 +221,7 @@ def test_the_sticks_are_back() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0)
     hold_sticks(copter)
     copter.enter("Position").run(1)
-    copter.repeats = None
+    copter.repeated_message = None
     copter.run(2)
     assert copter.mode == "Return"
     hold_sticks(copter)
@@ -221,7 +232,7 @@ def test_the_sticks_are_back() -> None:
 
 def test_the_more_urgent_action_wins() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
-    copter.talks = False
+    copter.sends_heartbeats = False
     copter.run(3)
     assert copter.mode == "Return"
     copter.inject("battery 4").run(1)
@@ -233,7 +244,7 @@ def test_a_battery_that_was_low_when_it_was_armed_is_only_warned_of() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0)
     copter.autopilot.disarm("test")
     copter.inject("battery 6.5").run(0.2)
-    copter.put_into_the_air().run(2)
+    copter.place_in_air().run(2)
     assert copter.mode == "Hold"
     copter.inject("battery 4").run(1)
     assert copter.mode == "Land"

@@ -8,38 +8,49 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem
-from tests.sim.failsafes.scenes import Scene, play, silence
-from tests.sim.flights import CMD, Flown, airborne, grounded
+from tests.sim.failsafes.cases import Case, run_cases, stop_heartbeats
+from tests.sim.harness import CMD, VehicleHarness, airborne, grounded
 
 RADIO, GROUND = "Radio Failsafe", "GCS Failsafe"
 LOST = "MYGCS: 255, heartbeat lost"
 
 
-def with_mission(one: Flown) -> None:
+def with_mission(one: VehicleHarness) -> None:
     frame = common.MavFrame.GLOBAL_RELATIVE_ALT
     one.load(MissionItem(CMD.NAV_WAYPOINT, param5=47.41, param6=8.5456, param7=0.0, frame=frame))
 
 
-def radio(name: str, mode: str, *says: str, action: int = 2, kind: str = "rover", **more: Any) -> Scene:
+def radio(name: str, mode: str, *texts: str, action: int = 2, kind: str = "rover", **more: Any) -> Case:
     parameters = {"FS_ACTION": action, "FS_THR_ENABLE": 1, **more.pop("parameters", {})}
     begin = more.pop("begin", "GUIDED")
-    return Scene(name, kind, parameters, ("radio off",), begin, mode=mode, says=says, **more)
+    return Case(name, kind, parameters, ("radio off",), begin, mode=mode, texts=texts, **more)
 
 
-def ground(name: str, mode: str, *says: str, kind: str = "rover", **more: Any) -> Scene:
+def ground(name: str, mode: str, *texts: str, kind: str = "rover", **more: Any) -> Case:
     parameters = {"FS_GCS_ENABLE": 1, "FS_GCS_TIMEOUT": 1, "FS_ACTION": 1, **more.pop("parameters", {})}
     begin = more.pop("begin", "GUIDED")
-    return Scene(name, kind, parameters, (), begin, talks=True, event=silence, mode=mode, says=says, **more)
+    return Case(
+        name,
+        kind,
+        parameters,
+        (),
+        begin,
+        sends_heartbeats=True,
+        event=stop_heartbeats,
+        mode=mode,
+        texts=texts,
+        **more,
+    )
 
 
-def battery(name: str, mode: str, action: int, *says: str, kind: str = "rover", **more: Any) -> Scene:
+def battery(name: str, mode: str, action: int, *texts: str, kind: str = "rover", **more: Any) -> Case:
     parameters = {"BATT_FS_LOW_ACT": action, "BATT_LOW_TIMER": 1}
     begin = more.pop("begin", "GUIDED")
-    return Scene(name, kind, parameters, ("battery sag 4",), begin, mode=mode, says=says, **more)
+    return Case(name, kind, parameters, ("battery sag 4",), begin, mode=mode, texts=texts, **more)
 
 
 SUB = {"kind": "sub", "begin": "POSHOLD"}
-SCENES = [
+CASES = [
     radio("action-0", "GUIDED", RADIO, action=0),
     radio("action-1", "RTL", RADIO, action=1),
     radio("action-2", "HOLD", RADIO, action=2),
@@ -88,36 +99,36 @@ SCENES = [
 SILENT = {"radio-off", "in-rtl", "in-hold", "ground-0", "sub-ground-0", "sub-pilot-0"}
 
 
-def parameters_of(scene: Scene) -> Scene:
+def parameters_of(case: Case) -> Case:
     """Sub has no FS_ACTION."""
-    if scene.kind == "sub":
-        scene.parameters.pop("FS_ACTION", None)
-    return scene
+    if case.kind == "sub":
+        case.parameters.pop("FS_ACTION", None)
+    return case
 
 
 @pytest.fixture(scope="module")
-def played() -> dict[str, Flown]:
-    return play(map(parameters_of, SCENES), "ardupilot")
+def results() -> dict[str, VehicleHarness]:
+    return run_cases(map(parameters_of, CASES), "ardupilot")
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
-def test_a_failsafe_does_what_its_parameter_says_and_says_so(played, scene) -> None:
-    one = played[scene.name]
-    assert (one.mode, one.armed) == (scene.mode, scene.armed), list(one.texts)
-    assert set(scene.says) <= set(one.texts), list(one.texts)
-    assert bool(one.texts) == (scene.name not in SILENT), list(one.texts)
-    assert one.critical == (scene.armed and scene.name not in SILENT)
+@pytest.mark.parametrize("scene", CASES, ids=lambda case: case.name)
+def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
+    one = results[case.name]
+    assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)
+    assert set(case.texts) <= set(one.texts), list(one.texts)
+    assert bool(one.texts) == (case.name not in SILENT), list(one.texts)
+    assert one.critical == (case.armed and case.name not in SILENT)
 
 
 def test_a_rover_is_well_again_when_radio_and_ground_station_are() -> None:
     rover = airborne("rover", FS_ACTION=2, FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=1)
     rover.inject("radio off")
-    rover.talks = False
+    rover.sends_heartbeats = False
     rover.run(4)
     rover.inject("radio on").run(1)
     assert rover.critical
     assert "Radio Failsafe Cleared" not in rover.texts
-    rover.talks = True
+    rover.sends_heartbeats = True
     rover.run(1.5)
     assert rover.texts[-1] == "GCS Failsafe Cleared"
     assert rover.mode == "HOLD"
@@ -126,7 +137,7 @@ def test_a_rover_is_well_again_when_radio_and_ground_station_are() -> None:
 
 def test_sub_repeats_its_warning_every_half_minute() -> None:
     sub = grounded("sub", FS_GCS_TIMEOUT=1)
-    sub.mute().talks = False
+    sub.without_telemetry().sends_heartbeats = False
     sub.run(35)
     assert sub.texts.count(LOST) == 2
 

@@ -154,7 +154,7 @@ def test_values_survive_a_reboot_and_callbacks_do_not() -> None:
     before, changes[:] = flight.server, []
     flight.vehicle.restart()
     assert flight.server is not before
-    assert flight.run(flight.client.read("RTL_ALT", flight.network.now)).value == 3000
+    assert flight.run(flight.client.get("RTL_ALT", flight.network.now)).value == 3000
     flight.run(flight.client.set("RTL_ALT", 4000, flight.network.now))
     assert flight.parameters["RTL_ALT"] == 4000
     assert not changes

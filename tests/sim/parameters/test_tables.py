@@ -87,7 +87,7 @@ def test_packed_file_round_trip(firmware, vehicle) -> None:
     whole = table(firmware, vehicle)
     packed = unpack(whole.packed(with_defaults=True))
     assert packed is not None
-    assert packed.whole
+    assert packed.complete
     assert packed.parameters == tuple(whole.parameters())
     assert [same(packed.defaults[row.name], row.definition().value) for row in rows(firmware, vehicle)].count(
         False

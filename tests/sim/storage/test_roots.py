@@ -101,7 +101,7 @@ def test_system_files_depend_on_the_uptime(vehicle, name) -> None:
 
 def test_packed_parameters(vehicle) -> None:
     found = unpack(read(vehicle.ardupilot, "@PARAM/param.pck"))
-    assert found.whole
+    assert found.complete
     assert found.parameters == tuple(vehicle.table.parameters())
     assert not found.with_defaults
 
@@ -240,7 +240,7 @@ def test_over_the_network(vehicle) -> None:
         assert network.run(lambda: operation.done, timeout=600)
         return operation.result()
 
-    assert unpack(run(client.download("@PARAM/param.pck?withdefaults=1", network.now))).whole
+    assert unpack(run(client.download("@PARAM/param.pck?withdefaults=1", network.now))).complete
     run(client.upload("@MISSION/rally.dat", pack_plan(Plan.of(PLAN.items[1:], PlanType.RALLY)), network.now))
     assert len(vehicle.plans[PlanType.RALLY]) == 1
     listed = run(client.list_directory("/", network.now))

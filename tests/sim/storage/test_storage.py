@@ -107,4 +107,4 @@ def test_uploaded_parameters_are_set_all_or_none(ardupilot) -> None:
     one.maximum = None
     put(files, "@PARAM/param.pck", write_upload([*uploaded, Parameter("NOT_OURS", 1.0, 9, 0)]))
     assert one.value == before + 1
-    assert unpack(read(files, "@PARAM/param.pck")).whole
+    assert unpack(read(files, "@PARAM/param.pck")).complete

@@ -15,7 +15,7 @@ from tests.sim.whole_flights.plans import triangle, whole_mission
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from tests.sim.whole_flights.station import Flight
+    from tests.sim.whole_flights.ground_station import Flight
 
     Flights = dict[tuple[VehicleType, Firmware], Flight]
 

@@ -15,7 +15,7 @@ from mavstack.sim.simulation import RATE, Simulation
 from mavstack.sim.telemetry.px4 import LinkMode, set_link_mode
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.whole_flights.station import SAMPLES, Flight, Sample, Station
+from tests.sim.whole_flights.ground_station import SAMPLES, Flight, Sample, Station
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Sequence
@@ -34,7 +34,7 @@ AT_REST = 0.2
 SETTING_OUT = 6.0
 
 
-def whisper(vehicle: SimulatedVehicle) -> None:
+def reduce_telemetry(vehicle: SimulatedVehicle) -> None:
     """Let a vehicle send little: most of the time of a test would go into telemetry."""
     if vehicle.firmware is Firmware.PX4:
         set_link_mode(vehicle, LinkMode.MINIMAL)
@@ -106,7 +106,7 @@ def fly_all(
     flights: dict[int, Flight] = {}
     for kind, firmware in kinds:
         vehicle = simulation.add(kind, firmware)
-        whisper(vehicle)
+        reduce_telemetry(vehicle)
         flights[vehicle.address.system] = Flight(plan_of(kind, firmware))
     record(simulation, flights)
 

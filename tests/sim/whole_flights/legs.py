@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
+    from tests.sim.whole_flights.ground_station import Flight, Sample
     from tests.sim.whole_flights.plans import Place
-    from tests.sim.whole_flights.station import Flight, Sample
 
 Flat = tuple[float, float]
 WINGS = (VehicleType.PLANE, VehicleType.VTOL)

@@ -16,7 +16,7 @@ from mavstack.services.mission import MissionItem
 from mavstack.services.setpoints import AttitudeSetpoint, LocalSetpoint
 from mavstack.sim.motion import LocalFrame
 from mavstack.sim.vehicle_types import DEFAULT_HOME
-from tests.sim.whole_flights.pilot import ARDUPILOT, CMD, PX4, Pilot, script
+from tests.sim.whole_flights.script_runner import ARDUPILOT, CMD, PX4, Pilot, script
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
@@ -124,7 +124,7 @@ async def a_wing_circles_where_it_is_told_and_at_home(pilot: Pilot) -> None:
 @script("boat")
 @script("sub")
 async def it_goes_there_and_stays(pilot: Pilot) -> None:
-    height = -5 if pilot.vehicle.type == "sub" else 0
+    height = -5 if pilot.vehicle.vehicle_type == "sub" else 0
     await pilot.wait_until(lambda: pilot.journal.ready, "ready", 30)
     await pilot.command(CMD.COMPONENT_ARM_DISARM, 1)
     await pilot.go_to(9, -6, height)

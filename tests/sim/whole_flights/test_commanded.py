@@ -6,7 +6,7 @@ import pytest
 
 import tests.sim.whole_flights.scripts  # noqa: F401 (it fills the list)
 from tests.sim.whole_flights.conftest import shared
-from tests.sim.whole_flights.pilot import SCRIPTS, fly_scripts
+from tests.sim.whole_flights.script_runner import SCRIPTS, fly_scripts
 
 
 @pytest.fixture(scope="session")

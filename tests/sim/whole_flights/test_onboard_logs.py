@@ -13,10 +13,10 @@ from mavstack.sim.motion import LocalFrame
 from mavstack.sim.simulation import EPOCH
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from tests.sim.whole_flights.fleet import ALL
-from tests.sim.whole_flights.station import SAMPLES
+from tests.sim.whole_flights.ground_station import SAMPLES
 
 if TYPE_CHECKING:
-    from tests.sim.whole_flights.station import Flight
+    from tests.sim.whole_flights.ground_station import Flight
 
 DFReader = pytest.importorskip("pymavlink.DFReader")
 ULog = pytest.importorskip("pyulog").ULog

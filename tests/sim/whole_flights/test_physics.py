@@ -12,11 +12,11 @@ from mavstack.sim.motion.airframes import AIRFRAMES
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.whole_flights.conftest import WINDY
 from tests.sim.whole_flights.fleet import ALL
+from tests.sim.whole_flights.ground_station import SAMPLES
 from tests.sim.whole_flights.legs import WINGS
-from tests.sim.whole_flights.station import SAMPLES
 
 if TYPE_CHECKING:
-    from tests.sim.whole_flights.station import Sample
+    from tests.sim.whole_flights.ground_station import Sample
 
 #: Ground speed at most, in still air, m/s: what each firmware's parameters ask for, and a tenth more;
 #: rovers overshoot a little more.

@@ -1,7 +1,7 @@
 """The autopilot of one simulated vehicle: modes, arming, home and the tick.
 
 The autopilot ticks ten times a second: first the watches (radio, ground link, battery, fence), each of which
-may change the mode, then the behaviour of the mode. The firmware profile holds what differs between firmwares.
+may change the mode, then the behaviour of the mode. The firmware profile holds the differences of a firmware.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class SimulatedAutopilot:
     def landed_state(self) -> int:
         """MAV_LANDED_STATE."""
         behaviour = self._behaviour
-        if self.landed or not self.vehicle.type.flies:
+        if self.landed or not self.vehicle.vehicle_type.flies:
             return _LANDED.ON_GROUND
         if behaviour is not None and behaviour.taking_off:
             return _LANDED.TAKEOFF
@@ -163,7 +163,7 @@ class SimulatedAutopilot:
 
     def _disarm_after_landing(self, now: float) -> None:
         behaviour = self._behaviour
-        flies = self.vehicle.type.flies and (behaviour is None or not behaviour.taking_off)
+        flies = self.vehicle.vehicle_type.flies and (behaviour is None or not behaviour.taking_off)
         if self.armed and flies and self.landed and self._at_rest_since is not None:
             since = max(self._at_rest_since, self.armed_at)
             landing = behaviour is not None and behaviour.landing

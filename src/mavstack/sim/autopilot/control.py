@@ -201,7 +201,7 @@ class FenceControl(Protocol):
     def switch(self, setting: int) -> bool:
         """Apply DO_FENCE_ENABLE's param 1; returns False for an unknown value."""
 
-    def forget_switch(self) -> None:
+    def reset_switch(self) -> None:
         """Go by the parameters again."""
 
     def problems(self) -> Iterator[str]:

@@ -109,7 +109,7 @@ class FlightParameters(ABC):
     @property
     @abstractmethod
     def return_cone_slope(self) -> float:
-        """Near home the vehicle climbs only to distance times this slope; 0 always climbs to `return_altitude`."""
+        """Climb of a return near home, as altitude over distance; 0 climbs to `return_altitude`."""
 
     @property
     @abstractmethod
@@ -131,7 +131,7 @@ class FlightParameters(ABC):
     @property
     @abstractmethod
     def circles_where_it_is(self) -> bool:
-        """True if the circle mode circles its place of entry, False if it circles a point one radius ahead."""
+        """True if the circle mode circles the current position, not a point one radius ahead."""
 
     @property
     @abstractmethod

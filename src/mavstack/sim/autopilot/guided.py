@@ -103,8 +103,8 @@ class GuidedFlight:
         if len(self._received_at) < 2:
             return False
         before, last = self._received_at
-        patience = max(self._autopilot.flight_parameters.setpoint_timeout, STREAM_INTERVAL)
-        return last - before <= STREAM_INTERVAL and self._autopilot.vehicle.now - last <= patience
+        max_age = max(self._autopilot.flight_parameters.setpoint_timeout, STREAM_INTERVAL)
+        return last - before <= STREAM_INTERVAL and self._autopilot.vehicle.now - last <= max_age
 
     def follow_stream(self) -> None:
         """Follow the latest setpoint of the stream."""
@@ -158,7 +158,7 @@ class GuidedFlight:
         rests = velocity == NOTHING and acceleration == NOTHING and setpoint.yaw_rate is None
         if rests and north is not None and east is not None and down is not None:
             return GoTo(autopilot, (north, east, down), yaw=yaw)
-        drives = autopilot.vehicle.type.on_surface and setpoint.frame in _TURNED
+        drives = autopilot.vehicle.vehicle_type.on_surface and setpoint.frame in _TURNED
         return Motion(
             autopilot,
             position,

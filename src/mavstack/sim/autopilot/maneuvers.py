@@ -32,7 +32,7 @@ _BRAKING = 0.6
 class ManeuverVehicle(Protocol):
     """The vehicle that maneuvers move."""
 
-    type: VehicleType
+    vehicle_type: VehicleType
 
 
 class ManeuverHost(Protocol):
@@ -75,7 +75,7 @@ class Maneuvers:
 
     @property
     def height(self) -> float:
-        """Height above the ground or water, in metres: by the rangefinder in its range, else by the estimate."""
+        """Height above ground or water in metres, by the rangefinder in its range, else estimated."""
         measured = self.body.sensors.distance
         return measured if isfinite(measured) else -self.body.estimate.down
 
@@ -295,4 +295,4 @@ _MANEUVERS: dict[VehicleType, type[Maneuvers]] = {
 
 def maneuvers_of(autopilot: ManeuverHost) -> Maneuvers:
     """Return the maneuvers of the autopilot's vehicle type."""
-    return _MANEUVERS.get(autopilot.vehicle.type, Maneuvers)(autopilot)
+    return _MANEUVERS.get(autopilot.vehicle.vehicle_type, Maneuvers)(autopilot)

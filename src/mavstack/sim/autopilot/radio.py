@@ -32,7 +32,7 @@ _FULL = 1000.0
 
 
 class Sticks(NamedTuple):
-    """Sticks from -1 to 1: right, nose up (stick pulled), turn right; throttle from 0 to 1, 0.5 in the middle."""
+    """Sticks from -1 to 1: right, nose up (stick pulled), turn right; throttle from 0 to 1."""
 
     roll: float
     pitch: float
@@ -48,7 +48,7 @@ class RadioControl:
     ) -> None:
         self._vehicle = vehicle
         self._may_steer = may_steer
-        self._hovers_at_middle = vehicle.type is VehicleType.SUB or vehicle.type.on_surface
+        self._hovers_at_middle = vehicle.vehicle_type is VehicleType.SUB or vehicle.vehicle_type.on_surface
         # ArduPilot's channel 2 is low for a pulled stick, PX4's is high
         self._pulled = 1.0 if vehicle.firmware is Firmware.ARDUPILOT else -1.0
         #: True if there is a transmitter; `switched_on` if it transmits.
@@ -115,9 +115,9 @@ class RadioControl:
         return (_share(pulse) + 1) / 2
 
     def _sticks_of(self, held: ManualInput) -> Sticks:
-        """Convert MANUAL_CONTROL: z is 0 to 1000 for aircraft and subs, -1000 to 1000 for surface vehicles."""
+        """Convert MANUAL_CONTROL: z is 0 to 1000, for surface vehicles -1000 to 1000."""
         roll, pitch, yaw = ((value or 0) / _FULL for value in (held.y, held.x, held.r))
-        if self._vehicle.type.on_surface:
+        if self._vehicle.vehicle_type.on_surface:
             throttle = ((held.z or 0) / _FULL + 1) / 2
         else:
             throttle = min(max((_FULL / 2 if held.z is None else held.z) / _FULL, 0.0), 1.0)

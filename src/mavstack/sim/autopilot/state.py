@@ -6,7 +6,7 @@ Parts of the autopilot (payload, rally points, long commands …) know no class 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from mavstack.dialects import common
 
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle_types import Firmware, Home, VehicleType
 
 AnyEvent = TypeVar("AnyEvent", bound="Event")
-#: Needed by a class with an attribute called `type`.
-EventClass: TypeAlias = type[AnyEvent]
 
 #: Interval between two ticks of the autopilot, in seconds.
 TICK = 0.1
@@ -70,7 +68,7 @@ class VehicleState(Protocol):
     """One simulated vehicle without its autopilot."""
 
     body: Body
-    type: VehicleType
+    vehicle_type: VehicleType
     firmware: Firmware
     address: Address
     parameters: Parameters
@@ -117,7 +115,7 @@ class VehicleState(Protocol):
     def services(self) -> ServiceAccess:
         """The services that parts of the autopilot use directly."""
 
-    def on_event(self, kind: EventClass[AnyEvent], reaction: Callable[[AnyEvent], None]) -> None:
+    def on_event(self, kind: type[AnyEvent], reaction: Callable[[AnyEvent], None]) -> None:
         """Call `reaction` with each event of a class from the services."""
 
     def touch(self, service: Service) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from mavstack.dialects import common
 from mavstack.errors import LocalProtocolError
-from mavstack.services.addressing import EVERYBODY
+from mavstack.services.addressing import BROADCAST
 from mavstack.sim.storage.dataflash_logs import DataflashLogs
 from mavstack.sim.storage.flight_logs import DEFAULT_LOG_CAPACITY
 from mavstack.sim.storage.roots import ardupilot_root, file_store, px4_root
@@ -157,7 +157,7 @@ class Storage:
         """Replace a plan by an uploaded one."""
         mission = self._vehicle.mission
         self._vehicle.touch(mission)
-        if mission.accept(plan, EVERYBODY) != common.MavMissionResult.ACCEPTED:
+        if mission.accept(plan, BROADCAST) != common.MavMissionResult.ACCEPTED:
             raise OSError(EINVAL, "the plan was refused")
 
     def _set_parameters(self, parameters: Sequence[Parameter]) -> None:

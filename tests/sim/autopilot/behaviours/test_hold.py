@@ -6,12 +6,12 @@ import pytest
 
 from mavstack.sim.autopilot.behaviours import Brake, Hold, Stop
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import GUIDED, HOLD, LAND, Flight
+from tests.sim.autopilot.harness import GUIDED, HOLD, LAND, AutopilotHarness
 
 
 @pytest.mark.parametrize("behaviour", [Hold, Brake])
 def test_a_copter_brakes_and_stays_in_the_wind(behaviour: type[Hold]) -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.world.set_wind(speed=5.0, direction=90.0, turbulence=0.2)
     flight.in_the_air(15.0)
     flight.enter(GUIDED)
@@ -30,7 +30,7 @@ def test_a_copter_brakes_and_stays_in_the_wind(behaviour: type[Hold]) -> None:
 @pytest.mark.parametrize("behaviour", [Hold, Brake])
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL])
 def test_on_the_ground_it_stays_there_until_it_disarms(behaviour: type[Hold], kind: VehicleType) -> None:
-    flight = Flight(kind)
+    flight = AutopilotHarness(kind)
     flight.arm()
     flight.fly(behaviour)
     flight.run(9)
@@ -43,7 +43,7 @@ def test_on_the_ground_it_stays_there_until_it_disarms(behaviour: type[Hold], ki
 
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])
 def test_a_wing_circles_where_it_is(kind: VehicleType) -> None:
-    flight = Flight(kind).in_the_air(50.0)
+    flight = AutopilotHarness(kind).in_the_air(50.0)
     flight.fly(lambda autopilot: Hold(autopilot, forward=True))
     here = flight.body.truth
     flight.run(40)
@@ -55,7 +55,7 @@ def test_a_wing_circles_where_it_is(kind: VehicleType) -> None:
 
 
 def test_a_vtol_holds_as_the_transition_says() -> None:
-    flight = Flight(VehicleType.VTOL).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.enter(HOLD)
     flight.body.transition_to(True)
     flight.run(20)
@@ -68,7 +68,7 @@ def test_a_vtol_holds_as_the_transition_says() -> None:
 
 
 def test_hold_goes_where_a_command_says_and_takes_no_setpoints() -> None:
-    flight = Flight().in_the_air(10.0)
+    flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(HOLD)
     assert not flight.autopilot.behaviour.takes_setpoints
     flight.autopilot.guided.go_to((12.0, 5.0, -14.0))
@@ -78,7 +78,7 @@ def test_hold_goes_where_a_command_says_and_takes_no_setpoints() -> None:
 
 
 def test_another_mode_forgets_where_it_was_to_go() -> None:
-    flight = Flight().in_the_air(10.0)
+    flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(HOLD)
     flight.autopilot.guided.go_to((50.0, 0.0, -10.0))
     flight.autopilot.maneuvers.speed = 2.0
@@ -91,7 +91,7 @@ def test_another_mode_forgets_where_it_was_to_go() -> None:
 
 
 def test_a_rover_that_holds_has_its_motors_at_rest() -> None:
-    flight = Flight(VehicleType.ROVER)
+    flight = AutopilotHarness(VehicleType.ROVER)
     flight.arm()
     flight.fly(Stop)
     flight.run(3)

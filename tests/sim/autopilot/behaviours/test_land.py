@@ -9,14 +9,14 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours import Hold, Land
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import LAND, Flight
+from tests.sim.autopilot.harness import LAND, AutopilotHarness
 
 LANDED = common.MavLandedState
 
 
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.VTOL])
 def test_it_sinks_slows_down_touches_down_and_disarms(kind: VehicleType) -> None:
-    flight = Flight(kind).in_the_air(20.0)
+    flight = AutopilotHarness(kind).in_the_air(20.0)
     flight.enter(LAND)
     flight.run(3)
     assert flight.body.truth.velocity_down == pytest.approx(1.5, abs=0.4)
@@ -30,7 +30,7 @@ def test_it_sinks_slows_down_touches_down_and_disarms(kind: VehicleType) -> None
 
 
 def test_it_lands_where_it_is_told() -> None:
-    flight = Flight().in_the_air(10.0)
+    flight = AutopilotHarness().in_the_air(10.0)
     flight.fly(lambda autopilot: Land(autopilot, (25.0, -15.0, 0.0), yaw=pi / 2))
     flight.run_until(lambda: not flight.autopilot.armed, timeout=60)
     assert flight.distance((25.0, -15.0)) < 1.5
@@ -38,7 +38,7 @@ def test_it_lands_where_it_is_told() -> None:
 
 
 def test_it_stops_before_it_comes_down_from_full_speed() -> None:
-    flight = Flight().in_the_air(15.0)
+    flight = AutopilotHarness().in_the_air(15.0)
     flight.fly(Hold)
     flight.autopilot.guided.fly_velocity(8.0, 0.0, 0.0)
     flight.run(2.5)
@@ -49,7 +49,7 @@ def test_it_stops_before_it_comes_down_from_full_speed() -> None:
 
 
 def test_wind_does_not_carry_it_away() -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.world.set_wind(speed=6.0, direction=270.0, turbulence=0.2)
     flight.in_the_air(15.0)
     flight.enter(LAND)
@@ -58,7 +58,7 @@ def test_wind_does_not_carry_it_away() -> None:
 
 
 def test_without_a_position_it_comes_down_level() -> None:
-    flight = Flight().in_the_air(15.0)
+    flight = AutopilotHarness().in_the_air(15.0)
     flight.body.fail_gps(True)
     flight.run_until(lambda: not flight.autopilot.has_position, timeout=60)
     flight.autopilot._begin(flight.autopilot.find_mode(LAND), "a mode that needs no position")
@@ -68,7 +68,7 @@ def test_without_a_position_it_comes_down_level() -> None:
 
 
 def test_landing_on_the_ground_disarms() -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.arm()
     flight.enter(LAND)
     flight.run_until(lambda: not flight.autopilot.armed, timeout=3)
@@ -77,7 +77,7 @@ def test_landing_on_the_ground_disarms() -> None:
 
 @pytest.mark.parametrize("direction", [None, 0.0, 100.0])
 def test_a_plane_approaches_glides_flares_and_rolls_out(direction: float | None) -> None:
-    flight = Flight(VehicleType.PLANE)
+    flight = AutopilotHarness(VehicleType.PLANE)
     if direction is not None:
         flight.world.set_wind(speed=4.0, direction=direction)
     flight.in_the_air(60.0)
@@ -100,7 +100,7 @@ def test_a_plane_approaches_glides_flares_and_rolls_out(direction: float | None)
 
 
 def test_a_plane_in_a_mission_lands_from_where_it_is() -> None:
-    flight = Flight(VehicleType.PLANE).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.fly(Hold)
     flight.autopilot.guided.go_to((-600.0, 0.0, -40.0))
     flight.run_until(lambda: flight.body.truth.north < -450, timeout=90)
@@ -110,7 +110,7 @@ def test_a_plane_in_a_mission_lands_from_where_it_is() -> None:
 
 
 def test_a_vtol_on_its_wing_hovers_and_lands() -> None:
-    flight = Flight(VehicleType.VTOL).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.fly(lambda autopilot: Hold(autopilot, forward=True))
     flight.run(30)
     assert flight.body.transition == 1.0
@@ -122,7 +122,7 @@ def test_a_vtol_on_its_wing_hovers_and_lands() -> None:
 
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT])
 def test_what_drives_stops(kind: VehicleType) -> None:
-    flight = Flight(kind)
+    flight = AutopilotHarness(kind)
     flight.arm()
     flight.fly(Hold)
     flight.autopilot.guided.go_to((100.0, 0.0, 0.0))
@@ -135,7 +135,7 @@ def test_what_drives_stops(kind: VehicleType) -> None:
 
 
 def test_a_sub_surfaces() -> None:
-    flight = Flight(VehicleType.SUB)
+    flight = AutopilotHarness(VehicleType.SUB)
     flight.arm()
     flight.fly(Hold)
     flight.autopilot.guided.go_to((5.0, 0.0, 8.0))

@@ -9,21 +9,21 @@ import pytest
 from mavstack.sim.autopilot.behaviours import Acro, AltitudeHold, Manual, PositionHold, Stabilize
 from mavstack.sim.autopilot.radio import Sticks
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import Flight, turned
+from tests.sim.autopilot.harness import AutopilotHarness, turned
 
 CENTRED = Sticks(0.0, 0.0, 0.5, 0.0)
 ALL = [Manual, Stabilize, Acro, AltitudeHold, PositionHold]
 
 
-def hold_sticks(flight: Flight, seconds: float, **moved: float) -> None:
+def hold_sticks(flight: AutopilotHarness, seconds: float, **moved: float) -> None:
     flight.radio.sticks = CENTRED._replace(**moved)
     flight.run(seconds)
 
 
 def manual_control(
     behaviour: type[Manual], kind: VehicleType = VehicleType.COPTER, height: float = 20.0
-) -> Flight:
-    flight = Flight(kind)
+) -> AutopilotHarness:
+    flight = AutopilotHarness(kind)
     if kind.flies:
         flight.in_the_air(height)
     else:
@@ -93,7 +93,7 @@ def test_acro_turns_at_rates() -> None:
 
 @pytest.mark.parametrize("behaviour", ALL)
 def test_on_the_ground_with_the_throttle_closed_it_stays_and_disarms(behaviour: type[Manual]) -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.radio.sticks = CENTRED._replace(throttle=0.0)
     flight.arm()
     flight.fly(behaviour)
@@ -105,7 +105,7 @@ def test_on_the_ground_with_the_throttle_closed_it_stays_and_disarms(behaviour: 
 
 @pytest.mark.parametrize("behaviour", ALL)
 def test_the_throttle_lifts_it_off(behaviour: type[Manual]) -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.radio.sticks = CENTRED._replace(throttle=0.0)
     flight.arm()
     flight.fly(behaviour)
@@ -179,7 +179,7 @@ def test_a_sub_dives_and_swims(behaviour: type[Manual]) -> None:
 @pytest.mark.parametrize("kind", list(VehicleType))
 @pytest.mark.parametrize("behaviour", ALL)
 def test_the_sticks_may_be_anywhere(kind: VehicleType, behaviour: type[Manual]) -> None:
-    flight = Flight(kind)
+    flight = AutopilotHarness(kind)
     flight.arm()
     flight.fly(behaviour)
     for roll in (-1.0, 1.0):

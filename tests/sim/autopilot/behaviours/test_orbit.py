@@ -10,20 +10,20 @@ from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours import Circle, Orbit
 from mavstack.sim.autopilot.radio import Sticks
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import GUIDED, Flight, turned
+from tests.sim.autopilot.harness import GUIDED, AutopilotHarness, turned
 
 YAW = common.OrbitYawBehaviour
 CENTRE = (30.0, 0.0, -15.0)
 
 
-def bearing(flight: Flight, centre: tuple[float, float, float] = CENTRE) -> float:
+def bearing(flight: AutopilotHarness, centre: tuple[float, float, float] = CENTRE) -> float:
     """From the centre to the vehicle."""
     return atan2(flight.body.truth.east - centre[1], flight.body.truth.north - centre[0])
 
 
 @pytest.mark.parametrize("radius", [15.0, -15.0])
 def test_a_copter_orbits_the_way_it_is_told(radius: float) -> None:
-    flight = Flight().in_the_air(15.0)
+    flight = AutopilotHarness().in_the_air(15.0)
     flight.fly(lambda autopilot: Orbit(autopilot, CENTRE, radius, speed=4.0))
     flight.run(25)
     before = bearing(flight)
@@ -37,7 +37,7 @@ def test_a_copter_orbits_the_way_it_is_told(radius: float) -> None:
 
 
 def test_it_can_look_along_the_circle_or_where_it_looked() -> None:
-    flight = Flight().in_the_air(15.0)
+    flight = AutopilotHarness().in_the_air(15.0)
     flight.fly(
         lambda autopilot: Orbit(
             autopilot, CENTRE, 15.0, speed=3.0, yaw_behaviour=YAW.HOLD_FRONT_TANGENT_TO_CIRCLE
@@ -54,7 +54,7 @@ def test_it_can_look_along_the_circle_or_where_it_looked() -> None:
 
 
 def test_it_stops_after_the_turns_that_were_asked() -> None:
-    flight = Flight().in_the_air(15.0)
+    flight = AutopilotHarness().in_the_air(15.0)
     orbit = Orbit(flight.autopilot, (10.0, 0.0, -15.0), 8.0, speed=4.0, turns=1.5)
     flight.fly(lambda autopilot: orbit)
     flight.run_until(lambda: abs(orbit.turned) >= 1.5, timeout=60)
@@ -63,7 +63,7 @@ def test_it_stops_after_the_turns_that_were_asked() -> None:
 
 
 def test_the_mode_can_circle_where_it_is() -> None:
-    flight = Flight(circle_radius=6.0, circle_speed=1.0, circles_where_it_is=True).in_the_air(10.0)
+    flight = AutopilotHarness(circle_radius=6.0, circle_speed=1.0, circles_where_it_is=True).in_the_air(10.0)
     here = flight.body.truth
     flight.fly(Circle)
     flight.run(40)
@@ -72,7 +72,7 @@ def test_the_mode_can_circle_where_it_is() -> None:
 
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_the_mode_circles_a_point_one_radius_ahead(kind: VehicleType) -> None:
-    flight = Flight(kind, circle_radius=6.0, circle_speed=1.0)
+    flight = AutopilotHarness(kind, circle_radius=6.0, circle_speed=1.0)
     if kind is VehicleType.COPTER:
         flight.in_the_air(10.0)
     else:
@@ -92,7 +92,7 @@ def test_the_mode_circles_a_point_one_radius_ahead(kind: VehicleType) -> None:
 
 
 def test_a_plane_circles_where_it_is() -> None:
-    flight = Flight(VehicleType.PLANE).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.run(15)
     here = flight.body.truth
     flight.fly(Circle)
@@ -103,7 +103,7 @@ def test_a_plane_circles_where_it_is() -> None:
 
 
 def test_a_plane_orbits_with_the_radius_of_the_command() -> None:
-    flight = Flight(VehicleType.PLANE).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.enter(GUIDED)
     flight.autopilot.guided.orbit((300.0, 100.0, -50.0), -100.0)
     flight.run(60)
@@ -114,7 +114,7 @@ def test_a_plane_orbits_with_the_radius_of_the_command() -> None:
 
 
 def test_a_vtol_circles_hovering_or_on_its_wing() -> None:
-    flight = Flight(VehicleType.VTOL).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.fly(lambda autopilot: Circle(autopilot, forward=True))
     flight.run(30)
     assert flight.body.transition == 1.0
@@ -126,7 +126,7 @@ def test_a_vtol_circles_hovering_or_on_its_wing() -> None:
 
 @pytest.mark.parametrize(("throttle", "rises"), [(0.0, -1), (0.5, 0), (1.0, 1)])
 def test_in_the_mode_the_throttle_climbs_and_sinks(throttle: float, rises: int) -> None:
-    flight = Flight(circle_radius=6.0, circle_speed=1.0).in_the_air(40.0)
+    flight = AutopilotHarness(circle_radius=6.0, circle_speed=1.0).in_the_air(40.0)
     flight.radio.sticks = Sticks(0.0, 0.0, throttle, 0.0)
     flight.fly(Circle)
     flight.run(8)

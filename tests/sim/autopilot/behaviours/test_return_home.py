@@ -9,12 +9,14 @@ import pytest
 
 from mavstack.sim.autopilot.behaviours import Hold, ReturnToLaunch
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import GUIDED, RETURN, Flight
+from tests.sim.autopilot.harness import GUIDED, RETURN, AutopilotHarness
 
 
-def away(kind: VehicleType, north: float, east: float, height: float, **flight_parameters: float) -> Flight:
+def away(
+    kind: VehicleType, north: float, east: float, height: float, **flight_parameters: float
+) -> AutopilotHarness:
     """A vehicle that hovers somewhere else."""
-    flight = Flight(kind, **flight_parameters).in_the_air(height)
+    flight = AutopilotHarness(kind, **flight_parameters).in_the_air(height)
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((north, east, -height))
     flight.run_until(lambda: flight.distance((north, east)) < 1.5, timeout=60)
@@ -66,7 +68,7 @@ def test_a_rally_point_is_where_it_comes_back_to() -> None:
 
 
 def test_on_the_ground_it_just_disarms() -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.arm()
     flight.enter(RETURN)
     flight.run_until(lambda: not flight.autopilot.armed, timeout=5)
@@ -74,7 +76,9 @@ def test_on_the_ground_it_just_disarms() -> None:
 
 
 def test_a_plane_circles_home_for_ever_if_that_is_wanted() -> None:
-    flight = Flight(VehicleType.PLANE, return_loiter_time=inf, return_altitude=70.0).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.PLANE, return_loiter_time=inf, return_altitude=70.0).in_the_air(
+        40.0
+    )
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((700.0, 0.0, -40.0))
     flight.run_until(lambda: flight.body.truth.north > 600, timeout=90)
@@ -87,14 +91,14 @@ def test_a_plane_circles_home_for_ever_if_that_is_wanted() -> None:
 
 
 def test_a_plane_lands_at_home() -> None:
-    flight = Flight(VehicleType.PLANE, return_loiter_time=5.0).in_the_air(50.0)
+    flight = AutopilotHarness(VehicleType.PLANE, return_loiter_time=5.0).in_the_air(50.0)
     flight.enter(RETURN)
     flight.run_until(lambda: not flight.autopilot.armed, timeout=300)
     assert flight.distance() < 130.0
 
 
 def test_a_vtol_comes_back_on_its_wing_and_lands_hovering() -> None:
-    flight = Flight(VehicleType.VTOL).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.fly(lambda autopilot: Hold(autopilot, forward=True))
     flight.autopilot.guided.go_to((500.0, 0.0, -40.0))
     flight.run_until(lambda: flight.distance() > 400, timeout=60)
@@ -106,7 +110,7 @@ def test_a_vtol_comes_back_on_its_wing_and_lands_hovering() -> None:
 
 
 def test_a_vtol_can_be_told_to_come_back_hovering() -> None:
-    flight = Flight(VehicleType.VTOL).in_the_air(40.0)
+    flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.fly(lambda autopilot: Hold(autopilot, forward=True))
     flight.run(20)
     flight.fly(lambda autopilot: ReturnToLaunch(autopilot, forward=False))
@@ -117,7 +121,7 @@ def test_a_vtol_can_be_told_to_come_back_hovering() -> None:
 
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT])
 def test_what_drives_comes_home_and_stays(kind: VehicleType) -> None:
-    flight = Flight(kind)
+    flight = AutopilotHarness(kind)
     flight.arm()
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((30.0, 20.0, 0.0))
@@ -130,7 +134,7 @@ def test_what_drives_comes_home_and_stays(kind: VehicleType) -> None:
 
 
 def test_a_sub_comes_home_as_deep_as_it_is_and_surfaces() -> None:
-    flight = Flight(VehicleType.SUB)
+    flight = AutopilotHarness(VehicleType.SUB)
     flight.arm()
     flight.enter(GUIDED)
     flight.autopilot.guided.go_to((20.0, 0.0, 5.0))
@@ -147,7 +151,7 @@ def test_a_sub_comes_home_as_deep_as_it_is_and_surfaces() -> None:
 def test_a_plane_comes_back_as_high_as_the_figures_say(
     altitude: float, wait_at: float, height: float
 ) -> None:
-    flight = Flight(
+    flight = AutopilotHarness(
         VehicleType.PLANE,
         return_loiter_time=inf,
         return_altitude=altitude,

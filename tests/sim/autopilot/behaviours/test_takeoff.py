@@ -7,7 +7,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours import Takeoff
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.autopilot.stub import TAKEOFF, Flight
+from tests.sim.autopilot.harness import TAKEOFF, AutopilotHarness
 
 HOVERING = [VehicleType.COPTER, VehicleType.VTOL]
 LANDED = common.MavLandedState
@@ -15,7 +15,7 @@ LANDED = common.MavLandedState
 
 @pytest.mark.parametrize("kind", HOVERING)
 def test_it_rises_straight_to_its_altitude_and_stays(kind: VehicleType) -> None:
-    flight = Flight(kind, takeoff_altitude=12.0)
+    flight = AutopilotHarness(kind, takeoff_altitude=12.0)
     flight.arm()
     flight.enter(TAKEOFF)
     flight.run_until(lambda: flight.autopilot.landed_state == LANDED.TAKEOFF, timeout=5)
@@ -28,7 +28,7 @@ def test_it_rises_straight_to_its_altitude_and_stays(kind: VehicleType) -> None:
 
 
 def test_it_is_up_at_a_place_in_local_metres() -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.arm()
     flight.fly(lambda autopilot: Takeoff(autopilot, down=-7.0))
     flight.run(15)
@@ -36,14 +36,14 @@ def test_it_is_up_at_a_place_in_local_metres() -> None:
 
 
 def test_a_take_off_in_the_air_never_sinks() -> None:
-    flight = Flight().in_the_air(20.0)
+    flight = AutopilotHarness().in_the_air(20.0)
     flight.fly(lambda autopilot: Takeoff(autopilot, 5.0))
     flight.run(10)
     assert flight.height == pytest.approx(20.0, abs=1.0)
 
 
 def test_a_take_off_in_the_air_counts_from_home() -> None:
-    flight = Flight().in_the_air(10.0)
+    flight = AutopilotHarness().in_the_air(10.0)
     flight.fly(lambda autopilot: Takeoff(autopilot, 20.0))
     flight.run(15)
     assert flight.height == pytest.approx(20.0, abs=1.0)
@@ -51,7 +51,7 @@ def test_a_take_off_in_the_air_counts_from_home() -> None:
 
 @pytest.mark.parametrize("wind", [0.0, 5.0])
 def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:
-    flight = Flight(VehicleType.PLANE)
+    flight = AutopilotHarness(VehicleType.PLANE)
     flight.world.set_wind(speed=wind, direction=0.0)
     flight.arm()
     flight.fly(lambda autopilot: Takeoff(autopilot, 50.0))
@@ -66,7 +66,7 @@ def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:
 
 
 def test_a_vtol_goes_on_to_fly_on_its_wing() -> None:
-    flight = Flight(VehicleType.VTOL)
+    flight = AutopilotHarness(VehicleType.VTOL)
     flight.arm()
     flight.fly(lambda autopilot: Takeoff(autopilot, 30.0, forward=True))
     flight.run(60)
@@ -78,7 +78,7 @@ def test_a_vtol_goes_on_to_fly_on_its_wing() -> None:
 
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_what_does_not_fly_stays(kind: VehicleType) -> None:
-    flight = Flight(kind)
+    flight = AutopilotHarness(kind)
     flight.arm()
     flight.enter(TAKEOFF)
     flight.run(10)
@@ -87,7 +87,7 @@ def test_what_does_not_fly_stays(kind: VehicleType) -> None:
 
 
 def test_disarming_while_it_rises_lets_it_fall() -> None:
-    flight = Flight()
+    flight = AutopilotHarness()
     flight.arm()
     flight.enter(TAKEOFF)
     flight.run_until(lambda: flight.height > 3, timeout=10)

@@ -13,7 +13,7 @@ from mavstack.sim.autopilot.fence.geometry import Circle, Fence, Polygon
 from mavstack.sim.autopilot.fence.plan import check_fence_item, check_fence_plan, read_fence
 from mavstack.sim.motion import LocalFrame
 from mavstack.sim.vehicle_types import DEFAULT_HOME
-from tests.sim.autopilot.mission.stand import CMD, FRAME, RESULT, item
+from tests.sim.autopilot.mission.harness import CMD, FRAME, RESULT, item
 
 IN, OUT = CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION, CMD.NAV_FENCE_POLYGON_VERTEX_EXCLUSION
 CORNERS = [(0.0, 0.0), (0.0, 50.0), (50.0, 50.0), (50.0, 0.0)]

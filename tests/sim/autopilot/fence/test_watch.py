@@ -13,8 +13,8 @@ from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.fence.ardupilot import names_of
 from mavstack.sim.autopilot.fence.limits import Breach
 from mavstack.sim.vehicle_types import Firmware, VehicleType
-from tests.sim.autopilot.mission.stand import CMD, FRAME, MissionFlight, item
-from tests.sim.autopilot.stub import GUIDED, HOLD, LAND, OTHER, RETURN, TAKEOFF
+from tests.sim.autopilot.harness import GUIDED, HOLD, LAND, OTHER, RETURN, TAKEOFF
+from tests.sim.autopilot.mission.harness import CMD, FRAME, MissionHarness, item
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,9 +58,9 @@ def fenced(
     kind: VehicleType = VehicleType.COPTER,
     height: float = 20.0,
     **parameters: float,
-) -> MissionFlight:
+) -> MissionHarness:
     """In the air within a fence."""
-    flight = MissionFlight(kind, firmware)
+    flight = MissionHarness(kind, firmware)
     usual = {
         "FENCE_ENABLE": 1,
         "FENCE_TYPE": 7,
@@ -78,7 +78,7 @@ def fenced(
     return flight
 
 
-def breach(flight: MissionFlight, behaviour: type[Behaviour] = Away, timeout: float = 60.0) -> None:
+def breach(flight: MissionHarness, behaviour: type[Behaviour] = Away, timeout: float = 60.0) -> None:
     flight.fly(behaviour)
     flight.run_until(lambda: flight.autopilot.fence.breaches != Breach.NONE, timeout=timeout)
     flight.run(0.3)
@@ -118,7 +118,7 @@ def test_the_radius_and_the_altitudes_of_parameters() -> None:
 
 
 def test_the_lowest_altitude_counts_in_the_air_only() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.vehicle.parameters |= {"FENCE_ENABLE": 1, "FENCE_TYPE": 8, "FENCE_ALT_MIN": 10, "FENCE_ACTION": 0}
     flight.run(0.5)
     assert not list(flight.autopilot.fence.problems())
@@ -263,7 +263,7 @@ def test_both_at_once_are_told_together() -> None:
 # A plane's way back
 
 
-def return_of(flight: MissionFlight) -> tuple[float, float, float]:
+def return_of(flight: MissionHarness) -> tuple[float, float, float]:
     breach(flight)
     flight.run(0.3)
     target = flight.autopilot.target
@@ -271,7 +271,7 @@ def return_of(flight: MissionFlight) -> tuple[float, float, float]:
     return target
 
 
-def plane(*items: MissionItem, **parameters: float) -> MissionFlight:
+def plane(*items: MissionItem, **parameters: float) -> MissionHarness:
     flight = fenced(*items, kind=VehicleType.PLANE, height=60, FENCE_ACTION=6, FENCE_ALT_MIN=20, **parameters)
     flight.body.place(250.0, 0.0, -60.0, 0.0)
     return flight
@@ -303,7 +303,7 @@ def test_home_without_either() -> None:
 
 
 def test_ardupilot_is_not_armed_outside() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.vehicle.parameters |= {
         "FENCE_ENABLE": 1,
         "FENCE_TYPE": 7,
@@ -324,7 +324,7 @@ def test_ardupilot_is_not_armed_outside() -> None:
 
 
 def test_px4_is_not_armed_outside() -> None:
-    flight = MissionFlight(firmware=PX4)
+    flight = MissionHarness(firmware=PX4)
     flight.vehicle.parameters["GF_ACTION"] = 2
     flight.upload(*square(20, north=200), kind=PlanType.FENCE)
     flight.run(0.3)

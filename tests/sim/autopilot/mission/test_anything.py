@@ -12,8 +12,8 @@ from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan, PlanType
 from mavstack.sim.autopilot.mission.scripts import SCRIPTS
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
-from tests.sim.autopilot.mission.stand import FRAME, GROUND, RESULT, MissionFlight, item
-from tests.sim.autopilot.stub import HOLD
+from tests.sim.autopilot.harness import HOLD
+from tests.sim.autopilot.mission.harness import FRAME, GROUND, RESULT, MissionHarness, item
 
 NUMBERS = (
     some.sampled_from([0.0, 1.0, -1.0, 2.0, 3.0, 8.0, 60.0, 1900.0, nan, inf, -inf, 3.4e38, -3.4e38, 1e-30])
@@ -43,7 +43,7 @@ COMMON = settings(
 )
 
 
-def flown(flight: MissionFlight, seconds: float) -> None:
+def flown(flight: MissionHarness, seconds: float) -> None:
     """Fly whatever there is, in the air and on the ground, and look that it stays somewhere."""
     if flight.mission.start() is not None:
         flight.enter(2)  # the mission's mode, whatever its rules say
@@ -56,7 +56,7 @@ def flown(flight: MissionFlight, seconds: float) -> None:
 @pytest.mark.parametrize("firmware", list(Firmware))
 @pytest.mark.parametrize("kind", list(VehicleType))
 def test_any_upload_is_answered(kind: VehicleType, firmware: Firmware) -> None:
-    flight = MissionFlight(kind, firmware)
+    flight = MissionHarness(kind, firmware)
 
     @settings(COMMON, max_examples=60)
     @given(LISTS, some.sampled_from(list(PlanType)[:3]))
@@ -72,7 +72,7 @@ def test_any_upload_is_answered(kind: VehicleType, firmware: Firmware) -> None:
 @pytest.mark.parametrize("firmware", list(Firmware))
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL, VehicleType.ROVER])
 def test_what_is_accepted_can_be_flown(kind: VehicleType, firmware: Firmware) -> None:
-    flight = MissionFlight(kind, firmware)
+    flight = MissionHarness(kind, firmware)
     if kind.flies:
         flight.in_the_air(40)
     else:
@@ -96,7 +96,7 @@ def test_what_is_accepted_can_be_flown(kind: VehicleType, firmware: Firmware) ->
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.SUB])
 def test_even_a_store_of_anything_is_flown(kind: VehicleType) -> None:
     """As from a file that an older version wrote."""
-    flight = MissionFlight(kind)
+    flight = MissionHarness(kind)
 
     @COMMON
     @given(LISTS)
@@ -109,7 +109,7 @@ def test_even_a_store_of_anything_is_flown(kind: VehicleType) -> None:
         flown(flight, 5)
         flight.mission.validate(Plan.of(items), GROUND)
         flight.autopilot.rally.nearest()
-        flight.autopilot.fence.look()
+        flight.autopilot.fence.check()
         assert flight.autopilot.fence.breach_distance() >= 0
 
     check()

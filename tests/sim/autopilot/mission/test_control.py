@@ -6,15 +6,15 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim.vehicle_types import Firmware, VehicleType
-from tests.sim.autopilot.mission.stand import CMD, RESULT, STATE, MissionFlight, item, takeoff, waypoint
-from tests.sim.autopilot.stub import HOLD
+from tests.sim.autopilot.harness import HOLD
+from tests.sim.autopilot.mission.harness import CMD, RESULT, STATE, MissionHarness, item, takeoff, waypoint
 
 ARDUPILOT, PX4 = Firmware.ARDUPILOT, Firmware.PX4
 
 
-def flying(firmware: Firmware = ARDUPILOT, kind: VehicleType = VehicleType.COPTER) -> MissionFlight:
+def flying(firmware: Firmware = ARDUPILOT, kind: VehicleType = VehicleType.COPTER) -> MissionHarness:
     """On the way to the first of three waypoints."""
-    flight = MissionFlight(kind, firmware)
+    flight = MissionHarness(kind, firmware)
     flight.load(takeoff(10), waypoint(60, 0, 10), waypoint(60, 60, 10), waypoint(0, 60, 10))
     flight.start()
     flight.reach(flight.first + 1)
@@ -42,7 +42,7 @@ def test_back_to_the_beginning() -> None:
 
 
 def test_another_current_item_before_the_mission() -> None:
-    flight = MissionFlight(firmware=PX4)
+    flight = MissionHarness(firmware=PX4)
     flight.load(takeoff(10), waypoint(20, 0, 10), waypoint(20, 20, 10))
     flight.set_current(2)
     flight.start()
@@ -51,7 +51,7 @@ def test_another_current_item_before_the_mission() -> None:
 
 
 def test_reset_counts_jumps_anew() -> None:
-    flight = MissionFlight(firmware=PX4)
+    flight = MissionHarness(firmware=PX4)
     flight.load(
         takeoff(10), waypoint(12, 0, 10), waypoint(0, 0, 10), item(CMD.DO_JUMP, 1, 1), waypoint(0, 12, 10)
     )
@@ -64,7 +64,7 @@ def test_reset_counts_jumps_anew() -> None:
 
 
 def test_jumps_stay_counted_without_a_reset() -> None:
-    flight = MissionFlight(firmware=PX4)
+    flight = MissionHarness(firmware=PX4)
     flight.load(
         takeoff(10), waypoint(12, 0, 10), waypoint(0, 0, 10), item(CMD.DO_JUMP, 1, 1), waypoint(0, 12, 10)
     )
@@ -91,7 +91,7 @@ def test_a_pause_and_going_on(firmware: Firmware) -> None:
 
 
 def test_time_stands_still_in_a_pause() -> None:
-    flight = MissionFlight(firmware=PX4)
+    flight = MissionHarness(firmware=PX4)
     flight.load(takeoff(10), item(CMD.NAV_DELAY, 10), waypoint(20, 0, 10))
     flight.start()
     flight.reach(1)
@@ -103,7 +103,7 @@ def test_time_stands_still_in_a_pause() -> None:
 
 
 def test_a_pause_during_the_takeoff() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.load(takeoff(30), waypoint(20, 0, 30))
     flight.start()
     flight.run_until(lambda: flight.height > 8, timeout=20)
@@ -117,7 +117,7 @@ def test_a_pause_during_the_takeoff() -> None:
 
 
 def test_without_a_mission_there_is_nothing_to_pause() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     assert not flight.mission.pause()
     assert not flight.mission.resume()
 
@@ -146,7 +146,7 @@ def test_ardupilot_does_not_mind_the_same_mission_again() -> None:
 
 
 def test_ardupilots_plane_flies_on_to_where_it_was_going() -> None:
-    flight = MissionFlight(VehicleType.PLANE)
+    flight = MissionHarness(VehicleType.PLANE)
     flight.load(takeoff(40), waypoint(400, 0, 40), waypoint(400, 400, 40))
     flight.start()
     flight.reach(2)

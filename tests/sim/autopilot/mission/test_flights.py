@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 import pytest
 
 from mavstack.sim.vehicle_types import Firmware, VehicleType
-from tests.sim.autopilot.mission.stand import (
+from tests.sim.autopilot.harness import HOLD, MISSION, RETURN
+from tests.sim.autopilot.mission.harness import (
     CMD,
     STATE,
-    MissionFlight,
+    MissionHarness,
     cross_track,
     item,
     takeoff,
     waypoint,
 )
-from tests.sim.autopilot.stub import HOLD, MISSION, RETURN
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
@@ -52,7 +52,7 @@ def test_a_square(kind: VehicleType, firmware: Firmware) -> None:
     side, up, corner, bound = SHAPES[kind]
     corners = [(side, 0.0), (side, side), (0.0, side)]
     radius = {"acceptance_radius": 50.0} if kind is _T.VTOL else {}
-    flight = MissionFlight(kind, firmware, **radius)
+    flight = MissionHarness(kind, firmware, **radius)
     flight.load(*plan(kind, corners, up))
     flight.start()
     legs: dict[int, list[tuple[float, float]]] = {}
@@ -76,7 +76,7 @@ def test_a_square(kind: VehicleType, firmware: Firmware) -> None:
 
 
 def test_a_copter_holds_its_altitude_on_its_way() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.load(takeoff(20), waypoint(80, 0, 20), waypoint(80, 60, 35))
     flight.start()
     flight.reach(2)
@@ -94,7 +94,7 @@ def test_a_copter_holds_its_altitude_on_its_way() -> None:
 
 
 def test_ardupilots_copter_must_begin_with_a_takeoff_on_the_ground() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.load(waypoint(30, 0))
     flight.arm()
     assert flight.mission.start() == "Auto: Missing Takeoff Cmd"
@@ -104,7 +104,7 @@ def test_ardupilots_copter_must_begin_with_a_takeoff_on_the_ground() -> None:
 
 
 def test_px4s_copter_takes_off_by_itself() -> None:
-    flight = MissionFlight(firmware=Firmware.PX4)
+    flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(waypoint(30, 0, 15))
     flight.start()
     flight.run_until(lambda: flight.height > 9, timeout=20)
@@ -114,7 +114,7 @@ def test_px4s_copter_takes_off_by_itself() -> None:
 
 
 def test_arming_begins_the_mission_in_its_mode() -> None:
-    flight = MissionFlight(firmware=Firmware.PX4)
+    flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(takeoff(10))
     assert flight.mission.start() is None
     assert not flight.said
@@ -132,14 +132,14 @@ def test_arming_begins_the_mission_in_its_mode() -> None:
     ],
 )
 def test_no_mission(kind: VehicleType, firmware: Firmware, text: str) -> None:
-    flight = MissionFlight(kind, firmware)
+    flight = MissionHarness(kind, firmware)
     flight.arm()
     assert flight.mission.start() == text
     assert flight.mission.state == STATE.NO_MISSION
 
 
 def test_a_part_of_a_mission() -> None:
-    flight = MissionFlight(firmware=Firmware.PX4)
+    flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(takeoff(10), waypoint(20, 0, 10), waypoint(20, 20, 10), waypoint(0, 20, 10))
     flight.arm()
     assert flight.mission.start(1, 2) is None
@@ -154,7 +154,7 @@ def test_a_part_of_a_mission() -> None:
 
 
 def test_ardupilots_copter_stays_at_its_last_waypoint() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.load(takeoff(10), waypoint(30, 0, 10))
     flight.start()
     flight.ended()
@@ -165,7 +165,7 @@ def test_ardupilots_copter_stays_at_its_last_waypoint() -> None:
 
 
 def test_ardupilots_copter_is_disarmed_when_its_mission_ends_on_the_ground() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.load(takeoff(8), item(CMD.NAV_LAND))
     flight.start()
     flight.run_until(lambda: not flight.autopilot.armed, timeout=90)
@@ -173,7 +173,7 @@ def test_ardupilots_copter_is_disarmed_when_its_mission_ends_on_the_ground() -> 
 
 
 def test_ardupilots_plane_returns() -> None:
-    flight = MissionFlight(_T.PLANE)
+    flight = MissionHarness(_T.PLANE)
     flight.load(takeoff(40), waypoint(300, 0, 40))
     flight.start()
     flight.run_until(lambda: flight.autopilot.mode.number == RETURN, timeout=120)
@@ -183,7 +183,7 @@ def test_ardupilots_plane_returns() -> None:
 
 @pytest.mark.parametrize(("kind", "reached"), [(_T.PLANE, [1]), (_T.VTOL, [1, 2])])
 def test_ardupilots_wings_are_disarmed_where_they_landed(kind: VehicleType, reached: list[int]) -> None:
-    flight = MissionFlight(kind, land_disarm_delay=3.0)
+    flight = MissionHarness(kind, land_disarm_delay=3.0)
     flight.load(takeoff(30), item(CMD.NAV_LAND, at=(300.0, 0.0, 0.0)))
     flight.start()
     flight.run_until(lambda: not flight.autopilot.armed, timeout=150)
@@ -193,7 +193,7 @@ def test_ardupilots_wings_are_disarmed_where_they_landed(kind: VehicleType, reac
 
 
 def test_a_rover_stops() -> None:
-    flight = MissionFlight(_T.ROVER)
+    flight = MissionHarness(_T.ROVER)
     flight.load(waypoint(20, 0, 0))
     flight.start()
     flight.ended()
@@ -203,7 +203,7 @@ def test_a_rover_stops() -> None:
 
 
 def test_px4_stays_in_its_mission_and_disarms_after_a_landing() -> None:
-    flight = MissionFlight(firmware=Firmware.PX4, land_disarm_delay=2.0, disarm_delay=60.0)
+    flight = MissionHarness(firmware=Firmware.PX4, land_disarm_delay=2.0, disarm_delay=60.0)
     flight.load(takeoff(8), item(CMD.NAV_LAND))
     flight.start()
     flight.run_until(lambda: flight.said[-1:] == ["Mission finished, landed"], timeout=90)
@@ -214,7 +214,7 @@ def test_px4_stays_in_its_mission_and_disarms_after_a_landing() -> None:
 
 
 def test_px4_holds_where_its_mission_ends_in_the_air() -> None:
-    flight = MissionFlight(firmware=Firmware.PX4)
+    flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(takeoff(8), waypoint(20, 0, 8))
     flight.start()
     flight.run_until(lambda: flight.autopilot.mode.number == HOLD, timeout=90)
@@ -224,7 +224,7 @@ def test_px4_holds_where_its_mission_ends_in_the_air() -> None:
 
 
 def test_a_complete_mission_begins_anew() -> None:
-    flight = MissionFlight(firmware=Firmware.PX4)
+    flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(takeoff(8), waypoint(20, 0, 8), waypoint(0, 0, 8))
     flight.start()
     flight.ended()
@@ -238,7 +238,7 @@ def test_a_complete_mission_begins_anew() -> None:
 
 @pytest.mark.parametrize(("restart", "expected"), [(0, 3), (1, 2)])
 def test_mis_restart_says_whether_a_mission_goes_on_where_it_was_left(restart: int, expected: int) -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.vehicle.parameters["MIS_RESTART"] = restart
     flight.load(takeoff(8), waypoint(20, 0, 8), waypoint(60, 0, 8))
     flight.start()

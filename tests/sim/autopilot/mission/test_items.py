@@ -13,8 +13,17 @@ from mavstack.sim.autopilot.mission.ardupilot import NAMES
 from mavstack.sim.autopilot.mission.px4 import PLACED, PLACELESS
 from mavstack.sim.autopilot.mission.scripts import SCRIPTS
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
-from tests.sim.autopilot.mission.stand import CMD, FRAME, GROUND, MissionFlight, item, land, takeoff, waypoint
-from tests.sim.autopilot.stub import LAND, MISSION, RETURN
+from tests.sim.autopilot.harness import LAND, MISSION, RETURN
+from tests.sim.autopilot.mission.harness import (
+    CMD,
+    FRAME,
+    GROUND,
+    MissionHarness,
+    item,
+    land,
+    takeoff,
+    waypoint,
+)
 
 ARDUPILOT, PX4 = Firmware.ARDUPILOT, Firmware.PX4
 COPTER, PLANE, VTOL, ROVER, SUB = (VehicleType(name) for name in ("copter", "plane", "vtol", "rover", "sub"))
@@ -50,18 +59,18 @@ def fly(
     firmware: Firmware = ARDUPILOT,
     kind: VehicleType = COPTER,
     **flight_parameters: float,
-) -> MissionFlight:
+) -> MissionHarness:
     """In the air at 10 m, and then these items."""
-    flight = MissionFlight(kind, firmware, **flight_parameters)
+    flight = MissionHarness(kind, firmware, **flight_parameters)
     flight.load(takeoff(10), *items)
     flight.start()
     flight.run_until(lambda: flight.first in flight.reached, timeout=60)
     return flight
 
 
-def do(*items: MissionItem, firmware: Firmware = ARDUPILOT) -> MissionFlight:
+def do(*items: MissionItem, firmware: Firmware = ARDUPILOT) -> MissionHarness:
     """Do something on the ground, before a take-off."""
-    flight = MissionFlight(COPTER, firmware)
+    flight = MissionHarness(COPTER, firmware)
     flight.load(takeoff(2), *items, waypoint(8, 0, 2))
     flight.start()
     flight.ended()
@@ -97,7 +106,7 @@ def test_a_copter_looks_where_it_flies_without_one() -> None:
 
 
 def test_a_plane_passes_by_at_a_distance() -> None:
-    flight = MissionFlight(PLANE)
+    flight = MissionHarness(PLANE)
     flight.load(takeoff(40), waypoint(400, 0, 40, param3=100), waypoint(400, 500, 40))
     flight.start()
     flight.reach(3, timeout=90)
@@ -150,7 +159,7 @@ def test_loitering_for_a_time(firmware: Firmware) -> None:
     assert flight.run_until(lambda: flight.mission.sequence == flight.first + 2, timeout=16) > 11
 
 
-def turned(flight: MissionFlight, centre: tuple[float, float], until: int) -> float:
+def turned(flight: MissionHarness, centre: tuple[float, float], until: int) -> float:
     """How often it goes round a centre until an item is the current one."""
     total, last = 0.0, None
     while flight.mission.sequence != until:
@@ -172,7 +181,7 @@ def test_turns_of_a_copter(radius: float, direction: int) -> None:
 
 
 def test_turns_of_a_plane() -> None:
-    flight = MissionFlight(PLANE)
+    flight = MissionHarness(PLANE)
     flight.load(takeoff(40), item(CMD.NAV_LOITER_TURNS, 2, 0, 80, at=(300, 0, 40)), waypoint(0, 0, 40))
     flight.start()
     flight.reach(2)
@@ -181,7 +190,7 @@ def test_turns_of_a_plane() -> None:
 
 
 def test_a_plane_circles_while_it_waits() -> None:
-    flight = MissionFlight(PLANE, PX4)
+    flight = MissionHarness(PLANE, PX4)
     flight.load(takeoff(40), item(CMD.NAV_LOITER_TIME, 30, 0, 70, at=(300, 0, 40)), waypoint(0, 0, 40))
     flight.start()
     flight.reach(1)
@@ -195,7 +204,7 @@ def test_a_plane_circles_while_it_waits() -> None:
 
 @pytest.mark.parametrize("kind", [COPTER, PLANE])
 def test_loitering_to_an_altitude(kind: VehicleType) -> None:
-    flight = MissionFlight(kind)
+    flight = MissionHarness(kind)
     flight.load(takeoff(20), item(CMD.NAV_LOITER_TO_ALT, 0, 60, at=(100, 0, 70)), waypoint(200, 0, 70))
     flight.start()
     flight.reach(3, timeout=150)
@@ -210,7 +219,7 @@ def test_a_delay(firmware: Firmware) -> None:
 
 
 def test_a_delay_until_a_time_of_day() -> None:
-    flight = MissionFlight(disarm_delay=inf)
+    flight = MissionHarness(disarm_delay=inf)
     later = (flight.now + 30) % 86400
     hour, minute, second = later // 3600, later % 3600 // 60, later % 60 // 1
     flight.load(item(CMD.NAV_DELAY, -1, hour, minute, second), takeoff(10))
@@ -223,7 +232,7 @@ def test_a_delay_until_a_time_of_day() -> None:
 
 
 def test_climbing_on_the_way() -> None:
-    flight = MissionFlight(PLANE)
+    flight = MissionHarness(PLANE)
     flight.load(takeoff(40), item(CMD.NAV_CONTINUE_AND_CHANGE_ALT, 1, at=(0, 0, 80)), waypoint(0, 0, 80))
     flight.start()
     flight.reach(3, timeout=90)
@@ -241,7 +250,7 @@ def test_a_landing_at_a_place_and_another_start() -> None:
 
 
 def test_taking_off_and_landing_is_told_by_the_landed_state() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.load(takeoff(10), land())
     flight.start()
     states = []
@@ -267,14 +276,14 @@ def test_returning_as_an_item() -> None:
 
 @pytest.mark.parametrize(("kind", "firmware"), [(COPTER, PX4), (ROVER, ARDUPILOT)])
 def test_returning_by_the_mode_for_it(kind: VehicleType, firmware: Firmware) -> None:
-    flight = MissionFlight(kind, firmware)
+    flight = MissionHarness(kind, firmware)
     flight.load(waypoint(15, 0, 8), item(CMD.NAV_RETURN_TO_LAUNCH))
     flight.start()
     flight.run_until(lambda: flight.autopilot.mode.number == RETURN, timeout=90)
 
 
 def test_a_mode_that_is_chosen_as_the_mission_ends_stays() -> None:
-    flight = MissionFlight(COPTER, PX4)
+    flight = MissionHarness(COPTER, PX4)
     flight.load(waypoint(15, 0, 8))
     flight.start()
     flight.ended()
@@ -285,7 +294,7 @@ def test_a_mode_that_is_chosen_as_the_mission_ends_stays() -> None:
 
 
 def test_a_vtol_takes_off_flies_hovers_and_lands() -> None:
-    flight = MissionFlight(VTOL, PX4)
+    flight = MissionHarness(VTOL, PX4)
     flight.load(
         takeoff(40, CMD.NAV_VTOL_TAKEOFF),
         waypoint(500, 0, 40),
@@ -304,7 +313,7 @@ def test_a_vtol_takes_off_flies_hovers_and_lands() -> None:
 
 
 def test_ardupilots_vtol_flies_waypoints_forward_unless_it_was_told_to_hover() -> None:
-    flight = MissionFlight(VTOL)
+    flight = MissionHarness(VTOL)
     hover = item(CMD.DO_VTOL_TRANSITION, common.MavVtolState.MC)
     flight.load(takeoff(40), waypoint(400, 0, 40), hover, waypoint(400, 80, 40))
     flight.start()
@@ -317,7 +326,7 @@ def test_ardupilots_vtol_flies_waypoints_forward_unless_it_was_told_to_hover() -
 
 
 def test_turning_at_a_speed() -> None:
-    flight = MissionFlight(ROVER)
+    flight = MissionHarness(ROVER)
     flight.load(waypoint(10, 0, 0), item(CMD.NAV_SET_YAW_SPEED, 90, 1.5), waypoint(10, 20, 0))
     flight.start()
     flight.reach(3)
@@ -325,7 +334,7 @@ def test_turning_at_a_speed() -> None:
 
 
 def test_waiting_for_an_altitude() -> None:
-    flight = MissionFlight(PLANE)
+    flight = MissionHarness(PLANE)
     flight.load(item(CMD.NAV_ALTITUDE_WAIT, DEFAULT_HOME.altitude + 50), takeoff(60))
     flight.start()
     flight.run(5)
@@ -601,7 +610,7 @@ def test_the_gimbal(firmware: Firmware) -> None:
 
 
 def test_px4_disarms_by_an_item() -> None:
-    flight = MissionFlight(firmware=PX4, disarm_delay=inf, land_disarm_delay=inf)
+    flight = MissionHarness(firmware=PX4, disarm_delay=inf, land_disarm_delay=inf)
     flight.load(takeoff(4), land(), item(CMD.COMPONENT_ARM_DISARM, 0))
     flight.start()
     flight.run_until(lambda: not flight.autopilot.armed, timeout=60)
@@ -611,7 +620,7 @@ def test_px4_disarms_by_an_item() -> None:
 
 
 def test_the_nearest_start_of_a_landing() -> None:
-    flight = MissionFlight(PLANE)
+    flight = MissionHarness(PLANE)
     assert flight.mission.landing_start() is None
     near, far = (item(CMD.DO_LAND_START, at=(north, 0, 30)) for north in (100, 900))
     flight.load(takeoff(40), far, waypoint(0, 0, 40), near, waypoint(0, 0, 40))
@@ -634,7 +643,7 @@ def test_texts_of_ardupilot() -> None:
 
 
 def test_texts_of_a_rover_that_waits() -> None:
-    flight = MissionFlight(ROVER)
+    flight = MissionHarness(ROVER)
     flight.load(waypoint(10, 0, 0, param1=3))
     flight.start()
     flight.ended()
@@ -642,7 +651,7 @@ def test_texts_of_a_rover_that_waits() -> None:
 
 
 def test_an_unknown_item_in_the_store_is_passed_over() -> None:
-    flight = MissionFlight(firmware=PX4)
+    flight = MissionHarness(firmware=PX4)
     from mavstack.services.mission import Plan
 
     flight.server.replace(Plan.of([takeoff(5), item(31999), waypoint(5, 0, 5)], PlanType.MISSION))

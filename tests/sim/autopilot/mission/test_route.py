@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from mavstack.sim.autopilot.mission.route import Route
-from tests.sim.autopilot.mission.stand import CMD, item, waypoint
+from tests.sim.autopilot.mission.harness import CMD, item, waypoint
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
@@ -53,7 +53,7 @@ def test_jumps_are_counted_anew_when_they_are_forgotten() -> None:
     route = route_of(HOME, WP, jump(1, 1), WP)
     assert flown(route) == [1, 1, 3]
     assert flown(route) == [1, 3]
-    route.forget_jumps()
+    route.reset_jumps()
     assert flown(route) == [1, 1, 3]
 
 

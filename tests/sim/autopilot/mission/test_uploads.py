@@ -10,7 +10,16 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, PlanType
 from mavstack.sim.vehicle_types import Firmware, VehicleType
-from tests.sim.autopilot.mission.stand import CMD, FRAME, RESULT, MissionFlight, item, land, takeoff, waypoint
+from tests.sim.autopilot.mission.harness import (
+    CMD,
+    FRAME,
+    RESULT,
+    MissionHarness,
+    item,
+    land,
+    takeoff,
+    waypoint,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,11 +29,11 @@ PLACED = item(CMD.NAV_WAYPOINT, at=(10, 0, 20))
 
 
 @pytest.fixture(scope="module", params=list(Firmware))
-def flight(request: pytest.FixtureRequest) -> Iterator[MissionFlight]:
-    return MissionFlight(VehicleType.COPTER, request.param)
+def flight(request: pytest.FixtureRequest) -> Iterator[MissionHarness]:
+    return MissionHarness(VehicleType.COPTER, request.param)
 
 
-def check(flight: MissionFlight, wanted: MissionItem, kind: int = PlanType.MISSION) -> int:
+def check(flight: MissionHarness, wanted: MissionItem, kind: int = PlanType.MISSION) -> int:
     return flight.mission.check(kind, 1, wanted)
 
 
@@ -61,7 +70,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("wanted", "ardupilot", "px4"), CASES)
-def test_items(flight: MissionFlight, wanted: MissionItem, ardupilot: int, px4: int) -> None:
+def test_items(flight: MissionHarness, wanted: MissionItem, ardupilot: int, px4: int) -> None:
     assert check(flight, wanted) == (ardupilot if flight.firmware is ARDUPILOT else px4)
 
 
@@ -77,31 +86,31 @@ FRAMES = {
 
 
 @pytest.mark.parametrize("frame", FRAMES)
-def test_frames(flight: MissionFlight, frame: int) -> None:
+def test_frames(flight: MissionHarness, frame: int) -> None:
     wanted = item(CMD.NAV_WAYPOINT, at=(10, 0, 20), frame=frame)
     assert check(flight, wanted) == FRAMES[frame][flight.firmware is PX4]
 
 
-def test_what_has_no_place_comes_in_the_frame_mission_to_px4(flight: MissionFlight) -> None:
+def test_what_has_no_place_comes_in_the_frame_mission_to_px4(flight: MissionHarness) -> None:
     wanted = item(CMD.DO_CHANGE_SPEED, 1, 5, frame=FRAME.GLOBAL_RELATIVE_ALT)
     assert check(flight, wanted) == (RESULT.ACCEPTED if flight.firmware is ARDUPILOT else RESULT.UNSUPPORTED)
 
 
 def test_regions_of_interest_have_modes_in_px4() -> None:
-    flight = MissionFlight(firmware=PX4)
+    flight = MissionHarness(firmware=PX4)
     modes = {mode: check(flight, item(CMD.DO_SET_ROI, float(mode))) for mode in common.MavRoi}
     refused = {mode for mode, result in modes.items() if result != RESULT.ACCEPTED}
     assert refused == {common.MavRoi.LOCATION, common.MavRoi.TARGET}
 
 
-def test_one_bad_item_leaves_the_mission_as_it_was(flight: MissionFlight) -> None:
+def test_one_bad_item_leaves_the_mission_as_it_was(flight: MissionHarness) -> None:
     flight.load(takeoff(), waypoint(10, 0))
     before = flight.mission.items
     assert flight.upload(PLACED, PLACED, item(60000)) == RESULT.UNSUPPORTED
     assert flight.mission.items == before
 
 
-def test_the_other_plans_hold_their_own_items_only(flight: MissionFlight) -> None:
+def test_the_other_plans_hold_their_own_items_only(flight: MissionHarness) -> None:
     rally = item(CMD.NAV_RALLY_POINT, at=(10, 0, 30))
     assert check(flight, rally, PlanType.RALLY) == RESULT.ACCEPTED
     assert check(flight, rally) == RESULT.UNSUPPORTED
@@ -122,7 +131,7 @@ def test_the_other_plans_hold_their_own_items_only(flight: MissionFlight) -> Non
     ],
 )
 def test_px4_takes_what_it_will_not_fly_and_says_so(items: list[MissionItem], text: str) -> None:
-    flight = MissionFlight(firmware=PX4)
+    flight = MissionHarness(firmware=PX4)
     flight.load(*items)
     assert flight.said == [text]
     flight.arm()
@@ -130,7 +139,7 @@ def test_px4_takes_what_it_will_not_fly_and_says_so(items: list[MissionItem], te
 
 
 def test_ardupilot_says_that_it_has_a_plan() -> None:
-    flight = MissionFlight()
+    flight = MissionHarness()
     flight.load(takeoff())
     flight.upload(item(CMD.NAV_RALLY_POINT, at=(10, 0, 30)), kind=PlanType.RALLY)
     circle = item(CMD.NAV_FENCE_CIRCLE_INCLUSION, 50, at=(0, 0, 0))

@@ -48,7 +48,7 @@ class Guided(Behaviour):
     def _must_stay(self, command: RunningBehaviour) -> bool:
         """Return whether the vehicle is on the ground and the command is no takeoff."""
         autopilot = self.autopilot
-        if not (autopilot.landed and autopilot.vehicle.type.flies) or isinstance(command, Takeoff):
+        if not (autopilot.landed and autopilot.vehicle.vehicle_type.flies) or isinstance(command, Takeoff):
             return False
         return not self._may_lift_off(command)
 
@@ -58,7 +58,7 @@ class Guided(Behaviour):
     def _rest(self, command: RunningBehaviour | None) -> Iterator[None]:
         """Stay until there is another command."""
         autopilot = self.autopilot
-        if autopilot.landed and autopilot.vehicle.type.flies:
+        if autopilot.landed and autopilot.vehicle.vehicle_type.flies:
             autopilot.body.idle()
             while autopilot.landed and autopilot.guided.command is command:
                 yield
@@ -72,7 +72,7 @@ class Guided(Behaviour):
                 yield
 
     def _touched_down(self) -> bool:
-        return self.autopilot.landed and self.autopilot.vehicle.type.flies
+        return self.autopilot.landed and self.autopilot.vehicle.vehicle_type.flies
 
     def _follow(self, command: RunningBehaviour) -> Iterator[None]:
         """Run a command until there is another one, or the vehicle has come down."""

@@ -133,7 +133,7 @@ class GoTo(GuidedCommand):
 
     def _is_far(self) -> bool:
         autopilot = self.autopilot
-        if autopilot.vehicle.type is not VehicleType.VTOL or autopilot.maneuvers.circles:
+        if autopilot.vehicle.vehicle_type is not VehicleType.VTOL or autopilot.maneuvers.circles:
             return False
         return autopilot.maneuvers.distance(self.point) > max(
             autopilot.flight_parameters.forward_beyond, _HOVER_WITHIN
@@ -251,7 +251,7 @@ class Attitude(GuidedCommand):
 
     def fly(self) -> Iterator[None]:
         """Run until the command times out, then level out."""
-        drives = self.autopilot.vehicle.type.on_surface
+        drives = self.autopilot.vehicle.vehicle_type.on_surface
         while self.in_time:
             if drives:
                 self._drive()

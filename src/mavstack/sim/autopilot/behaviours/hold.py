@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
-from mavstack.sim.autopilot.behaviours.steps import transition, idle_on_ground
+from mavstack.sim.autopilot.behaviours.steps import idle_on_ground, transition
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,7 +26,7 @@ class Brake(Behaviour):
             yield from idle_on_ground(self.autopilot)
             yield from transition(self.autopilot, self._forward)
             self.autopilot.maneuvers.hold()
-            while not (self.autopilot.landed and self.autopilot.vehicle.type.flies):
+            while not (self.autopilot.landed and self.autopilot.vehicle.vehicle_type.flies):
                 yield
 
 

@@ -66,7 +66,7 @@ class Land(Behaviour):
 
     def fly(self) -> Iterator[None]:
         """Run until the mode is left: land, then wait for disarming."""
-        kind = self.autopilot.vehicle.type
+        kind = self.autopilot.vehicle.vehicle_type
         if kind.on_surface:
             yield from self._stop()
         elif kind is VehicleType.SUB:

@@ -77,7 +77,7 @@ class StickControl(Behaviour):
 
     def steer(self, sticks: Sticks) -> None:
         """Apply the sticks, by vehicle type and flight mode."""
-        kind = self.autopilot.vehicle.type
+        kind = self.autopilot.vehicle.vehicle_type
         if kind.on_surface:
             self.drive(sticks)
         elif kind is VehicleType.SUB:
@@ -113,7 +113,7 @@ class StickControl(Behaviour):
         return dead_zone(2 * sticks.throttle - 1)
 
     def _rests(self, sticks: Sticks) -> bool:
-        flies = self.autopilot.vehicle.type.flies
+        flies = self.autopilot.vehicle.vehicle_type.flies
         return flies and self.autopilot.landed and sticks.throttle < self.lifts_off_at
 
     # Shared by several modes

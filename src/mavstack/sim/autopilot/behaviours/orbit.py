@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.manual import StickControl
-from mavstack.sim.autopilot.behaviours.steps import transition, idle_on_ground
+from mavstack.sim.autopilot.behaviours.steps import idle_on_ground, transition
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,7 +22,7 @@ _AHEAD = 1.0
 
 
 class Orbit(Behaviour):
-    """Circle `centre`; a positive radius means clockwise, seen from above. `turns` None runs until the end."""
+    """Circle `centre`; a positive radius means clockwise. `turns` None circles without end."""
 
     def __init__(
         self,
@@ -109,7 +109,7 @@ class Circle(Behaviour):
         """Climb and descend by the pilot's throttle, if there is a pilot."""
         autopilot = self.autopilot
         radio = autopilot.radio
-        if not (autopilot.vehicle.type.flies and radio.present):
+        if not (autopilot.vehicle.vehicle_type.flies and radio.present):
             return
         climb = StickControl.middle(radio.sticks) * autopilot.flight_parameters.pilot_climb_speed
         if climb:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.behaviours.land import Land
-from mavstack.sim.autopilot.behaviours.steps import transition, change_altitude, fly_to, wait
+from mavstack.sim.autopilot.behaviours.steps import change_altitude, fly_to, transition, wait
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:
@@ -34,10 +34,10 @@ class ReturnToLaunch(Behaviour):
     def fly(self) -> Iterator[None]:
         """Run until the mode is left."""
         autopilot = self.autopilot
-        if autopilot.landed and autopilot.vehicle.type.flies:
+        if autopilot.landed and autopilot.vehicle.vehicle_type.flies:
             yield from self._land(None)
         home = autopilot.rally.destination()
-        if autopilot.vehicle.type.flies:
+        if autopilot.vehicle.vehicle_type.flies:
             yield from transition(autopilot, self._forward)
             yield from self._fly_back(home)
         else:
@@ -49,7 +49,7 @@ class ReturnToLaunch(Behaviour):
         autopilot = self.autopilot
         here = autopilot.maneuvers.place[2]
         yield from fly_to(autopilot, (home[0], home[1], here))
-        if autopilot.vehicle.type is VehicleType.SUB and self._lands:
+        if autopilot.vehicle.vehicle_type is VehicleType.SUB and self._lands:
             yield from self._land(home)
 
     def _fly_back(self, home: Point) -> Iterator[None]:
@@ -68,7 +68,7 @@ class ReturnToLaunch(Behaviour):
         yield from self._land(home)
 
     def _way_down(self, home: Point) -> float:
-        """Return the altitude of the return in local metres; a wing may descend early if it does not descend at home."""
+        """Return the altitude of the return in local metres; a wing that stays up may descend early."""
         flight_parameters, maneuvers = self.autopilot.flight_parameters, self.autopilot.maneuvers
         climb, here = flight_parameters.return_altitude, maneuvers.place[2]
         if not isfinite(climb):

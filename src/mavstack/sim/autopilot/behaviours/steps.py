@@ -30,7 +30,7 @@ def wait(autopilot: Autopilot, seconds: float) -> Iterator[None]:
 
 def idle_on_ground(autopilot: Autopilot) -> Iterator[None]:
     """Idle while an aircraft is on the ground."""
-    if autopilot.vehicle.type.flies and autopilot.landed:
+    if autopilot.vehicle.vehicle_type.flies and autopilot.landed:
         autopilot.body.idle()
         while autopilot.landed:
             yield
@@ -39,7 +39,7 @@ def idle_on_ground(autopilot: Autopilot) -> Iterator[None]:
 def transition(autopilot: Autopilot, forward: bool | None) -> Iterator[None]:
     """Make a VTOL fly forward or hover; None keeps its flight mode. No effect on other types."""
     body = autopilot.body
-    if autopilot.vehicle.type is not VehicleType.VTOL:
+    if autopilot.vehicle.vehicle_type is not VehicleType.VTOL:
         return
     forward = body.flies_forward if forward is None else forward
     if body.flies_forward == forward and (not forward or transition_complete(autopilot, forward)):

@@ -45,7 +45,7 @@ class Takeoff(Behaviour):
 
     def fly(self) -> Iterator[None]:
         """Run until the altitude is reached."""
-        kind = self.autopilot.vehicle.type
+        kind = self.autopilot.vehicle.vehicle_type
         if not kind.flies:
             self.autopilot.maneuvers.hold()
             return

@@ -1,4 +1,4 @@
-"""What ground stations command: handlers shared by both firmwares, in groups."""
+"""Handlers of the commands of ground stations, shared by all firmwares, in groups."""
 
 from mavstack.sim.autopilot.commands.arming import ArmingCommands
 from mavstack.sim.autopilot.commands.equipment import EquipmentCommands
@@ -15,7 +15,7 @@ from mavstack.sim.autopilot.commands.registration import (
     Outcome,
     accept,
     number,
-    take,
+    register_handlers,
     waiting,
     whole,
 )
@@ -40,7 +40,7 @@ __all__ = [
     "home_position",
     "number",
     "place_of",
-    "take",
+    "register_handlers",
     "waiting",
     "whole",
 ]

@@ -1,4 +1,4 @@
-"""Arming, disarming, and asking whether it could be done."""
+"""Arming, disarming and the arming checks."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
-#: In param 2: do it whatever the checks say.
+#: Param 2 of a command that skips the checks.
 FORCE = 21196.0
 
 
 class ArmingCommands(CommandGroup):
     """COMPONENT_ARM_DISARM, RUN_PREARM_CHECKS, DO_FLIGHTTERMINATION."""
 
-    #: What a vehicle answers that may not be armed or disarmed now.
+    #: The result of a refused arming or disarming.
     refusal = _RESULT.FAILED
 
     def handlers(self) -> Handlers:
@@ -30,7 +30,7 @@ class ArmingCommands(CommandGroup):
         }
 
     def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
-        """COMPONENT_ARM_DISARM: 1 arms, 0 disarms, anything else is no order."""
+        """COMPONENT_ARM_DISARM: 1 arms, 0 disarms, other values are denied."""
         wanted, force = request.command.param1, request.command.param2 == FORCE
         if wanted == 1:
             return self.arm(force=force)
@@ -39,7 +39,7 @@ class ArmingCommands(CommandGroup):
         return _RESULT.UNSUPPORTED
 
     def arm(self, *, force: bool) -> common.MavResult:
-        """Arm, or say why not."""
+        """Arm, or send why not."""
         problems = self.autopilot.arm(force=force)
         for problem in problems:
             self.vehicle.send_statustext(problem, common.MavSeverity.CRITICAL)
@@ -49,18 +49,18 @@ class ArmingCommands(CommandGroup):
         """Disarm; in the air only if it is forced."""
         if not self.autopilot.armed:
             return _RESULT.ACCEPTED
-        if not force and self.may_not_disarm():
-            raise CommandRefusedError(self.refusal, self.may_not_disarm())
+        if not force and self.disarm_refusal():
+            raise CommandRefusedError(self.refusal, self.disarm_refusal())
         self.autopilot.disarm("commanded")
         return _RESULT.ACCEPTED
 
-    def may_not_disarm(self) -> str:
-        """Why it may not be disarmed without force; "" if it may."""
-        airborne = self.vehicle.type.flies and not self.autopilot.landed
+    def disarm_refusal(self) -> str:
+        """Return why the vehicle cannot be disarmed without force; an empty text if it can."""
+        airborne = self.vehicle.vehicle_type.flies and not self.autopilot.landed
         return "Disarming denied: not landed" if airborne else ""
 
     def run_checks(self, request: CommandRequest) -> common.MavResult:
-        """RUN_PREARM_CHECKS: says everything that keeps the vehicle from arming."""
+        """RUN_PREARM_CHECKS: send every problem that prevents arming."""
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED
         for problem in self.autopilot.profile.arming_problems(self.autopilot):
@@ -68,7 +68,7 @@ class ArmingCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
     def terminate(self, request: CommandRequest) -> common.MavResult:
-        """DO_FLIGHTTERMINATION: motors off, for good."""
+        """DO_FLIGHTTERMINATION: stop the motors for good."""
         if request.command.param1 > 0.5:
             self.autopilot.terminate()
         return accept(request.command.param1 > 0.5)

@@ -1,4 +1,4 @@
-"""Moving what the vehicle carries: servos, relays, gripper, parachute, winch, sprayer."""
+"""Commands of the payload: servos, relays, gripper, parachute, winch, sprayer."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, accept, needed, whole
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, accept, required_whole, whole
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
@@ -17,11 +17,11 @@ _MOST_REPETITIONS = 10_000
 
 
 class EquipmentCommands(CommandGroup):
-    """Servos and what hangs on them."""
+    """Servos and the devices that they drive."""
 
     @property
     def payload(self) -> Payload:
-        """What the vehicle carries."""
+        """The payload of the vehicle."""
         return self.autopilot.payload
 
     def handlers(self) -> Handlers:
@@ -39,14 +39,14 @@ class EquipmentCommands(CommandGroup):
     def set_servo(self, request: CommandRequest) -> common.MavResult:
         """DO_SET_SERVO."""
         command = request.command
-        return accept(self.payload.set_servo(needed(command.param1), needed(command.param2)))
+        return accept(self.payload.set_servo(required_whole(command.param1), required_whole(command.param2)))
 
     def repeat_servo(self, request: CommandRequest) -> common.MavResult:
         """DO_REPEAT_SERVO."""
         command = request.command
         if not self._may_repeat(command.param3, command.param4):
             return _RESULT.DENIED
-        servo, pwm = needed(command.param1), needed(command.param2)
+        servo, pwm = required_whole(command.param1), required_whole(command.param2)
         return accept(self.payload.repeat_servo(servo, pwm, command.param3, command.param4))
 
     def set_relay(self, request: CommandRequest) -> common.MavResult:
@@ -54,17 +54,19 @@ class EquipmentCommands(CommandGroup):
         command = request.command
         if command.param2 not in {0.0, 1.0}:
             return _RESULT.DENIED
-        return accept(self.payload.set_relay(needed(command.param1), on=bool(command.param2)))
+        return accept(self.payload.set_relay(required_whole(command.param1), on=bool(command.param2)))
 
     def repeat_relay(self, request: CommandRequest) -> common.MavResult:
         """DO_REPEAT_RELAY."""
         command = request.command
         if not self._may_repeat(command.param2, command.param3):
             return _RESULT.DENIED
-        return accept(self.payload.repeat_relay(needed(command.param1), command.param2, command.param3))
+        return accept(
+            self.payload.repeat_relay(required_whole(command.param1), command.param2, command.param3)
+        )
 
     def grip(self, request: CommandRequest) -> common.MavResult:
-        """DO_GRIPPER: let go, or take hold."""
+        """DO_GRIPPER: open or close."""
         action = whole(request.command.param2)
         if action not in (_ACTIONS.RELEASE, _ACTIONS.GRAB):
             return _RESULT.DENIED
@@ -85,7 +87,7 @@ class EquipmentCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
     def wind(self, request: CommandRequest) -> common.MavResult:
-        """DO_WINCH: relaxed, by length, or by speed."""
+        """DO_WINCH: relax, by length, or by speed."""
         command = request.command
         action = whole(command.param2)
         if action not in (0, 1, 2) or not (isfinite(command.param3) and isfinite(command.param4)):

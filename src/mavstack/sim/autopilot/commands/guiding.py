@@ -1,4 +1,4 @@
-"""What commands change in flight: where the guided mode goes, and how what is flown now is flown."""
+"""Effects of commands in flight: the target of guided flight, and changes of speed and yaw."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def guide_to(
     radius: float | None = None,
     yaw: float | None = None,
 ) -> None:
-    """Go to a point, in the guided mode."""
+    """Go to a point in guided flight."""
     autopilot.guided.go_to(point, speed=speed, radius=radius, yaw=yaw)
 
 
-def fly_as_chosen(autopilot: Autopilot) -> None:
-    """Have the speed and yaw that were just chosen count for what is flown now."""
+def apply_choices(autopilot: Autopilot) -> None:
+    """Apply the chosen speed and yaw to the flight in progress."""
     if autopilot.mission.flying:
         autopilot.mission.keep_course()
     elif autopilot.behaviour is not None:

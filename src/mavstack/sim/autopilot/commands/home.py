@@ -1,4 +1,4 @@
-"""Where home is, and what is looked at."""
+"""Commands of home and of the regions of interest."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class HomeCommands(CommandGroup):
     def handlers(self) -> Handlers:
         return {
             _CMD.DO_SET_HOME: self.set_home,
-            _CMD.GET_HOME_POSITION: self.tell_home,
+            _CMD.GET_HOME_POSITION: self.send_home,
             _CMD.DO_SET_ROI: self.set_region,
             _CMD.DO_SET_ROI_LOCATION: self.set_region,
             _CMD.DO_SET_ROI_NONE: self.clear_region,
         }
 
     def set_home(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_HOME: param 1 = 1 means here, else the place in params 5 to 7, above the sea."""
+        """DO_SET_HOME: the current position if param 1 is 1, else params 5 to 7, above mean sea level."""
         command = request.command
         if command.param1 == 1:
             if not self.autopilot.has_position:
@@ -42,8 +42,8 @@ class HomeCommands(CommandGroup):
         self.autopilot.set_home(*self.autopilot.body.frame.to_global(*point), yaw=self._home_yaw())
         return _RESULT.ACCEPTED
 
-    def tell_home(self, request: CommandRequest) -> common.MavResult:
-        """GET_HOME_POSITION, the older way of asking for HOME_POSITION."""
+    def send_home(self, request: CommandRequest) -> common.MavResult:
+        """GET_HOME_POSITION, the legacy request of HOME_POSITION."""
         message = home_position(self.vehicle)
         if message is None:
             return _RESULT.FAILED
@@ -51,7 +51,7 @@ class HomeCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
     def set_region(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_ROI_LOCATION, DO_SET_ROI: look at a place; a place of zeros means to look ahead again."""
+        """DO_SET_ROI_LOCATION, DO_SET_ROI: look at a position; all zeros clears it."""
         command = request.command
         if command.command == _CMD.DO_SET_ROI and command.param1 not in {0.0, float(common.MavRoi.LOCATION)}:
             raise CommandRefusedError(_RESULT.DENIED)
@@ -70,7 +70,7 @@ class HomeCommands(CommandGroup):
 
 
 def home_position(vehicle: Vehicle) -> common.HomePosition | None:
-    """HOME_POSITION as it is now; None if there is no home yet."""
+    """Return HOME_POSITION; None if there is no home yet."""
     autopilot = vehicle.autopilot
     if autopilot.home is None:
         return None

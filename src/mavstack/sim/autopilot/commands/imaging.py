@@ -1,4 +1,4 @@
-"""Camera and gimbal."""
+"""Commands of the camera and the gimbal."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.payload import Payload
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
-_STEEPEST = 90.0
+_MAX_GLIDE_SLOPE = 90.0
 
 
 class CameraCommands(CommandGroup):
-    """Pictures, film, zoom and focus."""
+    """Pictures, video, zoom and focus."""
 
     @property
     def payload(self) -> Payload:
-        """What the vehicle carries."""
+        """The payload of the vehicle."""
         return self.autopilot.payload
 
     def handlers(self) -> Handlers:
@@ -38,7 +38,7 @@ class CameraCommands(CommandGroup):
         }
 
     def take_images(self, request: CommandRequest) -> common.MavResult:
-        """IMAGE_START_CAPTURE: every param 2 seconds, param 3 of them, 0 being until it is stopped."""
+        """IMAGE_START_CAPTURE: every param 2 seconds, param 3 pictures; 0 runs until it is stopped."""
         period, count = number(request.command.param2), whole(number(request.command.param3))
         if count is None or count < 0 or (count != 1 and period <= 0):
             return _RESULT.DENIED
@@ -68,7 +68,7 @@ class CameraCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
     def take_images_every(self, request: CommandRequest) -> common.MavResult:
-        """DO_SET_CAM_TRIGG_DIST: every param 1 metres, 0 ends it; param 3 = 1 takes one at once."""
+        """DO_SET_CAM_TRIGG_DIST: every param 1 metres, 0 stops; param 3 = 1 takes one immediately."""
         distance = request.command.param1
         if not isfinite(distance) or distance < 0:
             return _RESULT.DENIED
@@ -93,7 +93,7 @@ class CameraCommands(CommandGroup):
 
 
 class GimbalCommands(CommandGroup):
-    """Where the gimbal looks."""
+    """The direction of the gimbal."""
 
     def handlers(self) -> Handlers:
         return {
@@ -117,13 +117,16 @@ class GimbalCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
     def point(self, request: CommandRequest) -> common.MavResult:
-        """DO_GIMBAL_MANAGER_PITCHYAW: pitch and yaw in degrees; the lock flag makes yaw count from north."""
+        """DO_GIMBAL_MANAGER_PITCHYAW: pitch and yaw in degrees; the lock flag makes yaw relative to north."""
         command = request.command
         flags = whole(number(command.param5)) or 0
         if flags & (common.GimbalManagerFlags.RETRACT | common.GimbalManagerFlags.NEUTRAL):
             self._look(Gimbal())
             return _RESULT.ACCEPTED
-        if not (isfinite(command.param1) and isfinite(command.param2)) or abs(command.param1) > _STEEPEST:
+        if (
+            not (isfinite(command.param1) and isfinite(command.param2))
+            or abs(command.param1) > _MAX_GLIDE_SLOPE
+        ):
             return _RESULT.DENIED
         locked = bool(flags & common.GimbalManagerFlags.YAW_LOCK)
         self._look(Gimbal(0.0, radians(command.param1), radians(command.param2), yaw_locked=locked))

@@ -1,4 +1,4 @@
-"""Looking after the vehicle on the ground: reboot, calibration, storage, motor tests."""
+"""Commands of maintenance on the ground: reboot, calibration, storage, motor tests."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _CMD, _RESULT = common.MavCmd, common.MavResult
 _REBOOT, _SHUT_DOWN, _STAY_IN_BOOTLOADER = 1, 2, 3
 _LOAD, _SAVE, _RESET = 0, 1, 2
 FORCE = 20190226.0
-#: How long each calibration takes, in seconds.
+#: Duration of each calibration, in seconds.
 _CALIBRATION_TIME = 2.0
 _LONGEST_MOTOR_TEST = 600.0
 _MOTORS = 8
@@ -36,40 +36,40 @@ class MaintenanceCommands(CommandGroup):
     # Reboot
 
     def reboot(self, request: CommandRequest) -> common.MavResult:
-        """PREFLIGHT_REBOOT_SHUTDOWN: the answer goes out, then the vehicle is gone for a moment."""
+        """PREFLIGHT_REBOOT_SHUTDOWN: send the answer, then reboot."""
         wanted = whole(request.command.param1)
         if self.autopilot.armed and request.command.param6 != FORCE:
             return self.refuse_reboot()
         if wanted not in self.reboots:
             return _RESULT.UNSUPPORTED
-        self.autopilot.tasks.afterwards(self.vehicle.reboot)
+        self.autopilot.tasks.on_next_tick(self.vehicle.reboot)
         return _RESULT.ACCEPTED
 
-    #: What param 1 may be.
+    #: The accepted values of param 1.
     reboots = frozenset({_REBOOT, _STAY_IN_BOOTLOADER})
 
     def refuse_reboot(self) -> common.MavResult:
-        """The answer of an armed vehicle."""
+        """Return the answer of an armed vehicle."""
         return _RESULT.FAILED
 
     # Calibration
 
     def calibrate(self, request: CommandRequest) -> Outcome:
-        """PREFLIGHT_CALIBRATION: one sensor by one, on the ground."""
+        """PREFLIGHT_CALIBRATION: calibrate the sensors one after another, on the ground."""
         if self.autopilot.armed:
             return self.refuse_calibration()
-        wanted = self.wanted_calibrations(request)
+        wanted = self.requested_calibrations(request)
         if not wanted:
             return _RESULT.UNSUPPORTED
         self.autopilot.tasks.begin(request, self.calibrating(wanted))
         return None
 
     def refuse_calibration(self) -> common.MavResult:
-        """The answer of an armed vehicle."""
+        """Return the answer of an armed vehicle."""
         raise CommandRefusedError(_RESULT.FAILED, "Disarm to allow calibration")
 
-    def wanted_calibrations(self, request: CommandRequest) -> list[str]:
-        """What a command asks to calibrate, by name."""
+    def requested_calibrations(self, request: CommandRequest) -> list[str]:
+        """Return the names of the calibrations that a command requests."""
         command = request.command
         named = {
             "gyro": command.param1,
@@ -81,25 +81,25 @@ class MaintenanceCommands(CommandGroup):
         return [name for name, value in named.items() if whole(value)]
 
     def calibrating(self, wanted: list[str]) -> Script:
-        """Calibrate these sensors, and say so."""
+        """Calibrate sensors, and announce it."""
         for name in wanted:
-            self.say_begun(name)
+            self.announce_start(name)
             yield from waiting(self.vehicle, _CALIBRATION_TIME)
-            self.say_done(name)
+            self.announce_end(name)
         return _RESULT.ACCEPTED
 
-    def say_begun(self, name: str) -> None:
-        """A calibration begins."""
+    def announce_start(self, name: str) -> None:
+        """Announce the start of a calibration."""
         self.vehicle.send_statustext(f"Calibrating {name}")
 
-    def say_done(self, name: str) -> None:
-        """A calibration is done."""
+    def announce_end(self, name: str) -> None:
+        """Announce the end of a calibration."""
         self.vehicle.send_statustext(f"{name.capitalize()} calibration done")
 
     # Storage
 
     def store(self, request: CommandRequest) -> common.MavResult:
-        """PREFLIGHT_STORAGE: parameters are saved as they are set; they can be made the defaults again."""
+        """PREFLIGHT_STORAGE: reset parameters to defaults; they are saved whenever they are set."""
         wanted = whole(request.command.param1)
         if wanted == _RESET:
             self.vehicle.parameters.reset()
@@ -109,7 +109,7 @@ class MaintenanceCommands(CommandGroup):
     # Motors
 
     def test_motor(self, request: CommandRequest) -> Outcome:
-        """DO_MOTOR_TEST: a motor turns for a while, or says why it may not."""
+        """DO_MOTOR_TEST: run a motor for a while, or send why not."""
         motor, seconds = whole(request.command.param1), request.command.param4
         if self.autopilot.armed or not self.autopilot.landed or motor is None or not 1 <= motor <= _MOTORS:
             raise CommandRefusedError(_RESULT.FAILED, self.motor_test_refused())
@@ -119,6 +119,6 @@ class MaintenanceCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
     def motor_test_refused(self) -> str:
-        """What is said when no motor may be tested now."""
+        """Return the text of a refused motor test."""
         reason = "not allowed now" if self.autopilot.landed else "vehicle not landed"
         return f"Motor Test: {reason}"

@@ -1,4 +1,4 @@
-"""Where to fly and how fast: the commands that a ground station's buttons send."""
+"""Commands of destination and speed."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from math import isfinite, radians
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.commands.guiding import fly_as_chosen, guide_to
+from mavstack.sim.autopilot.commands.guiding import apply_choices, guide_to
 from mavstack.sim.autopilot.commands.places import GLOBAL, place_of
 from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
-from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, needed, whole
+from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, required_whole, whole
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command, CommandRequest
@@ -24,7 +24,7 @@ _WIDEST = 100_000.0
 class MovementCommands(CommandGroup):
     """Modes by command, DO_REPOSITION, speed and yaw."""
 
-    #: What answers a frame that is not taken.
+    #: The result for an unsupported frame.
     bad_frame = _RESULT.COMMAND_UNSUPPORTED_MAV_FRAME
 
     def handlers(self) -> Handlers:
@@ -49,22 +49,22 @@ class MovementCommands(CommandGroup):
         """NAV_LAND: land here."""
         return self.enter(self.autopilot.profile.land)
 
-    # Going somewhere
+    # Destination
 
     def reposition(self, request: CommandRequest) -> common.MavResult:
-        """DO_REPOSITION: go to the place in params 5 to 7, in the guided mode."""
+        """DO_REPOSITION: go to params 5 to 7, in guided flight."""
         command = request.command
-        point = self.wanted_place(command)
+        point = self.target_place(command)
         self.enter_guided(command)
         self.go_to(point, command)
         return _RESULT.ACCEPTED
 
-    def wanted_place(self, command: Command) -> Point:
-        """The place that a command wants to be gone to."""
+    def target_place(self, command: Command) -> Point:
+        """Return the destination of a command."""
         return place_of(self.autopilot, command, frames=GLOBAL, bad_frame=self.bad_frame)
 
     def enter_guided(self, command: Command) -> None:
-        """Be in the guided mode, which the flags of param 2 must allow; raises if it cannot be."""
+        """Enter the guided mode if the flags of param 2 allow it; else raise CommandRefusedError."""
         guided = self.autopilot.profile.guided
         if self.autopilot.mode.number == guided:
             return
@@ -74,16 +74,16 @@ class MovementCommands(CommandGroup):
             raise CommandRefusedError(_RESULT.FAILED)
 
     def go_to(self, point: Point, command: Command) -> None:
-        """Go there, with the speed, radius and yaw that the command gives, if it gives any."""
+        """Go to a point with the speed, radius and yaw of the command, where it has any."""
         speed = command.param1 if 0 < command.param1 <= _FASTEST else None
         radius = command.param3 if 0 < abs(command.param3) <= _WIDEST else None
         yaw = command.param4 if isfinite(command.param4) else None
         guide_to(self.autopilot, point, speed=speed, radius=radius, yaw=yaw)
 
-    # How
+    # Speed and yaw
 
     def change_speed(self, request: CommandRequest) -> common.MavResult:
-        """DO_CHANGE_SPEED: over ground or through the air (the same here), up, down."""
+        """DO_CHANGE_SPEED: over ground or through the air (both alike), up, down."""
         kind, speed = whole(request.command.param1), request.command.param2
         if not 0 < speed <= _FASTEST:
             return _RESULT.DENIED
@@ -97,18 +97,18 @@ class MovementCommands(CommandGroup):
                 maneuvers.sink = speed
             case _:
                 return _RESULT.DENIED
-        fly_as_chosen(self.autopilot)
+        apply_choices(self.autopilot)
         return _RESULT.ACCEPTED
 
     def turn(self, request: CommandRequest) -> common.MavResult:
-        """CONDITION_YAW: to param 1 degrees from north, or by so many from where the nose points."""
+        """CONDITION_YAW: turn to param 1 degrees from north, or by that angle."""
         command = request.command
-        angle, relative = command.param1, needed(command.param4)
+        angle, relative = command.param1, required_whole(command.param4)
         if not 0.0 <= angle <= 360.0 or relative not in (0, 1):
             return _RESULT.DENIED
         yaw = radians(angle)
         if relative:
             yaw = self.autopilot.body.estimate.yaw + (-yaw if command.param3 < 0 else yaw)
         self.autopilot.maneuvers.yaw = yaw
-        fly_as_chosen(self.autopilot)
+        apply_choices(self.autopilot)
         return _RESULT.ACCEPTED

@@ -1,7 +1,7 @@
-"""The place in a command: its params 5 to 7, in whatever frame they come.
+"""The position in a command: its params 5 to 7, in any frame.
 
-COMMAND_LONG names no frame; then the altitude counts from home, as it does for most commands. A latitude and
-longitude that are left out (NaN, or both 0) mean here, an altitude that is left out means as high as now.
+COMMAND_LONG has no frame; its altitude is above home, as for most commands. A latitude and longitude that are
+NaN or both 0 mean the current position, an altitude of NaN the current altitude.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.state import AutopilotState
 
 _F = common.MavFrame
-#: What the altitude counts from, by frame.
+#: Frames by the reference of their altitude.
 ABOVE_SEA = frozenset({_F.GLOBAL, _F.GLOBAL_INT})
 ABOVE_HOME = frozenset({_F.GLOBAL_RELATIVE_ALT, _F.GLOBAL_RELATIVE_ALT_INT})
 ABOVE_GROUND = frozenset({_F.GLOBAL_TERRAIN_ALT, _F.GLOBAL_TERRAIN_ALT_INT})
@@ -26,7 +26,7 @@ GLOBAL = ABOVE_SEA | ABOVE_HOME | ABOVE_GROUND
 LOCAL = frozenset({_F.LOCAL_NED, _F.LOCAL_OFFSET_NED})
 
 _LATITUDE, _LONGITUDE = 90.0, 180.0
-#: No vehicle here goes farther or higher.
+#: Bounds of a destination, in metres.
 _FAR, _HIGH = 2.0e6, 1.0e5
 
 
@@ -38,7 +38,7 @@ def place_of(
     frames: frozenset[int] = GLOBAL,
     bad_frame: int = common.MavResult.COMMAND_UNSUPPORTED_MAV_FRAME,
 ) -> Point:
-    """The place in a command in local metres; raises CommandRefusedError if it is none."""
+    """Return the position of a command in local metres; raises CommandRefusedError if it is invalid."""
     frame = usual if command.frame is None else command.frame
     if frame not in frames:
         raise CommandRefusedError(bad_frame)
@@ -54,7 +54,7 @@ def place_of(
 
 
 def down_of(autopilot: AutopilotState, altitude: float, frame: int) -> float:
-    """An altitude of a frame as the third local coordinate; NaN: as high as now."""
+    """Return an altitude of a frame as the third local coordinate; NaN means the current altitude."""
     if not isfinite(altitude):
         return autopilot.maneuvers.place[2]
     if frame in ABOVE_SEA:
@@ -65,7 +65,7 @@ def down_of(autopilot: AutopilotState, altitude: float, frame: int) -> float:
 
 
 def has_place(command: Command) -> bool:
-    """Whether a command names a place at all."""
+    """Return whether a command has a position."""
     given = isfinite(command.param5) and isfinite(command.param6)
     return given and bool(command.param5 or command.param6)
 

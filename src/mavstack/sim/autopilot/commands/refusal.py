@@ -1,4 +1,4 @@
-"""Refusing a command from wherever the reason is found."""
+"""The refusal of a command, raised anywhere below its handler."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from mavstack.errors import MavstackError
 
 
 class CommandRefusedError(MavstackError):
-    """Ends a handler: its answer, and what is said beside it, "" if nothing."""
+    """Ends a handler with a result, and a status text unless it is empty."""
 
     def __init__(self, result: int = common.MavResult.FAILED, text: str = "") -> None:
         super().__init__(text or f"refused with MAV_RESULT {int(result)}")

@@ -1,12 +1,12 @@
-"""How commands reach the autopilot: groups of handlers, of which a firmware takes those that it has.
+"""Command handlers of the autopilot, in groups that each firmware registers.
 
-A group is a class with a method for each command, shared by both firmwares; where one behaves in its own way,
-it overrides the method. `handlers` names the methods by MAV_CMD, and a profile registers them:
+A group is a class with a method for each command, shared by both firmwares; a firmware overrides the methods
+that differ. `handlers` lists the methods by MAV_CMD, and a profile registers them:
 
-    take(vehicle, MovementCommands(vehicle).handlers())
+    register_handlers(vehicle, MovementCommands(vehicle).handlers())
 
-A handler gives its MAV_RESULT, or None if it began a long command (`tasks.py`), or it raises
-`CommandRefusedError`. What comes in a parameter is never trusted: `whole` and `number` read it.
+A handler returns its MAV_RESULT, or None if it began a long command (`tasks.py`), or it raises
+`CommandRefusedError`. Params are never trusted: `whole` and `number` validate them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.commands.tasks import Script
     from mavstack.sim.autopilot.interfaces import Autopilot, Vehicle
 
-#: What a group's method gives; None: it is a long command that has begun.
+#: The result of a handler; None: a long command has begun.
 Outcome: TypeAlias = "common.MavResult | None"
 Handlers: TypeAlias = Mapping[int, "Callable[[CommandRequest], Outcome]"]
 
@@ -45,10 +45,10 @@ class CommandGroup(ABC):
 
     @abstractmethod
     def handlers(self) -> Handlers:
-        """The commands of the group, and what carries out each."""
+        """Return the handlers of the group by MAV_CMD."""
 
     def enter(self, mode: int) -> common.MavResult:
-        """Enter a mode because a command said so: FAILED, and why, if it cannot be."""
+        """Enter a mode for a command; raises CommandRefusedError with FAILED and the reason."""
         found = self.autopilot.find_mode(mode)
         if found is None:
             return common.MavResult.UNSUPPORTED
@@ -59,8 +59,8 @@ class CommandGroup(ABC):
         return common.MavResult.ACCEPTED if entered else common.MavResult.FAILED
 
 
-def take(vehicle: Vehicle, handlers: Handlers) -> None:
-    """Carry out commands by these handlers from now on."""
+def register_handlers(vehicle: Vehicle, handlers: Handlers) -> None:
+    """Register the handlers of commands."""
     for command, handler in handlers.items():
         vehicle.commands.support(command, _guarded(vehicle, handler))
 
@@ -74,17 +74,17 @@ def waiting(vehicle: Vehicle, seconds: float) -> Script:
 
 
 def accept(done: bool) -> common.MavResult:
-    """ACCEPTED if it was done, else FAILED."""
+    """Return ACCEPTED or FAILED."""
     return common.MavResult.ACCEPTED if done else common.MavResult.FAILED
 
 
 def whole(value: float) -> int | None:
-    """A parameter as a whole number; None if it is none."""
+    """Return a param as an integer; None if it is no whole number."""
     return int(value) if isfinite(value) and abs(value) < _LARGEST and value == int(value) else None
 
 
-def needed(value: float) -> int:
-    """A parameter as a whole number; DENIED if it is none."""
+def required_whole(value: float) -> int:
+    """Return a param as an integer; raises CommandRefusedError with DENIED if it is no whole number."""
     found = whole(value)
     if found is None:
         raise CommandRefusedError(common.MavResult.DENIED)
@@ -92,7 +92,7 @@ def needed(value: float) -> int:
 
 
 def number(value: float, default: float = 0.0) -> float:
-    """A parameter, or what it means if it is left out as NaN."""
+    """Return a param; `default` if it is NaN."""
     return value if isfinite(value) else default
 
 

@@ -1,7 +1,7 @@
-"""Commands that take a while: each a script that goes on with every tick of the autopilot.
+"""Long commands: scripts that run with the ticks of the autopilot.
 
-A script is a generator. It yields how far it is in percent, or None, and returns its MAV_RESULT; while it
-runs the sender hears IN_PROGRESS, twice a second at most, and may cancel it.
+A script is a generator. It yields its progress in percent, or None, and returns its MAV_RESULT. While it runs
+the sender gets IN_PROGRESS, at most twice a second, and may cancel it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.sim.autopilot.state import VehicleState
 
-#: Between two words about how far a script is, in seconds.
+#: Minimum interval between two progress reports, in seconds.
 PROGRESS_INTERVAL = 0.5
 
 Script: TypeAlias = "Generator[int | None, None, common.MavResult]"
@@ -36,19 +36,19 @@ class Tasks:
         vehicle.on_event(CommandCancelRequested, self._cancelled)
 
     def begin(self, request: CommandRequest, script: Script) -> None:
-        """Go on with a script until it ends; the handler that calls this returns None."""
+        """Run a script until it ends; the handler that calls this returns None."""
         self._scripts[request] = script
 
     def run(self, script: Script) -> None:
-        """Go on with a script that answers to nobody, such as one whose command is acknowledged at once."""
+        """Run a script without a command to answer, such as one that was acknowledged immediately."""
         self._unanswered.append(script)
 
-    def afterwards(self, action: Callable[[], None]) -> None:
-        """Do something with the next tick, when what is being answered has been sent."""
+    def on_next_tick(self, action: Callable[[], None]) -> None:
+        """Call `action` in the next tick, when the pending answer has been sent."""
         self._afterwards = action
 
     def tick(self, now: float) -> None:
-        """Every script a step further."""
+        """Advance every script by one step."""
         action, self._afterwards = self._afterwards, None
         if action is not None:
             action()

@@ -1,4 +1,4 @@
-"""Failsafes: what goes wrong for long enough, and what is done about it."""
+"""Failsafes: conditions that last too long, and the reactions."""
 
 from mavstack.sim.autopilot.failsafes.conditions import (
     ground_silence,

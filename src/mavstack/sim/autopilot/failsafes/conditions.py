@@ -1,4 +1,4 @@
-"""What can go wrong, measured the same way for every firmware."""
+"""Conditions of failsafes, measured alike for all firmwares."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def ground_silence(autopilot: Autopilot) -> float | None:
-    """Seconds since a ground station's last heartbeat; None if there never was one since the start."""
+    """Return seconds since the last heartbeat of a ground station; None if there was none since the boot."""
     vehicle = autopilot.vehicle
     heard = [
         info.last_seen
@@ -22,6 +22,6 @@ def ground_silence(autopilot: Autopilot) -> float | None:
 
 
 def radio_lost(autopilot: Autopilot) -> bool:
-    """Whether there were a pilot's hands, and there are none now."""
+    """Return whether the pilot's input was lost."""
     radio = autopilot.radio
     return radio.was_present and not radio.present

@@ -1,6 +1,6 @@
-"""A failsafe: a condition that must last for a while, then an action; and a word when all is well again.
+"""A failsafe: a condition that must last for some time, a reaction, and a second one when it ends.
 
-What is wrong, for how long, and what is done comes from a firmware. While it is active its name is in
+Condition, time and reactions come from the firmware. While a failsafe is active its name is in
 `autopilot.failsafes`, which makes the vehicle's state critical.
 """
 
@@ -15,30 +15,30 @@ if TYPE_CHECKING:
 
 
 def nothing() -> None:
-    """Do nothing when it is over."""
+    """Do nothing at the end of a failsafe."""
 
 
 class Failsafe:
-    """One watch; `patience` gives the seconds that the condition must last, read anew each time."""
+    """One failsafe; `delay` returns the seconds that the condition must last, read again each time."""
 
     def __init__(
         self,
         autopilot: Autopilot,
         name: str,
         is_wrong: Callable[[], bool],
-        patience: Callable[[], float],
+        delay: Callable[[], float],
         begin: Callable[[], None],
         end: Callable[[], None] = nothing,
     ) -> None:
         self.name = name
         self._autopilot = autopilot
-        self._is_wrong, self._patience = is_wrong, patience
+        self._is_wrong, self._delay = is_wrong, delay
         self._begin, self._end = begin, end
         self._since: float | None = None
         self.active = False
 
     def tick(self, now: float) -> None:
-        """Look, and act on a change."""
+        """Check the condition, and react to a change."""
         if not self._is_wrong():
             self._since = None
             if self.active:
@@ -48,7 +48,7 @@ class Failsafe:
             return
         if self._since is None:
             self._since = now
-        if not self.active and now - self._since >= self._patience():
+        if not self.active and now - self._since >= self._delay():
             self.active = True
             self._autopilot.failsafes.add(self.name)
             self._begin()

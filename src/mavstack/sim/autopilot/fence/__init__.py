@@ -1,4 +1,4 @@
-"""Geofences: their shapes, the limits that parameters set, and what is done about a breach."""
+"""Geofences: shapes, limits from parameters, and the reaction to a breach."""
 
 from mavstack.sim.autopilot.fence.geometry import Circle, Fence, Polygon
 from mavstack.sim.autopilot.fence.watch import FenceWatch

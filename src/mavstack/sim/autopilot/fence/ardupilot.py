@@ -1,6 +1,6 @@
-"""ArduPilot's fences: FENCE_ENABLE, FENCE_TYPE, FENCE_ACTION and their like.
+"""ArduPilot's fences: FENCE_ENABLE, FENCE_TYPE, FENCE_ACTION and related parameters.
 
-Copter, Plane, Rover and Sub share the limits and differ in what FENCE_ACTION means. A plane flies to the
+Copter, Plane, Rover and Sub share the limits and differ in the meaning of FENCE_ACTION. A plane flies to the
 fence's return point, the nearest rally point or the middle of the fence, in GUIDED. A copter that is far
 beyond its fence lands there.
 """
@@ -29,12 +29,12 @@ _NAMES: Final[Mapping[Breach, str]] = {
     Breach.SHAPES: "Polygon",
     Breach.LOW: "Min Alt",
 }
-#: Beyond its fence by more than this a copter lands.
+#: Distance beyond the fence at which a copter lands, in metres.
 _GIVE_UP = 100.0
 _UNION_OPTION = 2
 _REPORT = 0
 _PLANE_GUIDED = frozenset({6, 7})
-#: The modes to try, by FENCE_ACTION, by their names.
+#: Names of the modes to try, by FENCE_ACTION.
 _ACTIONS: Final[Mapping[VehicleType, Mapping[int, tuple[str, ...]]]] = {
     VehicleType.COPTER: {
         1: ("RTL", "LAND"),
@@ -57,21 +57,21 @@ _NOTICE = common.MavSeverity.NOTICE
 
 
 class ArdupilotFenceRules(FenceRules):
-    """The fences of Copter, Plane, Rover and Sub."""
+    """The fence rules of Copter, Plane, Rover and Sub."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         super().__init__(autopilot)
         self._enable: float | None = None
 
     def limits(self, watch: FenceControl) -> FenceLimits:
-        self._look_at_switch(watch)
+        self._apply_switch(watch)
         on = self.number("FENCE_ENABLE") > 0 if watch.switched is None else watch.switched
         if not on:
             return FenceLimits()
         watched = Breach(int(self.number("FENCE_TYPE", 7)) & 15)
-        if watch.floor_off or not self.vehicle.type.flies:
+        if watch.floor_off or not self.vehicle.vehicle_type.flies:
             watched &= ~Breach.LOW
-        if not self.vehicle.type.flies:
+        if not self.vehicle.vehicle_type.flies:
             watched &= ~Breach.HIGH
         return FenceLimits(
             watched,
@@ -81,22 +81,22 @@ class ArdupilotFenceRules(FenceRules):
             union=bool(int(self.number("FENCE_OPTIONS")) & _UNION_OPTION),
         )
 
-    def _look_at_switch(self, watch: FenceControl) -> None:
-        """FENCE_ENABLE, when it is set anew, counts more than a command before."""
+    def _apply_switch(self, watch: FenceControl) -> None:
+        """Let a newly set FENCE_ENABLE override an earlier command."""
         before, self._enable = self._enable, self.number("FENCE_ENABLE")
         if before is not None and before != self._enable:
-            watch.forget_switch()
+            watch.reset_switch()
 
     def breached(self, watch: FenceControl, new: Breach) -> None:
         autopilot = self.autopilot
-        if not autopilot.landed or not self.vehicle.type.flies:
+        if not autopilot.landed or not self.vehicle.vehicle_type.flies:
             self.vehicle.send_statustext(f"{names_of(new)} breached", _NOTICE)
         action = int(self.number("FENCE_ACTION"))
         if action == _REPORT or (autopilot.behaviour is not None and autopilot.behaviour.landing):
             return
-        if autopilot.landed and self.vehicle.type is VehicleType.COPTER:
+        if autopilot.landed and self.vehicle.vehicle_type is VehicleType.COPTER:
             autopilot.disarm("fence breach")
-        elif self.vehicle.type is VehicleType.COPTER and watch.breach_distance() > _GIVE_UP:
+        elif self.vehicle.vehicle_type is VehicleType.COPTER and watch.breach_distance() > _GIVE_UP:
             self._enter(("LAND",))
         else:
             self._act(watch, action)
@@ -123,7 +123,7 @@ class ArdupilotFenceRules(FenceRules):
             yield "Invalid FENCE_ALT_MAX value"
 
     def _act(self, watch: FenceControl, action: int) -> None:
-        kind = VehicleType.ROVER if self.vehicle.type.on_surface else self.vehicle.type
+        kind = VehicleType.ROVER if self.vehicle.vehicle_type.on_surface else self.vehicle.vehicle_type
         names = _ACTIONS[kind].get(action, ())
         if self._enter(names) and action in _PLANE_GUIDED and kind in {VehicleType.PLANE, VehicleType.VTOL}:
             self.autopilot.guided.go_to(self.return_point(watch))
@@ -140,7 +140,7 @@ class ArdupilotFenceRules(FenceRules):
         return False
 
     def return_point(self, watch: FenceControl) -> Point:
-        """Where a plane goes: by FENCE_RET_RALLY a rally point, the return point, the middle, or home."""
+        """Return a plane's target: a rally point (FENCE_RET_RALLY), the return point, the middle, or home."""
         autopilot = self.autopilot
         rally = autopilot.rally.nearest() if self.number("FENCE_RET_RALLY") else None
         altitude = self._return_altitude(watch)
@@ -168,7 +168,7 @@ class ArdupilotFenceRules(FenceRules):
 
 
 def names_of(breaches: Breach) -> str:
-    """As STATUSTEXT has them: "Max Alt and Circle fences"."""
+    """Return the text of breaches in STATUSTEXT, such as "Max Alt and Circle fences"."""
     names = [name for bit, name in _NAMES.items() if breaches & bit]
     listed = ", ".join(names[:-1]) + (" and " if len(names) > 1 else "") + "".join(names[-1:])
     return f"{listed} fence{'s' if len(names) > 1 else ''}"

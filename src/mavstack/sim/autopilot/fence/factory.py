@@ -1,4 +1,4 @@
-"""Which rules a firmware's fences have."""
+"""Selection of the fence rules by firmware."""
 
 from __future__ import annotations
 
@@ -14,6 +14,6 @@ if TYPE_CHECKING:
 
 
 def fence_rules_of(autopilot: Autopilot) -> FenceRules:
-    """The rules for one vehicle's fence."""
+    """Return the fence rules of a vehicle."""
     ours = Px4FenceRules if autopilot.vehicle.firmware is Firmware.PX4 else ArdupilotFenceRules
     return ours(autopilot)

@@ -1,8 +1,8 @@
-"""Where one may be: polygons and circles, to stay inside of or outside of, in metres north and east.
+"""Shapes of a fence: inclusion and exclusion polygons and circles, in metres north and east.
 
-A polygon is closed, may be concave and may cross itself: what a line outwards leaves an odd number of times
-is inside. All shapes lie in the plane around the vehicle's own origin, so that nothing special happens at the
-antimeridian.
+A polygon is closed, may be concave and may cross itself: by the even-odd rule a point is inside if a ray from
+it crosses the edges an odd number of times. All shapes lie in the plane around the vehicle's origin, so that
+the antimeridian needs no special case.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ Place: TypeAlias = "tuple[float, float]"
 
 @dataclass(frozen=True, slots=True)
 class Polygon:
-    """At least three corners; `inclusion`: stay inside."""
+    """A polygon of at least three corners."""
 
     corners: tuple[Place, ...]
     inclusion: bool = True
 
     @property
     def edges(self) -> Iterator[tuple[Place, Place]]:
-        """From each corner to the next."""
+        """The edges, each as its two corners."""
         return zip(self.corners, (*self.corners[1:], *self.corners[:1]), strict=True)
 
     def contains(self, place: Place) -> bool:
-        """Whether a place is inside."""
+        """Return whether a point is inside."""
         north, east = place
         inside = False
         for (north_a, east_a), (north_b, east_b) in self.edges:
@@ -40,24 +40,24 @@ class Polygon:
         return inside
 
     def edge_distance(self, place: Place) -> float:
-        """To the nearest edge, from either side."""
+        """Return the distance to the nearest edge, from either side."""
         return min((segment_distance(place, *edge) for edge in self.edges), default=inf)
 
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """`inclusion`: stay inside."""
+    """A circle."""
 
     centre: Place
     radius: float
     inclusion: bool = True
 
     def contains(self, place: Place) -> bool:
-        """Whether a place is inside."""
+        """Return whether a point is inside."""
         return self._from_centre(place) < self.radius
 
     def edge_distance(self, place: Place) -> float:
-        """To the line, from either side."""
+        """Return the distance to the circle's line, from either side."""
         return abs(self._from_centre(place) - self.radius)
 
     def _from_centre(self, place: Place) -> float:
@@ -69,30 +69,30 @@ Shape: TypeAlias = Polygon | Circle
 
 @dataclass(frozen=True, slots=True)
 class Fence:
-    """All shapes of a plan, and where to return to."""
+    """All shapes of a plan, and the return point."""
 
     shapes: tuple[Shape, ...] = ()
     return_point: tuple[float, float, float] | None = None
 
     def permits(self, place: Place, *, union: bool = False) -> bool:
-        """Whether one may be there; `union`: inside any of the inclusions is enough."""
+        """Return whether a point is permitted; `union`: inside any of the inclusions is enough."""
         if any(shape.contains(place) for shape in self.shapes if not shape.inclusion):
             return False
         inside = [shape.contains(place) for shape in self.shapes if shape.inclusion]
         return not inside or (any(inside) if union else all(inside))
 
     def breach_distance(self, place: Place) -> float:
-        """How far a place is beyond the lines that it should not be beyond; 0 where one may be."""
+        """Return how far a point is beyond the fence; 0 where it is permitted."""
         wrong = [shape for shape in self.shapes if shape.contains(place) != shape.inclusion]
         return max((shape.edge_distance(place) for shape in wrong), default=0.0)
 
     def edge_distance(self, place: Place) -> float:
-        """To the nearest line of all."""
+        """Return the distance to the nearest line of all shapes."""
         return min((shape.edge_distance(place) for shape in self.shapes), default=inf)
 
 
 def segment_distance(place: Place, begin: Place, end: Place) -> float:
-    """From a place to the nearest point of a straight piece."""
+    """Return the distance from a point to a line segment."""
     along = end[0] - begin[0], end[1] - begin[1]
     here = place[0] - begin[0], place[1] - begin[1]
     square = along[0] * along[0] + along[1] * along[1]

@@ -1,7 +1,7 @@
-"""A fence as it is uploaded, and the shapes that it means.
+"""Fence plans: validation, and conversion into shapes.
 
-A polygon of n corners is n items in a row, each of the same command and each with n in param 1; a circle is
-one item with its radius in param 1. What is not consistent is refused as a whole.
+A polygon of n corners is n consecutive items of one command, each with n in param 1; a circle is one item
+with its radius in param 1. An inconsistent plan is refused as a whole.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ _POLYGONS = {
 _CIRCLES = {_CMD.NAV_FENCE_CIRCLE_INCLUSION: True, _CMD.NAV_FENCE_CIRCLE_EXCLUSION: False}
 _COMMANDS = frozenset({*_POLYGONS, *_CIRCLES, _CMD.NAV_FENCE_RETURN_POINT})
 _FRAMES = frozenset({_F.GLOBAL, _F.GLOBAL_INT, _F.GLOBAL_RELATIVE_ALT, _F.GLOBAL_RELATIVE_ALT_INT})
-LEAST_CORNERS = 3
+MIN_CORNERS = 3
 _LATITUDE, _LONGITUDE = 90.0, 180.0
-_WIDEST = 1.0e6
+_MAX_RADIUS = 1.0e6
 
 
 def check_fence_item(item: MissionItem) -> int:
-    """Judge one item of a fence: MAV_MISSION_RESULT."""
+    """Validate one item of a fence: MAV_MISSION_RESULT."""
     if item.command not in _COMMANDS:
         return _RESULT.UNSUPPORTED
     if item.frame not in _FRAMES:
         return _RESULT.UNSUPPORTED_FRAME
-    if item.command in _POLYGONS and not (item.param1 >= LEAST_CORNERS and item.param1 == item.param1 // 1):
+    if item.command in _POLYGONS and not (item.param1 >= MIN_CORNERS and item.param1 == item.param1 // 1):
         return _RESULT.INVALID_PARAM1
-    if item.command in _CIRCLES and not 0 < item.param1 <= _WIDEST:
+    if item.command in _CIRCLES and not 0 < item.param1 <= _MAX_RADIUS:
         return _RESULT.INVALID_PARAM1
     if not abs(item.param5) <= _LATITUDE:
         return _RESULT.INVALID_PARAM5_X
@@ -50,7 +50,7 @@ def check_fence_item(item: MissionItem) -> int:
 
 
 def check_fence_plan(plan: Plan) -> int:
-    """Judge a whole fence: MAV_MISSION_RESULT."""
+    """Validate a whole fence: MAV_MISSION_RESULT."""
     if any(check_fence_item(item) != _RESULT.ACCEPTED for item in plan.items):
         return _RESULT.INVALID
     returns = sum(item.command == _CMD.NAV_FENCE_RETURN_POINT for item in plan.items)
@@ -58,7 +58,7 @@ def check_fence_plan(plan: Plan) -> int:
 
 
 def read_fence(items: Sequence[MissionItem], frame: LocalFrame) -> Fence:
-    """The shapes that a plan means, in local metres; none if it is not consistent."""
+    """Return the shapes of a plan in local metres; none if the plan is inconsistent."""
     groups = _groups(items)
     if groups is None:
         return Fence()
@@ -90,7 +90,7 @@ def _place(item: MissionItem, frame: LocalFrame) -> tuple[float, float]:
 
 
 def _groups(items: Sequence[MissionItem]) -> list[Sequence[MissionItem]] | None:
-    """The items of each shape; None if a polygon is not whole."""
+    """Return the items of each shape; None if a polygon is incomplete."""
     groups, at = [], 0
     while at < len(items):
         first = items[at]
@@ -98,7 +98,7 @@ def _groups(items: Sequence[MissionItem]) -> list[Sequence[MissionItem]] | None:
         size = int(first.param1) if polygon and first.param1 <= len(items) else 0 if polygon else 1
         group = items[at : at + size]
         same = all(item.command == first.command and item.param1 == first.param1 for item in group)
-        if len(group) != size or not same or (polygon and size < LEAST_CORNERS):
+        if len(group) != size or not same or (polygon and size < MIN_CORNERS):
             return None
         groups.append(group)
         at += size

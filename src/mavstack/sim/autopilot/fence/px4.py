@@ -1,6 +1,6 @@
 """PX4's fences: GF_ACTION, GF_MAX_HOR_DIST, GF_MAX_VER_DIST, and the plan.
 
-A plan that does not hold the vehicle or its home is told as invalid when it comes. Inside any of the
+A plan that excludes the vehicle or its home is reported as invalid at the upload. Being inside any of the
 inclusions is enough.
 """
 
@@ -41,7 +41,7 @@ _TEXTS: Final[Mapping[Breach, str]] = {
 
 
 class Px4FenceRules(FenceRules):
-    """The fences of PX4."""
+    """The fence rules of PX4."""
 
     def limits(self, watch: FenceControl) -> FenceLimits:
         action = int(self.number("GF_ACTION", GeofenceAction.HOLD))

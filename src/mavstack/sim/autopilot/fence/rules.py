@@ -1,4 +1,4 @@
-"""What distinguishes one firmware's fences from the other's: their limits, and what is done and said."""
+"""The differences between the fences of the firmwares: limits, reactions and status texts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class FenceRules(ABC):
-    """One firmware's fences on one vehicle."""
+    """The fence rules of one firmware on one vehicle."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self.autopilot = autopilot
@@ -23,26 +23,26 @@ class FenceRules(ABC):
 
     @abstractmethod
     def limits(self, watch: FenceControl) -> FenceLimits:
-        """What counts just now."""
+        """Return the limits in force."""
 
     @abstractmethod
     def breached(self, watch: FenceControl, new: Breach) -> None:
-        """A limit was just broken: say so and act."""
+        """React to a new breach, and send its text."""
 
     def worsened(self, watch: FenceControl) -> None:  # noqa: B027 (not every firmware has something to say)
-        """The vehicle goes farther beyond, for all that was done."""
+        """React to a vehicle that flies further beyond the fence."""
 
     def cleared(self, watch: FenceControl) -> None:  # noqa: B027 (not every firmware has something to say)
-        """All is well again: say so."""
+        """Send the text of a cleared breach."""
 
     def replaced(self, watch: FenceControl) -> None:  # noqa: B027 (not every firmware has something to say)
-        """There is another fence: say so."""
+        """React to a new fence plan."""
 
     @abstractmethod
     def problems(self, watch: FenceControl) -> Iterator[str]:
-        """Why the vehicle may not be armed where it stands."""
+        """Yield why the vehicle may not be armed where it is."""
 
     def number(self, name: str, default: float = 0.0) -> float:
-        """A parameter; `default` if it is none, or no number."""
+        """Return a parameter; `default` if it is missing or not finite."""
         value = float(self.vehicle.parameters.get(name, default))
         return value if abs(value) < inf else default

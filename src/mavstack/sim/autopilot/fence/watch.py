@@ -1,7 +1,7 @@
-"""Watches the fence: what is broken is told and acted on once, and told again when it is whole again.
+"""The fence watch: it reports each breach once, reacts once, and reports the end of the breach.
 
-What is beyond a fence stays so until the vehicle is inside again; only if it goes on outwards for another
-`FARTHER` metres it is a breach anew.
+A breach lasts until the vehicle is inside again; a vehicle that flies another `WORSENED_DISTANCE` metres
+outwards causes a new one.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
     from mavstack.sim.autopilot.interfaces import Autopilot
 
-FARTHER = 20.0
+WORSENED_DISTANCE = 20.0
 _KINDS = common.FenceBreach
-#: DO_FENCE_ENABLE.
+#: Values of DO_FENCE_ENABLE.
 OFF, ON, FLOOR_OFF = 0, 1, 2
 
 
@@ -35,12 +35,12 @@ class FenceWatch:
         self.autopilot = autopilot
         self.rules = fence_rules_of(autopilot)
         self.breaches = Breach.NONE
-        #: How often a limit was broken, and when last, in seconds since the start.
+        #: The number of breaches since boot, and the time of the last one in seconds since boot.
         self.count = 0
         self.breached_at = 0.0
-        #: Whether a command switched the fence on or off; None: as the parameters say.
+        #: True or False if a command enabled or disabled the fence; None: the parameters decide.
         self.switched: bool | None = None
-        #: Whether a command switched the lowest altitude off.
+        #: True if a command disabled the minimum altitude.
         self.floor_off = False
         self._items: tuple[MissionItem, ...] = ()
         self._fence = Fence()
@@ -50,7 +50,7 @@ class FenceWatch:
 
     @property
     def fence(self) -> Fence:
-        """The shapes of the plan."""
+        """The shapes of the fence plan."""
         items = self.autopilot.vehicle.plans.get(PlanType.FENCE).items
         if items is not self._items:
             self._items, self._fence = items, read_fence(items, self.autopilot.body.frame)
@@ -58,16 +58,16 @@ class FenceWatch:
 
     @property
     def limits(self) -> FenceLimits:
-        """What counts just now."""
+        """The limits in force."""
         return self.rules.limits(self)
 
     @property
     def enabled(self) -> bool:
-        """Whether anything is watched."""
+        """True if any limit is in force."""
         return self.limits.watched != Breach.NONE
 
     def switch(self, what: int) -> bool:
-        """DO_FENCE_ENABLE: 0 off, 1 on, 2 the lowest altitude off; False if it is none of these."""
+        """Apply DO_FENCE_ENABLE: 0 off, 1 on, 2 minimum altitude off; returns False for other values."""
         if what not in (OFF, ON, FLOOR_OFF):
             return False
         if what == FLOOR_OFF:
@@ -79,16 +79,16 @@ class FenceWatch:
             self.autopilot.failsafes.discard("fence")
         return True
 
-    def forget_switch(self) -> None:
+    def reset_switch(self) -> None:
         """Go by the parameters again, as after they were set."""
         self.switched, self.floor_off = None, False
 
     def problems(self) -> Iterator[str]:
-        """Why the vehicle may not be armed where it stands."""
+        """Yield why the vehicle may not be armed where it is."""
         return self.rules.problems(self)
 
     def status(self) -> common.FenceStatus:
-        """FENCE_STATUS."""
+        """Return FENCE_STATUS."""
         return common.FenceStatus(
             breach_status=int(self.breaches != Breach.NONE),
             breach_count=min(self.count, 0xFFFF),
@@ -97,7 +97,7 @@ class FenceWatch:
         )
 
     def breach_distance(self) -> float:
-        """How far the vehicle is beyond what it should not be beyond, over the ground or in height."""
+        """Return how far the vehicle is beyond its limits, over the ground or in height, in metres."""
         limits, altitude = self.limits, self.autopilot.altitude
         beyond = [0.0]
         if self.breaches & Breach.HIGH:
@@ -110,13 +110,13 @@ class FenceWatch:
             beyond.append(self.fence.breach_distance(self._place()))
         return max(beyond)
 
-    # Watching
+    # Monitoring
 
     def tick(self, now: float) -> None:
-        """Compare where the vehicle is with where it may be."""
+        """Compare the position with the limits."""
         if not self.autopilot.has_position:
             return
-        before, self.breaches = self.breaches, self.look()
+        before, self.breaches = self.breaches, self.check()
         new = self.breaches & ~before
         if not self.autopilot.armed:
             return
@@ -129,13 +129,13 @@ class FenceWatch:
         elif before and not self.breaches:
             self.autopilot.failsafes.discard("fence")
             self.rules.cleared(self)
-        elif self.breaches and self.breach_distance() > self._worst + FARTHER:
+        elif self.breaches and self.breach_distance() > self._worst + WORSENED_DISTANCE:
             self._worst = self.breach_distance()
             self.count += 1
             self.rules.worsened(self)
 
-    def look(self) -> Breach:
-        """What is broken where the vehicle is."""
+    def check(self) -> Breach:
+        """Return the limits that are broken at the current position."""
         limits = self.limits
         found = Breach.NONE
         if not limits.watched:

@@ -1,4 +1,4 @@
-"""Missions: the items, in which order they are flown, and what each firmware makes of them."""
+"""Missions: their items, their order, and the rules of each firmware."""
 
 from mavstack.sim.autopilot.mission.runner import MissionRunner
 

@@ -1,4 +1,4 @@
-"""The items that change how the vehicle flies: speed, home, region of interest, fence, transition."""
+"""DO items that change the flight: speed, home, region of interest, fence, VTOL transition."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 
 _ROI = common.MavRoi
 _SPEED = common.SpeedType
-#: Instead of a speed: the usual one again.
+#: The value that restores the default speed.
 _USUAL = -2.0
 _SLOWEST = 0.1
 
 
 def nothing(step: Step) -> Iterator[None]:
-    """A mark, or something that this vehicle does not have."""
+    """Do nothing: a mark, or a device that this vehicle does not have."""
     return
     yield
 
 
 def change_speed(step: Step) -> Iterator[None]:
-    """DO_CHANGE_SPEED: over ground or through the air (the same here), up, down."""
+    """DO_CHANGE_SPEED: over ground or through the air (both alike), up, down."""
     yield from ()
     speed, maneuvers = step.number(2), step.maneuvers
     if not (speed > 0 or speed == _USUAL):
@@ -46,7 +46,7 @@ def change_speed(step: Step) -> Iterator[None]:
 
 
 def set_home(step: Step) -> Iterator[None]:
-    """DO_SET_HOME: param 1 = 1: here."""
+    """DO_SET_HOME: param 1 = 1 sets the current position."""
     yield from ()
     autopilot = step.autopilot
     yaw = autopilot.body.estimate.yaw
@@ -57,7 +57,7 @@ def set_home(step: Step) -> Iterator[None]:
 
 
 def set_region(step: Step) -> Iterator[None]:
-    """DO_SET_ROI, DO_SET_ROI_LOCATION: look at a place, or at the next waypoint, or at none."""
+    """DO_SET_ROI, DO_SET_ROI_LOCATION: look at a position, at the next waypoint, or ahead."""
     yield from ()
     located = step.item.command == common.MavCmd.DO_SET_ROI_LOCATION
     mode = _ROI.LOCATION if located else step.whole(1)
@@ -73,7 +73,7 @@ def set_region(step: Step) -> Iterator[None]:
 
 
 def _next_place(step: Step, seq: int) -> tuple[float, float, float] | None:
-    """The place of the first item from `seq` on that has one."""
+    """Return the position of the first item from `seq` on that has one."""
     items = step.mission.items
     places = (place_of(step.autopilot, item) for item in items[max(seq, 0) :] if _is_placed(step, item))
     return next(places, None)
@@ -96,12 +96,12 @@ def switch_fence(step: Step) -> Iterator[None]:
 
 
 def change_flight(step: Step) -> Iterator[None]:
-    """DO_VTOL_TRANSITION: hover, or fly on the wing, and wait until it is so."""
+    """DO_VTOL_TRANSITION: hover or fly forward, and wait for the transition."""
     forward = step.whole(1) == common.MavVtolState.FW
-    if step.autopilot.vehicle.type is not VehicleType.VTOL or step.autopilot.landed:
+    if step.autopilot.vehicle.vehicle_type is not VehicleType.VTOL or step.autopilot.landed:
         return
     step.mission.hovers = not forward
-    step.mission.course.forget()
+    step.mission.course.clear()
     yield from transition(step.autopilot, forward=forward)
 
 
@@ -113,14 +113,14 @@ def limit_guided(step: Step) -> Iterator[None]:
 
 
 def arm_or_disarm(step: Step) -> Iterator[None]:
-    """COMPONENT_ARM_DISARM: disarms on the ground."""
+    """COMPONENT_ARM_DISARM: disarm on the ground."""
     yield from ()
     if step.whole(1) == 0 and step.autopilot.landed:
         step.mission.later(lambda: step.autopilot.disarm("mission item"))
 
 
 def use_function(step: Step) -> Iterator[None]:
-    """DO_AUX_FUNCTION: a function that a switch could have, and the switch's position."""
+    """DO_AUX_FUNCTION: run the function of a switch, at a position of the switch."""
     yield from ()
     high, payload = step.whole(2) == 2, step.autopilot.payload
     function = step.whole(1)

@@ -1,7 +1,7 @@
-"""ArduPilot's missions.
+"""ArduPilot's mission rules.
 
-Item 0 is home, and is never flown. Items that only do something run beside the next one that navigates.
-Copter, Plane, Rover and Sub differ in what they say and in how a mission ends.
+Item 0 is home, and is never flown. DO and CONDITION items run beside the next NAV item. Copter, Plane, Rover
+and Sub differ in their status texts and in the end of a mission.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _CMD = ardupilotmega.MavCmd
 _RESULT = common.MavMissionResult
 _SEVERITY = common.MavSeverity
 
-#: Everything that a mission may hold, and what STATUSTEXT calls it.
+#: The commands that a mission may hold, with their names in STATUSTEXT.
 NAMES: Mapping[int, str] = {
     _CMD.NAV_WAYPOINT: "WP",
     _CMD.NAV_LOITER_UNLIM: "LoitUnlim",
@@ -109,7 +109,7 @@ _PLACED = frozenset(
         _CMD.DO_SET_ROI_LOCATION,
     }
 )
-#: Which of params 1 to 4 may be NaN.
+#: The numbers of params 1 to 4 that may be NaN.
 _MAY_BE_NAN: Mapping[int, frozenset[int]] = {
     _CMD.NAV_WAYPOINT: frozenset({4}),
     _CMD.NAV_LAND: frozenset({4}),
@@ -119,7 +119,7 @@ _MAY_BE_NAN: Mapping[int, frozenset[int]] = {
     _CMD.DO_GIMBAL_MANAGER_PITCHYAW: frozenset({1, 2, 3, 4}),
     _CMD.IMAGE_START_CAPTURE: frozenset({4}),
 }
-#: Done by the mission library itself, which does not tell MISSION_ITEM_REACHED of them.
+#: Commands of the mission library, which does not send MISSION_ITEM_REACHED for them.
 _SILENT = frozenset(
     {
         _CMD.DO_GRIPPER,
@@ -143,7 +143,7 @@ _WINGS = frozenset({VehicleType.PLANE, VehicleType.VTOL})
 
 
 class ArdupilotMissionRules(MissionRules):
-    """The missions of Copter, Plane, Rover and Sub."""
+    """The mission rules of Copter, Plane, Rover and Sub."""
 
     first = 1
     actions_meanwhile = True
@@ -151,7 +151,7 @@ class ArdupilotMissionRules(MissionRules):
 
     @property
     def zero_altitude_is_here(self) -> bool:  # type: ignore[override]
-        return self.vehicle.type in {VehicleType.COPTER, VehicleType.SUB}
+        return self.vehicle.vehicle_type in {VehicleType.COPTER, VehicleType.SUB}
 
     @property
     def restarts(self) -> bool:
@@ -180,7 +180,7 @@ class ArdupilotMissionRules(MissionRules):
         if not mission.flying:
             return
         item = mission.items[was] if was < len(mission.items) else None
-        if item != mission.flown and self.vehicle.type not in _WINGS:
+        if item != mission.flown and self.vehicle.vehicle_type not in _WINGS:
             mission.begin_at(was)
             ending = ", restarted command" if item is not None else " but failed to restart command"
             mission.send_statustext(f"Auto mission changed{ending}", _SEVERITY.CRITICAL)
@@ -191,7 +191,7 @@ class ArdupilotMissionRules(MissionRules):
         return item.command <= _LAST_NAVIGATION or item.command == _CMD.NAV_SET_YAW_SPEED
 
     def refusal(self, mission: Mission) -> str | None:
-        autopilot, kind = self.autopilot, self.vehicle.type
+        autopilot, kind = self.autopilot, self.vehicle.vehicle_type
         if kind in _WINGS or not (autopilot.armed or kind.on_surface):
             return None
         if not mission.exists:
@@ -208,7 +208,7 @@ class ArdupilotMissionRules(MissionRules):
         step.mission.send_statustext(f"Mission: {step.seq} {NAMES.get(step.item.command, '?')}")
 
     def arrived(self, step: Step, hold: float) -> None:
-        kind = self.vehicle.type
+        kind = self.vehicle.vehicle_type
         if kind in _WINGS:
             away = step.maneuvers.distance(step.place())
             step.mission.send_statustext(f"Reached waypoint #{step.seq} dist {away:.0f}m")
@@ -217,7 +217,7 @@ class ArdupilotMissionRules(MissionRules):
             step.mission.send_statustext(f"Reached waypoint #{step.seq}{ending}")
 
     def waited(self, step: Step) -> None:
-        if self.vehicle.type in {VehicleType.COPTER, VehicleType.SUB}:
+        if self.vehicle.vehicle_type in {VehicleType.COPTER, VehicleType.SUB}:
             step.mission.send_statustext(f"Reached command #{step.seq}")
 
     def reports(self, item: MissionItem) -> bool:
@@ -225,7 +225,7 @@ class ArdupilotMissionRules(MissionRules):
 
     @property
     def returns_in_mode(self) -> bool:
-        return self.vehicle.type not in {VehicleType.COPTER, VehicleType.SUB}
+        return self.vehicle.vehicle_type not in {VehicleType.COPTER, VehicleType.SUB}
 
     @property
     def wing_stays_landed(self) -> bool:
@@ -233,18 +233,18 @@ class ArdupilotMissionRules(MissionRules):
 
     @property
     def hold_counts(self) -> bool:
-        return self.vehicle.type not in _WINGS
+        return self.vehicle.vehicle_type not in _WINGS
 
     @property
     def radius_counts(self) -> bool:
-        return self.vehicle.type in _WINGS
+        return self.vehicle.vehicle_type in _WINGS
 
     @property
     def passes_by(self) -> bool:
-        return self.vehicle.type in _WINGS
+        return self.vehicle.vehicle_type in _WINGS
 
     def finish(self, mission: Mission) -> Iterator[None]:
-        kind, autopilot = self.vehicle.type, self.autopilot
+        kind, autopilot = self.vehicle.vehicle_type, self.autopilot
         if self.grounded and kind in {VehicleType.COPTER, VehicleType.VTOL}:
             mission.later(lambda: autopilot.disarm("mission end"))
             while True:
@@ -261,7 +261,7 @@ class ArdupilotMissionRules(MissionRules):
 
 
 def _takes_off(mission: Mission) -> bool:
-    """Whether the next items that navigate begin with a take-off, delays left aside."""
+    """Return whether the next NAV item, except delays, is a takeoff."""
     begin = 0 if mission.rules.restarts else mission.sequence
     commands = (mission.items[seq].command for seq in mission.route.upcoming(begin))
     first = next((command for command in commands if command != _CMD.NAV_DELAY), None)

@@ -1,4 +1,4 @@
-"""The items that hold up what follows them until something is so."""
+"""CONDITION items: they delay the following items until a condition is met."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.mission.interfaces import Step
 
 _HEADING_REACHED = radians(5)
-#: A heading that is not reached by then is given up.
-_PATIENCE = 60.0
+#: Time after which a heading that is not reached is given up, in seconds.
+_YAW_TIMEOUT = 60.0
 
 
 def condition_delay(step: Step) -> Iterator[None]:
-    """Param 1 seconds have passed."""
+    """CONDITION_DELAY: wait for param 1 seconds."""
     end = step.now + step.number(1)
     while step.now < end:
         yield
 
 
 def condition_distance(step: Step) -> Iterator[None]:
-    """The next waypoint is no farther than param 1 metres."""
-    yield  # until the vehicle is on its way there
+    """CONDITION_DISTANCE: wait until the next waypoint is within param 1 metres."""
+    yield  # until the line to the next waypoint is set
     target = step.mission.course.point or step.autopilot.target
     while target is not None and step.maneuvers.distance(target) > step.number(1):
         yield
@@ -32,15 +32,15 @@ def condition_distance(step: Step) -> Iterator[None]:
 
 
 def condition_yaw(step: Step) -> Iterator[None]:
-    """The nose points to param 1 degrees, or by as many to the side of param 3 if param 4 is 1."""
+    """CONDITION_YAW: turn to param 1 degrees; relative, in the direction of param 3, if param 4 is 1."""
     angle, here = radians(step.number(1)), step.autopilot.body.estimate.yaw
     if step.whole(4) == 1:
         angle = here + copysign(angle, step.number(3) or 1.0)
-    if step.maneuvers.circles or step.autopilot.vehicle.type.on_surface:
+    if step.maneuvers.circles or step.autopilot.vehicle.vehicle_type.on_surface:
         return
     step.maneuvers.yaw = angle
     step.mission.keep_course()
-    end = step.now + _PATIENCE
+    end = step.now + _YAW_TIMEOUT
     while (
         abs(remainder(step.autopilot.body.estimate.yaw - angle, 2 * pi)) > _HEADING_REACHED and step.now < end
     ):

@@ -1,7 +1,7 @@
-"""The line that a mission flies, kept up with what changes on the way.
+"""The line that a mission flies, and its updates on the way.
 
-A speed or a heading that an item chooses while another item is under way counts at once: the same line is
-demanded again. A region of interest turns what can turn on the spot towards itself.
+A speed or heading chosen by another item takes effect immediately: the same line is demanded again. A region
+of interest turns vehicles that can turn on the spot.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.payload import Payload
     from mavstack.sim.autopilot.state import AutopilotState
 
-#: A region of interest is followed in steps of so many radians.
+#: Step of the yaw towards a region of interest, in radians.
 _TURN = pi / 90
 _TURNS_ON_THE_SPOT = frozenset({VehicleType.COPTER, VehicleType.VTOL, VehicleType.SUB})
 
@@ -31,7 +31,7 @@ class _Choices:
 
 
 class Course:
-    """Where the mission sends the vehicle."""
+    """The current line of the mission."""
 
     def __init__(self, autopilot: AutopilotState, payload: Payload) -> None:
         self._autopilot = autopilot
@@ -43,20 +43,20 @@ class Course:
 
     @property
     def point(self) -> Point | None:
-        """Where it goes; None if something else than a line is flown."""
+        """The target; None if no line is flown."""
         return self._point
 
     def set(self, point: Point, *, start: Point | None = None, yaw: float | None = None) -> None:
-        """Fly to a point, along the line from `start`, or from here."""
+        """Fly to a point, along the line from `start`, or from the current position."""
         self._point, self._start, self._yaw = point, start or self._autopilot.maneuvers.place, yaw
         self._demand()
 
-    def forget(self) -> None:
-        """Something else is flown now."""
+    def clear(self) -> None:
+        """Drop the line."""
         self._point = self._demanded = None
 
     def keep(self, *, again: bool = False) -> None:
-        """Demand the line again if a choice has changed."""
+        """Demand the line again if a chosen speed or yaw has changed."""
         if self._point is not None and (again or self._choices() != self._demanded):
             self._demand()
 
@@ -72,7 +72,7 @@ class Course:
 
     def _towards_region(self, yaw: float | None) -> float | None:
         region = self._payload.region_of_interest
-        if region is None or self._autopilot.vehicle.type not in _TURNS_ON_THE_SPOT:
+        if region is None or self._autopilot.vehicle.vehicle_type not in _TURNS_ON_THE_SPOT:
             return yaw
         north, east, _ = self._autopilot.maneuvers.place
         wanted = atan2(region[1] - east, region[0] - north)

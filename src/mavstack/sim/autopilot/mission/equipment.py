@@ -1,4 +1,4 @@
-"""The items that move what the vehicle carries: servos, relays, gripper, winch, camera, gimbal."""
+"""Mission items of the payload: servos, relays, gripper, winch, camera, gimbal."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def repeat_relay(step: Step) -> Iterator[None]:
 
 
 def set_actuators(step: Step) -> Iterator[None]:
-    """DO_SET_ACTUATOR: outputs from -1 to 1; NaN leaves one as it is."""
+    """DO_SET_ACTUATOR: outputs from -1 to 1; NaN leaves an output unchanged."""
     yield from ()
     for index in range(1, _ACTUATORS + 1):
         value = step.number(index, inf)
@@ -83,7 +83,7 @@ def spray(step: Step) -> Iterator[None]:
 
 
 def trigger_by_distance(step: Step) -> Iterator[None]:
-    """DO_SET_CAM_TRIGG_DIST, OBLIQUE_SURVEY: a picture every param 1 metres; param 3: one now."""
+    """DO_SET_CAM_TRIGG_DIST, OBLIQUE_SURVEY: a picture every param 1 metres; param 3 = 1 takes one now."""
     yield from ()
     payload = step.autopilot.payload
     payload.take_images_every(step.number(1))
@@ -102,7 +102,7 @@ def trigger_by_time(step: Step) -> Iterator[None]:
 
 
 def control_trigger(step: Step) -> Iterator[None]:
-    """DO_TRIGGER_CONTROL: param 1 = 0 ends what is repeated."""
+    """DO_TRIGGER_CONTROL: param 1 = 0 stops repeated pictures."""
     yield from ()
     if step.whole(1, default=1) == 0:
         step.autopilot.payload.stop_images()
@@ -116,7 +116,7 @@ def control_camera(step: Step) -> Iterator[None]:
 
 
 def start_images(step: Step) -> Iterator[None]:
-    """IMAGE_START_CAPTURE: param 3 pictures (0: without end), every param 2 seconds."""
+    """IMAGE_START_CAPTURE: param 3 pictures (0: no limit), one every param 2 seconds."""
     yield from ()
     count = step.number(3)
     step.autopilot.payload.take_images(max(step.number(2), 0.0), count if count > 0 else inf)
@@ -164,7 +164,7 @@ def point_mount(step: Step) -> Iterator[None]:
 
 
 def point_gimbal(step: Step) -> Iterator[None]:
-    """DO_GIMBAL_MANAGER_PITCHYAW: pitch and yaw in degrees; NaN leaves one as it is."""
+    """DO_GIMBAL_MANAGER_PITCHYAW: pitch and yaw in degrees; NaN leaves an angle unchanged."""
     yield from ()
     payload = step.autopilot.payload
     now = payload.gimbal

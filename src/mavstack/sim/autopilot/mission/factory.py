@@ -1,4 +1,4 @@
-"""Which rules a firmware's missions have."""
+"""Selection of the mission rules by firmware."""
 
 from __future__ import annotations
 
@@ -14,6 +14,6 @@ if TYPE_CHECKING:
 
 
 def rules_of(autopilot: Autopilot) -> MissionRules:
-    """The rules for one vehicle's missions."""
+    """Return the mission rules of a vehicle."""
     ours = Px4MissionRules if autopilot.vehicle.firmware is Firmware.PX4 else ArdupilotMissionRules
     return ours(autopilot)

@@ -138,7 +138,7 @@ class Step:
 
     def behave(self, behaviour: RunningBehaviour) -> Iterator[None]:
         """Run the behaviour of a mode as a part of the mission."""
-        self.mission.course.forget()
+        self.mission.course.clear()
         self.mission.part = behaviour
         try:
             yield from behaviour.fly()
@@ -168,7 +168,7 @@ class MissionRules(ABC):
     @property
     def grounded(self) -> bool:
         """True if the vehicle can fly and is on the ground."""
-        return self.vehicle.type.flies and self.autopilot.landed
+        return self.vehicle.vehicle_type.flies and self.autopilot.landed
 
     @property
     def restarts(self) -> bool:

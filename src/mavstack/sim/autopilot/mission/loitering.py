@@ -1,4 +1,4 @@
-"""The items that stay at a place: a wing circles it, what hovers stays in it or circles it on demand."""
+"""LOITER items: a wing circles, other vehicles hold the position or circle on demand."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import copysign
 from typing import TYPE_CHECKING
 
 from mavstack.sim.autopilot.behaviours.orbit import Orbit
-from mavstack.sim.autopilot.mission.navigation import fly_as_usual, leave_ground
+from mavstack.sim.autopilot.mission.navigation import leave_ground, use_default_flight_mode
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.autopilot.mission.interfaces import Step
 
-_MOST_TURNS = 255.0
+_MAX_TURNS = 255.0
 
 
 def loiter_forever(step: Step) -> Iterator[None]:
-    """Stay there until something else is wanted."""
+    """NAV_LOITER_UNLIM: stay until the mission is interrupted."""
     yield from _go_and_stay(step, step.place(), step.number(3))
     while True:
         step.mission.keep_course()
@@ -26,25 +26,25 @@ def loiter_forever(step: Step) -> Iterator[None]:
 
 
 def loiter_for_a_time(step: Step) -> Iterator[None]:
-    """Stay there for param 1 seconds."""
+    """NAV_LOITER_TIME: stay for param 1 seconds."""
     yield from _go_and_stay(step, step.place(), step.number(3))
     yield from step.wait(max(step.number(1), 0.0))
     step.mission.rules.waited(step)
 
 
 def loiter_turns(step: Step) -> Iterator[None]:
-    """Go round it param 1 times."""
+    """NAV_LOITER_TURNS: circle param 1 times."""
     yield from leave_ground(step)
-    yield from fly_as_usual(step)
-    point, turns = step.place(), min(max(step.number(1), 0.0), _MOST_TURNS)
+    yield from use_default_flight_mode(step)
+    point, turns = step.place(), min(max(step.number(1), 0.0), _MAX_TURNS)
     step.mission.origin = point
     yield from step.behave(Orbit(step.autopilot, point, _radius(step, step.number(3)), turns=turns))
 
 
 def loiter_to_altitude(step: Step) -> Iterator[None]:
-    """Go there, and then up or down."""
+    """NAV_LOITER_TO_ALT: fly there, then climb or descend."""
     yield from leave_ground(step)
-    yield from fly_as_usual(step)
+    yield from use_default_flight_mode(step)
     north, east, down = step.place()
     if not step.maneuvers.circles:
         yield from step.travel((north, east, step.maneuvers.place[2]))
@@ -58,7 +58,7 @@ def loiter_to_altitude(step: Step) -> Iterator[None]:
 
 def _go_and_stay(step: Step, point: Point, radius: float) -> Iterator[None]:
     yield from leave_ground(step)
-    yield from fly_as_usual(step)
+    yield from use_default_flight_mode(step)
     if not step.maneuvers.circles:
         yield from step.travel(point, yaw=step.yaw() if step.mission.rules.yaw_counts else None)
         return
@@ -69,13 +69,13 @@ def _go_and_stay(step: Step, point: Point, radius: float) -> Iterator[None]:
 
 
 def _circle(step: Step, point: Point, radius: float) -> None:
-    step.mission.course.forget()
+    step.mission.course.clear()
     step.mission.origin = point
     step.maneuvers.circle(point, radius)
 
 
 def _radius(step: Step, wanted: float) -> float:
-    """A radius that is 0 or 1 names no more than the direction."""
+    """Return the radius; 0 and ±1 stand for the default radius, with their sign."""
     flight_parameters = step.autopilot.flight_parameters
     usual = flight_parameters.loiter_radius if step.maneuvers.circles else flight_parameters.circle_radius
     if abs(wanted) <= 1:

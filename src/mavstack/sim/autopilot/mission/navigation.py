@@ -1,4 +1,4 @@
-"""The items that fly somewhere: waypoints, take-offs, landings, returning, waiting."""
+"""NAV items: waypoints, takeoffs, landings, returns and delays."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
     from mavstack.sim.autopilot.mission.interfaces import Step
 
-#: A take-off goes at least so high.
-_LEAST_CLIMB = 1.0
-_LEAST_CLIMB_OF_WING = 10.0
-#: So near counts as an altitude that is climbed through.
+#: Minimum climb of a takeoff, in metres.
+_MIN_CLIMB = 1.0
+_MIN_CLIMB_OF_WING = 10.0
+#: Altitude error at which an altitude counts as reached while passing through, in metres.
 _ALTITUDE_NEAR = 5.0
 _DAY = 86400.0
 _HEADING_REACHED = radians(5)
-#: A payload is put down from so high.
+#: Height at which a payload is released, in metres.
 _PLACE_HEIGHT = 0.5
-#: Height over distance down which a wing glides to its touch-down: without power it sinks about so.
-_STEEPEST = 0.15
+#: Maximum height over distance of a wing's direct landing, about its glide without power.
+_MAX_GLIDE_SLOPE = 0.15
 _SURFACE = 0.0
 
 
 def waypoint(step: Step) -> Iterator[None]:
-    """Fly to the point, and stay for its hold time."""
+    """NAV_WAYPOINT: fly to the point and stay for the hold time."""
     rules, point = step.mission.rules, step.place()
     yield from leave_ground(step)
-    yield from fly_as_usual(step)
+    yield from use_default_flight_mode(step)
     hold = max(step.number(1), 0.0) if rules.hold_counts else 0.0
     radius = step.number(2) if rules.radius_counts and step.number(2) > 0 else None
     yield from step.travel(_passed(step, point), yaw=step.yaw() if rules.yaw_counts else None, radius=radius)
@@ -48,28 +48,32 @@ def waypoint(step: Step) -> Iterator[None]:
 
 
 def leave_ground(step: Step) -> Iterator[None]:
-    """What flies and stands on the ground takes off first."""
+    """Take off first if the vehicle can fly and is on the ground."""
     if step.mission.rules.grounded:
         yield from step.behave(Takeoff(step.autopilot))
 
 
-def fly_as_usual(step: Step) -> Iterator[None]:
-    """A VTOL flies forward where its firmware has it do so."""
+def use_default_flight_mode(step: Step) -> Iterator[None]:
+    """Make a VTOL fly forward where its firmware does."""
     forward = step.mission.rules.waypoints_fly_forward and not step.mission.hovers
-    if step.autopilot.vehicle.type is VehicleType.VTOL and forward and not step.autopilot.body.flies_forward:
+    if (
+        step.autopilot.vehicle.vehicle_type is VehicleType.VTOL
+        and forward
+        and not step.autopilot.body.flies_forward
+    ):
         yield from transition(step.autopilot, forward=True)
 
 
 def stay(step: Step, point: Point, seconds: float) -> Iterator[None]:
-    """Stay at a point: a wing circles it."""
+    """Stay at a point; a wing circles it."""
     if step.maneuvers.circles:
-        step.mission.course.forget()
+        step.mission.course.clear()
         step.maneuvers.hold(point)
     yield from step.wait(seconds)
 
 
 def _passed(step: Step, point: Point) -> Point:
-    """Where a wing is to fly that passes the waypoint by a distance (param 3)."""
+    """Return the target of a wing that passes the waypoint at a distance (param 3)."""
     beyond = step.number(3)
     if not step.mission.rules.passes_by or beyond <= 0:
         return point
@@ -78,22 +82,22 @@ def _passed(step: Step, point: Point) -> Point:
 
 
 def take_off(step: Step) -> Iterator[None]:
-    """Climb to the item's altitude; then, where the firmware does so, go to its place, but for a wing."""
+    """NAV_TAKEOFF: climb, then go to the item's position where the firmware does; a wing does not."""
     yield from _climb(step, forward=False)
-    wing = step.autopilot.vehicle.type is VehicleType.PLANE
+    wing = step.autopilot.vehicle.vehicle_type is VehicleType.PLANE
     if step.mission.rules.takeoff_goes_there and step.has_place and not wing:
         yield from step.travel(step.place())
 
 
 def vtol_take_off(step: Step) -> Iterator[None]:
-    """Straight up, and forward from there where the firmware does so."""
+    """NAV_VTOL_TAKEOFF: climb vertically, then fly forward where the firmware does."""
     yield from _climb(step, forward=not step.mission.rules.waypoints_fly_forward)
 
 
 def _climb(step: Step, *, forward: bool) -> Iterator[None]:
     autopilot = step.autopilot
-    kind, here = autopilot.vehicle.type, step.maneuvers.place[2]
-    least = _LEAST_CLIMB_OF_WING if kind is VehicleType.PLANE else _LEAST_CLIMB
+    kind, here = autopilot.vehicle.vehicle_type, step.maneuvers.place[2]
+    least = _MIN_CLIMB_OF_WING if kind is VehicleType.PLANE else _MIN_CLIMB
     down = step.place()[2]
     if autopilot.landed:
         down = min(down, here - least)
@@ -102,9 +106,9 @@ def _climb(step: Step, *, forward: bool) -> Iterator[None]:
 
 
 def land(step: Step) -> Iterator[None]:
-    """Go to the place, if there is one, and land there."""
+    """NAV_LAND: go to the position, if there is one, and land."""
     autopilot, here = step.autopilot, step.maneuvers.place[2]
-    kind, point = autopilot.vehicle.type, step.place()
+    kind, point = autopilot.vehicle.vehicle_type, step.place()
     if kind is VehicleType.PLANE:
         landing = Land(autopilot, point, direct=_is_lined_up(step, point))
         yield from (
@@ -120,13 +124,13 @@ def land(step: Step) -> Iterator[None]:
 
 
 def _is_lined_up(step: Step, point: Point) -> bool:
-    """Whether a wing can come down to a point from where it is without a circle."""
+    """Return whether a wing can descend to a point without a circle."""
     away = step.maneuvers.distance(point)
-    return away > 0 and -step.maneuvers.place[2] / away < _STEEPEST
+    return away > 0 and -step.maneuvers.place[2] / away < _MAX_GLIDE_SLOPE
 
 
 def _until_down(step: Step, behaviour: Behaviour) -> Iterator[None]:
-    """Do it until the vehicle stands on the ground."""
+    """Run a behaviour until the vehicle is on the ground."""
     for _ in step.behave(behaviour):
         if step.autopilot.landed and behaviour.landing:
             break
@@ -135,18 +139,18 @@ def _until_down(step: Step, behaviour: Behaviour) -> Iterator[None]:
 
 
 def return_to_launch(step: Step) -> Iterator[None]:
-    """Go home: by the mode for it, or as an item."""
+    """NAV_RETURN_TO_LAUNCH: return by the mode, or as an item."""
     autopilot = step.autopilot
     if step.mission.rules.returns_in_mode:
         yield from step.mission.rules.go_home(step)
-    if autopilot.vehicle.type is VehicleType.SUB:
+    if autopilot.vehicle.vehicle_type is VehicleType.SUB:
         yield from step.travel(autopilot.home_position)
         return
     yield from _until_down(step, ReturnToLaunch(autopilot))
 
 
 def delay(step: Step) -> Iterator[None]:
-    """Stay for param 1 seconds, or until an hour, minute and second of the day."""
+    """NAV_DELAY: stay for param 1 seconds, or until a time of the day (UTC)."""
     seconds = step.number(1)
     if seconds < 0:
         wanted = max(step.number(2), 0) * 3600 + max(step.number(3), 0) * 60 + max(step.number(4), 0)
@@ -157,11 +161,11 @@ def delay(step: Step) -> Iterator[None]:
 
 
 def change_altitude(step: Step) -> Iterator[None]:
-    """Fly straight on, climbing or sinking to an altitude; param 1: 1 at least, 2 at most, else near it."""
+    """NAV_CONTINUE_AND_CHANGE_ALT: fly straight on to an altitude; param 1: 1 climbs, 2 descends."""
     yield from leave_ground(step)
     down = step.place()[2]
     if step.maneuvers.circles:
-        step.mission.course.forget()
+        step.mission.course.clear()
         step.maneuvers.fly_on(down=down)
     else:
         north, east, _ = step.maneuvers.place
@@ -181,8 +185,8 @@ def _is_through(step: Step, down: float) -> bool:
     return abs(above) <= _ALTITUDE_NEAR
 
 
-def be_guided(step: Step) -> Iterator[None]:
-    """Follow setpoints until a limit of DO_GUIDED_LIMITS is reached; param 1 = 0: go on at once."""
+def fly_guided(step: Step) -> Iterator[None]:
+    """NAV_GUIDED_ENABLE: follow setpoints until a limit of DO_GUIDED_LIMITS; param 1 = 0 skips the item."""
     if step.number(1) <= 0:
         return
     limits, begun, start = step.mission.guided_limits, step.now, step.maneuvers.place
@@ -194,19 +198,19 @@ def be_guided(step: Step) -> Iterator[None]:
 
 
 def turn_and_drive(step: Step) -> Iterator[None]:
-    """NAV_SET_YAW_SPEED: turn to param 1 degrees, by as many if param 3 is 1, at param 2 m/s."""
+    """NAV_SET_YAW_SPEED: turn to param 1 degrees, relative if param 3 is 1, at param 2 m/s."""
     heading = radians(step.number(1))
     if step.whole(3) == 1:
         heading += step.autopilot.body.estimate.yaw
     speed = step.number(2)
-    step.mission.course.forget()
+    step.mission.course.clear()
     while abs(remainder(step.autopilot.body.estimate.yaw - heading, tau)) > _HEADING_REACHED:
         step.autopilot.body.fly_velocity(cos(heading) * speed, sin(heading) * speed, 0.0, yaw=heading)
         yield
 
 
 def wait_for_altitude(step: Step) -> Iterator[None]:
-    """NAV_ALTITUDE_WAIT: do nothing until it is as high as param 1, or sinks as fast as param 2."""
+    """NAV_ALTITUDE_WAIT: wait for the altitude of param 1 or the descent rate of param 2."""
     highest, fastest = step.number(1), step.number(2)
     body = step.autopilot.body
     body_frame_height = body.frame.altitude
@@ -217,7 +221,7 @@ def wait_for_altitude(step: Step) -> Iterator[None]:
 
 
 def place_payload(step: Step) -> Iterator[None]:
-    """NAV_PAYLOAD_PLACE: go there, down, let go, up again."""
+    """NAV_PAYLOAD_PLACE: go there, descend, release, climb."""
     yield from leave_ground(step)
     here = step.maneuvers.place[2]
     north, east, _ = step.place()

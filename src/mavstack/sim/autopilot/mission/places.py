@@ -1,7 +1,7 @@
-"""Where an item is: its params 5 to 7 in local metres.
+"""The position of a mission item: its params 5 to 7 in local metres.
 
-A latitude and longitude that are left out (NaN, or both 0) mean where the vehicle is; an altitude that is
-left out means as high as it is. A place in the frame MISSION came as it lay in the message.
+A latitude and longitude that are NaN or both 0 mean the current position, an altitude of NaN the current
+altitude. A position in the frame MISSION is as it was in the message.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
 _F = common.MavFrame
 LATITUDE, LONGITUDE = 90.0, 180.0
 _OFFSETS = frozenset({_F.LOCAL_OFFSET_NED, _F.BODY_OFFSET_NED})
-#: Nothing here goes farther or higher.
+#: Bounds of a position, in metres.
 _FAR, _HIGH = 2.0e6, 1.0e5
 
 
 def has_place(item: MissionItem) -> bool:
-    """Whether an item names a latitude and a longitude, or x and y."""
+    """Return whether an item has a latitude and longitude, or x and y."""
     return isfinite(item.param5) and isfinite(item.param6) and bool(item.param5 or item.param6)
 
 
 def place_of(autopilot: AutopilotState, item: MissionItem, *, zero_is_here: bool = False) -> Point:
-    """The place of an item; `zero_is_here`: an altitude of 0 above home means as high as now."""
+    """Return the position of an item; `zero_is_here`: an altitude of 0 above home means the current one."""
     item = as_global(item)
     here = autopilot.maneuvers.place
     if item.frame not in GLOBAL_FRAMES:
@@ -48,7 +48,7 @@ def place_of(autopilot: AutopilotState, item: MissionItem, *, zero_is_here: bool
 
 
 def as_global(item: MissionItem) -> MissionItem:
-    """An item whose place came in the frame MISSION as one in GLOBAL."""
+    """Return an item in the frame MISSION as one in GLOBAL."""
     if item.frame != _F.MISSION:
         return item
     raw = abs(item.param5) > LATITUDE or abs(item.param6) > LONGITUDE

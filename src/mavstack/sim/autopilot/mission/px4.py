@@ -1,7 +1,7 @@
-"""PX4's missions.
+"""PX4's mission rules.
 
-Items come one after another, those that only do something too, and any of them can be the current one. What
-has no place must come in the frame MISSION. A mission that ends goes over to holding.
+Items run one after another, and any item can be the current one. Items without a position must be in the
+frame MISSION. A completed mission ends in Hold.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _F = common.MavFrame
 _RESULT = common.MavMissionResult
 _SEVERITY = common.MavSeverity
 
-#: What has a place, and comes in a global frame.
+#: Commands with a position, in a global frame.
 PLACED = frozenset(
     {
         _CMD.NAV_WAYPOINT,
@@ -42,7 +42,7 @@ PLACED = frozenset(
         _CMD.CONDITION_GATE,
     }
 )
-#: What has none, and comes in the frame MISSION.
+#: Commands without a position, in the frame MISSION.
 PLACELESS = frozenset(
     {
         _CMD.DO_JUMP,
@@ -89,19 +89,19 @@ _REGIONS_PLACELESS = frozenset({common.MavRoi.NONE, common.MavRoi.WPNEXT, common
 _ALL = frozenset({1, 2, 3, 4})
 _TAKEOFFS = frozenset({_CMD.NAV_TAKEOFF, _CMD.NAV_VTOL_TAKEOFF})
 _HIGHEST = 1.0e5
-#: What was reached is said again, once a second.
-_SAID_AGAIN = 10
+#: Repetitions of MISSION_ITEM_REACHED, one per second.
+_REPEATS = 10
 
 
 class Px4MissionRules(MissionRules):
-    """The missions of PX4."""
+    """The mission rules of PX4."""
 
     first = 0
     actions_meanwhile = False
     zero_altitude_is_here = False
     waypoints_fly_forward = False
 
-    #: What stands for the item that was reached last, until another is.
+    #: Identity of the last reached item.
     _reached: object = None
 
     # Uploads
@@ -138,7 +138,7 @@ class Px4MissionRules(MissionRules):
             mission.begin_at(mission.sequence)
 
     def problem(self, mission: Mission) -> str | None:
-        """Why the mission that was uploaded cannot be flown; None if it can, or if there is none."""
+        """Return why the uploaded mission cannot be flown; None if it can, or if there is none."""
         moved = False
         for seq, item in enumerate(mission.items):
             if seq == 0 and item.command == _CMD.NAV_LAND and self.grounded:
@@ -180,7 +180,7 @@ class Px4MissionRules(MissionRules):
                 mission.server.reached(seq)
                 self.vehicle.touch(mission.server)
 
-        for seconds in range(1, _SAID_AGAIN + 1):
+        for seconds in range(1, _REPEATS + 1):
             mission.later(say_again, after=seconds)
 
     def go_home(self, step: Step) -> Iterator[None]:
@@ -189,7 +189,7 @@ class Px4MissionRules(MissionRules):
         if was_last:
             mission.send_statustext("Mission finished, loitering")
         mission.send_statustext("Returning to launch")
-        # Disarmed, it will be in the mode that it held in, and not begin the mission anew.
+        # After disarming the mode is Hold, so that the mission does not restart.
         modes = (profile.hold, profile.return_to_launch) if was_last else (profile.return_to_launch,)
         return mission.leave(*modes, reason="mission item")
 
@@ -202,7 +202,7 @@ class Px4MissionRules(MissionRules):
         return True
 
     def finish(self, mission: Mission) -> Iterator[None]:
-        """A mission that ends on the ground stays in its mode, and is disarmed there."""
+        """End the mission; on the ground the mode stays, and the vehicle is disarmed."""
         autopilot, where = self.autopilot, "landed" if self.grounded else "loitering"
         if not mission.exists:
             ending = "refusing takeoff" if self.grounded else where
@@ -217,7 +217,7 @@ class Px4MissionRules(MissionRules):
         yield from mission.leave(autopilot.profile.hold, reason="mission end")
 
     def _disarm(self) -> None:
-        """It has landed by the mission, which is no mode's landing any more."""
+        """Disarm after a landing by the mission."""
         autopilot = self.autopilot
         if autopilot.landed and autopilot.mode.number == autopilot.profile.mission:
             autopilot.disarm("landed")

@@ -1,8 +1,8 @@
-"""In which order the items of a mission are flown: the jumps, and how often each was taken.
+"""The order in which the items of a mission are flown, with its jumps.
 
-An item that navigates ends a leg; the items before it that only do something belong to that leg. Jumps are
-no items of a leg: they say where the search for the next one goes on. A jump is counted when a leg is taken
-through it. A loop of jumps alone, or of items that only do something, ends the mission.
+A NAV item ends a leg; the DO and CONDITION items before it belong to that leg. A jump is no item of a leg: it
+moves the search for the next item, and is counted when a leg is taken through it. A loop of jumps alone, or
+of DO items alone, ends the mission.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
 
 _CMD = common.MavCmd
 FOREVER = -1
-MOST_JUMPS = 64
-MOST_ACTIONS = 255
+MAX_JUMPS = 64
+MAX_ACTIONS = 255
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """What is done on the way, and the item that is flown; None after the last one."""
+    """The DO and CONDITION items of a leg, and its NAV item; None after the last one."""
 
     actions: tuple[int, ...]
     navigation: int | None
-    #: Where the next leg's search begins.
+    #: The sequence number where the search for the next leg begins.
     then: int
 
 
 class Route:
-    """A mission's items, and the jumps taken so far."""
+    """The items of a mission, and the counts of the jumps taken."""
 
     def __init__(
         self, items: Sequence[MissionItem], first: int, navigates: Callable[[MissionItem], bool]
@@ -49,37 +49,37 @@ class Route:
             if item.command == _CMD.JUMP_TAG:
                 self._tagged.setdefault(item.param1, at)
 
-    def forget_jumps(self) -> None:
-        """Count from the beginning."""
+    def reset_jumps(self) -> None:
+        """Reset the counts of all jumps."""
         self._taken.clear()
 
     def jumps_taken(self, seq: int) -> int:
-        """How often the jump of an item was taken."""
+        """Return the count of a jump."""
         return self._taken.get(seq, 0)
 
     def leg(self, seq: int) -> Leg | None:
-        """The leg that begins at an item, jumps counted; None at the end of the mission."""
+        """Return the leg that begins at an item, and count its jumps; None at the end of the mission."""
         actions: list[int] = []
         at = self._follow(seq)
         while at is not None:
             if self._navigates(self.items[at]):
                 return Leg(tuple(actions), at, at + 1)
             actions.append(at)
-            at = self._follow(at + 1) if len(actions) < MOST_ACTIONS else None
+            at = self._follow(at + 1) if len(actions) < MAX_ACTIONS else None
         return Leg(tuple(actions), None, len(self.items)) if actions else None
 
     def upcoming(self, seq: int, most: int = 16) -> list[int]:
-        """The items that navigate from one on, as they stand, jumps left aside."""
+        """Return the next NAV items from `seq` on, ignoring jumps."""
         following = range(max(seq, self.first), len(self.items))
         return [at for at in following if self._navigates(self.items[at])][:most]
 
     def tagged(self, tag: float) -> int | None:
-        """The item that a tag marks."""
+        """Return the item of a JUMP_TAG."""
         return self._tagged.get(tag)
 
     def _follow(self, seq: int) -> int | None:
-        """The next item at or after `seq` that is no jump."""
-        for _ in range(MOST_JUMPS):
+        """Return the next item at or after `seq` that is no jump."""
+        for _ in range(MAX_JUMPS):
             if not 0 <= seq < len(self.items):
                 return None
             item = self.items[seq]

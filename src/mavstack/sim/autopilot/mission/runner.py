@@ -1,9 +1,9 @@
-"""Flies the mission: leg by leg, in the mode that is for it.
+"""The mission runner: it flies the mission leg by leg, in the mission mode.
 
-A leg is one item that navigates, and those before it that only do something (`route.py`). Each item is a
-small script (`scripts.py`). What comes from outside while it is flown (another current item, another
-mission, a pause) is noticed at the next tick. A script does not change the mode, for that would end it in
-the middle of a step: it asks by `leave` or `later`, and it is done before the next tick.
+A leg is one NAV item with the DO and CONDITION items before it (`route.py`). Each item is a small script
+(`scripts.py`). External changes (another current item, a new plan, a pause) take effect at the next tick. A
+script does not change the mode itself, since that would end the script in the middle of a step: it calls
+`leave` or `later`, which act before the next tick.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
 from mavstack.sim.autopilot.mission.interfaces import Step
 from mavstack.sim.autopilot.mission.route import Leg, Route
 from mavstack.sim.autopilot.mission.scripts import script_of
-from mavstack.sim.autopilot.mission.validation import judge_item, judge_plan
+from mavstack.sim.autopilot.mission.validation import validate_item, validate_plan
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -34,8 +34,8 @@ _STATE = common.MissionState
 _CMD = common.MavCmd
 #: `mission_mode` of MISSION_CURRENT.
 IN_MISSION, SUSPENDED = 1, 2
-#: So many legs are flown in one tick at most: one to where the vehicle is takes no time, and jumps go round.
-_MOST_LEGS = 10
+#: Maximum number of legs in one tick: a leg to the current position takes no time, and jumps can loop.
+_MAX_LEGS = 10
 
 
 class MissionRunner:
@@ -45,10 +45,10 @@ class MissionRunner:
         self.autopilot = autopilot
         self.rules = rules_of(autopilot)
         self.course = Course(autopilot, autopilot.payload)
-        #: What a mode does that an item does just now, such as a take-off.
+        #: The behaviour that the current item runs, such as a takeoff.
         self.part: RunningBehaviour | None = None
         self.guided_limits = GuidedLimits()
-        #: Whether a VTOL was told to hover on its way.
+        #: True if a VTOL was commanded to hover on its way.
         self.hovers = False
         self.paused = False
         self._paused_for = 0.0
@@ -59,29 +59,29 @@ class MissionRunner:
         self._at = 0
         self._ticked = autopilot.now
         self._later: list[tuple[float, Callable[[], object]]] = []
-        #: The item that is flown now, whatever became of the mission.
+        #: The item that is flown now, even if the plan was replaced meanwhile.
         self.flown: MissionItem | None = None
-        #: The last point that the mission went to: where the next line begins.
+        #: The last point of the mission that was flown to: the start of the next line.
         self.origin: Point | None = None
         autopilot.watches.append(self)
         autopilot.vehicle.on_event(PlanReplaced, self._plan_replaced)
         autopilot.vehicle.on_event(CurrentItemSet, self._current_set)
 
-    # What it is doing
+    # State
 
     @property
     def server(self) -> MissionServer:
-        """The vehicle's side of the mission protocol."""
+        """The server of the mission protocol."""
         return self.autopilot.vehicle.mission
 
     @property
     def items(self) -> tuple[MissionItem, ...]:
-        """The mission."""
+        """The items of the mission."""
         return self.autopilot.vehicle.plans.get(PlanType.MISSION).items
 
     @property
     def exists(self) -> bool:
-        """Whether there is anything to fly."""
+        """True if there is an item to fly."""
         return len(self.items) > self.rules.first
 
     @property
@@ -91,7 +91,7 @@ class MissionRunner:
 
     @property
     def sequence(self) -> int:
-        """The current item."""
+        """The sequence number of the current item."""
         return self.server.current
 
     @property
@@ -101,36 +101,41 @@ class MissionRunner:
 
     @property
     def flying(self) -> bool:
-        """Whether the mission is flown now."""
+        """True while the mission is flown."""
         return self._flying
 
     @property
     def now(self) -> float:
-        """Time that stands still in a pause."""
+        """Mission time: the clock stops while the mission is paused."""
         return self.autopilot.now - self._paused_for
 
     @property
     def route(self) -> Route:
-        """The way through the items."""
+        """The order of the items."""
         items = self.items
         if self._route is None or self._route.items is not items:
             self._route = Route(items, self.rules.first, self.rules.navigates)
         return self._route
 
-    # What others ask of it
+    # Control
 
     def valid(self) -> bool:
         """Return whether there is a mission that can be flown."""
         return self.rules.valid(self)
 
     def refusal(self) -> str | None:
-        """Why the mission mode may not be entered now; None if it may."""
+        """Return why the mission mode cannot be entered now; None if it can."""
         return self.rules.refusal(self)
 
     def start(self, first: int = 0, last: int = 0) -> str | None:
-        """Fly the mission from an item (0: its beginning, or where it was) to another (0: the end).
+        """Fly the mission.
 
-        Gives the reason why not, None if it is flown.
+        Args:
+            first: The first item; 0 for the first or the current one.
+            last: The last item; 0 for the end of the mission.
+
+        Returns:
+            The reason for a refusal; None if the mission is flown now.
         """
         count = len(self.items)
         if not (0 <= first < max(count, 1) and 0 <= last < max(count, 1)) or (last and last < first):
@@ -148,18 +153,18 @@ class MissionRunner:
         return None
 
     def pause(self) -> bool:
-        """Stay where it is; False if no mission is flown."""
+        """Hold the position; returns False if no mission is flown."""
         if self._flying and not self.paused:
             self.paused = True
-            self._show(_STATE.PAUSED)
+            self._set_state(_STATE.PAUSED)
             self.autopilot.maneuvers.hold()
         return self._flying
 
     def resume(self) -> bool:
-        """Go on after a pause; False if no mission is flown."""
+        """Continue after a pause; returns False if no mission is flown."""
         if self._flying and self.paused:
             self.paused = False
-            self._show(_STATE.ACTIVE)
+            self._set_state(_STATE.ACTIVE)
             if self.course.point is not None:
                 self.course.keep(again=True)
             else:
@@ -167,32 +172,32 @@ class MissionRunner:
         return self._flying
 
     def reset(self) -> None:
-        """Begin anew when it is flown next."""
+        """Start from the first item at the next flight."""
         self._next, self._last, self._complete = self.rules.first, None, False
-        self.route.forget_jumps()
+        self.route.reset_jumps()
         if self.server.state != _STATE.COMPLETE:
-            self._show(_STATE.NOT_STARTED)
+            self._set_state(_STATE.NOT_STARTED)
 
     def go_to_item(self, seq: int, *, reset: bool = False) -> bool:
-        """Go on at an item; False if there is none."""
+        """Continue at an item; returns False if there is none."""
         if not 0 <= seq < len(self.items):
             return False
         if reset or seq < self.rules.first or self._complete:
-            self.route.forget_jumps()
+            self.route.reset_jumps()
         self.begin_at(max(seq, self.rules.first))
         return True
 
     def begin_at(self, seq: int) -> None:
-        """Go on at an item, or end if it is behind the last one."""
+        """Continue at an item, or end the mission if `seq` is past the last one."""
         self._next, self._complete, self._interrupted = seq, False, True
-        self._move_to(seq)
+        self._set_current(seq)
 
     def restore(self, seq: int) -> None:
-        """Keep the current item that was, if another mission has one at its place."""
-        self._move_to(seq)
+        """Make an item current again, if the replaced mission has one of that number."""
+        self._set_current(seq)
 
     def landing_start(self) -> int | None:
-        """The nearest DO_LAND_START."""
+        """Return the nearest DO_LAND_START, None if the mission has none."""
         found = (seq for seq, item in enumerate(self.items) if item.command == _CMD.DO_LAND_START)
         return min(found, key=self._distance_to, default=None)
 
@@ -204,48 +209,48 @@ class MissionRunner:
     # For the services
 
     def check(self, kind: int, seq: int, item: MissionItem) -> int:
-        """Judge one item of an upload: MAV_MISSION_RESULT."""
-        return judge_item(self.rules, kind, item)
+        """Validate one item of an upload: MAV_MISSION_RESULT."""
+        return validate_item(self.rules, kind, item)
 
     def validate(self, plan: Plan, source: Address) -> int:
-        """Judge a whole plan: MAV_MISSION_RESULT."""
-        return judge_plan(self.rules, plan, flying=self._flying)
+        """Validate a whole plan: MAV_MISSION_RESULT."""
+        return validate_plan(self.rules, plan, flying=self._flying)
 
     # For the scripts
 
     def later(self, act: Callable[[], object], *, after: float = 0.0) -> None:
-        """Do something that a script cannot do itself: before the next tick, or after some seconds."""
+        """Call `act` before the next tick, or after some seconds."""
         self._later.append((self.autopilot.now + after, act))
 
     def leave(self, *modes: int, reason: str) -> Iterator[None]:
-        """Enter another mode, or several in turn, unless somebody else does meanwhile; wait until then."""
+        """Enter another mode, or several in turn, unless the mode changes otherwise; wait for the change."""
         autopilot, mine = self.autopilot, self.autopilot.behaviour
         self.later(lambda: autopilot.behaviour is mine and [autopilot.enter(mode, reason) for mode in modes])
         while True:
             yield
 
     def hand_over(self, seq: int) -> bool:
-        """An item goes on outside the mission, so it counts as done; whether it was the last one."""
+        """Complete an item that continues outside the mission; returns whether it was the last one."""
         if self._next is None or self.route.leg(self._next) is None:
             self._end()
-        self._tell_reached(seq)
+        self._report_reached(seq)
         return self._complete
 
     def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
-        """Say something by STATUSTEXT."""
+        """Send a STATUSTEXT."""
         self.autopilot.vehicle.send_statustext(text, severity)
 
     def set_course(self, point: Point, *, start: Point | None = None, yaw: float | None = None) -> None:
-        """Fly a line to a point, from where the mission was last unless `start` says else."""
+        """Fly a line to a point, from the last point of the mission unless `start` is given."""
         self.course.set(point, start=start or self._line_begin(point), yaw=yaw)
         self.origin = point
 
     def keep_course(self) -> None:
-        """Take changes of speed and heading into account."""
+        """Apply changes of speed and heading to the current line."""
         self.course.keep()
 
     def _line_begin(self, point: Point) -> Point:
-        """The last point, unless the vehicle is far from the line that it would begin."""
+        """Return the last point, or the current position if the vehicle is far from the line."""
         here = self.autopilot.maneuvers.place
         if self.origin is None or self.origin[:2] == point[:2]:
             return here
@@ -255,7 +260,7 @@ class MissionRunner:
     # Flying
 
     def tick(self, now: float) -> None:
-        """Do what scripts asked for."""
+        """Run the deferred actions."""
         due = [act for at, act in self._later if at <= now]
         self._later = [(at, act) for at, act in self._later if at > now]
         for act in due:
@@ -277,7 +282,7 @@ class MissionRunner:
                     yield from self._finish()
                 else:
                     yield from self._fly_leg(leg)
-                if legs % _MOST_LEGS == 0:
+                if legs % _MAX_LEGS == 0:
                     yield
         finally:
             self._leave()
@@ -285,7 +290,7 @@ class MissionRunner:
     def _enter(self) -> None:
         self._flying, self.paused, self.hovers = True, False, False
         self.origin = None
-        self.course.forget()
+        self.course.clear()
         if self._complete or (self.rules.restarts and not self._begins_where_told):
             last = self._last
             self.reset()
@@ -293,7 +298,7 @@ class MissionRunner:
         self._begins_where_told = False
         if self._next is None:
             self._next = max(self.sequence, self.rules.first)
-        self._show(_STATE.ACTIVE if self.exists else self.server.state)
+        self._set_state(_STATE.ACTIVE if self.exists else self.server.state)
         self.rules.began(self)
 
     def _leave(self) -> None:
@@ -305,7 +310,7 @@ class MissionRunner:
             self._next = None
         elif self.exists:
             self._next = self.sequence
-        self._show(_STATE.COMPLETE if self._complete else _STATE.PAUSED)
+        self._set_state(_STATE.COMPLETE if self._complete else _STATE.PAUSED)
 
     def _take_leg(self) -> Leg | None:
         start = self._next if self._next is not None else self.rules.first
@@ -319,37 +324,37 @@ class MissionRunner:
     def _end(self) -> None:
         if not self._complete:
             self._complete = True
-            self._show(_STATE.COMPLETE)
+            self._set_state(_STATE.COMPLETE)
 
     def _finish(self) -> Iterator[None]:
         self._end()
-        yield from self._while_undisturbed(self.rules.finish(self))
+        yield from self._until_interrupted(self.rules.finish(self))
         while not self._interrupted:
             yield
-        self._show(_STATE.ACTIVE)
+        self._set_state(_STATE.ACTIVE)
 
     def _fly_leg(self, leg: Leg) -> Iterator[None]:
         items = self.items
         self.autopilot.maneuvers.yaw = None
         actions = self._act(leg, items)
         if not self.rules.actions_meanwhile:
-            yield from self._while_undisturbed(actions)
+            yield from self._until_interrupted(actions)
         if leg.navigation is None:
-            yield from self._while_undisturbed(actions)
+            yield from self._until_interrupted(actions)
             return
         navigation = self._perform(leg.navigation, items[leg.navigation])
-        yield from self._while_undisturbed(self._beside(navigation, actions))
+        yield from self._until_interrupted(self._fly_with_actions(navigation, actions))
 
-    def _beside(self, navigation: Iterator[None], actions: Iterator[None]) -> Iterator[None]:
-        """The item that navigates, and what is done meanwhile: its end ends both."""
+    def _fly_with_actions(self, navigation: Iterator[None], actions: Iterator[None]) -> Iterator[None]:
+        """Run the NAV item and the other items of its leg; the end of the NAV item ends all."""
         while True:
             next(actions, None)
             if next(navigation, _ENDED) is _ENDED:
                 return
             yield
 
-    def _while_undisturbed(self, script: Iterator[None]) -> Iterator[None]:
-        """Run a script until something else is wanted; a pause holds it up."""
+    def _until_interrupted(self, script: Iterator[None]) -> Iterator[None]:
+        """Run a script until the mission is interrupted; a pause suspends it."""
         while not self._interrupted:
             if not self.paused and next(script, _ENDED) is _ENDED:
                 return
@@ -364,28 +369,28 @@ class MissionRunner:
     def _perform(self, seq: int, item: MissionItem) -> Iterator[None]:
         step = Step(self, seq, item)
         if self.rules.navigates(item) or not self.rules.actions_meanwhile:
-            self._move_to(seq)
+            self._set_current(seq)
             self.flown = item
         self.rules.started(step)
         yield from script_of(item.command)(step)
         if self.rules.reports(item):
-            self._tell_reached(seq)
+            self._report_reached(seq)
 
-    # Telling
+    # Reports
 
-    def _tell_reached(self, seq: int) -> None:
+    def _report_reached(self, seq: int) -> None:
         self.server.reached(seq)
         self._touch()
         self.rules.reported(self, seq)
 
-    def _move_to(self, seq: int) -> None:
+    def _set_current(self, seq: int) -> None:
         if 0 <= seq < len(self.items):
             self._at = seq
             if self.server.current != seq:
                 self.server.set_current(seq)
                 self._touch()
 
-    def _show(self, state: int) -> None:
+    def _set_state(self, state: int) -> None:
         mode = IN_MISSION if self._flying else SUSPENDED
         server = self.server
         if (server.state, server.mode) != (state, mode):
@@ -396,7 +401,7 @@ class MissionRunner:
     def _touch(self) -> None:
         self.autopilot.vehicle.touch(self.server)
 
-    # What comes from outside
+    # External changes
 
     def _plan_replaced(self, event: PlanReplaced) -> None:
         if event.plan.type != PlanType.MISSION:
@@ -404,12 +409,12 @@ class MissionRunner:
         was, self._at = self._at, self.server.current
         if not self._flying:
             self._next, self._complete = None, False
-            self._show(_STATE.NOT_STARTED)
+            self._set_state(_STATE.NOT_STARTED)
         self.rules.replaced(self, was)
 
     def _current_set(self, event: CurrentItemSet) -> None:
         self._at = event.seq
-        self.go_to_item(event.seq, reset=event.reset)
+        self.go_to_item(event.seq, reset=event.restart)
 
 
 _ENDED = object()

@@ -1,6 +1,6 @@
 """The script of each MAV_CMD that a mission can hold.
 
-An item that is not listed is passed over: a firmware's rules refuse in an upload what it does not know.
+Unlisted items are skipped: the firmware's rules refuse unknown items in an upload.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SCRIPTS: Final[Mapping[int, Script]] = {
     _CMD.NAV_RETURN_TO_LAUNCH: navigation.return_to_launch,
     _CMD.NAV_DELAY: navigation.delay,
     _CMD.NAV_CONTINUE_AND_CHANGE_ALT: navigation.change_altitude,
-    _CMD.NAV_GUIDED_ENABLE: navigation.be_guided,
+    _CMD.NAV_GUIDED_ENABLE: navigation.fly_guided,
     _CMD.NAV_SET_YAW_SPEED: navigation.turn_and_drive,
     _CMD.NAV_ALTITUDE_WAIT: navigation.wait_for_altitude,
     _CMD.NAV_PAYLOAD_PLACE: navigation.place_payload,
@@ -76,5 +76,5 @@ SCRIPTS: Final[Mapping[int, Script]] = {
 
 
 def script_of(command: int) -> Script:
-    """What an item of this MAV_CMD does."""
+    """Return the script of a MAV_CMD."""
     return SCRIPTS.get(command, actions.nothing)

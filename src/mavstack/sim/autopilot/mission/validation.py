@@ -1,4 +1,4 @@
-"""Uploads of any plan, judged: each item as it comes, then the whole, by the rules of the firmware."""
+"""Validation of uploaded plans: each item as it arrives, then the whole, by the rules of the firmware."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.mission.interfaces import MissionRules
 
 
-def judge_item(rules: MissionRules, kind: int, item: MissionItem) -> int:
-    """Judge an item of any plan: MAV_MISSION_RESULT."""
+def validate_item(rules: MissionRules, kind: int, item: MissionItem) -> int:
+    """Validate an item of any plan: MAV_MISSION_RESULT."""
     if kind == PlanType.MISSION:
         return rules.check(item)
     firmware = rules.vehicle.firmware
     return check_fence_item(item) if kind == PlanType.FENCE else check_rally_item(item, firmware)
 
 
-def judge_plan(rules: MissionRules, plan: Plan, *, flying: bool) -> int:
-    """Judge a whole plan of any kind: MAV_MISSION_RESULT."""
+def validate_plan(rules: MissionRules, plan: Plan, *, flying: bool) -> int:
+    """Validate a whole plan: MAV_MISSION_RESULT."""
     if plan.type == PlanType.MISSION:
         return rules.may_replace(flying=flying, empty=not plan.items)
     return check_fence_plan(plan) if plan.type == PlanType.FENCE else common.MavMissionResult.ACCEPTED

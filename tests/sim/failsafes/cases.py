@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from tests.sim.flights import Airspace, Flown
+from tests.sim.harness import SimulationHarness, VehicleHarness
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -20,7 +20,7 @@ READY, SETTLED = 3.0, 2.5
 
 
 @dataclass
-class Scene:
+class Case:
     """What happens to one vehicle, and what is to come of it."""
 
     name: str
@@ -32,54 +32,56 @@ class Scene:
     #: Whether it stays on the ground, armed or not.
     grounded: bool = False
     arms: bool = True
-    talks: bool = False
+    sends_heartbeats: bool = False
     #: Done before it is in the air, and when the faults begin.
-    before: Callable[[Flown], object] | None = None
-    event: Callable[[Flown], object] | None = None
+    before: Callable[[VehicleHarness], object] | None = None
+    event: Callable[[VehicleHarness], object] | None = None
     #: What is to be afterwards.
     mode: str = ""
     armed: bool = True
-    says: tuple[str, ...] = ()
+    texts: tuple[str, ...] = ()
 
-    def prepare(self, one: Flown) -> None:
+    def prepare(self, one: VehicleHarness) -> None:
         if self.before is not None:
             self.before(one)
         if not self.arms:
             return
         if not self.grounded:
-            one.put_into_the_air(self.begin)
+            one.place_in_air(self.begin)
             return
         assert not one.autopilot.arm(force=True)
         if self.begin is not None:
             one.enter(self.begin)
 
-    def happen(self, one: Flown) -> None:
-        one.texts.forget()
+    def happen(self, one: VehicleHarness) -> None:
+        one.texts.clear_texts()
         one.modes.clear()
         one.inject(*self.faults)
         if self.event is not None:
             self.event(one)
 
 
-def play(scenes: Iterable[Scene], firmware: str, seconds: float = 4.0) -> dict[str, Flown]:
+def run_cases(cases: Iterable[Case], firmware: str, seconds: float = 4.0) -> dict[str, VehicleHarness]:
     """Let all of them happen side by side."""
-    airspace = Airspace()
-    played: dict[str, Flown] = {}
-    known = list(scenes)
-    for scene in known:
-        assert scene.name not in played
-        played[scene.name] = airspace.add(scene.kind, firmware, **scene.parameters).mute()
-        played[scene.name].talks = scene.talks
-    airspace.run(READY)
-    for scene in known:
-        scene.prepare(played[scene.name])
-    airspace.run(SETTLED)
-    for scene in known:
-        scene.happen(played[scene.name])
-    airspace.run(seconds)
-    return played
+    simulation_harness = SimulationHarness()
+    results: dict[str, VehicleHarness] = {}
+    known = list(cases)
+    for case in known:
+        assert case.name not in results
+        results[case.name] = simulation_harness.add(
+            case.kind, firmware, **case.parameters
+        ).without_telemetry()
+        results[case.name].sends_heartbeats = case.sends_heartbeats
+    simulation_harness.run(READY)
+    for case in known:
+        case.prepare(results[case.name])
+    simulation_harness.run(SETTLED)
+    for case in known:
+        case.happen(results[case.name])
+    simulation_harness.run(seconds)
+    return results
 
 
-def silence(one: Flown) -> None:
+def stop_heartbeats(one: VehicleHarness) -> None:
     """The ground station is heard no more."""
-    one.talks = False
+    one.sends_heartbeats = False

@@ -43,7 +43,7 @@ RATE = 50.0
 HOLD, GUIDED, MISSION, RETURN, LAND, TAKEOFF, OTHER = range(7)
 _F = common.MavFrame
 
-FIGURES: dict[str, Any] = {
+FLIGHT_PARAMETERS: dict[str, Any] = {
     "takeoff_altitude": 10.0,
     "cruise_speed": 8.0,
     "climb_speed": 2.5,
@@ -83,7 +83,7 @@ OF_TYPE: dict[VehicleType, dict[str, Any]] = {
 
 def new_flight_parameters(kind: VehicleType = VehicleType.COPTER, **values: Any) -> Any:
     """FlightParameters of which every one can be set."""
-    given = FIGURES | OF_TYPE.get(kind, {}) | values
+    given = FLIGHT_PARAMETERS | OF_TYPE.get(kind, {}) | values
     names = {name: given.get(name, 1.0) for name in FlightParameters.__abstractmethods__}
     if kind is VehicleType.VTOL:
         names["cruise_speed"] = property(lambda self: 20.0 if self.body.flies_forward else 8.0)
@@ -164,7 +164,7 @@ class StubVehicle:
     def home_changed(self) -> None: ...
 
 
-class Flight:
+class AutopilotHarness:
     """A vehicle of a type, ready to arm, and its time."""
 
     def __init__(
@@ -181,7 +181,7 @@ class Flight:
         self.flight_parameters = new_flight_parameters(kind, **flight_parameters)
         self.flight_parameters.body = self.body
         self._other: Callable[[Autopilot], Behaviour] | None = None
-        behaviours = usual_behaviours() | {OTHER: self._make_other} | (modes or {})
+        behaviours = default_behaviours() | {OTHER: self._make_other} | (modes or {})
         self.profile = StubProfile(self.flight_parameters, behaviours)
         self.vehicle: Any = StubVehicle(self.body, kind, self.profile)
         self.autopilot = SimulatedAutopilot(self.vehicle, self.profile)
@@ -243,7 +243,7 @@ class Flight:
     def enter(self, number: int) -> None:
         assert self.autopilot.enter(number, "test")
 
-    def in_the_air(self, height: float = 20.0) -> Flight:
+    def in_the_air(self, height: float = 20.0) -> AutopilotHarness:
         """Arm, and take off with whatever the type has for that."""
         self.arm()
         self.enter(TAKEOFF)
@@ -254,10 +254,10 @@ class Flight:
 
     def __str__(self) -> str:
         at = ", ".join(f"{value:.1f}" for value in self.body.truth[:6])
-        return f"{self.vehicle.type} in {self.autopilot.mode.name}, armed {self.autopilot.armed}, at {at}"
+        return f"{self.vehicle.vehicle_type} in {self.autopilot.mode.name}, armed {self.autopilot.armed}, at {at}"
 
 
-def usual_behaviours() -> dict[int, Callable[[Autopilot], Behaviour]]:
+def default_behaviours() -> dict[int, Callable[[Autopilot], Behaviour]]:
     """What the modes do if the test does not say."""
     from mavstack.sim.autopilot.behaviours import Guided, Hold, Land, ReturnToLaunch, Takeoff
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Home
-from tests.sim.abuse.hostile import EVERY_KIND
-from tests.sim.abuse.soup import Abuser
+from tests.sim.robustness.hostile_peers import EVERY_KIND
+from tests.sim.robustness.random_actions import Abuser
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -33,7 +33,7 @@ def abused(seed: int) -> Abuser:
     return Abuser(simulation, vehicle, random)
 
 
-def go_on(victim: Abuser, steps: int) -> None:
+def resume(victim: Abuser, steps: int) -> None:
     for _ in range(steps):
         victim.simulation.step()
     victim.check()
@@ -42,7 +42,7 @@ def go_on(victim: Abuser, steps: int) -> None:
 def anything_at_all(victim: Abuser) -> None:
     for _ in range(25):
         victim.do_something()
-        go_on(victim, victim.random.choice([0, 1, 3]))
+        resume(victim, victim.random.choice([0, 1, 3]))
 
 
 def any_command(victim: Abuser) -> None:
@@ -50,16 +50,16 @@ def any_command(victim: Abuser) -> None:
     for _ in range(15):
         if victim.random.random() < 0.3:
             victim.random.choice([victim.change_mode, victim.arm_somehow])()
-        go_on(victim, 1)
+        resume(victim, 1)
         victim.take_heard()
         asked = victim.any_command()
         victim.send(asked)
-        go_on(victim, 2)
+        resume(victim, 2)
         acks = [ack for ack in victim.take_heard() if isinstance(ack, common.CommandAck)]
         results = [ack.result for ack in acks if ack.command == asked.command]
         assert results, asked
         assert sum(result != common.MavResult.IN_PROGRESS for result in results) <= 1, (asked, results)
-        go_on(victim, 15 if victim.vehicle.boots > 1 else 0)
+        resume(victim, 15 if victim.vehicle.boots > 1 else 0)
 
 
 def any_parameter(victim: Abuser) -> None:
@@ -67,9 +67,9 @@ def any_parameter(victim: Abuser) -> None:
     for _ in range(10):
         victim.set_parameters()
         victim.random.choice(
-            [victim.change_mode, victim.change_mode, victim.put_into_the_air, victim.vehicle.reboot]
+            [victim.change_mode, victim.change_mode, victim.place_in_air, victim.vehicle.reboot]
         )()
-        go_on(victim, 4)
+        resume(victim, 4)
 
 
 def any_plan(victim: Abuser) -> None:
@@ -81,7 +81,7 @@ def any_plan(victim: Abuser) -> None:
     for _ in range(6):
         count = len(victim.vehicle.autopilot.mission.items)
         victim.vehicle.autopilot.mission.go_to_item(victim.random.randint(0, count))
-        go_on(victim, 4)
+        resume(victim, 4)
 
 
 SCENARIOS = (anything_at_all, any_command, any_parameter, any_plan)

@@ -84,7 +84,7 @@ class Victim:
         self.port: Port = vehicle.open_port("hostile")
         self._encoders: dict[Address, Encoder] = {}
         self._parser = Parser(ALL)
-        self.heard: list[Message] = []
+        self.received: list[Message] = []
 
     def send(self, message: Message, source: Address = GROUND) -> None:
         encoder = self._encoders.get(source)
@@ -92,9 +92,9 @@ class Victim:
             encoder = self._encoders[source] = Encoder(*source)
         self.vehicle.receive(self.port, encoder.encode(message))
 
-    def put_into_the_air(self) -> None:
+    def place_in_air(self) -> None:
         """Armed, in the air, in the mode that holds."""
-        autopilot, kind = self.vehicle.autopilot, self.vehicle.type
+        autopilot, kind = self.vehicle.autopilot, self.vehicle.vehicle_type
         autopilot.arm(force=True)
         if kind.flies:
             self.vehicle.body.place(0.0, 0.0, -60.0, 0.0)
@@ -136,13 +136,13 @@ class Victim:
             assert isfinite(value), (self.vehicle, name, value)
         for port, data in self.vehicle.data_to_send():
             if port is self.port:
-                self.heard += [
+                self.received += [
                     packet.message for packet in self._parser.feed(data) if packet.message is not None
                 ]
 
     def take_heard(self) -> list[Message]:
-        heard, self.heard = self.heard, []
-        return heard
+        received, self.received = self.received, []
+        return received
 
 
 def victims(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan, PlanType
-from tests.sim.abuse.hostile import ALL, GROUND, ODD, Victim, odd
+from tests.sim.robustness.hostile_peers import ALL, GROUND, ODD, Victim, odd
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -168,7 +168,7 @@ class Abuser(Victim):
 
     def arm_somehow(self) -> None:
         if self.random.random() < 0.5:
-            self.put_into_the_air()
+            self.place_in_air()
         else:
             self.vehicle.autopilot.arm(force=True)
 
@@ -309,8 +309,8 @@ class Abuser(Victim):
                 MissionItem(items[0].command, corners, param5=item.param5, param6=item.param6, frame=0)
                 for item in items
             ]
-        vehicle.mission.take(Plan.of(items, kind), GROUND)
+        vehicle.mission.accept(Plan.of(items, kind), GROUND)
         vehicle.engine.touch(vehicle.mission)
         if kind == PlanType.MISSION:
-            self.put_into_the_air()
+            self.place_in_air()
             vehicle.autopilot.enter(vehicle.profile.mission, "test", commanded=True)

@@ -13,10 +13,10 @@ from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan
 from mavstack.sim.autopilot.mission.route import Route
 from mavstack.sim.scenarios import take_off
-from mavstack.sim.simulation import MOST_SYSTEMS, Simulation
+from mavstack.sim.simulation import MAX_SYSTEMS, Simulation
 from mavstack.sim.vehicle_types import Firmware, Home, VehicleType
-from tests.sim.abuse.hostile import EVERY_KIND, GROUND, Victim, state_of, victims
-from tests.sim.abuse.soup import Abuser
+from tests.sim.robustness.hostile_peers import EVERY_KIND, GROUND, Victim, state_of, victims
+from tests.sim.robustness.random_actions import Abuser
 
 _CMD = common.MavCmd
 HOMES = [
@@ -52,16 +52,16 @@ def test_flights_at_any_rate(rate):
 
 def test_a_full_house():
     simulation = Simulation(rate=10)
-    while len(simulation.vehicles) < MOST_SYSTEMS:
+    while len(simulation.vehicles) < MAX_SYSTEMS:
         simulation.add(*EVERY_KIND[len(simulation.vehicles) % len(EVERY_KIND)])
     vehicles = simulation.vehicles
-    assert sorted(vehicle.address.system for vehicle in vehicles) == list(range(1, MOST_SYSTEMS + 1))
+    assert sorted(vehicle.address.system for vehicle in vehicles) == list(range(1, MAX_SYSTEMS + 1))
     for vehicle in vehicles:
         vehicle.open_port("ground")
         vehicle.autopilot.arm(force=True)
     simulation.advance(simulation.now + 2)
     assert {vehicle.address.system for vehicle, _, _ in simulation.data_to_send()} == set(
-        range(1, MOST_SYSTEMS + 1)
+        range(1, MAX_SYSTEMS + 1)
     )
 
 
@@ -88,14 +88,14 @@ def test_reboots_within_reboots(firmware):
         for _ in range(random.choice([0, 1, 3, 12, 25])):
             simulation.step()
         victim.check()
-        victim.put_into_the_air()
+        victim.place_in_air()
     victim.vehicle.reboot()
     victim.take_heard()
     simulation.advance(simulation.now + 10)
     victim.check()
     assert not victim.vehicle.autopilot.armed
     assert victim.vehicle.body.on_ground
-    assert {message.autopilot for message in victim.heard if isinstance(message, common.Heartbeat)}
+    assert {message.autopilot for message in victim.received if isinstance(message, common.Heartbeat)}
     assert len(victim.vehicle.ports) == 1
 
 
@@ -115,7 +115,7 @@ def test_a_mission_that_goes_in_a_circle_hangs_no_tick(circle, kind, firmware, m
     simulation = Simulation(rate=10)
     victim = Victim(simulation, simulation.add(kind, firmware), Random(1))
     simulation.advance(simulation.now + 2.1)
-    victim.put_into_the_air()
+    victim.place_in_air()
     legs = 0
     taken = Route.leg
 
@@ -134,7 +134,7 @@ def test_a_mission_that_goes_in_a_circle_hangs_no_tick(circle, kind, firmware, m
         else item
         for item in CIRCLES[circle]
     ]
-    victim.vehicle.mission.take(Plan.of([*home, *items]), GROUND)
+    victim.vehicle.mission.accept(Plan.of([*home, *items]), GROUND)
     victim.vehicle.engine.touch(victim.vehicle.mission)
     victim.vehicle.autopilot.enter(victim.vehicle.profile.mission, "test", commanded=True)
     for _ in range(10):
@@ -154,7 +154,7 @@ def kept_memory() -> int:
 
 def test_a_flood_leaves_nothing_behind(monkeypatch):
     """Messages of all kinds from everywhere: what is kept of them is bounded."""
-    monkeypatch.setattr("mavstack.node.routes.MOST_ADDRESSES", 64)
+    monkeypatch.setattr("mavstack.node.routes.MAX_ADDRESSES", 64)
     random = Random(5)
     simulation = Simulation(rate=10)
     victim = Victim(simulation, simulation.add(), random)
@@ -187,7 +187,7 @@ def bytes_of(seed: int, *, watched: bool) -> dict[str, bytes]:
     abusers = [Abuser(victim.simulation, victim.vehicle, random) for victim in made]
     said: dict[str, bytes] = {}
     for abuser in abusers:
-        abuser.put_into_the_air()
+        abuser.place_in_air()
     for _ in range(40):
         for abuser in abusers:
             vehicle = abuser.vehicle
@@ -209,7 +209,7 @@ def bytes_of(seed: int, *, watched: bool) -> dict[str, bytes]:
                 )
         abusers[0].simulation.step()
         for vehicle, port, data in abusers[0].simulation.data_to_send():
-            name = f"{vehicle.type} {vehicle.firmware} {vehicle.ports.index(port)}"
+            name = f"{vehicle.vehicle_type} {vehicle.firmware} {vehicle.ports.index(port)}"
             said[name] = said.get(name, b"") + data
     return said
 

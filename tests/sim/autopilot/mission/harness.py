@@ -16,14 +16,22 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.services import Address
-from mavstack.services.mission import CurrentItemSet, MissionItem, MissionServer, Plan, PlanReplaced, PlanType
+from mavstack.services.mission import (
+    CurrentItemSet,
+    MissionItem,
+    MissionServer,
+    MissionServerOptions,
+    Plan,
+    PlanReplaced,
+    PlanType,
+)
 from mavstack.sim.autopilot.behaviours import Mission
 from mavstack.sim.autopilot.fence import FenceWatch
 from mavstack.sim.autopilot.mission import MissionRunner
 from mavstack.sim.autopilot.rally import RallyPoints
 from mavstack.sim.motion import LocalFrame
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
-from tests.sim.autopilot.stub import MISSION, Flight
+from tests.sim.autopilot.harness import MISSION, AutopilotHarness
 
 if TYPE_CHECKING:
     from mavstack.sim.autopilot.maneuvers import Point
@@ -36,7 +44,7 @@ GROUND = Address(255, 190)
 _LOCAL = LocalFrame(DEFAULT_HOME.latitude, DEFAULT_HOME.longitude, DEFAULT_HOME.altitude)
 
 
-class MissionFlight(Flight):
+class MissionHarness(AutopilotHarness):
     """A vehicle of a type and a firmware."""
 
     def __init__(
@@ -62,9 +70,9 @@ class MissionFlight(Flight):
         self.server = vehicle.mission = MissionServer(
             vehicle.address,
             vehicle.plans,
+            MissionServerOptions(home_first=firmware is Firmware.ARDUPILOT),
             validate=lambda *plan: self.mission.validate(*plan),  # noqa: PLW0108 (made later)
             check=lambda *item: self.mission.check(*item),  # noqa: PLW0108 (made later)
-            home_first=firmware is Firmware.ARDUPILOT,
         )
         autopilot: Any = self.autopilot
         autopilot.mission, autopilot.fence = MissionRunner(autopilot), FenceWatch(autopilot)
@@ -104,7 +112,7 @@ class MissionFlight(Flight):
 
     def upload(self, *items: MissionItem, kind: int = PlanType.MISSION) -> int:
         """Put a plan as an upload does: judged item by item and as a whole."""
-        result = self.server.take(Plan.of(items, kind), GROUND)
+        result = self.server.accept(Plan.of(items, kind), GROUND)
         self._settle()
         return result
 

@@ -23,7 +23,7 @@ from mavstack.sim.motion import LocalFrame
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.whole_flights.fleet import station, whisper
+from tests.sim.whole_flights.fleet import reduce_telemetry, station
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mavstack.services.setpoints import Setpoint
     from mavstack.sim.motion import Motion
     from mavstack.sim.vehicle import SimulatedVehicle
-    from tests.sim.whole_flights.station import Journal, Station
+    from tests.sim.whole_flights.ground_station import Journal, Station
 
 CMD = common.MavCmd
 _FRAME = LocalFrame(*DEFAULT_HOME[:3])
@@ -96,7 +96,7 @@ class Pilot:
         if self.px4:
             await self.command(CMD.NAV_TAKEOFF, nan, 0, 0, nan, nan, nan, DEFAULT_HOME.altitude + height)
             await self.command(CMD.COMPONENT_ARM_DISARM, 1)
-        elif self.vehicle.type is VehicleType.PLANE:
+        elif self.vehicle.vehicle_type is VehicleType.PLANE:
             await self.remote.params.set("TKOFF_ALT", height)
             await self.set_mode("TAKEOFF")
             await self.command(CMD.COMPONENT_ARM_DISARM, 1)
@@ -104,7 +104,7 @@ class Pilot:
             await self.set_mode("GUIDED")
             await self.command(CMD.COMPONENT_ARM_DISARM, 1)
             await self.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, height)
-        slow = inf if self.vehicle.type is VehicleType.PLANE else 0.5
+        slow = inf if self.vehicle.vehicle_type is VehicleType.PLANE else 0.5
         await self.wait_until(lambda: self.height > 0.9 * height and self.speed < slow, "up")
 
     async def go_to(self, north: float, east: float, height: float) -> None:
@@ -153,7 +153,7 @@ def fly_scripts() -> dict[str, str]:
     simulation, outcomes = Simulation(seed=11, rate=RATE), {}
     vehicles = [simulation.add(each.kind, each.firmware) for each in SCRIPTS]
     for vehicle in vehicles:
-        whisper(vehicle)
+        reduce_telemetry(vehicle)
 
     async def fly(here: Station, each: Script, vehicle: SimulatedVehicle) -> None:
         try:
