@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -19,6 +20,9 @@ from mavstack.files.plans import PlanFile, write_plan
 from mavstack.services.mission import MissionItem
 from mavstack.sim import BackgroundSimulator
 from tests.docs.blocks import BLOCKS, ROOT, comparison_rows
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 KNOWN_LANGUAGES = {"python", "sh", "text", "xml", "toml"}
 RECORDING = ROOT / "tests" / "recordings" / "flight.tlog"
@@ -78,11 +82,22 @@ def test_console_commands_exist():
         assert line.split()[0] in SHELL_COMMANDS, line
 
 
+def mav(*words: str, url: str, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Run `mav` in a folder, with a vehicle as default."""
+    return subprocess.run(
+        [sys.executable, "-m", "mavstack", *words],
+        cwd=folder, env={**os.environ, "MAVSTACK_URL": url},
+        capture_output=True, text=True, timeout=100, check=False, input="",
+    )  # fmt: skip
+
+
 @pytest.fixture(scope="module")
 def vehicle_url():
     """One vehicle for all commands; they leave and come back to it."""
     with BackgroundSimulator("copter", speed=5.0, link="udpin://127.0.0.1:0?idle=600") as vehicle:
-        yield f"udpout://127.0.0.1:{vehicle.port}"
+        url = f"udpout://127.0.0.1:{vehicle.port}"
+        mav("param", "set", "DISARM_DELAY", "0", url=url)  # a slow machine takes long between two commands
+        yield url
 
 
 @pytest.mark.interop
@@ -97,9 +112,5 @@ def test_runnable_commands_run(block, vehicle_url, tmp_path):
     ]
     write_plan(tmp_path / "survey.plan", PlanFile.of(items))
     for line in mav_lines(block.text):
-        done = subprocess.run(
-            [sys.executable, "-m", "mavstack", *words_of(line)],
-            cwd=tmp_path, env={**os.environ, "MAVSTACK_URL": vehicle_url},
-            capture_output=True, text=True, timeout=100, check=False, input="",
-        )  # fmt: skip
+        done = mav(*words_of(line), url=vehicle_url, folder=tmp_path)
         assert done.returncode == 0, f"{line}\n{done.stderr}"
