@@ -16,7 +16,7 @@ from functools import partial
 from time import time
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from mavstack.errors import LinkClosedError, LinkError
+from mavstack.errors import InvalidStateError, LinkClosedError, LinkError
 from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened, Link, LinkDown
 from mavstack.services import Client, Operation, OperationEnded, Progress
 
@@ -171,7 +171,7 @@ class Driver:
     async def _read(self, link: Link) -> None:
         try:
             await link.read(partial(self._handle_events, link))
-        except LinkError as error:
+        except (InvalidStateError, LinkError) as error:
             self._on_event(LinkDown(str(error), float("inf")), None)
 
     def _handle_events(self, link: Link, events: Iterable[LinkEvent]) -> None:
