@@ -18,11 +18,11 @@ from mavstack.vehicle.action_monitor import (
 from tests.vehicle.failures.scripted import play
 
 
-async def monitored(made, goal, timeout=None):
+async def monitored(made, goal, seconds=None):
     """Return how long an action was monitored, in seconds, and the error that it ended with."""
     begun = made.node.now()
     try:
-        async with ActionMonitor(made.vehicle, "work on", timeout) as monitor:
+        async with ActionMonitor(made.vehicle, "work on", seconds) as monitor:
             await monitor.wait_until_reached(goal)
     except (ActionInterrupted, ActionTimeout) as error:
         return made.node.now() - begun, error
@@ -31,7 +31,7 @@ async def monitored(made, goal, timeout=None):
 
 def test_a_goal_that_is_reached_needs_no_wait():
     async def scenario(made):
-        assert await monitored(made, ActionGoal(lambda: True), timeout=1.0) == (0.0, None)
+        assert await monitored(made, ActionGoal(lambda: True), seconds=1.0) == (0.0, None)
 
     play(scenario)
 
@@ -93,19 +93,21 @@ def test_a_timeout_counts_in_spite_of_progress():
     async def scenario(made):
         begun = made.node.now()
         goal = ActionGoal(lambda: False, lambda: 1000 - 5 * (made.node.now() - begun), unit="items")
-        took, error = await monitored(made, goal, timeout=12.0)
+        took, error = await monitored(made, goal, seconds=12.0)
         assert took == pytest.approx(12.0, abs=0.6)
         assert str(error) == "work on 1/1 failed: not done in 12 s, 940 items to go"
 
     play(scenario)
 
 
-@pytest.mark.parametrize(("for_long", "interrupted"), [(SETTLING_TIME + 0.5, False), (SETTLING_TIME + 4, True)])
+@pytest.mark.parametrize(
+    ("for_long", "interrupted"), [(SETTLING_TIME + 0.5, False), (SETTLING_TIME + 4, True)]
+)
 def test_the_mode_may_settle(for_long, interrupted):
     async def scenario(made):
         asyncio.get_running_loop().call_later(for_long, made.script.enter, "LAND")
         goal = ActionGoal(lambda: False, modes={"land"})
-        took, error = await monitored(made, goal, timeout=15.0)
+        took, error = await monitored(made, goal, seconds=15.0)
         assert type(error) is (ActionInterrupted if interrupted else ActionTimeout)
         if interrupted:
             earliest = SETTLING_TIME + INTERRUPTION_DELAY
@@ -125,7 +127,7 @@ def test_short_mode_changes_do_not_add_up():
                 await asyncio.sleep(0.6)
 
         flickering = asyncio.create_task(flicker())
-        _, error = await monitored(made, ActionGoal(lambda: False, modes={"loiter"}), timeout=13.0)
+        _, error = await monitored(made, ActionGoal(lambda: False, modes={"loiter"}), seconds=13.0)
         assert type(error) is ActionTimeout
         await flickering
 
@@ -138,7 +140,7 @@ def test_armed_or_disarmed_instead(wanted):
         made.script.arm(wanted)
         await asyncio.sleep(1)
         asyncio.get_running_loop().call_later(6.0, made.script.arm, not wanted)
-        _, error = await monitored(made, ActionGoal(lambda: False, armed=wanted), timeout=20)
+        _, error = await monitored(made, ActionGoal(lambda: False, armed=wanted), seconds=20)
         assert str(error) == f"work on 1/1 failed: it was {'disarmed' if wanted else 'armed'}"
 
     play(scenario)
@@ -149,7 +151,7 @@ def test_earlier_status_texts_are_not_attached():
         made.say("before")
         await asyncio.sleep(0.5)
         asyncio.get_running_loop().call_later(1.0, made.say, "meanwhile")
-        _, error = await monitored(made, ActionGoal(lambda: False), timeout=3.0)
+        _, error = await monitored(made, ActionGoal(lambda: False), seconds=3.0)
         assert error.status_texts == ("meanwhile",)
 
     play(scenario)

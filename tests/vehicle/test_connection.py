@@ -15,7 +15,7 @@ from mavstack.services.mission import MissionItem
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import NodeOptions, VehicleLost, VehicleRebooted, VehicleReturned, connect
-from tests.sim.whole_flights.fleet import reduce_telemetry
+from tests.sim.harness import reduce_telemetry
 from tests.vehicle.peers import AUTOPILOT, TYPE, play
 from tests.vehicle.world import ARDUPILOT, PX4, fly, named
 
@@ -34,13 +34,13 @@ def plan(count=60):
 # Finding
 
 
-def test_the_keywords_are_those_of_a_node():
+def test_the_options_are_those_of_node():
     parameters = inspect.signature(Node.__init__).parameters.values()
     keywords = {each.name for each in parameters if each.kind is inspect.Parameter.KEYWORD_ONLY}
     assert set(NodeOptions.__annotations__) == keywords
 
 
-def test_keywords_reach_the_node():
+def test_options_reach_the_node():
     node = connect(system=200, component=common.MavComponent.ONBOARD_COMPUTER, type=TYPE.ONBOARD_CONTROLLER)
     assert node.address == (200, 191)
     with pytest.raises(TypeError, match="sistem"):
@@ -56,7 +56,7 @@ def test_it_is_awaitable():
     run_virtually(scenario())
 
 
-def test_without_a_vehicle_the_error_tells_what_was_heard():
+def test_without_a_vehicle_the_error_names_what_was_heard():
     async def scenario(stage):
         await stage.enter(1, 100, **CAMERA)
         await stage.enter(254, 190, **STATION)
@@ -70,7 +70,7 @@ def test_without_a_vehicle_the_error_tells_what_was_heard():
     play(scenario)
 
 
-def test_of_another_system_the_error_tells_the_vehicles():
+def test_for_another_system_the_error_names_the_vehicles():
     async def scenario(stage):
         await stage.enter(3)
         with pytest.raises(RemoteTimeout, match=r"vehicle 7 on .*heard: 3/1 quadrotor with ArduPilot$"):
@@ -89,7 +89,7 @@ def test_of_another_system_the_error_tells_the_vehicles():
     ],
     ids=["no peer", "silence", "noise", "no heartbeat"],
 )
-def test_when_nobody_was_heard_the_error_tells_what_to_look_at(said, text):
+def test_when_nothing_was_heard_the_error_names_what_to_check(said, text):
     async def scenario(stage):
         if said is not None:
             peer = Node(stage.network.link(), system=1, component=1, heartbeat=False)
@@ -109,7 +109,7 @@ def test_when_nobody_was_heard_the_error_tells_what_to_look_at(said, text):
     play(scenario, heartbeat=False)
 
 
-def test_a_lost_vehicle_is_waited_for():
+def test_waiting_skips_a_lost_vehicle():
     async def scenario(stage):
         peer = await stage.enter()
         first = await stage.node.wait_for_vehicle()
@@ -138,7 +138,7 @@ def test_vehicles_are_in_the_order_in_which_they_were_found():
     play(scenario)
 
 
-def test_waiting_for_many():
+def test_waiting_for_several_vehicles():
     async def scenario(stage):
         for system in (1, 2):
             await stage.enter(system)
@@ -154,7 +154,7 @@ def test_waiting_for_many():
     play(scenario)
 
 
-def test_a_group_of_vehicles_that_are_not_there():
+def test_a_group_of_unknown_system_ids():
     async def scenario(stage):
         await stage.enter(4)
         await stage.node.wait_for_vehicle()
@@ -169,7 +169,7 @@ def test_a_group_of_vehicles_that_are_not_there():
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
-def test_what_is_asked_in_a_silence_ends_in_its_typed_timeout_and_the_connection_goes_on(kind):
+def test_a_call_during_a_silence_ends_in_its_typed_timeout(kind):
     async def scenario(world, vehicle):
         events = world.node.events(VehicleLost, VehicleReturned)
         world.simulated.cut(True)
@@ -196,7 +196,7 @@ def test_what_is_asked_in_a_silence_ends_in_its_typed_timeout_and_the_connection
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
-def test_what_is_under_way_goes_on_after_a_short_silence():
+def test_a_running_call_continues_after_a_short_silence():
     async def scenario(world, vehicle):
         async def cut():
             await asyncio.sleep(1)
@@ -231,7 +231,7 @@ def test_a_link_that_is_closed_and_opened_again():
 
 
 async def outcome(work):
-    """What it came to; None if that is a typed error."""
+    """Return the result; None for a typed error."""
     try:
         return await work
     except RemoteError:
@@ -239,7 +239,7 @@ async def outcome(work):
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
-def test_what_was_known_of_it_is_forgotten_at_a_reboot(kind):
+def test_the_cache_is_cleared_at_a_reboot(kind):
     async def scenario(world, vehicle):
         parameters = await vehicle.params.download()
         vehicle.component._clients.modes  # noqa: B018 (it follows from the first use on)
@@ -260,7 +260,7 @@ def test_what_was_known_of_it_is_forgotten_at_a_reboot(kind):
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 @pytest.mark.parametrize("packed", [True, False])
-def test_a_fetch_across_a_reboot_is_whole_or_ends_in_its_error(kind, packed):
+def test_a_download_across_a_reboot_is_complete_or_fails(kind, packed):
     async def scenario(world, vehicle):
         whole = await vehicle.params.download(packed=packed)
         steps = []
@@ -279,7 +279,7 @@ def test_a_fetch_across_a_reboot_is_whole_or_ends_in_its_error(kind, packed):
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
-def test_an_upload_across_a_reboot_is_whole_or_ends_in_its_error(kind):
+def test_an_upload_across_a_reboot_is_complete_or_fails(kind):
     async def scenario(world, vehicle):
         before = await vehicle.mission.upload(plan(3))
         uploading = asyncio.create_task(vehicle.mission.upload(plan(100), timeout=60))

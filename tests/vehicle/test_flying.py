@@ -12,7 +12,7 @@ from mavstack.errors import ActionUnsupported, CommandDenied
 from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.world import ALL, ARDUPILOT, FLYING, PX4, fly, named
 
-#: What circles home until it is told to land.
+#: The type that circles home until it is told to land.
 CIRCLING = [(VehicleType.PLANE, ARDUPILOT), (VehicleType.VTOL, ARDUPILOT)]
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
 
@@ -62,7 +62,7 @@ def test_up_there_and_back(kind):
 
 
 @pytest.mark.parametrize("kind", [kind for kind in ALL if kind not in FLYING], ids=named)
-def test_what_does_not_fly_goes_there_and_returns(kind):
+def test_vehicles_that_do_not_fly_go_and_return(kind):
     async def scenario(world, vehicle):
         await vehicle.arm()
         await vehicle.goto(*place(world, 30.0, 20.0))

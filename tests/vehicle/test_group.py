@@ -19,7 +19,7 @@ from mavstack.errors import (
 )
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle import Group, VehicleFound, VehicleLost
-from tests.sim.whole_flights.fleet import reduce_telemetry
+from tests.sim.harness import reduce_telemetry
 from tests.vehicle.peers import play
 from tests.vehicle.world import ARDUPILOT, PX4, fly
 
@@ -35,7 +35,7 @@ def with_group(count, scenario):
     play(whole)
 
 
-def test_each_comes_to_its_own_result():
+def test_each_vehicle_has_its_own_outcome():
     async def scenario(stage, group):
         async def work(vehicle):
             await asyncio.sleep(vehicle.system)
@@ -63,7 +63,7 @@ def test_each_comes_to_its_own_result():
     with_group(3, scenario)
 
 
-def test_when_all_do_it():
+def test_all_succeed():
     async def scenario(stage, group):
         results = await group.each(lambda vehicle: asyncio.sleep(0, vehicle.system))
         assert results.ok
@@ -74,7 +74,7 @@ def test_when_all_do_it():
     with_group(2, scenario)
 
 
-def test_a_defect_of_ours_loses_no_other_result_and_is_told_as_the_cause():
+def test_a_defect_of_the_function_is_an_outcome_and_the_cause():
     async def scenario(stage, group):
         def work(vehicle):
             if vehicle.system == 2:
@@ -90,8 +90,8 @@ def test_a_defect_of_ours_loses_no_other_result_and_is_told_as_the_cause():
     with_group(3, scenario)
 
 
-@pytest.mark.parametrize(("max_concurrency", "most"), [(1, 1), (3, 3), (100, 8), (None, 8)])
-def test_at_once(max_concurrency, most):
+@pytest.mark.parametrize(("max_concurrency", "expected"), [(1, 1), (3, 3), (100, 8), (None, 8)])
+def test_max_concurrency(max_concurrency, expected):
     async def scenario(stage, group):
         running = highest = 0
 
@@ -103,12 +103,12 @@ def test_at_once(max_concurrency, most):
             running -= 1
 
         assert (await group.each(work, max_concurrency=max_concurrency)).ok
-        assert highest == most
+        assert highest == expected
 
     with_group(8, scenario)
 
 
-def test_none_at_once_is_misuse():
+def test_a_max_concurrency_below_one_is_misuse():
     async def scenario(stage, group):
         with pytest.raises(LocalProtocolError, match="max_concurrency must be at least 1, got 0"):
             await group.each(lambda vehicle: asyncio.sleep(0), max_concurrency=0)
@@ -138,7 +138,7 @@ def test_cancelling_cancels_all_and_leaves_each_end_clean():
     with_group(3, scenario)
 
 
-def test_work_that_cancels_itself_is_told():
+def test_work_that_cancels_itself_is_an_outcome():
     async def scenario(stage, group):
         async def work(vehicle):
             if vehicle.system == 1:
@@ -152,7 +152,7 @@ def test_work_that_cancels_itself_is_told():
     with_group(2, scenario)
 
 
-def test_those_who_fail_for_one_reason_share_a_line():
+def test_vehicles_that_fail_for_one_reason_share_a_line():
     errors = {
         system: CommandTimeout("arming", f"{system}/1", attempts=6, answer="no answer")
         for system in range(1, 4)

@@ -92,7 +92,7 @@ async def refuse_to_hold(made):
         made.script.saying = lambda: made.say("no position")
 
 
-def test_an_error_in_the_block_is_the_one_that_is_told():
+def test_an_error_in_the_block_is_raised():
     async def scenario(made):
         with pytest.raises(ZeroDivisionError):
             async with made.vehicle.guided():
@@ -107,7 +107,7 @@ def test_an_error_in_the_block_is_the_one_that_is_told():
     play(scenario)
 
 
-def test_holding_that_is_refused_is_told():
+def test_a_refused_hold_is_raised():
     async def scenario(made):
         with pytest.raises(CommandDenied, match=r"DO_SET_MODE on 1/1 failed: DENIED \(no position\)"):
             await refuse_to_hold(made)
@@ -137,7 +137,7 @@ def test_a_mode_that_is_not_entered_ends_the_stream(acts):
     play(scenario)
 
 
-def test_guidance_that_is_not_entered_leaves_nothing():
+def test_a_session_that_was_not_entered_leaves_nothing():
     async def scenario(made):
         before = made.registers()
         for _ in range(5):

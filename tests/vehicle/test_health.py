@@ -10,7 +10,7 @@ from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import CommandDenied, HealthTimeout, RemoteTimeout
 from mavstack.services.statustext import chunks_of
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.whole_flights.fleet import reduce_telemetry
+from tests.sim.harness import reduce_telemetry
 from tests.vehicle.telemetry.stage import ARDUPILOT as AP
 from tests.vehicle.telemetry.stage import PX4 as PX
 from tests.vehicle.telemetry.stage import on_stage
@@ -51,7 +51,7 @@ def test_every_vehicle_gets_ready_by_itself(kind):
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
-def test_before_it_has_started_it_says_so(kind):
+def test_a_starting_vehicle_reports_that_it_starts(kind):
     async def scenario(world, vehicle):
         with pytest.raises(HealthTimeout) as caught:
             await vehicle.wait_until_ready(timeout=0.5)
@@ -83,7 +83,7 @@ def quiet_with_battery_limits(simulated):
 
 
 @pytest.mark.parametrize(("firmware", "fault", "reasons"), FAULTS, ids=[f"{f}-{n}" for f, n, _ in FAULTS])
-def test_a_fault_is_told_in_words_and_ends_with_it(firmware, fault, reasons):
+def test_a_fault_is_a_problem_until_it_ends(firmware, fault, reasons):
     async def scenario(world, vehicle):
         await vehicle.wait_until_ready(timeout=30)
         if firmware == ARDUPILOT:
@@ -108,14 +108,14 @@ def test_a_fault_is_told_in_words_and_ends_with_it(firmware, fault, reasons):
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
-def test_it_works_over_a_link_that_loses_packets(kind):
+def test_it_becomes_ready_over_a_lossy_link(kind):
     async def scenario(world, vehicle):
         assert (await vehicle.wait_until_ready(timeout=60)).ready
 
     fly(kind, scenario, ready=False, loss=0.3, latency=0.2, seed=3)
 
 
-def test_a_silent_vehicle_is_told_as_silent():
+def test_a_silent_vehicle_is_reported_as_silent():
     async def scenario(world, vehicle):
         await vehicle.wait_until_ready(timeout=30)
         world.simulated.faults.inject("link off")
@@ -129,7 +129,7 @@ def test_a_silent_vehicle_is_told_as_silent():
     fly(COPTERS[0], scenario)
 
 
-def test_an_arming_that_is_refused_leaves_its_reason():
+def test_a_refused_arming_leaves_its_reason_as_a_problem():
     async def scenario(world, vehicle):
         world.simulated.faults.inject("battery 2")
         await asyncio.sleep(20)
@@ -154,7 +154,7 @@ def test_an_arming_that_is_refused_leaves_its_reason():
         (common.MavAutopilot.GENERIC, status(enabled=0), None),
     ],
 )
-def test_ready_is_what_the_vehicle_says(autopilot, message, ready):
+def test_ready_follows_the_prearm_bit(autopilot, message, ready):
     async def scenario(stage):
         assert stage.vehicle.health.ready is None
         stage.heartbeat(autopilot)
@@ -165,7 +165,7 @@ def test_ready_is_what_the_vehicle_says(autopilot, message, ready):
     on_stage(scenario)
 
 
-def test_what_it_said_long_ago_does_not_count():
+def test_old_messages_do_not_count():
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(READY)
@@ -230,7 +230,7 @@ PROBLEMS = [
 
 
 @pytest.mark.parametrize(("message", "text", "source"), PROBLEMS, ids=[text for _, text, _ in PROBLEMS])
-def test_each_message_is_put_into_words(message, text, source):
+def test_the_problems_of_each_message(message, text, source):
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(message)
@@ -241,7 +241,7 @@ def test_each_message_is_put_into_words(message, text, source):
     on_stage(scenario)
 
 
-def test_all_is_well():
+def test_a_healthy_vehicle_has_no_problems():
     async def scenario(stage):
         stage.heartbeat(system_status=common.MavState.STANDBY)
         stage.hear(
@@ -257,7 +257,7 @@ def test_all_is_well():
     on_stage(scenario)
 
 
-def test_a_vehicle_without_gps_does_not_lack_one():
+def test_a_vehicle_without_gps_has_no_gps_problem():
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(status(BIT.PREARM_CHECK, BIT.PREARM_CHECK), common.GpsRawInt(fix_type=0))
@@ -266,7 +266,7 @@ def test_a_vehicle_without_gps_does_not_lack_one():
     on_stage(scenario)
 
 
-def test_a_lost_fix_is_told_once():
+def test_a_lost_fix_is_one_problem():
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(status(BIT.SENSOR_GPS | BIT.SENSOR_3D_MAG), common.GpsRawInt(fix_type=1))
@@ -278,7 +278,7 @@ def test_a_lost_fix_is_told_once():
     on_stage(scenario)
 
 
-def test_flags_of_a_vehicle_that_is_far_away():
+def test_failure_flags_of_high_latency():
     async def scenario(stage):
         stage.hear(common.HighLatency2(type=2, autopilot=PX, failure_flags=1 | 128))
         health = stage.vehicle.health
@@ -296,7 +296,7 @@ def say(stage, *texts, component=1):
     stage.hear(*(common.Statustext(text=text) for text in texts), component=component)
 
 
-def test_ardupilots_reasons_come_in_one_go():
+def test_ardupilots_failed_checks_arrive_in_one_run():
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(NOT_READY)
@@ -310,14 +310,12 @@ def test_ardupilots_reasons_come_in_one_go():
         await asyncio.sleep(50)
         stage.heartbeat()
         stage.hear(NOT_READY)
-        assert texts_of(stage.vehicle.health) == [
-            "its checks before arming fail, and it has not said which"
-        ]
+        assert texts_of(stage.vehicle.health) == ["its checks before arming fail, and it has not said which"]
 
     on_stage(scenario)
 
 
-def test_px4s_reasons_count_until_it_is_ready():
+def test_px4s_failed_checks_count_until_it_is_ready():
     async def scenario(stage):
         stage.heartbeat(PX)
         stage.hear(NOT_READY)
@@ -341,7 +339,7 @@ def test_px4s_reasons_count_until_it_is_ready():
     on_stage(scenario)
 
 
-def test_what_a_camera_says_is_not_its_reason():
+def test_a_cameras_status_text_is_no_failed_check():
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(NOT_READY)

@@ -55,7 +55,7 @@ def test_flown_to_its_end(kind, ending):
 
 
 @COPTERS
-def test_paused_and_gone_on_with(kind):
+def test_paused_and_resumed(kind):
     async def scenario(world, vehicle):
         items = plan_for(world, CMD.NAV_RETURN_TO_LAUNCH, kind[1] == ARDUPILOT_SIM)
         await vehicle.mission.upload(items)
@@ -159,7 +159,7 @@ def test_disarmed_before_the_end_is_an_interruption(state):
     play(scenario)
 
 
-def test_the_state_tells_the_end():
+def test_the_mission_state_reports_the_end():
     async def scenario(made):
         flying = await flown(made)
         tell(made, 3, STATE.ACTIVE)
@@ -173,7 +173,7 @@ def test_the_state_tells_the_end():
     play(scenario)
 
 
-def test_the_end_of_the_flight_before_is_not_this_ones():
+def test_the_end_of_an_earlier_flight_does_not_count():
     async def scenario(made):
         made.script.arm()
         await made.vehicle.mission.upload(ITEMS)
@@ -190,7 +190,7 @@ def test_the_end_of_the_flight_before_is_not_this_ones():
     play(scenario)
 
 
-def test_a_vehicle_that_never_tells_ends_with_the_limit():
+def test_a_vehicle_that_reports_no_progress_ends_with_the_timeout():
     async def scenario(made):
         flying = await flown(made, limit=40)
         with pytest.raises(ActionTimeout, match="the mission 1/1 failed: not done in 40 s"):
@@ -199,7 +199,7 @@ def test_a_vehicle_that_never_tells_ends_with_the_limit():
     play(scenario)
 
 
-def test_it_arms_first_and_a_refusal_ends_it():
+def test_it_arms_first_and_a_refused_arming_ends_the_call():
     async def scenario(made):
         made.script.arm(False)
         await made.vehicle.mission.upload(ITEMS)

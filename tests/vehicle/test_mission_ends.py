@@ -27,7 +27,7 @@ def there_and_back(world, firmware):
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
-def test_it_is_over_when_the_vehicle_has_returned_and_can_be_flown_again(kind):
+def test_it_ends_when_the_vehicle_returned_and_can_be_flown_again(kind):
     async def scenario(world, vehicle):
         await vehicle.mission.upload(there_and_back(world, kind[1]))
         for _ in range(2):
@@ -42,7 +42,7 @@ def test_it_is_over_when_the_vehicle_has_returned_and_can_be_flown_again(kind):
     fly(kind, scenario)
 
 
-def test_of_an_older_version_that_does_not_tell_how_long_it_is():
+def test_an_older_version_that_does_not_report_the_item_count():
     async def scenario(world, vehicle):
         server = world.simulated.mission
         server.current_message = lambda: common.MissionCurrent(seq=server.current)

@@ -11,8 +11,8 @@ from mavstack.errors import CommandDenied, CommandTimeout, LocalProtocolError, P
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.vehicle.status_text_capture import (
-    REASON_TIMEOUT,
     MAX_TEXTS,
+    REASON_TIMEOUT,
     StatusTextCapture,
     attach_status_texts,
     with_status_texts,
@@ -42,7 +42,7 @@ def test_warnings_and_worse_are_reasons(severity):
     play(scenario)
 
 
-def test_a_refusal_waits_for_its_reason_and_no_longer():
+def test_a_refusal_waits_for_its_reason_for_a_limited_time():
     async def scenario(made):
         begun = made.node.now()
         made.say("because", after=0.4)
@@ -59,7 +59,7 @@ def test_a_refusal_waits_for_its_reason_and_no_longer():
     play(scenario)
 
 
-def test_what_was_told_before_the_refusal_is_enough():
+def test_texts_before_the_refusal_are_reasons():
     async def scenario(made):
         made.say("because", after=0.1)
         begun = made.node.now()
@@ -71,7 +71,7 @@ def test_what_was_told_before_the_refusal_is_enough():
     play(scenario)
 
 
-def test_a_timeout_takes_along_what_was_told_and_waits_for_nothing():
+def test_a_timeout_carries_earlier_texts_and_does_not_wait():
     async def scenario(made):
         made.say("battery low", after=0.1)
         made.say("later", after=0.6)
@@ -83,7 +83,7 @@ def test_a_timeout_takes_along_what_was_told_and_waits_for_nothing():
     play(scenario)
 
 
-def test_reasons_that_an_error_has_are_kept():
+def test_status_texts_of_an_error_are_kept():
     async def scenario(made):
         error = denied()
         error.status_texts = ("its own",)
@@ -106,7 +106,7 @@ def test_other_errors_and_results_pass_through():
     play(scenario)
 
 
-def test_reasons_told_one_after_the_other():
+def test_several_texts_of_one_reason():
     async def scenario(made):
         made.say("first", after=0.30)
         made.say("second", after=0.35)
@@ -117,7 +117,7 @@ def test_reasons_told_one_after_the_other():
     play(scenario)
 
 
-def test_a_listener_keeps_the_last_ones():
+def test_a_capture_keeps_the_last_texts():
     async def scenario(made):
         with StatusTextCapture(made.vehicle) as heard:
             for number in range(50):
@@ -145,7 +145,7 @@ def test_texts_of_its_other_components_count_and_other_systems_do_not():
     run_virtually(whole())
 
 
-def test_a_parameter_that_is_not_answered_takes_along_what_was_told():
+def test_a_parameter_timeout_carries_status_texts():
     async def scenario(made):
         await made.vehicle.params.get("P_00")
         made.script._host.engine.remove(made.script.parameters)
@@ -158,7 +158,7 @@ def test_a_parameter_that_is_not_answered_takes_along_what_was_told():
     play(scenario)
 
 
-def test_telling_why():
+def test_attaching_status_texts():
     error = CommandDenied("IT", "1/1", answer="DENIED", code=int(RESULT.DENIED))
     texts = [StatusText(1.0, SEVERITY.ERROR, name, 1) for name in ("a", "b", "c", "d", "e", "f", "g", "b")]
     attach_status_texts(error, [*texts, StatusText(2.0, common.MavSeverity.DEBUG, "z", 1)])

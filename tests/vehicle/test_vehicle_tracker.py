@@ -1,4 +1,4 @@
-"""What happens to vehicles and to those around them is told when it happens, and not when it does not."""
+"""Events of vehicles, payloads and ground stations are emitted once, when they happen."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_a_link_that_is_closed_loses_its_vehicle_at_once():
     play(scenario)
 
 
-def test_a_vehicle_that_is_heard_over_another_link_too_is_not_lost():
+def test_a_vehicle_on_another_link_is_not_lost():
     async def scenario(stage):
         first = await stage.enter()
         await stage.enter()
@@ -145,7 +145,7 @@ def test_the_reboot_of_a_payload_is_not_its_vehicles():
     play(scenario)
 
 
-def test_two_vehicles_with_one_id_are_told_once_and_are_no_reboots():
+def test_a_system_id_conflict_is_reported_once_and_is_no_reboot():
     async def scenario(stage):
         await stage.enter(uptime=100.0)
         other = await stage.enter(uptime=900.0)
@@ -166,7 +166,7 @@ def test_two_vehicles_with_one_id_are_told_once_and_are_no_reboots():
     play(scenario)
 
 
-def test_a_vehicle_that_is_switched_on_beside_another_of_its_id_is_not_its_reboot():
+def test_a_second_vehicle_with_the_same_id_is_no_reboot():
     async def scenario(stage):
         await stage.enter(uptime=100.0)
         await asyncio.sleep(30)
@@ -178,7 +178,7 @@ def test_a_vehicle_that_is_switched_on_beside_another_of_its_id_is_not_its_reboo
     play(scenario)
 
 
-def test_vehicles_of_one_id_and_two_kinds():
+def test_a_system_id_conflict_of_two_vehicle_types():
     async def scenario(stage):
         await stage.enter(uptime=None)
         await stage.enter(type=TYPE.FIXED_WING, autopilot=AUTOPILOT.PX4, uptime=None)
@@ -191,7 +191,7 @@ def test_vehicles_of_one_id_and_two_kinds():
     play(scenario)
 
 
-def test_a_second_vehicle_is_no_clash():
+def test_a_second_vehicle_is_no_conflict():
     async def scenario(stage):
         await stage.enter(1)
         await asyncio.sleep(5)
@@ -206,7 +206,7 @@ def test_a_second_vehicle_is_no_clash():
     play(scenario)
 
 
-def test_payloads_are_told_once_their_vehicle_is_known():
+def test_payloads_are_reported_once_their_vehicle_is_known():
     async def scenario(stage):
         camera = await stage.enter(1, 100, **CAMERA)
         await asyncio.sleep(5)
@@ -214,7 +214,7 @@ def test_payloads_are_told_once_their_vehicle_is_known():
         await stage.enter(1, 1)
         await asyncio.sleep(5)
         await stage.enter(1, 191, **COMPANION)
-        await stage.enter(2, 100, **CAMERA)  # on nobody's system
+        await stage.enter(2, 100, **CAMERA)  # on a system without a vehicle
         await asyncio.sleep(5)
         assert texts(stage.told(*ALL)) == [
             "vehicle 1 found: quadrotor with ArduPilot",
@@ -263,7 +263,7 @@ def test_ground_stations_are_no_vehicles_and_no_payloads():
     play(scenario)
 
 
-def test_no_ground_station_but_ours():
+def test_the_node_itself_is_no_ground_station():
     async def scenario(stage):
         await stage.enter()
         await asyncio.sleep(10)
@@ -273,7 +273,7 @@ def test_no_ground_station_but_ours():
     play(scenario)
 
 
-def test_another_station_with_our_address_is_told_once():
+def test_another_station_with_the_own_address_is_reported_once():
     async def scenario(stage):
         await stage.enter(255, 190, **STATION)
         await asyncio.sleep(30)
@@ -284,7 +284,7 @@ def test_another_station_with_our_address_is_told_once():
     play(scenario)
 
 
-def test_our_own_heartbeats_that_come_back_are_nobody():
+def test_echoed_heartbeats_of_the_node_are_ignored():
     async def scenario(stage):
         mirror = stage.network.link()
         await mirror.open()
@@ -314,7 +314,7 @@ def test_an_autopilot_need_not_be_component_1():
     play(scenario)
 
 
-def test_a_second_autopilot_is_told_and_never_takes_over():
+def test_a_second_autopilot_is_reported_and_never_takes_over():
     async def scenario(stage):
         first = await stage.enter(1, 1)
         await asyncio.sleep(2)
@@ -335,7 +335,7 @@ def test_a_second_autopilot_is_told_and_never_takes_over():
     play(scenario)
 
 
-def test_what_turns_out_to_be_an_autopilot_is_found_then():
+def test_a_component_that_becomes_an_autopilot_is_found_then():
     async def scenario(stage):
         peer = await stage.enter(1, 1, type=TYPE.GENERIC, autopilot=AUTOPILOT.INVALID)
         await asyncio.sleep(5)

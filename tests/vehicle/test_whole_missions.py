@@ -9,19 +9,19 @@ import pytest
 
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.whole_flights.fleet import reduce_telemetry
+from tests.sim.harness import reduce_telemetry
 from tests.sim.whole_flights.plans import triangle, whole_mission
 from tests.vehicle.world import ALL, named, world
 
 #: How near home it comes to rest, in metres: a plane rolls out along its course.
 HOME_WITHIN = {VehicleType.PLANE: 80.0}
 NEAR = 4.0
-#: Of a mission, in simulated seconds.
-LONGEST = 900.0
+#: The timeout of a mission, in simulated seconds.
+MISSION_TIMEOUT = 900.0
 
 
 class Flown:
-    """What became of one mission."""
+    """The outcome of one mission."""
 
     def __init__(self, plan, system):
         self.plan, self.system, self.reached = plan, system, []
@@ -41,7 +41,7 @@ async def flown(made, flight):
     """Fly the mission that is on it."""
     vehicle = await made.node.wait_for_vehicle(flight.system)
     async with vehicle.mission.reached_items() as items:
-        await vehicle.mission.fly(timeout=LONGEST)
+        await vehicle.mission.fly(timeout=MISSION_TIMEOUT)
         flight.reached = [item.seq for item in items.drain()]
     if not flight.plan.kind.flies:
         await asyncio.sleep(5)
@@ -55,9 +55,9 @@ async def loaded_and_flown(made, system, plan):
     return await flown(made, await loaded(made, system, plan))
 
 
-def fly_all(plan_of, **weather):
+def fly_all(plan_of, **conditions):
     async def whole():
-        async with world(*ALL, prepare=reduce_telemetry, **weather) as made:
+        async with world(*ALL, prepare=reduce_telemetry, **conditions) as made:
             flights = [loaded_and_flown(made, number + 1, plan_of(*kind)) for number, kind in enumerate(ALL)]
             return dict(zip(ALL, await asyncio.gather(*flights), strict=True))
 
@@ -93,5 +93,5 @@ def test_a_whole_mission(calm, kind):
 
 @pytest.mark.xdist_group("bad link")
 @pytest.mark.parametrize("kind", ALL, ids=named)
-def test_over_a_link_that_loses_a_tenth_and_takes_its_time(bad_link, kind):
+def test_over_a_lossy_slow_link(bad_link, kind):
     check(bad_link[kind])

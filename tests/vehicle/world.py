@@ -6,13 +6,12 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mavstack.links import Impairment, MemoryNetwork, impair
-from mavstack.sim.runner import Runner
-from mavstack.sim.scenarios import run_until
+from mavstack.links import MemoryNetwork
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import Connection, connect
+from tests.sim.harness import impaired_link, make_ready, running
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ def named(kind: Kind) -> str:
 
 @dataclass
 class World:
-    """A simulation, the connection to its vehicles, and what is between them."""
+    """A simulation, the connection to its vehicles, and the network between them."""
 
     simulation: Simulation
     node: Connection
@@ -43,50 +42,44 @@ class World:
     def simulated(self) -> SimulatedVehicle:
         return self.simulation.vehicles[0]
 
-    async def wait_until(self, holds: Callable[[], bool], *, timeout: float = 60.0) -> None:
+    async def wait_until(self, holds: Callable[[], bool], *, timeout: float = 60.0) -> None:  # noqa: ASYNC109
         await wait_until(holds, timeout=timeout, interval=0.1, now=self.node.now)
 
 
 @asynccontextmanager
 async def world(
-    *kinds: Kind, ready: bool = True, prepare: Callable[[SimulatedVehicle], None] | None = None, **weather: float
+    *kinds: Kind,
+    ready: bool = True,
+    prepare: Callable[[SimulatedVehicle], None] | None = None,
+    **conditions: float,
 ) -> AsyncIterator[World]:
-    """Vehicles that stand at home, ready to arm, and a connection that need not have heard them yet."""
+    """Run vehicles that stand at home, ready to arm, and a connection to them."""
     simulation = Simulation(seed=5)
     for kind, firmware in kinds:
         vehicle = simulation.add(kind, firmware)
         if prepare is not None:
             prepare(vehicle)
     if ready:
-        for vehicle in simulation.vehicles:
-            run_until(simulation, lambda vehicle=vehicle: vehicle.autopilot.booted)
-        simulation.advance(simulation.now + 15.0)
-        for vehicle in simulation.vehicles:
-            vehicle.data_to_send()
+        make_ready(simulation)
     network = MemoryNetwork()
-    link = impair(network.link(), Impairment(**weather)) if weather else network.link()
-    async with Runner(simulation) as runner:
-        await runner.connect(network.link(), simulation.vehicles)
-        running = runner.start()
-        async with connect(link) as node:
-            yield World(simulation, node, network)
-        if running.done():
-            running.result()
+    link = impaired_link(network, **conditions)
+    async with running(simulation, network.link()), connect(link) as node:
+        yield World(simulation, node, network)
 
 
 def fly(
     kind: Kind | Sequence[Kind],
-    scenario: Callable[[World, SimulatedVehicle], Awaitable[None]],
+    scenario: Callable[[World, Vehicle], Awaitable[None]],
     *,
     ready: bool = True,
     prepare: Callable[[SimulatedVehicle], None] | None = None,
-    **weather: float,
+    **conditions: float,
 ) -> World:
     """Run a scenario with a vehicle (the first of several) in virtual time."""
     kinds = [kind] if isinstance(kind[1], Firmware) else kind
 
     async def whole() -> World:
-        async with world(*kinds, ready=ready, prepare=prepare, **weather) as made:
+        async with world(*kinds, ready=ready, prepare=prepare, **conditions) as made:
             await scenario(made, await made.node.wait_for_vehicle(1))
             return made
 

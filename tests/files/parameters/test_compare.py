@@ -18,7 +18,7 @@ def told(kind=KIND.REAL32, *, exact=True, **values):
     return {name: Parameter(name, value, kind, exact=exact) for name, value in values.items()}
 
 
-def test_each_in_its_place():
+def test_differences_and_missing_parameters():
     found = compare(stored(A=1, B=2.5, C=3), told(B=2.5, C=4.0, D=5.0))
     assert [each.name for each in found.different] == ["C"]
     assert found.same == ("B",)
@@ -29,7 +29,7 @@ def test_each_in_its_place():
 
 
 @given(st.dictionaries(st.text("ABC_", min_size=1, max_size=5), st.floats(width=32, allow_nan=False)))
-def test_a_vehicle_is_like_itself_written_down(values):
+def test_a_vehicle_equals_its_saved_parameters(values):
     vehicle = told(**values)
     file = {name: StoredParameter(name, float(value_text(each))) for name, each in vehicle.items()}
     assert compare(file, vehicle).alike
@@ -40,13 +40,13 @@ def test_a_decimal_is_the_float32_that_it_means():
     assert not compare(stored(P=0.135), told(P=0.13500002026557922)).alike
 
 
-def test_integers_are_compared_exactly_unless_the_vehicle_cannot_tell_them():
+def test_integers_are_compared_exactly_unless_the_encoding_is_inexact():
     assert not compare(stored(ID=16777217), told(KIND.INT32, ID=16777216)).alike
     assert compare(stored(ID=16777217), told(KIND.INT32, exact=False, ID=16777216)).alike
     assert compare(stored(ID=97539.0), told(KIND.INT32, ID=97539)).alike
 
 
-def test_two_types_are_compared_as_the_coarser():
+def test_two_types_are_compared_as_the_less_precise_one():
     ours = {"A": StoredParameter("A", 16777217, KIND.INT32)}
     assert compare(ours, told(KIND.REAL32, A=16777216.0)).alike
 

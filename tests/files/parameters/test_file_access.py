@@ -45,7 +45,7 @@ def test_a_format_that_is_named(tmp_path):
     assert read_parameters(tmp_path / "a.txt", "mavproxy").parameters[0].value == 1500
     with pytest.raises(ParameterFileError, match=r"there is no format 'xml'; there are qgroundcontrol, "):
         write_parameters(tmp_path / "a.txt", FILE, "xml")
-    with pytest.raises(ParameterFileError, match=r"a\.txt: which format is meant"):
+    with pytest.raises(ParameterFileError, match=r"a\.txt: the suffix names no format"):
         write_parameters(tmp_path / "a.txt", FILE)
     assert format_for("x.Param") is FORMATS["mission-planner"]
 
@@ -77,7 +77,7 @@ def test_other_encodings(tmp_path):
     [(b"\xa3\x95\x80\x00\x00", "not a text"), (b"A,1\n" * (5 << 20), "larger than 16 MiB")],
     ids=["binary", "huge"],
 )
-def test_what_is_no_file_of_parameters(tmp_path, data, problem):
+def test_files_that_are_no_parameter_files(tmp_path, data, problem):
     (tmp_path / "x").write_bytes(data)
     with pytest.raises(ParameterFileError, match=problem):
         read_parameters(tmp_path / "x")
@@ -92,7 +92,7 @@ def test_the_error_pickles():
 
 
 @pytest.mark.parametrize("name", ["A\nB", "A B", "", "A,B", "\x1b[2J"])
-def test_a_name_that_would_spoil_the_file(tmp_path, name):
+def test_an_invalid_name_is_refused(tmp_path, name):
     with pytest.raises(ParameterFileError, match="cannot be a parameter's name"):
         write_parameters(tmp_path / "a.param", ParameterFile((StoredParameter(name, 1),)))
     assert list(tmp_path.iterdir()) == []

@@ -88,7 +88,7 @@ def test_px4_scripts_round_trip(file):
 
 
 def problem_of(text):
-    """What is wrong with a text; nothing if it was read."""
+    """Return the error text; empty if the text was read."""
     try:
         return "" if parse_parameters(text).parameters else "nothing was read"
     except ParameterFileError as error:
@@ -96,7 +96,7 @@ def problem_of(text):
 
 
 @given(st.text(max_size=200))
-def test_hostile_text_is_read_or_refused_in_one_line(text):
+def test_random_text_is_read_or_refused_in_one_line(text):
     problem = problem_of(text)
     assert problem.isprintable()
     assert len(problem) < 600
@@ -109,7 +109,7 @@ def test_hostile_text_is_read_or_refused_in_one_line(text):
         )
     )
 )
-def test_hostile_words(words):
+def test_invalid_words(words):
     assert problem_of("".join(words)).isprintable()
 
 
@@ -165,23 +165,23 @@ def test_the_last_of_a_name_counts():
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("A 1\nB x\n", "2: 'x' is no number; correct or remove B"),
+        ("A 1\nB x\n", "2: 'x' is not a number; correct or remove B"),
         ("A\n", "1: 'A' is not a name and a value"),
         ("A 1 2\n", "1: 'A 1 2' is not a name and a value"),
-        ("@include other.parm\n", "1: @include is not followed; give the other file itself"),
+        ("@include other.parm\n", "1: @include is not supported; read the other file itself"),
         ("NAME_THAT_IS_TOO_LONG 1\n", "1: 'NAME_THAT_IS_TOO_LONG' cannot be a parameter's name"),
-        ("1\t1\tA\t1\t6\n1\t1\tB\t1\n", "2: '1\\t1\\tB\\t1' has not the columns"),
-        ("1\t1\tA\t1\t11\n", "1: '11' is no MAV_PARAM_TYPE, 1 to 10"),
+        ("1\t1\tA\t1\t6\n1\t1\tB\t1\n", "2: '1\\t1\\tB\\t1' does not have the columns"),
+        ("1\t1\tA\t1\t11\n", "1: '11' is not a MAV_PARAM_TYPE, 1 to 10"),
         ("1\t1\tA\t300\t1\n", "1: A = 300 does not fit into UINT8"),
         ("1\t1\tA\t1.5\t6\n", "1: A = 1.5 does not fit into INT32"),
-        ("256\t1\tA\t1\t6\n", "1: '256' is no vehicle id, 0 to 255"),
+        ("256\t1\tA\t1\t6\n", "1: '256' is not a vehicle id, 0 to 255"),
         ("1\t1\tA\t1\t6\n2\t1\tB\t1\t6\n", "2: a second vehicle begins; split the file by its first column"),
-        ("param set A 1\nif ver hwcmp X\n", "2: 'if ver hwcmp X' sets no parameter"),
-        ("", "there is no parameter in it"),
-        ("# nothing\n", "there is no parameter in it"),
+        ("param set A 1\nif ver hwcmp X\n", "2: 'if ver hwcmp X' does not set a parameter"),
+        ("", "it holds no parameters"),
+        ("# nothing\n", "it holds no parameters"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line(tmp_path, text, problem):
+def test_errors_name_the_line(tmp_path, text, problem):
     from mavstack.files.parameters import read_parameters
 
     path = tmp_path / "bad.txt"

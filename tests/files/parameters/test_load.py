@@ -42,7 +42,7 @@ def outcomes(results):
     return {name: each.outcome for name, each in results.items()}
 
 
-def test_a_result_for_each():
+def test_a_result_for_each_parameter():
     given = wanted(RTL_ALT=3000, RTL_SPEED=0, STAT_RUNTIME=7, SYSID_THISMAV=9, FOO_BAR=1, RTL_ALT_TYPE=300)
     results, vehicle = load_into("ardupilot", given)
     assert outcomes(results) == {
@@ -68,7 +68,7 @@ def test_the_vehicles_own_reason():
     assert vehicle.parameters["FORMAT_VERSION"] == 120
 
 
-def test_what_the_file_marks_read_only():
+def test_parameters_marked_read_only():
     parameters = [StoredParameter("RTL_ALT", 3000, read_only=True)]
     assert outcomes(load_into("ardupilot", parameters)[0]) == {"RTL_ALT": SKIPPED}
     assert outcomes(load_into("ardupilot", parameters, everything=True)[0]) == {"RTL_ALT": SET}
@@ -81,7 +81,7 @@ def test_a_dry_run_sends_nothing():
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
-def test_all_that_was_saved_is_unchanged(firmware):
+def test_saved_parameters_are_unchanged(firmware):
     flown = VirtualVehicle("copter", firmware)
 
     async def flight(remote):
@@ -97,7 +97,7 @@ def test_names_in_the_wrong_case():
     assert outcomes(results) == {"RTL_ALT": SET}
 
 
-def test_its_own_id_comes_last_and_is_set_if_asked_for():
+def test_the_system_id_is_set_last_and_only_if_requested():
     told = []
     given = wanted(SYSID_THISMAV=9, RTL_ALT=3000, WPNAV_SPEED=700)
     results, vehicle = load_into(
@@ -144,11 +144,11 @@ class Peer:
                 self.table.add(ParameterDefinition(name, value))
 
 
-def meet(peer, scenario, **weather):
+def meet(peer, scenario, **conditions):
     async def whole():
         network = MemoryNetwork()
         living = asyncio.create_task(peer.live(network))
-        link = impair(network.link(), Impairment(**weather)) if weather else network.link()
+        link = impair(network.link(), Impairment(**conditions)) if conditions else network.link()
         try:
             async with connect(link) as node:
                 return await scenario((await node.wait_for_vehicle()).params)
@@ -161,7 +161,7 @@ def meet(peer, scenario, **weather):
 REVEALING = {"Q_ENABLE": {"Q_TILT_ENABLE": 0, "Q_A_P": 4.5}, "Q_TILT_ENABLE": {"Q_TILT_MASK": 0}}
 
 
-def test_what_reveals_others_comes_first_and_they_follow():
+def test_parameters_that_reveal_others_are_set_first():
     peer = Peer(REVEALING, Q_ENABLE=0, RTL_ALT=1500)
     given = wanted(Q_TILT_MASK=3, Q_A_P=5.0, RTL_ALT=2000, Q_TILT_ENABLE=1, Q_ENABLE=1, Q_NEVER=1)
 
@@ -182,7 +182,7 @@ def test_what_reveals_others_comes_first_and_they_follow():
     assert peer.table["Q_TILT_MASK"].value == 3
 
 
-def test_over_a_link_that_loses_a_fifth():
+def test_over_a_lossy_link():
     peer = Peer(REVEALING, Q_ENABLE=0, **{f"P{number}": number for number in range(60)})
     given = wanted(Q_ENABLE=1, Q_A_P=6.0, **{f"P{number}": number + 1 for number in range(60)})
 
@@ -194,7 +194,7 @@ def test_over_a_link_that_loses_a_fifth():
     assert peer.table["P59"].value == 60
 
 
-def test_a_vehicle_that_falls_silent_is_told_of_for_each():
+def test_a_vehicle_that_falls_silent_has_a_result_for_each():
     peer = Peer(**{f"P{number}": number for number in range(40)})
     peer.silent_after = 5
     given = wanted(**{f"P{number}": number + 1 for number in range(40)})
@@ -219,7 +219,7 @@ def test_a_vehicle_that_has_no_parameters_is_an_error():
     assert meet(Peer(), scenario)
 
 
-def test_cancelled_it_knows_what_it_did():
+def test_a_cancelled_load_keeps_its_results():
     peer = Peer(**{f"P{number}": number for number in range(200)})
     given = wanted(**{f"P{number}": number + 1 for number in range(200)})
 

@@ -27,7 +27,7 @@ def loaded(path):
 @pytest.mark.parametrize("suffix", [".param", ".parm"])
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(file=plain_files())
-def test_it_reads_what_we_write(tmp_path, suffix, file):
+def test_pymavlink_reads_written_files(tmp_path, suffix, file):
     path = tmp_path / f"ours{suffix}"
     unmarked = ParameterFile(tuple(each for each in file.parameters if not each.read_only))
     write_parameters(path, unmarked)
@@ -40,7 +40,7 @@ def test_it_reads_what_we_write(tmp_path, suffix, file):
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(values=st.dictionaries(st.from_regex(r"[A-Z][A-Z0-9_]{0,15}", fullmatch=True), SINGLES, min_size=1))
-def test_what_it_saved_of_a_vehicle_shows_no_difference_to_it(tmp_path, values):
+def test_a_file_saved_by_pymavlink_equals_the_vehicle(tmp_path, values):
     path = tmp_path / "theirs.parm"
     saved = MAVParmDict()
     saved.update(values)

@@ -30,7 +30,7 @@ def test_a_float_reads_back_to_the_same_float32(value):
 def test_no_shorter_number_reads_back(value):
     """NumPy writes the shortest digits that are unique among float32; ours are no more.
 
-    What is whole is written as an integer, which beyond this range may have more.
+    Whole floats are written as integers, which beyond this range may have more digits.
     """
     ours = write_number(value)
     shortest = np.format_float_scientific(np.float32(value), unique=True, trim="-")
@@ -66,11 +66,11 @@ def test_numbers_as_programs_write_them(text, value):
 @pytest.mark.parametrize(
     "text", ["", "abc", "1,5", "1_000", "--1", "0x", "1e", "٣", "1 2", "9" * 65, "e5", "0b1", "1.5f"]
 )
-def test_what_is_no_number(text):
+def test_texts_that_are_no_numbers(text):
     assert read_number(text) is None
 
 
-def test_what_is_whole_is_written_so():
+def test_whole_floats_are_written_as_integers():
     assert [write_number(value) for value in (1500.0, 1e6, -2.0, 0.0, 5, True)] == [
         "1500",
         "1000000",
@@ -104,7 +104,7 @@ def test_a_float_agrees_with_itself_and_its_text(value):
 
 
 @given(st.floats(-1e6, 1e6, width=32))
-def test_what_other_programs_would_have_written_agrees(value):
+def test_values_rounded_by_other_programs_agree(value):
     six_decimals = f"{value:f}"
     assert float(six_decimals) == read_number(six_decimals)
     assert agree(read_number(six_decimals), value) or rounds_to(value, six_decimals)
@@ -113,7 +113,7 @@ def test_what_other_programs_would_have_written_agrees(value):
         assert rounds_to(value, seven_digits)
 
 
-def test_what_nobody_would_have_written_does_not():
+def test_values_that_no_program_writes_do_not_agree():
     assert not rounds_to(0.1235, "0.1234")
     assert not rounds_to(0.1234567, "0.123456")
     assert not rounds_to(0.5, "1")
@@ -122,6 +122,6 @@ def test_what_nobody_would_have_written_does_not():
     assert not rounds_to(1e-7, "0.0")
 
 
-def test_what_is_too_large_for_a_float32():
+def test_values_too_large_for_a_float32():
     assert as_single(1e300) == inf
     assert write_number(1e300) == "inf"

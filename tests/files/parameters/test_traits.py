@@ -30,12 +30,12 @@ from mavstack.sim.vehicle_types import Firmware, VehicleType
         ("SYSID_MYGCS", None),
     ],
 )
-def test_what_belongs_to_one_vehicle(name, owner):
+def test_parameters_of_one_vehicle(name, owner):
     assert owner_of(name) is owner
 
 
 @pytest.mark.parametrize("firmware", Firmware)
-def test_what_a_vehicle_lets_nobody_set_belongs_to_it_alone(firmware):
+def test_read_only_parameters_belong_to_one_vehicle(firmware):
     fixed = [row.name for row in rows(firmware, VehicleType.COPTER) if row.read_only]
     assert [name for name in fixed if owner_of(name) is None] == []
 
@@ -48,5 +48,5 @@ def test_turns():
     ("name", "needed"),
     [("FRAME_CLASS", True), ("SERIAL2_PROTOCOL", True), ("SYS_AUTOSTART", True), ("RTL_ALT", False)],
 )
-def test_what_needs_a_reboot(name, needed):
+def test_parameters_that_need_a_reboot(name, needed):
     assert needs_reboot(name) is needed

@@ -22,19 +22,19 @@ def test_ardupilot_counts_the_home():
     assert plan.items[4].param1 == 2
 
 
-def test_px4_does_not():
+def test_px4_does_not_count_the_home():
     plan = parse_plan(FLIGHT).mission_for(home_first=False)
     assert len(plan) == 5
     assert plan.items[3].param1 == 1
 
 
-def test_nothing_is_nothing_for_both():
+def test_an_empty_mission_stays_empty():
     assert len(PlanFile(home=Home(1, 2)).mission_for(home_first=True)) == 0
     assert PlanFile.of_vehicle([Plan(PlanType.MISSION)], home_first=True).home is None
 
 
 @given(missions(SMALL), HOMES)
-def test_given_and_got_back_it_is_the_same(mission, home):
+def test_a_plan_survives_upload_and_download(mission, home):
     plan = PlanFile.of(mission, home=home if mission else None)
     there = plan.mission_for(home_first=True)
     back = PlanFile.of_vehicle([over_the_wire(there)], home_first=True)

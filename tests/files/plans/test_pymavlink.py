@@ -1,4 +1,4 @@
-"""What pymavlink's loaders write we read as they do, and they read what we write as we do."""
+"""Plan files are read and written as pymavlink's loaders read and write them."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def ours(plan: PlanFile, kind: PlanType = PlanType.MISSION) -> list[tuple[float,
 
 
 @given(missions(st.floats(allow_nan=False)), st.none() | HOMES)
-def test_they_read_our_waypoints(folder, mission, home):
+def test_pymavlink_reads_written_waypoints(folder, mission, home):
     plan = PlanFile.of(mission, home=home if mission else None)
     write_plan(folder / "ours.waypoints", plan)
     loader = mavwp.MAVWPLoader()
@@ -77,7 +77,7 @@ def test_they_read_our_waypoints(folder, mission, home):
 
 
 @pytest.mark.parametrize("text", [WAYPOINTS, WAYPOINTS.replace("\t", "  "), WAYPOINTS + "\n# the end\n"])
-def test_we_read_a_file_as_they_do(folder, text):
+def test_files_are_read_as_pymavlink_reads_them(folder, text):
     path = folder / "file.txt"
     path.write_text(text)
     loader = mavwp.MAVWPLoader()
@@ -86,7 +86,7 @@ def test_we_read_a_file_as_they_do(folder, text):
 
 
 @given(st.data())
-def test_we_read_their_waypoints(folder, data):
+def test_waypoints_of_pymavlink_are_read(folder, data):
     places = data.draw(st.lists(st.tuples(LATITUDES, LONGITUDES, st.floats(-100, 5000)), min_size=1))
     loader = mavwp.MAVWPLoader()
     for latitude, longitude, altitude in places:
@@ -102,7 +102,7 @@ def test_we_read_their_waypoints(folder, data):
     assert [row[7:] for row in ours(plan)] == [row[7:] for row in expected] if len(places) > 1 else True
 
 
-def test_version_100_as_they_read_it(folder):
+def test_version_100_is_read_as_pymavlink_reads_it(folder):
     text = "QGC WPL 100\n0 0 25 0 0 0 0 1 8.1 47.1 400 0 1\n1 3 27 30 45 1 2 0 8.2 47.2 50 0 0\n"
     path = folder / "old.txt"
     path.write_text(text)
@@ -130,7 +130,7 @@ def test_fence_lists_both_ways(folder, vertices, point):
             assert mine == pytest.approx(theirs, abs=SIX)
 
 
-def test_an_older_fence_as_they_make_items_of_it(folder):
+def test_an_older_fence_gives_the_same_items_as_in_pymavlink(folder):
     path = folder / "field.fen"
     path.write_text(FENCE)
     loader = mavwp.MissionItemProtocol_Fence()
@@ -144,7 +144,7 @@ def test_an_older_fence_as_they_make_items_of_it(folder):
     assert mine == theirs
 
 
-def test_they_read_our_fence_items(folder):
+def test_pymavlink_reads_written_fence_items(folder):
     path = folder / "area.waypoints"
     plan = read_plan(FLIGHT).only([PlanType.FENCE])
     write_plan(path, plan)
@@ -179,7 +179,7 @@ def test_rally_lists_both_ways(folder, rally):
         assert theirs.frame == mine.frame
 
 
-def test_they_read_our_rally_items(folder):
+def test_pymavlink_reads_written_rally_items(folder):
     path = folder / "rally.waypoints"
     plan = read_plan(FLIGHT).only([PlanType.RALLY])
     write_plan(path, plan)

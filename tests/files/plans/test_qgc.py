@@ -58,7 +58,7 @@ def test_a_whole_plan():
     assert (plan.problems, plan.notes) == ((), ())
 
 
-def test_surveys_and_corridors_are_the_items_that_are_flown():
+def test_surveys_and_corridors_are_read_as_their_items():
     survey = {
         "type": "ComplexItem",
         "complexItemType": "survey",
@@ -82,14 +82,14 @@ def test_surveys_and_corridors_are_the_items_that_are_flown():
     assert plan.problems == ()
 
 
-def test_jumps_name_ids_not_places():
+def test_jumps_refer_to_ids_not_indexes():
     first = simple(CMD.NAV_WAYPOINT, 0, 0, 0, 0, 47.1, 8.1, 50, jump_id=17)
     second = simple(CMD.NAV_WAYPOINT, 0, 0, 0, 0, 47.2, 8.1, 50, jump_id=4)
     plan = mission_of(first, second, simple(CMD.DO_JUMP, 4, -1, jump_id=5, frame=2))
     assert plan.mission.items[2].param1 == 1
 
 
-def test_a_jump_to_an_id_that_nothing_has_is_a_problem():
+def test_a_jump_to_an_unknown_id_is_a_problem():
     plan = mission_of(simple(CMD.NAV_WAYPOINT, jump_id=1), simple(CMD.DO_JUMP, 9, 1, jump_id=2, frame=2))
     assert plan.problems == ("item 2 jumps to doJumpId 9, which no item has",)
     assert plan.mission.items[1].param1 == -1
@@ -155,12 +155,12 @@ def test_an_older_landing_pattern():
     [
         ({"complexItemType": "StructureScan", "version": 3}, "mission.items[1]: the StructureScan was not"),
         ({"complexItemType": "survey", "version": 3, "polygon": []}, "mission.items[1]: the survey was not"),
-        ({}, "mission.items[1]: the pattern was not taken, since the file holds no items of it"),
+        ({}, "mission.items[1]: the pattern was not read, since the file holds no items of it"),
         (landing("fwLandingPattern", loiterRadius="big"), "loiterRadius is 'big' where a number must be"),
-        (landing("fwLandingPattern", useDoChangeSpeed=True), "the speed of the approach was not taken"),
+        (landing("fwLandingPattern", useDoChangeSpeed=True), "the approach speed was not read"),
     ],
 )
-def test_a_pattern_that_cannot_be_taken_is_told_and_the_rest_is_taken(item, says):
+def test_a_pattern_that_cannot_be_read_is_reported_and_the_rest_is_read(item, says):
     plan = mission_of(simple(CMD.NAV_TAKEOFF), {**item, "type": "ComplexItem"}, simple(CMD.NAV_LAND))
     assert len(plan.problems) == 1
     assert says in plan.problems[0]
@@ -168,7 +168,7 @@ def test_a_pattern_that_cannot_be_taken_is_told_and_the_rest_is_taken(item, says
     assert plan.mission.items[-1].command == CMD.NAV_LAND
 
 
-def test_items_with_a_coordinate_apart():
+def test_items_with_a_separate_coordinate():
     old = {**simple(CMD.NAV_WAYPOINT), "params": [1, 2, 3, None], "coordinate": [47.1, 8.1, 60]}
     (item,) = mission_of(old).mission.items
     assert params_of(item)[4:] == (47.1, 8.1, 60)
@@ -189,7 +189,7 @@ def test_a_mission_file_of_version_1():
     assert plan.mission.items[1].param1 == 0
     assert plan.problems == ()
     other = parse_plan(json.dumps({**root, "complexItems": [survey]}))
-    assert "complexItems[0]: the survey was not taken" in other.problems[0]
+    assert "complexItems[0]: the survey was not read" in other.problems[0]
 
 
 @pytest.mark.parametrize(
@@ -223,12 +223,12 @@ def test_a_fence_of_version_1_is_one_polygon_to_stay_in():
     assert areas.return_points[0].altitude == 0
 
 
-def test_limits_of_altitude_of_a_polygon_are_told():
+def test_altitude_limits_of_a_polygon_are_reported():
     whole = json.loads(FLIGHT)
     whole["geoFence"]["polygons"][0]["altitudeMax"] = 120
     plan = parse_plan(json.dumps(whole))
     assert plan.problems == (
-        "geoFence.polygons[0].altitudeMax: limits of altitude of a polygon are not read",
+        "geoFence.polygons[0].altitudeMax: altitude limits of a polygon are not supported",
     )
 
 
@@ -236,9 +236,7 @@ def test_a_home_of_zeros_is_none():
     assert mission_of(simple(CMD.NAV_TAKEOFF), plannedHomePosition=[0, 0, 0]).home is None
     assert mission_of(simple(CMD.NAV_TAKEOFF), plannedHomePosition=[0, 0, None]).home is None
     assert mission_of(simple(CMD.NAV_TAKEOFF), plannedHomePosition=[0, 8, None]).home == Home(0, 8, 0)
-    with pytest.raises(
-        PlanFileError, match=r"mission\.plannedHomePosition: the home position is not a place"
-    ):
+    with pytest.raises(PlanFileError, match=r"mission\.plannedHomePosition: the home position is not finite"):
         mission_of(simple(CMD.NAV_TAKEOFF), plannedHomePosition=[None, 8, 0])
 
 

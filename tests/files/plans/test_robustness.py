@@ -63,19 +63,19 @@ def test_any_text(text):
 
 
 @given(st.sampled_from(SAMPLES), st.data())
-def test_what_was_cut_off(text, data):
+def test_truncated_files(text, data):
     judged(text[: data.draw(st.integers(0, len(text)))])
 
 
 @given(st.sampled_from(SAMPLES), st.data())
-def test_what_was_damaged(text, data):
+def test_damaged_files(text, data):
     start = data.draw(st.integers(0, len(text)))
     end = data.draw(st.integers(start, min(len(text), start + 30)))
     judged(text[:start] + data.draw(st.text('0123456789.-+eE\t {}[],:"nulaif#\n', max_size=6)) + text[end:])
 
 
 @given(st.sampled_from([FLIGHT, SAMPLES[-1]]), st.data())
-def test_json_with_anything_in_any_place(text, data):
+def test_json_with_random_values(text, data):
     root = json.loads(text)
     where = root
     while True:
@@ -93,7 +93,7 @@ def test_json_with_anything_in_any_place(text, data):
 
 
 @given(st.sampled_from([WAYPOINTS, FENCE, RALLY]), st.data())
-def test_lists_with_anything_in_any_place(text, data):
+def test_lists_with_random_values(text, data):
     lines = text.splitlines()
     number = data.draw(st.integers(0, len(lines) - 1))
     words = lines[number].split()
@@ -107,33 +107,36 @@ def test_lists_with_anything_in_any_place(text, data):
     [
         ("", "it is empty"),
         ("hello\nworld\n", "it is neither"),
-        ("QGC WPL PB 110\n", "line 1: version 'PB 110' is not read"),
-        ("QGC WPL 130\n", "line 1: version '130' is not read"),
-        ("QGC WPL 110\n\n0 1 2\n", "line 3: has 3 columns where there must be 12"),
+        ("QGC WPL PB 110\n", "line 1: version 'PB 110' is not supported"),
+        ("QGC WPL 130\n", "line 1: version '130' is not supported"),
+        ("QGC WPL 110\n\n0 1 2\n", "line 3: has 3 columns instead of 12"),
         (WAYPOINTS.replace("520.25", "high"), "line 5: the altitude is 'high', which is not a number"),
         (WAYPOINTS.replace("\t177\t", "\t99999\t"), "line 6: the command is '99999'"),
         (WAYPOINTS.replace("\t177\t", "\t1_7\t"), "line 6: the command is '1_7', which is not a whole"),
         (WAYPOINTS.replace("488", "\u0664\u0664"), "line 2: the altitude is"),
-        ("47.1 8.1\n47.2\n", "line 2: has 1 values where a latitude and a longitude must be"),
-        ("47.1 8.1\n47.2 8.2\n47.3 8.3\n", "a return point and 3 vertices are the least"),
+        ("47.1 8.1\n47.2\n", "line 2: has 1 values instead of a latitude and a longitude"),
+        ("47.1 8.1\n47.2 8.2\n47.3 8.3\n", "a fence needs a return point and at least 3 vertices"),
         ("RALLY 1 2 3 4\n", "line 1: is not RALLY and six numbers"),
-        ("RALLY 1 2 3 0 0 20\n", "flags 20 name an altitude above the origin"),
+        ("RALLY 1 2 3 0 0 20\n", "flags 20 mean an altitude above the origin"),
         ("{", "line 1: it is not JSON"),
         ("{}", "it has none of mission, geoFence and rallyPoints"),
         ('{"a":' * 100_000, "nested too deeply"),
         ('{"mission": {"items": [' + "1" * 5000 + "]}}", "a number that is too long"),
         ('{"mission": {"items": 5}}', "mission.items: is 5 where an array must be"),
-        ('{"mission": {"version": 3, "items": []}}', "mission.version: version 3 is not known"),
-        ('{"version": 2, "mission": {"items": []}}', "version: version 2 is not known, only 1"),
+        ('{"mission": {"version": 3, "items": []}}', "mission.version: version 3 is not supported"),
+        ('{"version": 2, "mission": {"items": []}}', "version: version 2 is not supported, only 1"),
         (FLIGHT.replace('"command": 177', '"command": "jump"'), "mission.items[3].command: is 'jump'"),
         (FLIGHT.replace("[2, 3, 0, 0, 0, 0, 0]", "[2, 3]"), "mission.items[3].params: has 2 params"),
-        (FLIGHT.replace('"SimpleItem", "command": 177', '"Odd"'), "mission.items[3]: is an item of the unk"),
+        (
+            FLIGHT.replace('"SimpleItem", "command": 177', '"Odd"'),
+            "mission.items[3]: has the unknown item type",
+        ),
         (FLIGHT.replace("[47.40, 8.54]", '["N", 8.54]'), "geoFence.polygons[0].polygon[0][0]: is 'N'"),
         (FLIGHT.replace('"radius": 25.5', '"radius": null'), "circles[0].circle.radius: is None where"),
         (FLIGHT.replace("[47.396, 8.544, 25]", "[47.396]"), "rallyPoints.points[0]: has 1 values"),
     ],
 )
-def test_an_error_says_what_and_where(text, says):
+def test_an_error_names_the_problem_and_the_place(text, says):
     with pytest.raises(PlanFileError) as caught:
         parse_plan(text, "my.plan")
     assert str(caught.value).startswith("my.plan: ")
@@ -149,7 +152,7 @@ def test_an_error_can_be_pickled_and_holds_its_parts():
     assert (error.path, error.where, str(error)) == ("my.txt", "line 2", str(caught.value))
 
 
-def test_a_text_for_a_terminal_is_made_harmless():
+def test_control_characters_are_escaped_in_errors():
     with pytest.raises(PlanFileError) as caught:
         parse_plan(WAYPOINTS.replace("488", "\x1b[2J"), "my.txt")
     assert "\x1b" not in str(caught.value)
@@ -166,11 +169,11 @@ def test_sizes_are_bounded(tmp_path, monkeypatch):
     monkeypatch.setattr(registry, "MAX_BYTES", 100)
     path = tmp_path / "big.plan"
     path.write_text(FLIGHT)
-    with pytest.raises(PlanFileError, match=r"big\.plan: 101 bytes are no file of plans"):
+    with pytest.raises(PlanFileError, match=r"big\.plan: 101 bytes are too many for a plan file"):
         read_plan(path)
 
 
-def test_a_number_without_end_is_none():
+def test_an_endless_number_is_refused():
     with pytest.raises(PlanFileError, match=r"the altitude is '1111.*…, which is not a number"):
         parse_plan(WAYPOINTS.replace("488", "1" * 100_000 + "x"))
 

@@ -54,7 +54,7 @@ def returned(plan: PlanFile, name: str) -> PlanFile:
 
 
 @given(missions(st.floats()), FENCES, rally_points(FRAMES_OF_RALLY), st.none() | HOMES)
-def test_our_own_format_holds_everything(mission, fence, rally, home):
+def test_mavstack_json_is_lossless(mission, fence, rally, home):
     plan = PlanFile.of(mission, fence, rally, home)
     assert exactly(returned(plan, "json")) == exactly(plan)
 
@@ -112,7 +112,7 @@ def test_writing_and_reading_again_changes_nothing(text):
 @pytest.mark.parametrize(
     ("name", "suffix"), [(name, suffix) for name, each in FORMATS.items() for suffix in each.suffixes]
 )
-def test_files_are_written_by_their_suffix_and_read_by_what_is_in_them(tmp_path, name, suffix):
+def test_files_are_written_by_suffix_and_read_by_content(tmp_path, name, suffix):
     kinds = {"fence": [PlanType.FENCE], "rally": [PlanType.RALLY]}.get(name, [PlanType.MISSION])
     plan = parse_plan(FLIGHT).only(kinds)
     path = tmp_path / f"plan{suffix.upper()}"
@@ -132,13 +132,13 @@ def lost(name: str, **plans: object) -> str:
     return "; ".join(format_plan(PlanFile.of(**plans), name).lost)
 
 
-def test_what_qgc_cannot_hold_is_told():
+def test_losses_in_qgc_plans_are_reported():
     group = MissionItem(CMD.NAV_FENCE_CIRCLE_INCLUSION, 10, 2, param5=1, param6=2)
     vertex = MissionItem(CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION, 4, param5=1, param6=2)
     rally = MissionItem(CMD.NAV_RALLY_POINT, 1, param5=1, param6=2, param7=3, frame=FRAME.GLOBAL)
     two = [ReturnPoint((1.0, 2.0)), ReturnPoint((3.0, 4.0), 5.0, FRAME.GLOBAL)]
     assert lost("plan", fence=[group]) == "the inclusion group of fence item 0"
-    assert "1 vertex stands together" in lost("plan", fence=[vertex])
+    assert "1 vertex in a row" in lost("plan", fence=[vertex])
     assert lost("plan", fence=fence_items(FenceAreas(return_points=two))) == "return points but the first"
     assert "altitude of the return point" in lost(
         "plan", fence=fence_items(FenceAreas(return_points=two[1:]))
@@ -148,14 +148,14 @@ def test_what_qgc_cannot_hold_is_told():
     assert "infinite params of mission item 1" in lost("plan", mission=[MissionItem(CMD.NAV_WAYPOINT, inf)])
 
 
-def test_what_a_file_of_waypoints_cannot_hold_is_told():
+def test_losses_in_waypoint_files_are_reported():
     told = format_plan(parse_plan(FLIGHT), "waypoints").lost
     assert len(told) == 2
     assert told[0].startswith("the fence")
     assert told[1].startswith("the rally points")
 
 
-def test_what_a_fence_list_cannot_hold_is_told():
+def test_losses_in_fence_lists_are_reported():
     areas = FenceAreas(
         [Polygon(inclusion=True, vertices=SQUARE, group=1), Polygon(inclusion=False, vertices=SQUARE)],
         [Circle(inclusion=True, center=(1.0, 2.0), radius=3)],
@@ -169,7 +169,7 @@ def test_what_a_fence_list_cannot_hold_is_told():
     assert "no return point" in written.notes[0]
 
 
-def test_what_a_rally_list_cannot_hold_is_told():
+def test_losses_in_rally_lists_are_reported():
     strange = MissionItem(CMD.NAV_RALLY_POINT, 1, param5=1, param6=2, frame=FRAME.LOCAL_NED)
     usual = MissionItem(CMD.NAV_RALLY_POINT, 1, param5=1, param6=2)
     told = lost("rally", rally=[strange, usual], fence=fence_items(FenceAreas([Polygon(True, SQUARE)])))
@@ -177,19 +177,19 @@ def test_what_a_rally_list_cannot_hold_is_told():
 
 
 @pytest.mark.parametrize("name", ["fence", "rally"])
-def test_a_format_refuses_what_it_can_hold_nothing_of(name):
+def test_a_format_refuses_plans_that_it_cannot_hold(name):
     with pytest.raises(PlanFileError, match="the plan has none"):
         format_plan(PlanFile.of([MissionItem(CMD.NAV_WAYPOINT)]), name)
 
 
-def test_qgc_needs_a_home_and_gets_the_first_place():
+def test_qgc_plans_without_a_home_get_the_first_position():
     items = [MissionItem(CMD.NAV_TAKEOFF), MissionItem(CMD.NAV_WAYPOINT, param5=47.5, param6=8.5)]
     written = format_plan(PlanFile.of(items), "plan")
     assert "no home" in written.notes[0]
     assert parse_plan(written.text).home == Home(47.5, 8.5, 0.0)
 
 
-def test_the_vehicle_a_plan_is_for_is_kept():
+def test_the_settings_of_a_plan_are_kept():
     settings = Settings(12, 1, 18.5, 4.25)
     plan = replace(parse_plan(FLIGHT), settings=settings)
     assert returned(plan, "plan").settings == settings

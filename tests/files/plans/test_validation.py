@@ -1,4 +1,4 @@
-"""What no vehicle could fly as it is meant is told, item by item; what some could is not."""
+"""Problems for every vehicle are found, item by item; problems for some vehicles are not."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def said(plan: PlanFile) -> list[str]:
 
 
 @pytest.mark.parametrize("text", [FLIGHT, WAYPOINTS, FENCE, RALLY])
-def test_good_plans(text):
+def test_valid_plans(text):
     assert said(parse_plan(text)) == []
 
 
@@ -32,12 +32,12 @@ def test_good_plans(text):
         ({"param6": -181.5}, "longitude -181.5 is not between -180 and 180"),
         ({"param5": inf}, "latitude inf is not between -90 and 90"),
         ({"param5": nan}, "it has no latitude"),
-        ({"param7": inf}, "altitude inf is none"),
-        ({"param7": nan}, "altitude nan is none"),
+        ({"param7": inf}, "altitude inf is not a number"),
+        ({"param7": nan}, "altitude nan is not a number"),
         ({"frame": 77}, "there is no frame 77"),
     ],
 )
-def test_a_place_that_is_none(change, says):
+def test_invalid_positions(change, says):
     plan = PlanFile.of([GOOD, replace(GOOD, **change)])
     assert said(plan) == [f"mission item 1: NAV_WAYPOINT: {says}"]
     assert said(replace(plan, home=Home(47, 8))) == [f"mission item 2: NAV_WAYPOINT: {says}"]
@@ -53,7 +53,7 @@ def test_a_place_that_is_none(change, says):
         MissionItem(60000, param5=400.0),
     ],
 )
-def test_what_may_be_right_somewhere_is_let_be(item):
+def test_problems_of_some_vehicles_only_are_not_reported(item):
     assert said(PlanFile.of([item])) == []
 
 
@@ -64,7 +64,7 @@ def test_jumps_to_nowhere(target):
     assert text.startswith("mission item 1: DO_JUMP: it jumps to ")
 
 
-def test_items_that_belong_elsewhere():
+def test_items_of_another_plan_type():
     vertex = MissionItem(CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION, 3, param5=1, param6=2)
     rally = MissionItem(CMD.NAV_RALLY_POINT, param5=1, param6=2)
     plan = PlanFile.of([vertex, rally], [GOOD], [GOOD])
@@ -76,12 +76,12 @@ def test_items_that_belong_elsewhere():
     ]
 
 
-def test_fences_that_are_none():
+def test_invalid_fences():
     square = fence_items(FenceAreas([Polygon(inclusion=True, vertices=SQUARE)]))
     circle = fence_items(FenceAreas(circles=[Circle(inclusion=False, center=(47.0, 8.0), radius=-3)]))
     assert said(PlanFile.of(fence=[*square[:3], *circle])) == [
-        "fence item 3: NAV_FENCE_CIRCLE_EXCLUSION: its radius is -3, which is no circle",
-        "fence item 0: 3 vertices stand together, but they say that their polygon has 4",
+        "fence item 3: NAV_FENCE_CIRCLE_EXCLUSION: its radius is -3, which is not a positive number",
+        "fence item 0: 3 vertices in a row, but param 1 says that the polygon has 4",
     ]
     far = fence_items(FenceAreas(circles=[Circle(inclusion=False, center=(97.0, 8.0), radius=3)]))
     assert "latitude 97 is not between" in said(PlanFile.of(fence=far))[0]

@@ -28,7 +28,7 @@ from tests.files.plans.plans import FENCE, FLIGHT, WAYPOINTS, exactly, names
         WAYPOINTS.rstrip().encode(),
     ],
 )
-def test_however_it_was_saved(content):
+def test_encodings_and_line_ends(content):
     assert exactly(parse_plan(content)) == exactly(parse_plan(WAYPOINTS))
 
 
@@ -65,20 +65,20 @@ def test_an_empty_home_is_none():
         assert (plan.home, len(plan.mission), plan.notes) == (None, 1, ())
 
 
-def test_a_first_item_that_cannot_be_a_home_is_flown_and_told():
+def test_a_first_item_that_cannot_be_a_home_is_flown_and_reported():
     plan = parse_plan("QGC WPL 110\n0 1 3 22 0 0 0 0 47 8 20 1\n1 0 2 177 0 3 0 0 0 0 0 1\n")
     assert (plan.home, names(plan.mission)) == (None, ["NAV_TAKEOFF", "DO_JUMP"])
-    assert "NAV_TAKEOFF where the home should be" in plan.notes[0]
+    assert "NAV_TAKEOFF instead of the home" in plan.notes[0]
     assert plan.mission.items[1].param1 == 0
 
 
-def test_a_home_above_home_is_told():
+def test_a_home_relative_to_home_is_reported():
     plan = parse_plan("QGC WPL 110\n0 1 3 16 0 0 0 0 47 8 20 1\n1 0 3 16 0 0 0 0 47 8 20 1\n")
     assert (plan.home, len(plan.mission)) == (Home(47, 8, 20), 1)
-    assert "taken as the home" in plan.notes[0]
+    assert "read as the home" in plan.notes[0]
 
 
-def test_indexes_with_gaps_are_told():
+def test_indexes_with_gaps_are_reported():
     plan = parse_plan(WAYPOINTS.replace("\n4\t", "\n7\t"))
     assert exactly(plan) == exactly(parse_plan(WAYPOINTS))
     assert "not consecutive" in plan.notes[0]
@@ -97,7 +97,7 @@ def test_a_fence_with_and_without_a_home():
     assert parse_plan(with_home).home == Home(47, 8, 400)
 
 
-def test_the_home_of_a_fence_is_left_out_and_told():
+def test_the_home_of_a_fence_is_left_out_and_reported():
     areas = FenceAreas(circles=[Circle(inclusion=True, center=(47.0, 8.0), radius=10)])
     written = format_plan(PlanFile.of(fence=fence_items(areas), home=Home(47, 8, 400)), "waypoints")
     assert len(written.text.splitlines()) == 2
@@ -105,7 +105,7 @@ def test_the_home_of_a_fence_is_left_out_and_told():
     assert "no home" in written.notes[0]
 
 
-def test_items_of_several_kinds_stay_one_plan_that_checking_refuses():
+def test_a_mixture_of_plan_types_stays_one_plan_with_problems():
     from mavstack.files.plans import check
 
     plan = parse_plan(WAYPOINTS + "6\t0\t0\t5003\t30\t0\t0\t0\t47\t8\t0\t1\n")
@@ -115,7 +115,7 @@ def test_items_of_several_kinds_stay_one_plan_that_checking_refuses():
     ]
 
 
-def test_written_as_mission_planner_and_mavproxy_want_it():
+def test_written_as_mission_planner_and_mavproxy_read_it():
     assert format_plan(parse_plan(FLIGHT).only([PlanType.MISSION]), "waypoints").text == (
         "QGC WPL 110\n"
         "0\t1\t0\t16\t0\t0\t0\t0\t47.3977419\t8.5455939\t488\t1\n"

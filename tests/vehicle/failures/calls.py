@@ -1,4 +1,4 @@
-"""Every call of the vehicle API that waits, and how it fails: one row each."""
+"""The failure table: one row for every call of the vehicle API that waits."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ async def open_shell(scene: Scene) -> None:
         pass
 
 
-NOT_WAITED = "it asks, and does not wait for what comes of it"
+NOT_WAITED = "it does not wait for the effect"
 VEHICLE = [
     command(
         "Vehicle.arm",
@@ -174,7 +174,7 @@ VEHICLE = [
         silent=HealthTimeout,
         stuck=(HealthTimeout, "waiting for the readiness of 1/1 failed: not in 60 s: not ready"),
         before=not_ready,
-        why_not="nothing is asked that could be refused",
+        why_not="it sends no request that could be refused",
     ),
     rate(
         "Vehicle.wait_for_message",
@@ -206,17 +206,19 @@ TELEMETRY = [
         "Telemetry.ensure",
         lambda s: s.vehicle.telemetry.ensure(common.Attitude, 5.0),
         silent=None,
-        why_not="it tells by False that the vehicle refused or is silent",
+        why_not="it returns False if the vehicle refuses or is silent",
     ),
     Call(
         "Telemetry.request_home",
         lambda s: s.vehicle.telemetry.request_home(),
         silent=None,
-        why_not="it remembers that the vehicle has none to tell",
+        why_not="it stores that the vehicle has no home",
     ),
-    Call("Telemetry.close", lambda s: s.vehicle.telemetry.close(), silent=None, why_not="nothing is asked"),
-    rate("MessageStream.__anext__", first, 4, silent=None, why_not="it waits for what may come"),
-    Call("MessageStream.__aenter__", stream_at_rate, silent=None, why_not="it asks while others read"),
+    Call(
+        "Telemetry.close", lambda s: s.vehicle.telemetry.close(), silent=None, why_not="it sends no request"
+    ),
+    rate("MessageStream.__anext__", first, 4, silent=None, why_not="it waits for messages"),
+    Call("MessageStream.__aenter__", stream_at_rate, silent=None, why_not="it requests in the background"),
     Call("MessageStream.__aexit__", stream_at_rate, silent=None, why_not="it does not wait for the vehicle"),
 ]
 MISSION = [
@@ -287,7 +289,7 @@ PARAMETERS = [
         "Params.download",
         lambda s: s.vehicle.params.download(),
         silent=ParameterTimeout,
-        why_not="a list is not refused, only single parameters are",
+        why_not="only requests for single parameters are refused",
     ),
 ]
 FILES = [
@@ -306,7 +308,7 @@ LOGS = [
         "Logs.list",
         lambda s: s.vehicle.logs.list(),
         silent=LogTimeout,
-        why_not="a vehicle that does not want to list its logs says nothing",
+        why_not="a vehicle that refuses to list its logs does not answer",
     ),
     Call(
         "Logs.download",
@@ -341,12 +343,12 @@ MODES = [
         "Modes.list",
         lambda s: s.vehicle.modes.list(),
         silent=CommandTimeout,
-        why_not="those of PX4 and ArduPilot are known without being told",
+        why_not="the modes of PX4 and ArduPilot are known",
     ),
 ]
 SHELL = [
-    Call("Shell.__anext__", speak, silent=None, why_not="it waits for what a shell says, if it ever does"),
-    Call("Shell.__aenter__", open_shell, silent=None, why_not="nobody acknowledges the opening of a shell"),
-    Call("Shell.__aexit__", open_shell, silent=None, why_not="nobody acknowledges the closing of a shell"),
+    Call("Shell.__anext__", speak, silent=None, why_not="it waits for the output of the shell"),
+    Call("Shell.__aenter__", open_shell, silent=None, why_not="opening a shell has no acknowledgement"),
+    Call("Shell.__aexit__", open_shell, silent=None, why_not="closing a shell has no acknowledgement"),
 ]
 CALLS = [*VEHICLE, *TELEMETRY, *MISSION, *GUIDANCE, *PARAMETERS, *FILES, *LOGS, *MODES, *SHELL]

@@ -1,5 +1,6 @@
-"""What a row about one call says: how the vehicle refuses, and what is then raised; what a silent vehicle
-leads to, and what one that accepts and does nothing. Where a call cannot fail so, the row says why not.
+"""The rows of the failure table: for each call, how the vehicle refuses it and the error that follows, and
+the errors for a silent vehicle and for one that accepts and does nothing. Where a call cannot fail in one of
+these ways, its row holds the reason.
 """
 
 from __future__ import annotations
@@ -26,9 +27,9 @@ from tests.vehicle.failures.scripted import CMD, RESULT, Scene
 Do = Callable[[Scene], Awaitable[Any]]
 
 MISSION_RESULT, FTP, PARAM = common.MavMissionResult, common.MavFtpErr, common.MavParamError
-#: What a firmware that knows the command answers if it does not want to.
+#: The answers of a firmware that knows a command and refuses it.
 CODES = (RESULT.DENIED, RESULT.TEMPORARILY_REJECTED, RESULT.FAILED, RESULT.UNSUPPORTED)
-#: UNSUPPORTED is answered with an older way.
+#: After UNSUPPORTED an older request follows.
 FALLING_BACK = CODES[:3]
 ITEMS = [MissionItem(CMD.NAV_WAYPOINT, param5=47.4, param6=8.55, param7=20.0) for _ in range(8)]
 PLACE = (47.3990, 8.5470, 25.0)
@@ -36,32 +37,32 @@ PLACE = (47.3990, 8.5470, 25.0)
 
 @dataclass(frozen=True)
 class Call:
-    """One call: `do` makes it, and the rest says how it fails."""
+    """One call: `do` makes it, and the other attributes describe its failures."""
 
     name: str
     do: Do
-    #: What the error names.
+    #: The operation in the error.
     asked: str = ""
     refuse: Callable[[Scene, int], None] | None = None
     denied: type[RemoteDenied] = CommandDenied
     codes: tuple[int, ...] = CODES
-    #: Whether a refusal waits for a reason that is told after it.
+    #: True if a refusal waits for a reason that follows it.
     waits: bool = True
-    #: What a vehicle that says nothing leads to.
+    #: The error for a silent vehicle.
     silent: type[RemoteError] | None = CommandTimeout
-    #: What one that accepts and does nothing leads to, and what is then said.
+    #: The error, and a part of its text, for a vehicle that accepts and does nothing.
     stuck: tuple[type[RemoteError], str] | None = None
-    #: Whether it ends at once if the vehicle does something else.
+    #: True if the call ends when the vehicle does something else.
     interrupted: bool = False
-    #: What is to be done beforehand.
+    #: The preparation before the call.
     before: Do | None = None
     armed: bool = True
-    #: Why it does not fail in the ways that are not given.
+    #: The reason for each kind of failure that is missing.
     why_not: str = ""
 
 
 def command(name: str, do: Do, number: int, *, codes: tuple[int, ...] = CODES, **more: Any) -> Call:
-    """A call that asks for a command."""
+    """Return the row of a call that sends a command."""
     asked = CMD(number).official_name.removeprefix("MAV_CMD_")
 
     def refuse(scene: Scene, code: int) -> None:
@@ -71,7 +72,7 @@ def command(name: str, do: Do, number: int, *, codes: tuple[int, ...] = CODES, *
 
 
 def rate(name: str, do: Do, hertz: int, **more: Any) -> Call:
-    """A call that asks for messages at a rate."""
+    """Return the row of a call that requests a message rate."""
 
     def refuse(scene: Scene, code: int) -> None:
         scene.script.refuse(CMD.SET_MESSAGE_INTERVAL, result=code)
@@ -81,13 +82,13 @@ def rate(name: str, do: Do, hertz: int, **more: Any) -> Call:
 
 
 def mode(name: str, do: Do, **more: Any) -> Call:
-    """A call that asks for a mode."""
+    """Return the row of a call that sets a mode."""
     more = {"silent": ModeTimeout, "stuck": (ModeTimeout, "accepted, but not entered")} | more
     return command(name, do, CMD.DO_SET_MODE, codes=FALLING_BACK, **more)
 
 
 def plan(name: str, do: Do, asked: str, **more: Any) -> Call:
-    """A call that transfers a plan."""
+    """Return the row of a call that transfers a plan."""
     codes = (MISSION_RESULT.DENIED, MISSION_RESULT.UNSUPPORTED_FRAME, MISSION_RESULT.INVALID_PARAM5_X)
 
     def refuse(scene: Scene, code: int) -> None:
@@ -107,14 +108,14 @@ def no_plan(scene: Scene, code: int) -> None:
 
 
 def file(name: str, do: Do, asked: str, code: int | None = FTP.FILENOTFOUND, **more: Any) -> Call:
-    """A call that works on a file that is not there, or not allowed."""
+    """Return the row of a call on a file that does not exist, or is not allowed."""
     if code is None:
         return Call(name, do, asked, silent=FileTimeout, **more)
     return Call(name, do, asked, nothing, FileDenied, (code,), waits=False, silent=FileTimeout, **more)
 
 
 def nothing(scene: Scene, code: int) -> None:
-    """What is asked for is refused by itself."""
+    """Do nothing: the request is refused by itself."""
 
 
 def read_only(scene: Scene, code: int) -> None:

@@ -1,4 +1,4 @@
-"""An autopilot that does what a test has it do: refuse and say why, accept and not act, fall silent."""
+"""A scripted autopilot: it refuses with a reason, accepts without acting, or falls silent."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 CMD, RESULT, SEVERITY = common.MavCmd, common.MavResult, common.MavSeverity
 PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
 ARMED = common.MavModeFlag.SAFETY_ARMED | common.MavModeFlag.CUSTOM_MODE_ENABLED
-#: What it is asked for by the way, and not what a test is about.
+#: Messages of every connection, which tests ignore.
 BY_THE_WAY = (
     common.Heartbeat,
     common.Ping,
     common.Timesync,
     common.MissionAck,
 )
-#: Commands that it accepts, and for some the mode that PX4 enters for them.
+#: Commands that it accepts, and the modes that PX4 enters for some of them.
 ACCEPTED = {
     CMD.COMPONENT_ARM_DISARM: None,
     CMD.NAV_TAKEOFF: "TAKEOFF",
@@ -50,7 +50,7 @@ ACCEPTED = {
     CMD.PREFLIGHT_REBOOT_SHUTDOWN: None,
     CMD.RUN_PREARM_CHECKS: None,
 }
-#: What else than a command can be asked for and be refused.
+#: Requests other than commands that can be refused.
 ASKED_FOR = (
     *(common.MissionCount, common.MissionRequestList, common.MissionClearAll, common.MissionSetCurrent),
     *(common.ParamSet, common.ParamRequestRead, common.ParamRequestList),
@@ -59,7 +59,7 @@ ASKED_FOR = (
 
 
 class Sayer(Service):
-    """Says a text before anything else answers a request."""
+    """Sends a status text before another service answers a request."""
 
     handles = message_ids(*ASKED_FOR)
 
@@ -75,7 +75,7 @@ class Sayer(Service):
 
 
 class Scripted(Everything):
-    """It stands on the ground, or at `altitude`, and moves only if a test moves it."""
+    """A vehicle that stays at `altitude` and moves only if a test moves it."""
 
     def __init__(self, *links, autopilot=PX4, kind=common.MavType.QUADROTOR) -> None:
         super().__init__(*links, autopilot=autopilot if autopilot in MODES else PX4)
@@ -84,7 +84,7 @@ class Scripted(Everything):
         self._offer_modes(autopilot, kind)
         self.refused: dict[int, int] = {}
         self.saying: Callable[[], None] = lambda: None
-        self.acts = True  # else it acknowledges, and does nothing
+        self.acts = True  # False: it acknowledges without acting
         self.silent = False
         self.altitude, self.heading = 20.0, 0.0
         self.latitude, self.longitude = 47.397742, 8.545594
@@ -102,10 +102,10 @@ class Scripted(Everything):
 
     requests = ASKED_FOR
 
-    # What a test has it do
+    # Actions of tests
 
     def enter(self, mode: str) -> None:
-        """Be in a mode, whoever wanted it."""
+        """Enter a mode."""
         number = mode_number(self._heartbeat.autopilot, self._heartbeat.type, mode)
         assert number is not None, mode
         self.modes._current = self.modes._named(number)
@@ -122,10 +122,10 @@ class Scripted(Everything):
         self.mission._validate = lambda plan, source: result
 
     def asked(self, *without: type[Message]) -> list[Message]:
-        """What it was asked since `heard` was emptied, without what belongs to any connection."""
+        """Return the requests since `heard` was cleared, without the messages of every connection."""
         return [message for message in self.heard if not isinstance(message, BY_THE_WAY + without)]
 
-    # Within
+    # Internals
 
     def _offer_modes(self, autopilot, kind) -> None:
         names = list(mode_names(autopilot, kind)) or MODES[PX4]
@@ -237,14 +237,14 @@ class Scene:
     listening: set = field(default_factory=set)
 
     def say(self, text: str, severity: int = SEVERITY.CRITICAL, after: float = 0.0) -> None:
-        """Have it tell people something, now or a while later."""
+        """Let the vehicle send a status text, now or after some seconds."""
         if after:
             asyncio.get_running_loop().call_later(after, self.script.send_statustext, text, severity)
         else:
             self.script.send_statustext(text, severity)
 
     def watch_registers(self) -> None:
-        """Count from now on who listens to packets."""
+        """Count the packet listeners from now on."""
         packets = self.node._host.packet_dispatch
         listen, forget = packets.add, packets.remove
         self.listening = set()
@@ -261,7 +261,7 @@ class Scene:
         packets.add, packets.remove = listen_counted, forget_counted
 
     def registers(self) -> dict[str, int]:
-        """How many listen to the connection, and what goes on there."""
+        """Return the number of listeners, subscriptions, services and tasks."""
         node = self.node
         return {
             "listening": len(self.listening),
@@ -277,7 +277,7 @@ class Scene:
 async def scene(
     latency: float = 0.0, network: MemoryNetwork | None = None, **options
 ) -> AsyncIterator[Scene]:
-    """A scripted autopilot whose connection has heard what it tells by itself."""
+    """Run a scripted autopilot and a connection that has received its messages."""
     network = network or MemoryNetwork()
     link = impair(network.link(), Impairment(latency=latency)) if latency else network.link()
     async with Scripted(network.link(), **options) as script, connect(link) as node:

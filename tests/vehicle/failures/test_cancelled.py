@@ -18,7 +18,7 @@ from tests.vehicle.failures.scripted import CMD, Scene, play
 SETTLE = 12.0
 #: A rate that was asked for without saying which stays; who reads a message once wants its latest value too.
 KEPT = (common.CommandLong, common.CommandInt)
-#: What a firmware is told to leave.
+#: Commands to leave a mode.
 LETTING_GO = (common.CommandCancel, common.SerialControl, common.LogRequestEnd)
 SETPOINTS = (common.SetPositionTargetLocalNed, common.SetPositionTargetGlobalInt, common.SetAttitudeTarget)
 #: Closing is for good, so it is not done twice.
@@ -48,7 +48,7 @@ async def cancel_at(made: Scene, call: Call, moment: float) -> bool:
 
 
 def other_end(made: Scene) -> dict[str, object]:
-    """What still goes on at the other end."""
+    """Return the operations that are running at the other end."""
     script = made.script
     return {
         "uploads": dict(script.mission._uploads._running),

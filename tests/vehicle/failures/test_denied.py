@@ -1,4 +1,4 @@
-"""What is refused raises its typed error, with the vehicle's own reason in its text."""
+"""A refusal raises its typed error, with the vehicle's status text in its text."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def says_before(made: Scene, text: str) -> None:
 
 @pytest.mark.parametrize("call", REFUSED, ids=named)
 @pytest.mark.parametrize("text", [REASON, LONG], ids=["short", "long"])
-def test_a_reason_told_before(call, text):
+def test_a_reason_before_the_refusal(call, text):
     async def scenario(made):
         code = call.codes[0]
         await make(made, call, code)
@@ -78,7 +78,7 @@ def test_a_reason_told_before(call, text):
 
 
 @pytest.mark.parametrize("call", WAITING, ids=named)
-def test_a_reason_told_afterwards(call):
+def test_a_reason_after_the_refusal(call):
     async def scenario(made):
         code = call.codes[-1]
         await make(made, call, code)
@@ -112,7 +112,7 @@ def test_each_code_without_a_reason(call, code):
 
 
 @pytest.mark.parametrize("call", REFUSED, ids=named)
-def test_what_is_no_reason(call):
+def test_texts_that_are_no_reasons(call):
     """An older text, another system's, and what is said by the way."""
 
     async def whole() -> None:
@@ -150,7 +150,7 @@ def test_each_text_once_and_the_last_ones():
     play(scenario)
 
 
-def test_ardupilot_says_the_mode_that_it_refuses():
+def test_ardupilots_text_for_a_refused_mode():
     async def scenario(made):
         made.script.modes._may_enter = lambda mode, source: "requires position"
         with pytest.raises(CommandDenied) as denied:
@@ -161,17 +161,18 @@ def test_ardupilot_says_the_mode_that_it_refuses():
     play(scenario, autopilot=ARDUPILOT)
 
 
-def test_a_mode_that_there_is_not():
+def test_an_unknown_mode():
     async def scenario(made):
         with pytest.raises(
-            RemoteDenied, match=r"setting mode SIDEWAYS on 1/1 failed: there is no such mode; the vehicle has .*RTL"
+            RemoteDenied,
+            match=r"setting mode SIDEWAYS on 1/1 failed: there is no such mode; the vehicle has .*RTL",
         ):
             await made.vehicle.set_mode("SIDEWAYS")
 
     play(scenario)
 
 
-def test_closing_while_a_reason_is_waited_for_ends_the_wait():
+def test_closing_ends_the_wait_for_a_reason():
     async def scenario(made):
         made.script.refuse(CMD.COMPONENT_ARM_DISARM)
         begun = asyncio.get_running_loop().time()

@@ -129,7 +129,7 @@ def test_another_station_takes_over():
     run_virtually(whole())
 
 
-def test_the_next_setpoint_tells_that_guidance_was_interrupted():
+def test_the_next_setpoint_raises_after_an_interruption():
     async def scenario(made):
         made.script.arm()
         await enter_guided(made)

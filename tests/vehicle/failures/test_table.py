@@ -1,4 +1,4 @@
-"""No call of the vehicle API is without a row."""
+"""Every call of the vehicle API has a row in the failure table."""
 
 from __future__ import annotations
 
@@ -35,6 +35,6 @@ def test_every_call_has_a_row():
     assert len(rows) == len(set(rows))
 
 
-def test_what_a_call_cannot_come_to_has_a_reason():
+def test_missing_failures_of_a_call_have_a_reason():
     for call in CALLS:
         assert call.why_not or (call.refuse and call.silent), call.name

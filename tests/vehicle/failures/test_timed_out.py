@@ -36,7 +36,7 @@ async def prepare(made: Scene, call: Call) -> None:
 
 
 async def failure(made: Scene, call: Call, kind: type[MavstackError]) -> MavstackError:
-    """What the call ends with, in bounded time."""
+    """Return the error of the call, within bounded time."""
     begun = asyncio.get_running_loop().time()
     with pytest.raises(kind) as failed:
         await call.do(made)
@@ -77,7 +77,7 @@ def test_a_vehicle_that_accepts_and_does_nothing(call):
 
 
 @pytest.mark.parametrize("call", WATCHED, ids=named)
-def test_a_limit_of_the_programs_own(call):
+def test_a_timeout_of_the_program(call):
     limited = {
         "Vehicle.takeoff": lambda s: s.vehicle.takeoff(30, timeout=5),
         "Vehicle.land": lambda s: s.vehicle.land(timeout=5),
@@ -124,7 +124,7 @@ def test_silence_in_the_middle(call):
 @pytest.mark.parametrize("call", [call for call in CALLS if call.name not in ENDLESS], ids=named)
 @pytest.mark.parametrize("moment", [0.3, 1.1])
 def test_silence_at_any_moment_ends_every_call(call, moment):
-    """What was under way ends well or in a typed error, never in a wait for ever."""
+    """Assert that running calls succeed or raise a typed error, and do not wait for ever."""
 
     async def scenario(made):
         await prepare(made, call)
@@ -178,8 +178,10 @@ def test_the_peer_closes_its_link_in_the_middle(call):
     play(scenario, latency=0.25)
 
 
-@pytest.mark.parametrize("call", [call for call in SILENT if call.name != "GuidedSession.__aexit__"], ids=named)
-def test_a_closed_connection_is_said_at_once(call):
+@pytest.mark.parametrize(
+    "call", [call for call in SILENT if call.name != "GuidedSession.__aexit__"], ids=named
+)
+def test_a_closed_connection_raises_immediately(call):
     async def scenario(made):
         await prepare(made, call)
         await made.node.close()
@@ -191,7 +193,7 @@ def test_a_closed_connection_is_said_at_once(call):
     play(scenario)
 
 
-def test_guidance_of_a_vehicle_that_falls_silent():
+def test_a_guided_session_with_a_vehicle_that_falls_silent():
     async def scenario(made):
         await enter_guided(made)
         made.script.silent = True
@@ -204,7 +206,7 @@ def test_guidance_of_a_vehicle_that_falls_silent():
     play(scenario)
 
 
-def test_guidance_of_a_closed_connection():
+def test_a_guided_session_on_a_closed_connection():
     async def scenario(made):
         await enter_guided(made)
         await made.node.close()
@@ -215,7 +217,7 @@ def test_guidance_of_a_closed_connection():
     play(scenario)
 
 
-def test_a_reboot_is_not_asked_for_again_when_its_acknowledgement_is_lost():
+def test_a_reboot_without_acknowledgement_is_not_repeated():
     """It would reboot a second time when it is back."""
 
     async def scenario(made):

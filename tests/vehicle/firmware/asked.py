@@ -1,4 +1,4 @@
-"""What a vehicle is asked, as plain tuples that a test can spell out."""
+"""The requests that a vehicle received, as plain tuples."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tests.vehicle.failures.scripted import CMD, Scene
 LONG, INT = "long", "int"
 HERE = (47.397742, 8.545594)
 THERE = (47.3990, 8.5470)
-#: How its rates are asked for is not how its firmware is.
+#: Commands that do not depend on the firmware.
 _RATES = (CMD.SET_MESSAGE_INTERVAL,)
 NAN = "nan"
 
@@ -20,7 +20,7 @@ def plain(number: float) -> float | str:
 
 
 def asked_of(made: Scene) -> list[tuple]:
-    """Commands, settings of parameters and setpoints, in their order."""
+    """Return the commands, parameter settings and setpoints, in their order."""
     found: list[tuple] = []
     for message in made.script.heard:
         match message:
@@ -40,5 +40,5 @@ def asked_of(made: Scene) -> list[tuple]:
 
 
 def mode(number: float, sub: float = 0) -> tuple:
-    """DO_SET_MODE with the flag that says that the mode is one of the firmware's own."""
+    """Return a DO_SET_MODE with the flag for a custom mode."""
     return (LONG, "DO_SET_MODE", 1, number, sub, 0, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""What ArduPilot is asked: modes, altitudes above home, and other modes for each class of vehicle."""
+"""Requests to ArduPilot: modes, altitudes above home, and other modes for each vehicle type."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ ASKED = [
     [(kind, act, wanted) for kind, _, act, wanted in ASKED],
     ids=[f"{kind.name} {action}" for kind, action, *_ in ASKED],
 )
-def test_each_class(kind, act, wanted):
+def test_each_vehicle_type(kind, act, wanted):
     async def scenario(made):
         await act(made.vehicle)
         assert asked_of(made) == wanted
@@ -110,7 +110,7 @@ UNSUPPORTED = [
 
 
 @pytest.mark.parametrize(("kind", "what", "act"), UNSUPPORTED)
-def test_what_it_cannot_do_is_not_asked(kind, what, act):
+def test_unsupported_actions_send_nothing(kind, what, act):
     async def scenario(made):
         with pytest.raises(ActionUnsupported, match=rf"1/1 cannot {what}: it is a"):
             await act(made.vehicle)
@@ -129,7 +129,7 @@ def test_a_plane_takes_off_by_its_mode():
     play(scenario, autopilot=ARDUPILOT, kind=PLANE)
 
 
-def test_an_older_version_is_sent_there_by_a_setpoint():
+def test_an_older_version_goes_by_a_setpoint():
     async def scenario(made):
         made.script.refuse(CMD.DO_REPOSITION, result=RESULT.UNSUPPORTED)
         await made.vehicle.goto(*THERE, 30, wait=False)
@@ -139,7 +139,7 @@ def test_an_older_version_is_sent_there_by_a_setpoint():
     play(scenario, autopilot=ARDUPILOT)
 
 
-def test_what_is_denied_is_not_tried_by_a_setpoint():
+def test_a_denied_goto_sends_no_setpoint():
     async def scenario(made):
         made.script.refuse(CMD.DO_REPOSITION, result=RESULT.DENIED)
         with pytest.raises(CommandDenied):

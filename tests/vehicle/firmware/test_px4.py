@@ -1,4 +1,4 @@
-"""What PX4 is asked: commands with altitudes above the sea, and modes by main and sub mode."""
+"""Requests to PX4: commands with altitudes above mean sea level, and modes by main and sub mode."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_turning_leaves_it_where_it_is():
 
 
 @pytest.mark.parametrize("kind", [ROVER, BOAT, SUB])
-def test_what_drives_or_dives(kind):
+def test_rovers_and_submarines(kind):
     async def scenario(made):
         vehicle = made.vehicle
         for action in (vehicle.takeoff(10), vehicle.land(), vehicle.orbit(*HERE)):
@@ -120,7 +120,7 @@ def test_a_plane_does_not_turn_on_the_spot():
     play(scenario, kind=PLANE)
 
 
-def test_without_home_its_position_tells_how_high_it_is():
+def test_without_home_its_altitude_follows_from_the_position():
     async def scenario(made):
         made.script.told_home = False
         await made.vehicle.takeoff(12, wait=False)

@@ -9,7 +9,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.whole_flights.fleet import reduce_telemetry
+from tests.sim.harness import reduce_telemetry
 from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
 from tests.vehicle.world import PX4 as SIMULATED_PX4
@@ -23,7 +23,7 @@ def boot_time(seconds):
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
-def test_they_come_again_after_a_reboot(kind):
+def test_rates_are_requested_again_after_a_reboot(kind):
     async def scenario(world, vehicle):
         await vehicle.set_message_rate(common.HighresImu, 10)
         await asyncio.sleep(2)
@@ -36,7 +36,7 @@ def test_they_come_again_after_a_reboot(kind):
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
-def test_they_come_again_after_a_reboot_while_the_link_was_gone(kind):
+def test_rates_are_requested_again_after_a_reboot_during_a_link_outage(kind):
     async def scenario(world, vehicle):
         async with vehicle.stream(common.HighresImu, rate=10):
             await asyncio.sleep(2)
@@ -51,7 +51,7 @@ def test_they_come_again_after_a_reboot_while_the_link_was_gone(kind):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
-def test_all_are_asked_for_at_once_when_a_reboot_shows():
+def test_all_rates_are_requested_when_a_reboot_shows():
     async def scenario(peer):
         peer.say(boot_time(100))
         await peer.vehicle.set_message_rate(common.HighresImu, 10)
@@ -68,7 +68,7 @@ def test_all_are_asked_for_at_once_when_a_reboot_shows():
     with_peer(scenario)
 
 
-def test_a_vehicle_that_forgets_silently_is_asked_again():
+def test_a_rate_that_was_forgotten_silently_is_requested_again():
     async def scenario(peer):
         await peer.vehicle.set_message_rate(common.Attitude, 10)
         for _ in range(100):
@@ -84,7 +84,7 @@ def test_a_vehicle_that_forgets_silently_is_asked_again():
     with_peer(scenario)
 
 
-def test_nobody_is_asked_who_is_not_there():
+def test_a_lost_vehicle_gets_no_requests():
     async def scenario(peer):
         await peer.vehicle.set_message_rate(common.Attitude, 10)
         asked = []
@@ -97,7 +97,7 @@ def test_nobody_is_asked_who_is_not_there():
     with_peer(scenario)
 
 
-def test_who_wants_it_again_at_once_gets_it():
+def test_a_rate_released_and_requested_again():
     async def scenario(peer):
         rates = peer.vehicle.telemetry.rates
         await peer.vehicle.set_message_rate(common.Attitude, 10)
@@ -110,7 +110,7 @@ def test_who_wants_it_again_at_once_gets_it():
     with_peer(scenario)
 
 
-def test_what_was_refused_is_not_asked_again_before_a_reboot():
+def test_a_refused_rate_is_not_requested_again_before_a_reboot():
     async def scenario(peer):
         peer.answer = RESULT.DENIED
         peer.say(boot_time(100))
@@ -150,7 +150,7 @@ def test_a_rate_can_be_changed_and_taken_back():
     with_peer(scenario)
 
 
-def test_what_was_asked_once_is_not_asked_again():
+def test_a_rate_is_requested_once():
     async def scenario(peer):
         rates = peer.vehicle.telemetry.rates
         first, second = rates.hold(common.Attitude, 5), rates.hold(common.Attitude, 4)
@@ -163,7 +163,7 @@ def test_what_was_asked_once_is_not_asked_again():
         rates.release(first)
         await asyncio.sleep(1)
         assert peer.asked[1:] == [(ATTITUDE, 0)]
-        await rates.ask(common.Attitude)  # nobody wants it
+        await rates.ask(common.Attitude)  # no request holds it
         assert len(peer.asked) == 2
 
     with_peer(scenario)
@@ -172,7 +172,7 @@ def test_what_was_asked_once_is_not_asked_again():
 # At least so often
 
 
-def test_what_comes_often_enough_is_not_asked_for():
+def test_a_message_that_arrives_often_enough_is_not_requested():
     async def scenario(peer):
         peer.say(common.Attitude())
         await asyncio.sleep(0.1)
@@ -183,7 +183,7 @@ def test_what_comes_often_enough_is_not_asked_for():
 
 
 @pytest.mark.parametrize(("answer", "comes"), [(RESULT.ACCEPTED, True), (RESULT.UNSUPPORTED, False)])
-def test_what_does_not_come_is_asked_for_once(answer, comes):
+def test_a_missing_message_is_requested_once(answer, comes):
     async def scenario(peer):
         peer.answer = answer
         for _ in range(3):

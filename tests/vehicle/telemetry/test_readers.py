@@ -75,8 +75,9 @@ KNOWN = [
             battery_remaining=81, temperature=2510, time_remaining=600, charge_state=1,
         ),
         "battery",
-        {"id": 0, "voltage": 12.0, "cells": (4.1, 4.0, 3.9), "current": 12.34, "consumed": 567, "remaining": 81,
-         "temperature": 25.1, "time_remaining": 600, "charge_state": common.MavBatteryChargeState.OK},
+        {"id": 0, "voltage": 12.0, "cells": (4.1, 4.0, 3.9), "current": 12.34, "consumed": 567,
+         "remaining": 81, "temperature": 25.1, "time_remaining": 600,
+         "charge_state": common.MavBatteryChargeState.OK},
     ),
     (common.BatteryStatus(voltages=(16_800, *(U16,) * 9)), "battery", {"voltage": 16.8, "cells": ()}),
     (common.BatteryStatus(voltages=(65_534, 1_466, *(U16,) * 8)), "battery", {"voltage": 67.0, "cells": ()}),
@@ -148,7 +149,7 @@ def shown(value, name):
 @pytest.mark.parametrize(
     ("message", "name", "expected"), KNOWN, ids=[f"{type(m).__name__}-{n}" for m, n, _ in KNOWN]
 )
-def test_what_is_told(message, name, expected):
+def test_reported_values(message, name, expected):
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(message)
@@ -225,7 +226,7 @@ UNKNOWN = [
     UNKNOWN,
     ids=[f"{type(m).__name__}-{n}-{i}" for i, (m, n, _) in enumerate(UNKNOWN)],
 )
-def test_what_is_told_as_unknown(message, name, unknown):
+def test_values_reported_as_unknown(message, name, unknown):
     async def scenario(stage):
         stage.heartbeat()
         stage.hear(message)
@@ -244,7 +245,7 @@ NOT_SHOWN |= {"pose_covariance", "velocity_covariance", "repr_offset_q", "voltag
 MEANING = {"UINT8_MAX": U8, "INT16_MAX": I16, "UINT16_MAX": U16, "INT32_MAX": I32, "-1": -1, "0": 0}
 
 
-def test_no_sentinel_of_the_definitions_is_left_out():
+def test_every_invalid_value_of_the_definitions_is_covered():
     tried = {}
     for message, _, _ in UNKNOWN:
         for name in message.__match_args__:
@@ -281,7 +282,7 @@ VALUES = [
 
 
 @pytest.mark.parametrize("name", VALUES)
-def test_nothing_is_known_before_anything_was_heard(name):
+def test_every_value_is_none_before_the_first_message(name):
     async def scenario(stage):
         assert getattr(stage.vehicle, name) is None
         assert stage.vehicle.batteries == {}
@@ -312,7 +313,7 @@ def test_the_newer_attitude_counts():
     on_stage(scenario)
 
 
-def test_several_batteries_are_told_apart():
+def test_several_batteries():
     async def scenario(stage):
         stage.hear(common.BatteryStatus(id=1, voltages=(12_000, *NO_CELLS[1:]), battery_remaining=50))
         stage.hear(common.BatteryStatus(id=0, voltages=NO_CELLS, battery_remaining=-1, current_battery=-1))
@@ -342,7 +343,7 @@ def test_a_battery_may_be_a_component_but_a_camera_has_its_own():
 # The heartbeat
 
 
-def test_what_the_heartbeat_tells():
+def test_values_of_the_heartbeat():
     async def scenario(stage):
         stage.heartbeat(base_mode=common.MavModeFlag.SAFETY_ARMED, custom_mode=4, system_status=4)
         vehicle = stage.vehicle
@@ -358,7 +359,7 @@ def test_what_the_heartbeat_tells():
 
 
 @pytest.mark.parametrize(("landed_state", "in_air"), [(0, None), (1, False), (2, True), (3, True), (4, True)])
-def test_in_the_air_by_what_it_says(landed_state, in_air):
+def test_in_the_air_by_extended_sys_state(landed_state, in_air):
     async def scenario(stage):
         stage.heartbeat(PX4)
         stage.hear(common.ExtendedSysState(landed_state=landed_state, vtol_state=4))
@@ -412,7 +413,7 @@ def summary(autopilot=PX4, **fields_of_it):
     return common.HighLatency2(type=common.MavType.QUADROTOR, autopilot=autopilot, **fields_of_it)
 
 
-def test_high_latency_fills_what_it_can():
+def test_values_of_high_latency():
     async def scenario(stage):
         stage.hear(summary(custom_mode=0x0304))
         vehicle = stage.vehicle
@@ -429,7 +430,7 @@ def test_high_latency_fills_what_it_can():
 
 
 @pytest.mark.parametrize(("autopilot", "direction"), [(PX4, 270), (ARDUPILOT, 90)])
-def test_high_latency_wind_means_two_things(autopilot, direction):
+def test_high_latency_wind_depends_on_the_firmware(autopilot, direction):
     async def scenario(stage):
         stage.hear(summary(autopilot))
         assert stage.vehicle.wind.speed == pytest.approx(5)
@@ -439,7 +440,7 @@ def test_high_latency_wind_means_two_things(autopilot, direction):
 
 
 @pytest.mark.parametrize(("base_mode", "armed"), [(-128 + 1, True), (81, False)])
-def test_ardupilot_hides_its_base_mode_in_it(base_mode, armed):
+def test_ardupilots_base_mode_in_high_latency(base_mode, armed):
     async def scenario(stage):
         stage.hear(summary(ARDUPILOT, custom0=base_mode, custom_mode=5))
         assert stage.vehicle.armed is armed
@@ -463,7 +464,7 @@ def test_the_coarse_message_counts_only_when_the_fine_one_is_old():
 
 
 @pytest.mark.parametrize("unknown", [summary(latitude=0, longitude=0)])
-def test_high_latency_without_a_place(unknown):
+def test_high_latency_without_a_position(unknown):
     async def scenario(stage):
         stage.hear(unknown.replace(battery=-1))
         assert stage.vehicle.position is None

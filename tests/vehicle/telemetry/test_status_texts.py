@@ -1,4 +1,4 @@
-"""What the vehicle told people, with its times."""
+"""Status texts of a vehicle with their times."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_texts_with_time_severity_and_component():
     on_stage(scenario)
 
 
-def test_long_texts_are_put_together_and_what_is_missing_is_marked():
+def test_long_texts_are_joined_and_missing_chunks_marked():
     async def scenario(stage):
         stage.hear(common.Statustext(text="x" * 50, id=7, chunk_seq=0))
         stage.hear(common.Statustext(text="yz", id=7, chunk_seq=1))
@@ -40,7 +40,7 @@ def test_long_texts_are_put_together_and_what_is_missing_is_marked():
     on_stage(scenario)
 
 
-def test_so_many_are_remembered_of_this_vehicle_alone():
+def test_a_limited_number_is_kept_of_this_vehicle_only():
     async def scenario(stage):
         for number in range(MAX_TEXTS + 50):
             await asyncio.sleep(1)

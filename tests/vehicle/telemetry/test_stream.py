@@ -10,7 +10,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, LocalProtocolError
 from mavstack.sim.vehicle_types import VehicleType
-from tests.sim.whole_flights.fleet import reduce_telemetry
+from tests.sim.harness import reduce_telemetry
 from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
 from tests.vehicle.world import PX4 as SIMULATED_PX4
@@ -27,7 +27,7 @@ async def sending(peer, message, interval=0.1):
 
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
 @pytest.mark.parametrize("rate", [2, 10])
-def test_the_rate_asked_for_is_the_rate_that_comes(kind, rate):
+def test_the_requested_rate_is_the_received_rate(kind, rate):
     async def scenario(world, vehicle):
         async with vehicle.stream(common.HighresImu, rate=rate) as messages:
             await asyncio.sleep(1)
@@ -37,13 +37,13 @@ def test_the_rate_asked_for_is_the_rate_that_comes(kind, rate):
         await asyncio.sleep(1)
         before = vehicle.age(common.HighresImu)
         await asyncio.sleep(5)
-        assert vehicle.age(common.HighresImu) == pytest.approx(before + 5), "nobody wants it any more"
+        assert vehicle.age(common.HighresImu) == pytest.approx(before + 5), "no stream requests it"
 
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
-def test_what_does_not_come_by_itself_is_asked_for_and_goes_on(kind):
+def test_a_missing_message_is_requested_for_good(kind):
     async def scenario(world, vehicle):
         async for message in vehicle.stream(common.HighresImu):
             assert isinstance(message, common.HighresImu)
@@ -55,7 +55,7 @@ def test_what_does_not_come_by_itself_is_asked_for_and_goes_on(kind):
 
 
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
-def test_several_kinds_in_the_order_in_which_they_come(kind):
+def test_several_messages_in_the_order_of_arrival(kind):
     async def scenario(world, vehicle):
         seen = set()
         async with vehicle.stream(common.Attitude, common.GlobalPositionInt) as messages:
@@ -70,7 +70,7 @@ def test_several_kinds_in_the_order_in_which_they_come(kind):
     fly(kind, scenario)
 
 
-def test_what_comes_by_itself_is_not_asked_for():
+def test_a_message_that_arrives_by_itself_is_not_requested():
     async def scenario(peer):
         task = asyncio.create_task(sending(peer, common.Attitude()))
         async with peer.vehicle.stream(common.Attitude) as messages:
@@ -82,7 +82,7 @@ def test_what_comes_by_itself_is_not_asked_for():
     with_peer(scenario)
 
 
-def test_it_is_asked_when_it_is_first_used_and_let_go_at_its_end():
+def test_the_rate_is_requested_at_first_use_and_released_at_the_end():
     async def scenario(peer):
         stream = peer.vehicle.stream(common.Attitude, rate=5)
         await asyncio.sleep(3)
@@ -113,7 +113,7 @@ def test_the_fastest_of_several_streams_counts():
 
 
 @pytest.mark.parametrize("rate", [None, 5.0])
-def test_a_refusal_is_raised_when_nothing_comes(rate):
+def test_a_refusal_is_raised_if_nothing_arrives(rate):
     async def scenario(peer):
         peer.answer = RESULT.UNSUPPORTED
         with pytest.raises(CommandDenied, match=r"ODOMETRY at \d Hz 1/1 failed: UNSUPPORTED"):
@@ -125,7 +125,7 @@ def test_a_refusal_is_raised_when_nothing_comes(rate):
 
 @pytest.mark.parametrize("rate", [None, 5.0])
 @pytest.mark.parametrize("answer", [RESULT.DENIED, RESULT.FAILED])
-def test_a_refusal_does_not_matter_when_it_comes_anyhow(rate, answer):
+def test_a_refusal_is_ignored_if_messages_arrive(rate, answer):
     async def scenario(peer):
         peer.answer = answer
         task = asyncio.create_task(sending(peer, common.Odometry(), 3.0))
@@ -137,7 +137,7 @@ def test_a_refusal_does_not_matter_when_it_comes_anyhow(rate, answer):
     with_peer(scenario)
 
 
-def test_one_of_several_kinds_may_be_refused():
+def test_one_of_several_messages_may_be_refused():
     async def scenario(peer):
         peer.answer = RESULT.UNSUPPORTED
         task = asyncio.create_task(sending(peer, common.Attitude()))
@@ -150,7 +150,7 @@ def test_one_of_several_kinds_may_be_refused():
     with_peer(scenario, autopilot=PX4)
 
 
-def test_what_comes_on_occasion_is_waited_for_in_peace():
+def test_messages_that_are_not_periodic_are_not_requested():
     async def scenario(peer):
         peer.answer = RESULT.UNSUPPORTED
         asyncio.get_running_loop().call_later(60, peer.say, common.Statustext(text="at last"))
@@ -161,7 +161,7 @@ def test_what_comes_on_occasion_is_waited_for_in_peace():
     with_peer(scenario)
 
 
-def test_a_vehicle_that_does_not_answer_is_asked_again():
+def test_an_unanswered_request_is_repeated():
     async def scenario(peer):
         peer.node.commands.server.support(common.MavCmd.SET_MESSAGE_INTERVAL, lambda request: None)
         stream = peer.vehicle.stream(common.Odometry, rate=5)
@@ -175,7 +175,7 @@ def test_a_vehicle_that_does_not_answer_is_asked_again():
     with_peer(scenario)
 
 
-def test_a_stream_that_was_forgotten_ends():
+def test_a_stream_without_references_ends():
     async def scenario(peer):
         task = asyncio.create_task(sending(peer, common.Attitude()))
         async for _ in peer.vehicle.stream(common.Attitude, rate=5):
@@ -220,7 +220,7 @@ def test_it_ends_with_the_connection():
 
 
 @pytest.mark.parametrize("rate", [0, -1, float("nan"), float("inf")])
-def test_no_rate_is_our_own_mistake(rate):
+def test_an_invalid_rate_is_misuse(rate):
     async def scenario(peer):
         with pytest.raises(LocalProtocolError, match="rate must be positive and finite"):
             await anext(peer.vehicle.stream(common.Attitude, rate=rate))

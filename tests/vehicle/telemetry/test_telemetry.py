@@ -1,4 +1,4 @@
-"""What was heard last, by whom, and when."""
+"""The latest messages, by sender, with their times."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.vehicle.telemetry.stage import RESULT, on_stage, with_peer
 CAMERA = common.MavComponent.CAMERA
 
 
-def test_the_latest_of_a_kind_and_its_age():
+def test_the_latest_message_of_a_class_and_its_age():
     async def scenario(stage):
         vehicle = stage.vehicle
         assert vehicle.latest(common.Attitude) is None
@@ -46,7 +46,7 @@ def test_a_component_of_the_vehicle_is_not_mistaken_for_its_autopilot():
     on_stage(scenario)
 
 
-def test_another_vehicle_is_another():
+def test_messages_of_another_vehicle_do_not_count():
     async def scenario(stage):
         stage.hear(common.Attitude(yaw=1), system=2)
         assert stage.vehicle.attitude is None
@@ -54,7 +54,7 @@ def test_another_vehicle_is_another():
     on_stage(scenario)
 
 
-def test_so_many_kinds_are_kept_and_those_heard_last_stay():
+def test_a_limited_number_of_messages_is_kept_the_newest_ones():
     async def scenario(stage):
         stage.hear(common.SystemTime())
         for number in range(MAX_MESSAGES):
@@ -69,7 +69,7 @@ def test_so_many_kinds_are_kept_and_those_heard_last_stay():
     on_stage(scenario)
 
 
-def test_a_function_is_called_with_each_message_until_closed():
+def test_a_listener_is_called_with_each_message_until_closed():
     async def scenario(stage):
         heard, from_camera = [], []
         listening = stage.vehicle.add_listener(common.Attitude, heard.append)
@@ -85,7 +85,7 @@ def test_a_function_is_called_with_each_message_until_closed():
     on_stage(scenario)
 
 
-def test_the_function_finds_the_latest_value_in_its_place():
+def test_a_listener_sees_the_latest_value():
     async def scenario(stage):
         seen = []
         stage.vehicle.add_listener(common.Attitude, lambda _: seen.append(stage.vehicle.attitude.yaw))
@@ -95,7 +95,7 @@ def test_the_function_finds_the_latest_value_in_its_place():
     on_stage(scenario)
 
 
-def test_a_function_that_fails_is_told_and_stops_nothing():
+def test_a_failing_listener_is_reported_and_stops_nothing():
     async def scenario(stage):
         told, heard = [], []
         asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
@@ -125,7 +125,7 @@ def test_values_stay_after_the_connection_was_closed():
     on_stage(scenario)
 
 
-def test_closed_telemetry_hears_nothing():
+def test_closed_telemetry_receives_nothing():
     async def scenario(stage):
         await stage.telemetry.close()
         stage.hear(common.Attitude(), common.Statustext(text="late"))
@@ -138,7 +138,7 @@ def test_closed_telemetry_hears_nothing():
 # The next message
 
 
-def test_the_next_message_is_one_that_comes_from_now_on():
+def test_waiting_for_a_message_returns_a_new_one():
     async def scenario(peer):
         peer.say(common.Attitude(roll=1))
         await asyncio.sleep(0.1)
@@ -150,7 +150,7 @@ def test_the_next_message_is_one_that_comes_from_now_on():
     with_peer(scenario)
 
 
-def test_a_next_message_that_does_not_come():
+def test_waiting_for_a_message_that_does_not_arrive():
     async def scenario(peer):
         with pytest.raises(MessageTimeout, match="waiting for ATTITUDE from 1/1 failed: none arrived in 3 s"):
             await peer.vehicle.wait_for_message(common.Attitude, timeout=3)
@@ -159,7 +159,7 @@ def test_a_next_message_that_does_not_come():
     with_peer(scenario)
 
 
-def test_a_next_message_that_the_vehicle_does_not_have():
+def test_waiting_for_a_message_that_the_vehicle_lacks():
     async def scenario(peer):
         peer.answer = RESULT.UNSUPPORTED
         with pytest.raises(CommandDenied, match="UNSUPPORTED"):
@@ -168,18 +168,20 @@ def test_a_next_message_that_the_vehicle_does_not_have():
     with_peer(scenario)
 
 
-def test_a_next_message_when_the_connection_closes():
+def test_waiting_for_a_message_when_the_connection_closes():
     async def scenario(peer):
         waiting = asyncio.create_task(peer.vehicle.wait_for_message(common.Attitude))
         await asyncio.sleep(0.5)
         await peer.vehicle.connection.close()
-        with pytest.raises(RemoteCancelled, match="waiting for ATTITUDE from 1/1 failed: the connection was closed"):
+        with pytest.raises(
+            RemoteCancelled, match="waiting for ATTITUDE from 1/1 failed: the connection was closed"
+        ):
             await waiting
 
     with_peer(scenario)
 
 
-def test_a_next_message_whose_waiter_is_cancelled_leaves_nothing_behind():
+def test_a_cancelled_wait_leaves_nothing_registered():
     async def scenario(peer):
         waiting = asyncio.create_task(peer.vehicle.wait_for_message(common.Attitude))
         await asyncio.sleep(0.5)
