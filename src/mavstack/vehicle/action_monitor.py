@@ -1,4 +1,4 @@
-"""The monitor of an action: a vehicle acknowledges at once, and completes what it accepted much later.
+"""The monitor of an action: a vehicle acknowledges an action at once and completes it much later.
 
     accepted ── goal reached ──────────────────► done
       ├── another mode, disarmed in the air ──► ActionInterrupted, with the vehicle's status texts
@@ -56,7 +56,7 @@ class ActionGoal:
 
     Attributes:
         reached: Returns whether the action is complete.
-        remaining: Returns what is left in `unit`; None if that is not known.
+        remaining: Returns the rest in `unit`; None if it is not known.
         unit: The unit of `remaining`.
         modes: The modes in which the action goes on, in lower case; None: any mode.
         armed: The armed state in which the action goes on; None: either.

@@ -86,7 +86,7 @@ class Connection(Node):
             The vehicle.
 
         Raises:
-            RemoteTimeout: There was none in time; the text tells what was received instead.
+            RemoteTimeout: There was none in time; the text names the components that were heard instead.
         """
         description = "a vehicle" if system is None else f"vehicle {system}"
         found = await self.wait_for_component(
@@ -105,7 +105,7 @@ class Connection(Node):
             All vehicles that are alive, which may be more.
 
         Raises:
-            RemoteTimeout: There were fewer in time; the text tells what was received.
+            RemoteTimeout: There were fewer in time; the text names the components that were heard.
         """
         async with self.events(VehicleFound, VehicleReturned) as events:
             try:

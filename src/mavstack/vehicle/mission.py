@@ -149,7 +149,7 @@ class Mission(VehiclePlan):
         Raises:
             CommandDenied: The vehicle refused the item.
             CommandTimeout: The vehicle did not answer, and `restart` is set.
-            MissionDenied: The vehicle refused the item, asked by MISSION_SET_CURRENT.
+            MissionDenied: The vehicle refused MISSION_SET_CURRENT.
             MissionTimeout: The vehicle did not answer.
         """
         await with_status_texts(self._vehicle, self._plans.set_current(seq, restart=restart, timeout=timeout))
@@ -196,8 +196,8 @@ class Mission(VehiclePlan):
             CommandDenied: The vehicle refused to be armed, or to start the mission.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
-            MissionDenied: The vehicle refused to be asked for its mission.
-            MissionTimeout: The vehicle did not answer when it was asked for its mission.
+            MissionDenied: The vehicle refused the download of its mission.
+            MissionTimeout: The vehicle did not answer the request for its mission.
             ActionTimeout: The call did not end within `timeout`, or no item was reached for a long time.
             ActionInterrupted: The vehicle left the mission.
             ContactLost: No heartbeat of the vehicle arrives.

@@ -1,4 +1,4 @@
-"""A vehicle: its state, and the actions that it can be told to take.
+"""A vehicle: its state, and the actions that it can take.
 
 All calls go to the vehicle's autopilot. `component` is that autopilot with every MAVLink service, for the
 calls that are missing here; `firmware` holds the differences of its firmware.

@@ -1,4 +1,4 @@
-"""The state of a vehicle: what it is, what it reports, and the positions that actions start from.
+"""The state of a vehicle: its identity, its reports, and the positions that actions start from.
 
 Actions, firmware classes and missions work on this part of a vehicle; `Vehicle` adds the calls that use them.
 """
@@ -86,7 +86,7 @@ class VehicleState(TelemetryProperties):
 
     @property
     def health(self) -> Health:
-        """Whether the vehicle reports that it is ready to arm, and the problems that it reports."""
+        """The readiness to arm and the problems that the vehicle reports."""
         return health_of(self.telemetry)
 
     # Services that actions use

@@ -91,10 +91,10 @@ def _type_of(parameter: StoredParameter) -> int:
     return int(kinds.INT32 if whole else kinds.REAL32)
 
 
-def _id(text: str, what: str, line: int) -> int:
+def _id(text: str, label: str, line: int) -> int:
     if text.isascii() and text.isdecimal() and len(text) < 4 and int(text) <= _LAST_ID:
         return int(text)
-    raise ParameterFileError(f"{shown(text)} is not a {what} id, 0 to {_LAST_ID}", line=line)
+    raise ParameterFileError(f"{shown(text)} is not a {label} id, 0 to {_LAST_ID}", line=line)
 
 
 FORMAT: Final = ParameterFormat(

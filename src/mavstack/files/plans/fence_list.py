@@ -2,8 +2,7 @@
 
 The first line is the return point, the others are the one polygon to stay in, closed by its first vertex.
 The return point has no altitude. Mission Planner's polygon files (`.poly`) look the same but have no return
-point: their first line is their last one. The format holds no other part of a fence; what is lost is
-reported.
+point: their first line is their last one. The format holds no other part of a fence.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ def parse(text: str, name: str = "") -> PlanFile:
 
 
 def write(plan: PlanFile, report: Report) -> str:
-    """Write a fence as text; `report` collects what is lost."""
+    """Write a fence as text; `report` collects the losses."""
     areas = fence_areas(plan.fence.items)
     for kind in plan.kinds:
         if kind != plan.fence.type:
@@ -89,9 +88,9 @@ def _report_lost(areas: FenceAreas, report: Report) -> None:
         "return points but the first": max(len(areas.return_points) - 1, 0),
         "inclusion groups": sum(bool(polygon.group) for polygon in inclusions[:1]),
     }
-    for what, count in lost.items():
+    for label, count in lost.items():
         if count:
-            report.lost(f"{what} ({count}), only one polygon to stay in and a return point")
+            report.lost(f"{label} ({count}), only one polygon to stay in and a return point")
     if any(point.altitude for point in areas.return_points[:1]):
         report.lost("the altitude of the return point")
 

@@ -40,21 +40,21 @@ class Line:
         """Return the error for a problem of this line."""
         return PlanFileError(problem, self.name, f"line {self.number}")
 
-    def integer(self, at: int, what: str, maximum: int, minimum: int = 0) -> int:
+    def integer(self, at: int, label: str, maximum: int, minimum: int = 0) -> int:
         """Return a word as a whole number; programs that know only floats write 16.0."""
         word = self.words[at]
         if not _INTEGER.fullmatch(word):
-            raise self.wrong(f"{what} is {shown(word)}, which is not a whole number")
+            raise self.wrong(f"{label} is {shown(word)}, which is not a whole number")
         value = int(word.partition(".")[0])
         if not minimum <= value <= maximum:
-            raise self.wrong(f"{what} is {shown(word)}, which is not between {minimum} and {maximum}")
+            raise self.wrong(f"{label} is {shown(word)}, which is not between {minimum} and {maximum}")
         return value
 
-    def number_at(self, at: int, what: str) -> float:
+    def number_at(self, at: int, label: str) -> float:
         """Return a word as a number."""
         word = self.words[at]
         if not _FLOAT.fullmatch(word):
-            raise self.wrong(f"{what} is {shown(word)}, which is not a number")
+            raise self.wrong(f"{label} is {shown(word)}, which is not a number")
         return float(word)
 
 

@@ -77,7 +77,7 @@ def parse(text: str, name: str = "") -> PlanFile:
 
 
 def write(plan: PlanFile, report: Report) -> str:
-    """Write plans as the text of a `.plan`; `report` collects what is lost."""
+    """Write plans as the text of a `.plan`; `report` collects the losses."""
     settings = _filled(plan.settings)
     home = plan.home or _assumed_home(plan, report)
     mission = {

@@ -50,7 +50,7 @@ def parse(text: str, name: str = "") -> PlanFile:
 
 
 def write(plan: PlanFile, report: Report) -> str:
-    """Write the rally points as text; `report` collects what is lost."""
+    """Write the rally points as text; `report` collects the losses."""
     for kind in plan.kinds:
         if kind != plan.rally.type:
             report.lost(f"the {PLAN_NAMES[kind]}")
@@ -62,7 +62,7 @@ def write(plan: PlanFile, report: Report) -> str:
 def _read_point(line: Line, index: int, problems: list[str]) -> MissionItem:
     if line.words[0].upper() != "RALLY" or len(line.words) != 7:
         raise line.wrong("is not RALLY and six numbers")
-    place = [line.number_at(at, what) for at, what in ((1, "the latitude"), (2, "the longitude"))]
+    place = [line.number_at(at, label) for at, label in ((1, "the latitude"), (2, "the longitude"))]
     altitude = line.number_at(3, "the altitude")
     flags = line.integer(6, "flags", 255)
     if line.number_at(4, "the break altitude") or line.number_at(5, "the landing direction") or flags & 3:

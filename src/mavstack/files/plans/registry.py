@@ -120,8 +120,8 @@ def parse_plan(content: str | bytes, name: str = "") -> PlanFile:
     found = next((each for each in FORMATS.values() if each.recognise(text)), None)
     if found is None:
         known = "QGroundControl's JSON, QGC WPL, RALLY lines, nor a list of latitudes and longitudes"
-        what = f"it is neither {known}" if text.strip() else "it is empty"
-        raise PlanFileError(what, name)
+        problem = f"it is neither {known}" if text.strip() else "it is empty"
+        raise PlanFileError(problem, name)
     return found.parse(text, name)
 
 

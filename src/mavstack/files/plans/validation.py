@@ -42,8 +42,8 @@ class Problem:
     number: int
 
     def __str__(self) -> str:
-        what = "rally point" if self.kind == PlanType.RALLY else f"{PLAN_NAMES[self.kind]} item"
-        return f"{what} {self.number}: {self.text}"
+        label = "rally point" if self.kind == PlanType.RALLY else f"{PLAN_NAMES[self.kind]} item"
+        return f"{label} {self.number}: {self.text}"
 
 
 def check(plan: PlanFile) -> list[Problem]:
@@ -88,12 +88,12 @@ def _wrong_place(kind: int, item: MissionItem) -> Iterator[str]:
     if item.frame not in GLOBAL_FRAMES:
         return
     must_be = kind != PlanType.MISSION or item.command in _PLACED
-    for what, value, limit in (("latitude", item.param5, 90.0), ("longitude", item.param6, 180.0)):
+    for label, value, limit in (("latitude", item.param5, 90.0), ("longitude", item.param6, 180.0)):
         if isnan(value):
             if must_be:
-                yield f"it has no {what}"
+                yield f"it has no {label}"
         elif abs(value) > limit:
-            yield f"{what} {value:g} is not between {-limit:g} and {limit:g}"
+            yield f"{label} {value:g} is not between {-limit:g} and {limit:g}"
     if not isfinite(item.param7) and (must_be or not isnan(item.param7)):
         yield f"altitude {item.param7:g} is not a number"
 

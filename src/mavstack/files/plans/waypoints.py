@@ -109,7 +109,7 @@ def parse(text: str, name: str = "") -> PlanFile:
 
 
 def write(plan: PlanFile, report: Report) -> str:
-    """Write one plan as text, the mission if there is one; `report` collects what is lost."""
+    """Write one plan as text, the mission if there is one; `report` collects the losses."""
     kinds = plan.kinds or (PlanType.MISSION,)
     for kind in kinds[1:]:
         report.lost(f"the {PLAN_NAMES[kind]}, as this format holds one type of plan")
@@ -147,7 +147,7 @@ def _read_item(line: Line, columns: _Columns, *, old: bool) -> MissionItem:
         if command not in _OLD_ACTIONS:
             raise line.wrong(f"version 100 has no action {command}")
         command = _OLD_ACTIONS[command]
-    values = [line.number_at(at, what) for at, what in zip(columns.params, _NAMES, strict=True)]
+    values = [line.number_at(at, label) for at, label in zip(columns.params, _NAMES, strict=True)]
     return item_of(
         command,
         values,

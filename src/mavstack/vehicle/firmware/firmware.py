@@ -97,7 +97,7 @@ class Firmware:
     def lands_in(self, mode: str | None) -> bool:
         """Return whether the vehicle lands in a mode."""
         name = (mode or "").lower()
-        # A plane that returned circles home until it is told something else.
+        # A plane that returned circles home until it gets another command.
         circles = name == "rtl" and self.vehicle.vehicle_type is VehicleType.PLANE
         return name in self.LANDING_MODES and not circles
 

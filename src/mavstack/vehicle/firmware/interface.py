@@ -1,4 +1,4 @@
-"""The view of a vehicle that firmware classes need: what it is, what it reports, and how to command it."""
+"""The view of a vehicle that firmware classes need: its identity, its reports and its commands."""
 
 from __future__ import annotations
 
