@@ -13,13 +13,11 @@ from mavstack.cli.common import connection
 from mavstack.cli.shell import command as shell_command
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
-from mavstack.sim.runner import Runner
-from mavstack.sim.scenarios import run_until
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
-from tests.sim.whole_flights.fleet import reduce_telemetry
+from tests.sim.harness import make_ready, reduce_telemetry, running
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
@@ -27,11 +25,9 @@ if TYPE_CHECKING:
     import pytest
 
     from mavstack.node import RemoteComponent
-    from mavstack.sim.vehicle import Vehicle
+    from mavstack.sim.vehicle import SimulatedVehicle
 
 COPTER, PX4_COPTER = (VehicleType.COPTER, Firmware.ARDUPILOT), (VehicleType.COPTER, Firmware.PX4)
-#: Seconds after the boot until a simulated vehicle has a position and can be armed.
-SETTLING_TIME = 15.0
 EXAMPLE = "  mav "
 
 
@@ -46,7 +42,7 @@ class CliHarness:
         for vehicle_type, firmware in kinds or [COPTER]:
             reduce_telemetry(self.simulation.add(vehicle_type, firmware))
         if ready:
-            self._boot()
+            make_ready(self.simulation)
         #: What another ground station does while a command runs.
         self.meanwhile: Callable[[RemoteComponent], Awaitable[None]] | None = None
         #: The URLs of the last connection.
@@ -57,7 +53,7 @@ class CliHarness:
         monkeypatch.setattr(shell_command, "connect", self._connect)
 
     @property
-    def vehicle(self) -> Vehicle:
+    def vehicle(self) -> SimulatedVehicle:
         """The first vehicle."""
         return self.simulation.vehicles[0]
 
@@ -77,13 +73,6 @@ class CliHarness:
             return False
         return True
 
-    def _boot(self) -> None:
-        for vehicle in self.simulation.vehicles:
-            run_until(self.simulation, lambda vehicle=vehicle: vehicle.autopilot.booted)
-        self.simulation.advance(self.simulation.now + SETTLING_TIME)
-        for vehicle in self.simulation.vehicles:
-            vehicle.data_to_send()
-
     def _connect(self, *urls: str):
         self.urls = urls
         return connect(self._network.link())
@@ -93,13 +82,8 @@ class CliHarness:
 
     async def _simulated(self, work: Coroutine[None, None, int]) -> int:
         self._network = MemoryNetwork()
-        async with Runner(self.simulation) as runner:
-            await runner.connect(self._network.link(), self.simulation.vehicles)
-            running = runner.start()
-            code = await (work if self.meanwhile is None else self._with_other_station(work))
-        if running.done() and not running.cancelled():
-            running.result()
-        return code
+        async with running(self.simulation, self._network.link()):
+            return await (work if self.meanwhile is None else self._with_other_station(work))
 
     async def _with_other_station(self, work: Coroutine[None, None, int]) -> int:
         async with Node(self._network.link(), system=254) as other:

@@ -10,8 +10,8 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.sim import Simulation
-from mavstack.sim.runner import Runner
 from tests.interop.mavsdk_peer import MavsdkError, mavsdk_object, mavsdk_peer
+from tests.sim.harness import RunningSimulation, running
 
 #: Simulated seconds per real second: a minute of flight in five seconds.
 SPEED = 12.0
@@ -23,10 +23,10 @@ POLL = 0.02
 class Flight:
     """A simulated vehicle and MAVSDK as its ground station."""
 
-    def __init__(self, vehicle, ground, runner: Runner, running: asyncio.Task) -> None:
-        self.vehicle, self.ground, self.runner = vehicle, ground, runner
+    def __init__(self, vehicle, ground, simulated: RunningSimulation) -> None:
+        self.vehicle, self.ground, self.runner = vehicle, ground, simulated.runner
         self.texts: list[str] = []
-        self._running = running
+        self._simulated = simulated
         vehicle.listeners.append(self._listen)
 
     def _listen(self, vehicle, kind: str, text: str) -> None:
@@ -55,8 +55,7 @@ class Flight:
         """Wait until a condition holds in the simulation."""
         end = self.vehicle.now + within
         while not condition():
-            if self._running.done():
-                self._running.result()
+            self._simulated.raise_error()
             assert self.vehicle.now < end, self.state
             await asyncio.sleep(POLL)
 
@@ -110,13 +109,11 @@ async def simulated_flight(kind: str, firmware: str, *, speed: float = SPEED, **
     vehicle = simulation.add(kind, firmware)
     for name, value in parameters.items():
         vehicle.parameters.set(name, value)
-    async with Runner(simulation, speed=speed) as runner:
-        link = await runner.connect("udpin://127.0.0.1:0", [vehicle])
-        running = runner.start()
-        async with mavsdk_peer(f"udpout://127.0.0.1:{link.address[1]}") as ground:
-            yield Flight(vehicle, ground, runner, running)
-        if running.done():
-            running.result()
+    async with (
+        running(simulation, "udpin://127.0.0.1:0", speed=speed) as simulated,
+        mavsdk_peer(f"udpout://127.0.0.1:{simulated.link.address[1]}") as ground,
+    ):
+        yield Flight(vehicle, ground, simulated)
 
 
 def raw_items(flight: Flight, *items: tuple) -> list[dict]:

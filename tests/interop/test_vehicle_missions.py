@@ -10,7 +10,7 @@ from mavstack.links import Impairment, impair, open_link
 from mavstack.sim.runner import Runner
 from mavstack.sim.simulation import Simulation
 from mavstack.vehicle import connect
-from tests.sim.whole_flights.fleet import whisper
+from tests.sim.harness import reduce_telemetry
 from tests.sim.whole_flights.plans import triangle
 from tests.vehicle.test_whole_missions import check, flown, loaded
 from tests.vehicle.world import ALL, World
@@ -27,7 +27,7 @@ async def test_all_types_fly_over_a_lossy_link() -> None:
     simulation = Simulation(seed=6)
     for kind, firmware in ALL:
         vehicle = simulation.add(kind, firmware)
-        whisper(vehicle)
+        reduce_telemetry(vehicle)
         for name in TIMEOUTS:
             timeout = vehicle.parameters.get(name, None)
             if timeout is not None:

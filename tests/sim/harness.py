@@ -10,17 +10,18 @@ Blocking, without links: a vehicle with a ground station beside it, which exchan
 Several vehicles in one `SimulationHarness` cost little more than one. Vehicles are placed in the air rather
 than flown there; wings start with a speed at which they can fly.
 
-With links, in an event loop: `make_ready` boots all vehicles, `running` connects them to a memory network.
+With links, in an event loop: `make_ready` boots all vehicles, `running` connects them to a link.
 """
 
 from __future__ import annotations
 
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack import Dialect, Parser, encode
 from mavstack.dialects import common
-from mavstack.links import Impairment, MemoryNetwork, impair
+from mavstack.links import Impairment, impair
 from mavstack.services import Address
 from mavstack.services.command import Command
 from mavstack.sim.motion.state import StateArray
@@ -32,10 +33,11 @@ from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 from tests.waiting import step_until
 
 if TYPE_CHECKING:
+    import asyncio
     from collections.abc import AsyncIterator, Callable
 
     from mavstack.dialects import Message
-    from mavstack.links import Link
+    from mavstack.links import Link, MemoryNetwork
     from mavstack.services.mission import MissionItem
     from mavstack.sim.vehicle import SimulatedVehicle
 
@@ -79,15 +81,30 @@ def make_ready(simulation: Simulation) -> None:
         vehicle.data_to_send()
 
 
+@dataclass(frozen=True, slots=True)
+class RunningSimulation:
+    """A simulation that advances in a task, with all its vehicles on one link."""
+
+    runner: Runner
+    link: Link
+    task: asyncio.Task[None]
+
+    def raise_error(self) -> None:
+        """Raise the error that ended the simulation, if any."""
+        if self.task.done() and not self.task.cancelled():
+            self.task.result()
+
+
 @asynccontextmanager
-async def running(simulation: Simulation, network: MemoryNetwork) -> AsyncIterator[Runner]:
-    """Connect all vehicles to a memory network and advance them; an error of the simulation is raised."""
-    async with Runner(simulation) as runner:
-        await runner.connect(network.link(), simulation.vehicles)
-        task = runner.start()
-        yield runner
-        if task.done() and not task.cancelled():
-            task.result()
+async def running(
+    simulation: Simulation, link: str | Link, *, speed: float = 1.0
+) -> AsyncIterator[RunningSimulation]:
+    """Connect all vehicles to a link and advance them; at the end an error of the simulation is raised."""
+    async with Runner(simulation, speed=speed) as runner:
+        opened = await runner.connect(link, simulation.vehicles)
+        advancing = RunningSimulation(runner, opened, runner.start())
+        yield advancing
+        advancing.raise_error()
 
 
 def impaired_link(network: MemoryNetwork, **impairment: float) -> Link:

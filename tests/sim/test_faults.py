@@ -1,4 +1,4 @@
-"""Faults on demand: what is understood, what each does on both firmwares, and over which ways it comes."""
+"""Fault injection: parsing, the effect of each fault on both firmwares, and the ways to inject it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.sim.harness import CMD, RESULT, SimulationHarness, VehicleHarness, ai
 
 FIRMWARES = ["ardupilot", "px4"]
 
-# What is understood
+# Parsing
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_a_script_injects_what_is_due_to_whom_it_means() -> None:
     assert script.inject_due(simulation, 11) == []
 
 
-# What each does
+# Effects
 
 
 @pytest.fixture(scope="module", params=FIRMWARES)
@@ -315,7 +315,7 @@ def test_a_link_that_is_cut_lets_nothing_through_until_it_is_whole(firmware) -> 
     assert "link" not in one.vehicle.faults.active
 
 
-# By the field's own ways
+# Injection by parameters and commands
 
 
 @pytest.fixture(scope="module")

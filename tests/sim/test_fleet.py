@@ -27,7 +27,9 @@ def test_nobody_stands_on_anybody(count):
 
 def test_rows_go_as_the_heading_does():
     north, east = places(Fleet(count=4, home=Home(47, 8, 0, 90)))[1]
-    assert (north, east) == pytest.approx((-SPACING, 0), abs=0.05)  # to the right of who looks east
+    assert (north, east) == pytest.approx(
+        (-SPACING, 0), abs=0.05
+    )  # to the right of a vehicle that faces east
 
 
 def test_types_and_firmwares_take_turns():

@@ -100,7 +100,7 @@ def test_a_machine_that_cannot_keep_up_loses_time_and_says_so():
     async def slow(_ground, runner):
         loop = asyncio.get_running_loop()
         await asyncio.sleep(1)
-        loop._jumping.now += 60  # as if the machine had slept
+        loop._jumping.now += 60  # as after the machine slept
         await asyncio.sleep(1)
         return runner.lag
 

@@ -38,7 +38,7 @@ def test_time_goes_in_equal_steps():
     assert simulation.now == pytest.approx(1000.08)
     simulation.advance(1000.1 - 1e-9)  # a rounding error before the step
     assert simulation.now == pytest.approx(1000.1)
-    simulation.advance(1000.0)  # never back
+    simulation.advance(1000.0)  # time never goes back
     assert simulation.now == pytest.approx(1000.1)
 
 

@@ -20,7 +20,7 @@ from mavstack.sim.simulation import Simulation
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import connect
 from tests.files.plans.plans import FENCE, FLIGHT, RALLY, WAYPOINTS
-from tests.sim.whole_flights.fleet import reduce_telemetry
+from tests.sim.harness import reduce_telemetry
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -104,9 +104,9 @@ def test_uploaded_plans_are_downloaded_equal(mav, field):
     result = mav("mission", "upload", "flight.plan", "--verify")
     assert (result.code, result.err) == (0, "")
     assert result.out.splitlines() == [
-        "fence: 6 items given, and read back the same",
-        "rally points: 2 items given, and read back the same",
-        "mission: 5 items given, and read back the same",
+        "fence: 6 items uploaded and verified",
+        "rally points: 2 items uploaded and verified",
+        "mission: 5 items uploaded and verified",
     ]
     result = mav("mission", "download", "back.plan")
     assert (result.code, result.err) == (0, "")
@@ -121,7 +121,7 @@ def test_uploaded_plans_are_downloaded_equal(mav, field):
 
 
 def test_jump_targets_follow_the_numbering_of_the_vehicle(mav, field):
-    assert mav("mission", "upload", "flight.plan", "--mission").out == "mission: 5 items given\n"
+    assert mav("mission", "upload", "flight.plan", "--mission").out == "mission: 5 items uploaded\n"
     held = field.vehicle.plans.get(PlanType.MISSION)
     jump = next(item for item in held.items if item.command == common.MavCmd.DO_JUMP)
     target = held.items[int(jump.param1)]
@@ -169,7 +169,7 @@ def test_json_output_can_be_uploaded(mav, copter, files):
 def test_start_and_wait_for_completion(mav, field):
     mav("mission", "upload", "hop.waypoints")
     result = mav("mission", "start", "--wait")
-    assert (result.code, result.out, result.err) == (0, "mission: flown\n", "")
+    assert (result.code, result.out, result.err) == (0, "mission: complete\n", "")
     assert field.vehicle.body.truth.north == pytest.approx(6.5, abs=1.5)
     assert field.vehicle.body.on_ground
 
@@ -185,7 +185,9 @@ def test_start_without_a_mission_does_not_arm(mav, field):
     for words in (("start",), ("start", "--wait")):
         result = mav("mission", *words)
         assert (result.code, result.out) == (1, "")
-        assert result.err == "mav mission: system 1 has no mission: `mav mission upload FILE` gives it one\n"
+        assert (
+            result.err == "mav mission: vehicle 1 has no mission; upload one with `mav mission upload FILE`\n"
+        )
         assert not field.vehicle.autopilot.armed
 
 
@@ -231,9 +233,9 @@ def test_show_problems(mav, files):
     result = mav("mission", "show", "bad.plan", "--no-map")
     assert result.code == 0
     assert result.out.splitlines()[-3:] == [
-        "wrong: item 4 jumps to doJumpId 9, which no item has",
-        "wrong: mission item 2: NAV_WAYPOINT: latitude 147.398 is not between -90 and 90",
-        "wrong: mission item 4: DO_JUMP: it jumps to item 0, but the mission's items are 1 to 5",
+        "problem: item 4 jumps to doJumpId 9, which no item has",
+        "problem: mission item 2: NAV_WAYPOINT: latitude 147.398 is not between -90 and 90",
+        "problem: mission item 4: DO_JUMP: it jumps to item 0, but the mission's items are 1 to 5",
     ]
 
 
@@ -289,7 +291,7 @@ def test_unsupported_pattern_is_refused(mav, copter, files):
         result = mav("mission", *words)
         assert (result.code, result.out) == (1, "")
         assert result.err.startswith(
-            "mav mission: scan.plan: mission.items[0]: the StructureScan was not taken"
+            "mav mission: scan.plan: mission.items[0]: the StructureScan was not read"
         )
         assert result.err.count("\n") == 1
     assert mav("mission", "convert", "scan.plan", "out.json", "--force").code == 0
@@ -302,11 +304,11 @@ def test_invalid_plan_is_not_uploaded(mav, copter, files):
     assert (result.code, result.out) == (1, "")
     assert result.err == (
         "mav mission: bad.plan: mission item 2: NAV_WAYPOINT: latitude 147.398 is not between -90 and 90 "
-        "(and 1 more); `mav mission show bad.plan` tells all, --force sends it\n"
+        "(and 1 more); `mav mission show bad.plan` shows all problems, --force uploads the plan\n"
     )
     result = mav("mission", "upload", "bad.plan", "--force")
     assert result.code == 1
-    assert result.out == "fence: 6 items given\nrally points: 2 items given\n"
+    assert result.out == "fence: 6 items uploaded\nrally points: 2 items uploaded\n"
     assert "INVALID_PARAM" in result.err
     assert result.err.count("\n") == 1
 
@@ -371,7 +373,7 @@ def test_refused_fence_stops_the_upload(mav, monkeypatch):
 def test_refused_mission_is_reported_after_uploaded_plans(mav, monkeypatch):
     use(monkeypatch, Refuser(PlanType.MISSION, _RESULT.UNSUPPORTED).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
-    assert (result.code, result.out) == (1, "fence: 6 items given\nrally points: 2 items given\n")
+    assert (result.code, result.out) == (1, "fence: 6 items uploaded\nrally points: 2 items uploaded\n")
     assert result.err.startswith("mav mission: uploading the mission to 1/1 failed: UNSUPPORTED")
 
 
@@ -385,10 +387,10 @@ def test_refused_clear(mav, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("upload", "flight.plan"), "uploading the fence"),
-        (("download", "flight.waypoints"), "downloading the mission"),
-        (("show",), "downloading the mission"),
-        (("clear",), "clearing the mission"),
+        (("upload", "flight.plan"), "uploading the fence to"),
+        (("download", "flight.waypoints"), "downloading the mission from"),
+        (("show",), "downloading the mission from"),
+        (("clear",), "clearing the mission on"),
     ],
 )
 def test_silent_vehicle(mav, monkeypatch, words, says):
@@ -422,11 +424,8 @@ def test_verify_reports_a_difference(mav, monkeypatch):
     use(monkeypatch, Forgetful(None, 0).run_on_vehicle)
     result = mav("mission", "upload", "area.fen", "--verify")
     assert result.code == 1
-    assert result.out == "fence: 5 items given\n"
-    assert (
-        "it holds another item 0 (NAV_FENCE_POLYGON_VERTEX_INCLUSION): param 5 is 47.4001 instead"
-        in result.err
-    )
+    assert result.out == "fence: 5 items uploaded\n"
+    assert "item 0 (NAV_FENCE_POLYGON_VERTEX_INCLUSION) differs: param 5 is 47.4001 instead" in result.err
     assert result.err.count("\n") == 1
 
 

@@ -1,12 +1,12 @@
-"""An autopilot with a body in a world, and around them only as much of a vehicle as they touch.
+"""An autopilot with a body in a world, and a stub of the vehicle around them.
 
-    flight = Flight(VehicleType.COPTER)
+    flight = AutopilotHarness(VehicleType.COPTER)
     flight.arm()
     flight.fly(Takeoff)
     flight.run_until(lambda: flight.height > 9, timeout=30)
 
-It stands without services, telemetry, parameters and logs, so that rooms of the autopilot are tested alone
-and in virtual time. FlightParameters are attributes that a test sets: `flight.flight_parameters.return_altitude = 30`.
+It has no services, telemetry, parameters and logs, so that parts of the autopilot are tested alone, in
+virtual time. Tests set flight parameters as attributes: `flight.flight_parameters.return_altitude = 30`.
 """
 
 from __future__ import annotations
@@ -254,11 +254,12 @@ class AutopilotHarness:
 
     def __str__(self) -> str:
         at = ", ".join(f"{value:.1f}" for value in self.body.truth[:6])
-        return f"{self.vehicle.vehicle_type} in {self.autopilot.mode.name}, armed {self.autopilot.armed}, at {at}"
+        autopilot = self.autopilot
+        return f"{self.vehicle.vehicle_type} in {autopilot.mode.name}, armed {autopilot.armed}, at {at}"
 
 
 def default_behaviours() -> dict[int, Callable[[Autopilot], Behaviour]]:
-    """What the modes do if the test does not say."""
+    """Return the default behaviours of the modes."""
     from mavstack.sim.autopilot.behaviours import Guided, Hold, Land, ReturnToLaunch, Takeoff
 
     return {HOLD: Hold, GUIDED: Guided, MISSION: Hold, RETURN: ReturnToLaunch, LAND: Land, TAKEOFF: Takeoff}

@@ -1,8 +1,8 @@
-"""Many small scenes at once: each has a vehicle of its own in one simulation, to which something happens.
+"""Failsafe cases, run side by side in one simulation with a vehicle each.
 
-SCENES = [Scene("radio-RTL", "copter", parameters={"FS_THR_ENABLE": 1}, faults="radio off")]
-played = play(SCENES)
-played["radio-RTL"].mode
+CASES = [Case("radio-RTL", "copter", parameters={"FS_THR_ENABLE": 1}, faults=("radio off",))]
+results = run_cases(CASES, "ardupilot")
+results["radio-RTL"].mode
 """
 
 from __future__ import annotations
@@ -15,28 +15,28 @@ from tests.sim.harness import SimulationHarness, VehicleHarness
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-#: From boot to readiness, and from being in the air to what happens.
+#: Seconds from boot until vehicles can be armed, and from the placement in the air to the faults.
 READY, SETTLED = 3.0, 2.5
 
 
 @dataclass
 class Case:
-    """What happens to one vehicle, and what is to come of it."""
+    """The event that triggers a failsafe in one vehicle, and the expected reaction."""
 
     name: str
     kind: str = "copter"
     parameters: dict[str, float] = field(default_factory=dict)
     faults: tuple[str, ...] = ()
-    #: In which mode it is in the air; None: where it holds.
+    #: The mode in the air; None: the mode that holds.
     begin: str | None = None
-    #: Whether it stays on the ground, armed or not.
+    #: True if the vehicle stays on the ground, armed or not.
     grounded: bool = False
     arms: bool = True
     sends_heartbeats: bool = False
-    #: Done before it is in the air, and when the faults begin.
+    #: Called before the vehicle is in the air, and when the faults begin.
     before: Callable[[VehicleHarness], object] | None = None
     event: Callable[[VehicleHarness], object] | None = None
-    #: What is to be afterwards.
+    #: The expected state and texts.
     mode: str = ""
     armed: bool = True
     texts: tuple[str, ...] = ()
@@ -62,7 +62,7 @@ class Case:
 
 
 def run_cases(cases: Iterable[Case], firmware: str, seconds: float = 4.0) -> dict[str, VehicleHarness]:
-    """Let all of them happen side by side."""
+    """Run all cases side by side."""
     simulation_harness = SimulationHarness()
     results: dict[str, VehicleHarness] = {}
     known = list(cases)
@@ -83,5 +83,5 @@ def run_cases(cases: Iterable[Case], firmware: str, seconds: float = 4.0) -> dic
 
 
 def stop_heartbeats(one: VehicleHarness) -> None:
-    """The ground station is heard no more."""
+    """Stop the heartbeats of the ground station."""
     one.sends_heartbeats = False

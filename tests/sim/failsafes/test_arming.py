@@ -1,4 +1,4 @@
-"""Arming is refused: every reason that either firmware gives, as it says it, and that it ends."""
+"""Arming refusals: every reason of either firmware, its text, and its end."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Refusal(NamedTuple):
     text: str
     spoil: Callable[[VehicleHarness], object]
     kind: str = "copter"
-    #: Whether it is about the vehicle, whatever a pilot wants: such reasons are said by themselves.
+    #: True if the reason is independent of the pilot's input; such reasons are reported unasked.
     standing: bool = True
 
 
@@ -100,7 +100,7 @@ def spoil(refusals: list[Refusal], firmware: str) -> list[VehicleHarness]:
     for one, refusal in zip(flown, refusals, strict=True):
         one.texts.clear_texts()
         refusal.spoil(one)
-    # GPS that is lost is missed after five seconds, and once it is, nothing fits badly any more.
+    # the loss of GPS is reported after five seconds, and then hides other problems of the estimate
     simulation_harness.run(4.9 if firmware == "px4" else 6)
     return flown
 

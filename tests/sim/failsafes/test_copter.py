@@ -1,4 +1,4 @@
-"""Copter's failsafes: every action of every parameter, what it falls back to, and what it says."""
+"""Copter's failsafes: every action of every parameter, its fallback, and its status texts."""
 
 from __future__ import annotations
 

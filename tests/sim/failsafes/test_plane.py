@@ -1,4 +1,4 @@
-"""Plane's failsafes, of planes and quadplanes: short and long, what they leave alone, and what they say."""
+"""Plane's failsafes, for planes and quadplanes: short and long ones, exceptions, and status texts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def with_landing(one: VehicleHarness) -> None:
 
 
 def lost(name: str, begin: str, mode: str, *texts: str, **more: Any) -> Case:
-    """The radio, for longer than both timeouts."""
+    """Lose the radio for longer than both timeouts."""
     parameters = {"RC_FS_TIMEOUT": 0.5, "FS_SHORT_TIMEOUT": 1, "FS_LONG_TIMEOUT": 3}
     parameters |= more.pop("parameters", {})
     kind = more.pop("kind", "plane")
@@ -36,7 +36,7 @@ def lost(name: str, begin: str, mode: str, *texts: str, **more: Any) -> Case:
 
 
 def short(name: str, begin: str, mode: str, *texts: str, action: int = 0, **more: Any) -> Case:
-    """For longer than the short timeout only."""
+    """Lose the radio for longer than the short timeout only."""
     parameters = {"FS_LONG_TIMEOUT": 60, "FS_SHORT_ACTN": action, **more.pop("parameters", {})}
     return lost(name, begin, mode, *texts, parameters=parameters, **more)
 

@@ -1,4 +1,4 @@
-"""GPS lost or led astray, a compass that points wrong, motors that fail: what is done, and what is said."""
+"""GPS loss and spoofing, compass errors and motor failures: reactions and status texts."""
 
 from __future__ import annotations
 

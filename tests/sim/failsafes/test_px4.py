@@ -1,4 +1,4 @@
-"""PX4's failsafes: every action of every parameter, holding before acting, taking over, and what is said."""
+"""PX4's failsafes: every action of every parameter, delays, takeover by the pilot, and status texts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def let_go(one: VehicleHarness) -> None:
 
 
 def sticks(name: str, mode: str, *texts: str, act: int = 2, **more: Any) -> Case:
-    """Held, and let go."""
+    """Hold the sticks, and let go."""
     parameters = {"NAV_RCL_ACT": act, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
     more = {"before": hold_sticks, "begin": "Position", **more}
     return Case(name, more.pop("kind", "copter"), parameters, event=let_go, mode=mode, texts=texts, **more)

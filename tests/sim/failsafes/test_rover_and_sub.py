@@ -1,4 +1,4 @@
-"""The failsafes of Rover, on wheels and on water, and of Sub."""
+"""Failsafes of Rover, on wheels and on water, and of Sub."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ SILENT = {"radio-off", "in-rtl", "in-hold", "ground-0", "sub-ground-0", "sub-pil
 
 
 def parameters_of(case: Case) -> Case:
-    """Sub has no FS_ACTION."""
+    """Remove FS_ACTION, which Sub has not."""
     if case.kind == "sub":
         case.parameters.pop("FS_ACTION", None)
     return case

@@ -1,4 +1,4 @@
-"""Whatever may be said to a simulated vehicle, and what must hold of it whatever was said."""
+"""Hostile peers of a simulated vehicle, and the invariants that hold whatever they send."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ALL = Dialect.load("all")
 EVERY_KIND = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
 GROUND = Address(255, common.MavComponent.MISSIONPLANNER)
-#: Values that arithmetic stumbles over.
+#: Values that break careless arithmetic.
 ODD = (
     nan,
     inf,
@@ -43,7 +43,7 @@ ODD = (
     -3.4e38,
     16777217.0,
 )
-#: Fields that are looked up by number: with small values they hit what there is.
+#: Fields that hold indices: small values refer to existing entries.
 NUMBERS = {
     "seq",
     "count",
@@ -59,14 +59,14 @@ _STEPS_IN_A_SECOND = 50
 
 
 def odd(random: Random) -> float:
-    """A number: one of the odd ones, an innocent one, or a place."""
+    """Return an odd number, an ordinary one, or a position."""
     return random.choice(
         [random.choice(ODD), random.uniform(-10, 10), random.randint(0, 5), random.uniform(-180, 180)]
     )
 
 
 def state_of(vehicle: SimulatedVehicle) -> Iterator[tuple[str, float]]:
-    """All numbers that a vehicle's body has, by name."""
+    """Yield all numbers of a vehicle's body, by name."""
     body = vehicle.body
     for name in ("truth", "estimate", "battery", "limits"):
         reading = getattr(body, name)
@@ -77,7 +77,7 @@ def state_of(vehicle: SimulatedVehicle) -> Iterator[tuple[str, float]]:
 
 
 class Victim:
-    """One vehicle, and a peer that says to it what it likes."""
+    """One vehicle, and a peer that sends arbitrary messages to it."""
 
     def __init__(self, simulation: Simulation, vehicle: SimulatedVehicle, random: Random) -> None:
         self.simulation, self.vehicle, self.random = simulation, vehicle, random
@@ -93,7 +93,7 @@ class Victim:
         self.vehicle.receive(self.port, encoder.encode(message))
 
     def place_in_air(self) -> None:
-        """Armed, in the air, in the mode that holds."""
+        """Place the armed vehicle in the air, in the mode that holds."""
         autopilot, kind = self.vehicle.autopilot, self.vehicle.vehicle_type
         autopilot.arm(force=True)
         if kind.flies:
@@ -102,7 +102,7 @@ class Victim:
         autopilot.landed = False
 
     def anything(self) -> Message:
-        """A message of any id: nonsense, but often addressed and numbered so that it is believed."""
+        """Return a random message, often addressed and numbered so that it is accepted."""
         random = self.random
         kind: Any = ALL[random.choice(ALL.names)]
         message = kind.from_payload(random.randbytes(255))
@@ -131,7 +131,7 @@ class Victim:
         )
 
     def check(self) -> None:
-        """What is always so: numbers are finite, and what is sent can be read and says so."""
+        """Check the invariants: all numbers are finite, and all data sent is valid."""
         for name, value in state_of(self.vehicle):
             assert isfinite(value), (self.vehicle, name, value)
         for port, data in self.vehicle.data_to_send():
@@ -148,7 +148,7 @@ class Victim:
 def victims(
     random: Random, *, seconds: float = 3.0, home: Home = DEFAULT_HOME, kinds: Any = None, **options: Any
 ) -> list[Victim]:
-    """One of each kind in one simulation, some of them in the air."""
+    """Return one vehicle of each kind in one simulation, some of them in the air."""
     simulation = Simulation(seed=random.randrange(1 << 30), **options)
     made = [
         Victim(simulation, simulation.add(kind, firmware, home=home), random)

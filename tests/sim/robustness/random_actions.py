@@ -1,4 +1,4 @@
-"""Everything that can be done to one vehicle, in any order: an `Abuser` does one of it at a time."""
+"""Random actions on one vehicle, in any order: each step of an `Abuser` is one action."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _CMD = common.MavCmd
 COMMANDS = [int(command) for command in ALL.enum_class("MAV_CMD")]
-#: Commands that a mission of these flies, over and over.
+#: Commands of a mission that is flown repeatedly.
 FLOWN = [16, 17, 18, 19, 20, 21, 22, 31, 82, 84, 85, 93, 112, 114, 115, 177, 178, 189, 600, 601]
 PLACES = [
     (47.4, 8.5),
@@ -97,7 +97,7 @@ def whole_payload(vehicle_system: int, payload: bytes) -> common.FileTransferPro
 
 
 class Abuser(Victim):
-    """A victim, and all that is done to it."""
+    """A vehicle with all actions on it."""
 
     def do_something(self) -> None:
         ways: list[Callable[[], None]] = [
@@ -125,7 +125,7 @@ class Abuser(Victim):
         self.send(self.any_command())
 
     def any_command(self) -> Message:
-        """COMMAND_LONG or COMMAND_INT; it is the vehicle's to answer."""
+        """Send a random COMMAND_LONG or COMMAND_INT, which the vehicle must answer."""
         random = self.random
         params = {f"param{index}": odd(random) for index in range(1, 8)}
         known = {"target_system": self.system, "target_component": 1}
@@ -145,7 +145,7 @@ class Abuser(Victim):
         )
 
     def set_parameters(self) -> None:
-        """By PARAM_SET in the encoding of the firmware, so that they are taken."""
+        """Set parameters by PARAM_SET in the firmware's encoding, so that they are accepted."""
         random, table = self.random, list(self.vehicle.parameters.table)
         for definition in random.sample(table, random.choice([1, 5, 40])):
             value = random.choice((*ODD, 127, -128, 32767, -32768, 2147483520.0, 255))
@@ -215,7 +215,7 @@ class Abuser(Victim):
         )
 
     def use_files(self) -> None:
-        """Open the files there are, for anything, and read and write at random places."""
+        """Open existing files in any way, and read and write at random offsets."""
         random = self.random
         names = [
             "@PARAM/param.pck",
@@ -288,7 +288,7 @@ class Abuser(Victim):
         return MissionItem(command, *params, *place, height, frame=frame)
 
     def accepted(self, kind: int, count: int) -> list[MissionItem]:
-        """Items that the vehicle takes."""
+        """Return items that the vehicle accepts."""
         mission = self.vehicle.autopilot.mission
         tried = (self.item(kind, count) for _ in range(count * 20))
         return [item for seq, item in enumerate(tried) if mission.check(kind, seq, item) == 0][:count]

@@ -1,4 +1,4 @@
-"""The ends of the Earth and of patience: poles, many vehicles, reboots, endless jumps, floods, sameness."""
+"""Extreme conditions: poles, many vehicles, reboots, endless jumps, floods, reproducibility."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ CIRCLES = [
 @pytest.mark.parametrize(("kind", "firmware"), EVERY_KIND)
 @pytest.mark.parametrize("circle", range(len(CIRCLES)))
 def test_a_mission_that_goes_in_a_circle_hangs_no_tick(circle, kind, firmware, monkeypatch):
-    """Its items take no time where the vehicle is, and it jumps back for ever."""
+    """Items at the current position take no time, and the mission jumps back without end."""
     simulation = Simulation(rate=10)
     victim = Victim(simulation, simulation.add(kind, firmware), Random(1))
     simulation.advance(simulation.now + 2.1)
@@ -144,7 +144,7 @@ def test_a_mission_that_goes_in_a_circle_hangs_no_tick(circle, kind, firmware, m
 
 
 def kept_memory() -> int:
-    """Bytes that are held, but for what the bounded caches of enum values and the test itself hold."""
+    """Return the bytes in use, without the bounded caches of enum values and the test's own."""
     gc.collect()
     names = ("*/enums.py", "*/enum.py", "*/hostile.py", __file__)
     others = [tracemalloc.Filter(False, name) for name in names]
@@ -153,7 +153,7 @@ def kept_memory() -> int:
 
 
 def test_a_flood_leaves_nothing_behind(monkeypatch):
-    """Messages of all kinds from everywhere: what is kept of them is bounded."""
+    """Messages of all kinds from everywhere: the memory that they leave is bounded."""
     monkeypatch.setattr("mavstack.node.routes.MAX_ADDRESSES", 64)
     random = Random(5)
     simulation = Simulation(rate=10)
@@ -181,7 +181,7 @@ def test_a_flood_leaves_nothing_behind(monkeypatch):
 
 
 def bytes_of(seed: int, *, watched: bool) -> dict[str, bytes]:
-    """What vehicles of all kinds say while everything happens to them; `watched`: and somebody looks on."""
+    """Return the data of vehicles of all kinds during many events; `watched` reads their state as well."""
     random, other = Random(seed), Random(9)
     made = victims(random, rate=10, seconds=2.1)
     abusers = [Abuser(victim.simulation, victim.vehicle, random) for victim in made]

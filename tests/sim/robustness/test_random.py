@@ -1,4 +1,4 @@
-"""Whatever is said and done to a vehicle, in any order: it goes on, its numbers are finite, it answers."""
+"""Random messages and actions in any order: the vehicle runs on, its numbers are finite, it answers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ HOMES = [
 
 
 def abused(seed: int) -> Abuser:
-    """One vehicle of some kind, ready to be armed."""
+    """Return one vehicle of some kind that can be armed."""
     random = Random(seed)
     simulation = Simulation(seed=seed, rate=random.choice([10.0, 10.0, 10.0, 25.0]))
     vehicle = simulation.add(*random.choice(EVERY_KIND), home=random.choice(HOMES))
@@ -46,7 +46,7 @@ def anything_at_all(victim: Abuser) -> None:
 
 
 def any_command(victim: Abuser) -> None:
-    """One answer to each, or one that it goes on and then one more."""
+    """Expect one answer to each command, or an answer in progress and a final one."""
     for _ in range(15):
         if victim.random.random() < 0.3:
             victim.random.choice([victim.change_mode, victim.arm_somehow])()

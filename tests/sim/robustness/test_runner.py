@@ -1,4 +1,4 @@
-"""Peers and links of a runner that misbehave: no vehicle stops, no memory grows, no error is lost."""
+"""Misbehaving peers and links of a runner: no vehicle stops, no memory grows, no error is lost."""
 
 from __future__ import annotations
 
@@ -105,9 +105,9 @@ def test_a_runner_that_is_closed_leaves_no_ports():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_cancelled_at_any_moment(seed):
-    """What ctrl-C does."""
+    """Cancel at any moment, as Ctrl-C does."""
     random, simulation = Random(seed), one_vehicle()
-    speed = random.choice([1.0, 10.0, inf])  # with an infinite one, virtual time stands still
+    speed = random.choice([1.0, 10.0, inf])  # with an infinite speed, virtual time stands still
 
     async def work() -> None:
         network = MemoryNetwork()
@@ -147,7 +147,7 @@ def test_two_runners_on_one_port():
 
 
 def test_a_flood_of_garbage_stops_nobody():
-    """Garbage of every kind at once; then a command is answered as ever."""
+    """Garbage of every kind; then a command is answered as usual."""
     simulation, random = one_vehicle(), Random(1)
     simulation.add()
 
@@ -175,7 +175,7 @@ def test_a_flood_of_garbage_stops_nobody():
 
 
 def test_a_peer_that_never_reads():
-    """What it does not take is dropped; nothing is kept for it, and others hear everything."""
+    """Data for a peer that never reads is dropped, and other peers receive everything."""
     simulation = one_vehicle()
 
     async def work() -> None:
@@ -198,5 +198,5 @@ def test_a_peer_that_never_reads():
 
 
 def run(work: Coroutine[None, None, None]) -> None:
-    """In real time, since the sockets are real; it hangs no test run."""
+    """Run in real time, since the sockets are real, with a timeout."""
     asyncio.run(asyncio.wait_for(work, 30))

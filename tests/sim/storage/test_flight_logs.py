@@ -13,7 +13,7 @@ from mavstack.services.ftp import FtpClient, FtpServer, MemoryStore
 from mavstack.services.log import LogClient, LogEntry, LogServer
 from mavstack.sim.storage import DataflashLogs, UlogLogs, file_store
 from mavstack.sim.storage.flight_logs import FLUSH_SIZE, MIN_LOG_CAPACITY
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment
 from tests.sim.storage.samples import BOOT, log_start, read_dataflash, read_ulog, sample, values_of
 
 if TYPE_CHECKING:
@@ -401,7 +401,7 @@ def scenario(seed: int) -> None:
     logs = random.choice([DataflashLogs, UlogLogs])(store, log_start)
     fly(logs, 0, samples=random.randrange(9))
     logs.begin(10 * SECOND)
-    network = LogNetwork(seed, logs, store, bad_weather(random))
+    network = LogNetwork(seed, logs, store, random_impairment(random))
 
     def resume(step: int) -> None:
         logs.write(sample(10 * SECOND + step * 100_000))

@@ -1,4 +1,4 @@
-"""The flights that the tests of this room share; processes of one test run share them too."""
+"""The flights that these tests share, also between the processes of one test run."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     Flights = dict[tuple[VehicleType, Firmware], Flight]
 
 COPTERS = [(VehicleType.COPTER, firmware) for firmware in Firmware]
-#: Every type once, the firmwares in turn.
+#: Every type once, with the firmwares in turn.
 WINDY = [(kind, list(Firmware)[number % 2]) for number, kind in enumerate(VehicleType)]
 
 
 def shared(factory: pytest.TempPathFactory, worker: str, name: str, fly: Callable[[], Flights]) -> Flights:
-    """Fly once, whichever process of the test run comes first; the others wait for what it found."""
+    """Fly in the first process of the test run; the other processes wait for its result."""
     if worker == "master":
         return fly()
     folder = factory.getbasetemp().parent
@@ -51,24 +51,24 @@ def shared(factory: pytest.TempPathFactory, worker: str, name: str, fly: Callabl
 
 @pytest.fixture(scope="session")
 def worker(request: pytest.FixtureRequest) -> str:
-    """Which process of a test run this is; "master" if there is but one."""
+    """The id of the process in a test run; "master" if there is only one."""
     return getattr(request.config, "workerinput", {}).get("workerid", "master")
 
 
 @pytest.fixture(scope="session")
 def calm(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
-    """Every type and firmware flies everything, in still air."""
+    """Fly everything with every type and firmware, in still air."""
     return shared(tmp_path_factory, worker, "calm", lambda: fly_all(whole_mission, logs=COPTERS))
 
 
 @pytest.fixture(scope="session")
 def windy(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
-    """Every type flies a triangle in 6 m/s of wind with gusts, in steps half as fine."""
+    """Fly a triangle with every type, in 6 m/s of wind with gusts, with a coarser step."""
     return shared(tmp_path_factory, worker, "windy", lambda: fly_all(triangle, WINDY, wind=6, rate=25))
 
 
 @pytest.fixture(scope="session")
 def far_away(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
-    """Copters beyond a radio that loses a tenth and takes its time."""
+    """Fly copters over a radio with loss and latency."""
     weather = {"loss": 0.1, "latency": 0.2, "jitter": 0.05, "seed": 3}
     return shared(tmp_path_factory, worker, "far_away", lambda: fly_all(triangle, COPTERS, **weather))

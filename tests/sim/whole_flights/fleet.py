@@ -1,4 +1,4 @@
-"""Twelve vehicles in one simulation, each flown by the station as users of its firmware do."""
+"""Twelve vehicles in one simulation, each flown by the ground station as users of its firmware do."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.links import Impairment, MemoryNetwork, impair
+from mavstack.links import MemoryNetwork
 from mavstack.node import Node
-from mavstack.sim.runner import Runner
 from mavstack.sim.simulation import RATE, Simulation
-from mavstack.sim.telemetry.px4 import LinkMode, set_link_mode
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
+from tests.sim.harness import impaired_link, reduce_telemetry, running
 from tests.sim.whole_flights.ground_station import SAMPLES, Flight, Sample, Station
 
 if TYPE_CHECKING:
@@ -26,45 +25,32 @@ if TYPE_CHECKING:
 
 CMD = common.MavCmd
 ALL = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
-#: Streams of ArduPilot's, in hertz: as few as a slow radio would have.
-STREAMS = ("RAW_SENS", "EXT_STAT", "RC_CHAN", "RAW_CTRL", "POSITION", "EXTRA1", "EXTRA2", "EXTRA3")
-#: What does not disarm by itself is at rest when it is slower than this.
+#: Speed below which a vehicle that does not disarm by itself is at rest, in m/s.
 AT_REST = 0.2
-#: So long after an item began it is on its way, if it stood still before.
+#: Time until a vehicle at rest moves after an item began, in seconds.
 SETTING_OUT = 6.0
-
-
-def reduce_telemetry(vehicle: SimulatedVehicle) -> None:
-    """Let a vehicle send little: most of the time of a test would go into telemetry."""
-    if vehicle.firmware is Firmware.PX4:
-        set_link_mode(vehicle, LinkMode.MINIMAL)
-        return
-    for stream in STREAMS:
-        vehicle.parameters.set(f"SR0_{stream}", 1 if stream in ("EXT_STAT", "POSITION") else 0)
 
 
 @asynccontextmanager
 async def station(simulation: Simulation, **weather: float) -> AsyncIterator[Station]:
-    """A station that hears the vehicles of a simulation over one link."""
+    """Provide a ground station with the vehicles of a simulation on one link."""
     network = MemoryNetwork()
-    link = impair(network.link(), Impairment(**weather)) if weather else network.link()
-    async with Runner(simulation) as runner:
-        await runner.connect(network.link(), simulation.vehicles)
-        running = runner.start()
-        async with Node(link) as node:
-            here = Station(simulation, node)
-            listening = [asyncio.create_task(here.listen()), asyncio.create_task(here.listen_to_texts())]
-            try:
-                yield here
-            finally:
-                for task in listening:
-                    task.cancel()
-                if running.done():
-                    running.result()
+    async with (
+        running(simulation, network.link()) as simulated,
+        Node(impaired_link(network, **weather)) as node,
+    ):
+        here = Station(simulation, node)
+        listening = [asyncio.create_task(here.listen()), asyncio.create_task(here.listen_to_texts())]
+        try:
+            yield here
+        finally:
+            for task in listening:
+                task.cancel()
+            simulated.raise_error()
 
 
 def record(simulation: Simulation, flights: dict[int, Flight]) -> None:
-    """Write down the truth of all vehicles as time goes by."""
+    """Record the true motion of all vehicles."""
     steps, every = 0, round(1.0 / (SAMPLES * simulation.step_length))
 
     def look(elapsed: float) -> None:
@@ -100,7 +86,7 @@ def fly_all(
     logs: Sequence[tuple[VehicleType, Firmware]] = (),
     **weather: float,
 ) -> dict[tuple[VehicleType, Firmware], Flight]:
-    """Let vehicles fly, all at once; gives what became of each."""
+    """Fly all vehicles side by side; return the flight of each."""
     simulation = Simulation(seed=7, rate=rate)
     simulation.world.set_wind(speed=wind, direction=250, turbulence=0.15 if wind else 0.0)
     flights: dict[int, Flight] = {}
@@ -122,7 +108,7 @@ def fly_all(
 
 
 async def fly(here: Station, system: int, flight: Flight, with_log: bool) -> None:
-    """One flight, from the first heartbeat to the last log."""
+    """Run one flight, from the first heartbeat to the last log."""
     remote, journal = await here.node.wait_for_autopilot(system), flight.journal
     name = f"{flight.kind} of {flight.plan.firmware}"
     await here.wait_until(lambda: journal.ready, f"{name} ready", timeout=60)
@@ -149,7 +135,7 @@ async def fly(here: Station, system: int, flight: Flight, with_log: bool) -> Non
 
 
 async def start(remote: RemoteComponent, flight: Flight) -> None:
-    """Have the mission flown."""
+    """Start the mission."""
     if flight.plan.firmware is Firmware.PX4:
         await remote.modes.set("MISSION")
         await remote.command(CMD.COMPONENT_ARM_DISARM, 1)
@@ -163,5 +149,5 @@ async def start(remote: RemoteComponent, flight: Flight) -> None:
 
 
 def at_rest(flight: Flight) -> bool:
-    """Whether it has not moved for some seconds."""
+    """Return whether the vehicle has not moved for some seconds."""
     return all(hypot(*each.motion[3:6]) < AT_REST for each in flight.track[-25:])

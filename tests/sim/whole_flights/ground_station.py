@@ -1,7 +1,7 @@
-"""The ground station of whole flights, and what it and the simulation wrote down.
+"""The ground station of whole flights, with the records of the station and of the simulation.
 
-The station knows the vehicles by MAVLink alone. What it heard of each stands in a `Journal`; beside it stands
-what really happened, `Sample` by `Sample`, which no station could know.
+The station knows the vehicles by MAVLink alone. A `Journal` holds the messages of each vehicle; `Sample`
+holds the true state, which no station could know.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from tests.sim.whole_flights.plans import FlightPlan
 
 CMD = common.MavCmd
-#: Samples of the truth a second.
+#: Samples of the true state per second.
 SAMPLES = 5
 LONGEST = 600.0
 _ARMED = common.MavModeFlag.SAFETY_ARMED
@@ -41,7 +41,7 @@ _HEARD = (
 
 
 class Sample(NamedTuple):
-    """The truth of one moment, in simulated seconds from the start."""
+    """The true state at one moment, in simulated seconds from the start."""
 
     time: float
     motion: Motion
@@ -55,7 +55,7 @@ class Sample(NamedTuple):
 
 @dataclass
 class Journal:
-    """What the station heard of one vehicle, and when."""
+    """The messages of one vehicle, with their times."""
 
     reached: list[tuple[float, int]] = field(default_factory=list)
     current: list[tuple[float, int]] = field(default_factory=list)
@@ -79,7 +79,7 @@ class Journal:
                 if not self.current or self.current[-1][1] != seq:
                     self.current.append((now, seq))
                 _note(self.states, int(message.mission_state))
-            case common.MissionItemReached(seq=seq):  # PX4 says it again and again
+            case common.MissionItemReached(seq=seq):  # PX4 repeats it
                 if not self.reached or self.reached[-1][1] != seq:
                     self.reached.append((now, seq))
             case common.ExtendedSysState():
@@ -93,7 +93,7 @@ def _note(seen: list[int], value: int) -> None:
 
 @dataclass
 class Flight:
-    """One vehicle's flight, from power to the last word."""
+    """One vehicle's flight, from power-on to the last message."""
 
     plan: FlightPlan
     track: list[Sample] = field(default_factory=list)
@@ -110,12 +110,12 @@ class Flight:
 
     @property
     def flown(self) -> list[Sample]:
-        """While it was armed."""
+        """The samples while the vehicle was armed."""
         return [sample for sample in self.track if sample.armed]
 
 
 class Station:
-    """A simulation and the node that watches it."""
+    """A simulation and the node that observes it."""
 
     def __init__(self, simulation: Simulation, node: Node) -> None:
         self.simulation, self.node = simulation, node
@@ -139,5 +139,5 @@ class Station:
             async for text in texts:
                 self.journal(text.source.system).texts.append(text.text)
 
-    async def wait_until(self, holds: Callable[[], bool], what: str, timeout: float = LONGEST) -> None:
+    async def wait_until(self, holds: Callable[[], bool], what: str, timeout: float = LONGEST) -> None:  # noqa: ASYNC109 (the failure names it)
         await wait_until(holds, what, timeout=timeout, interval=0.1, now=lambda: self.now)

@@ -1,4 +1,4 @@
-"""A track beside its plan: which part of a flight belongs to which leg, and how far off it was."""
+"""Comparison of a track with its plan: the legs of a flight, and the deviation from them."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ if TYPE_CHECKING:
 
 Flat = tuple[float, float]
 WINGS = (VehicleType.PLANE, VehicleType.VTOL)
-#: A wing's take-off ends wherever it is high enough.
+#: A wing's takeoff ends wherever it is high enough.
 _TAKE_OFF_ENDS_ANYWHERE = (VehicleType.PLANE,)
 HOME = (0.0, 0.0, 0.0)
-#: So near its radius, as a share of it, a circle has been joined.
+#: Deviation at which a circle counts as joined, as a share of its radius.
 _JOINED = 0.1
 
 
 @dataclass(frozen=True)
 class Leg:
-    """What was flown between two items that were reached."""
+    """The part of a flight between two reached items."""
 
     seq: int
     begin: Flat
     end: Place
-    #: Around the end; 0 if it is flown to.
+    #: Radius of the circle around the end; 0 if the end is a point.
     circle: float
     track: list[Sample]
-    #: The leg before, whose line may still be left.
+    #: The previous leg, whose line the vehicle may still be leaving.
     before: Leg | None = None
 
     def off(self, place: Flat) -> float:
-        """How far a place is from this leg, or from the one before it; a circle is joined at its side."""
+        """Return the distance of a point from this leg or the previous one; circles are joined at the side."""
         own = max(from_line(place, self.begin, self.end[:2]) - self.circle, 0.0)
         if self.before is None:
             return own
@@ -43,18 +43,18 @@ class Leg:
 
     @property
     def worst(self) -> float:
-        """The greatest cross-track error on it."""
+        """The greatest cross-track error of the leg."""
         return max((self.off(flat(sample)) for sample in self.track), default=0.0)
 
     @property
     def out_of_round(self) -> float:
-        """The greatest error of the radius, once it is on its circle."""
+        """The greatest error of the radius on the circle."""
         errors = [abs(dist(flat(sample), self.end[:2]) - self.circle) for sample in self.track]
         joined = next((at for at, error in enumerate(errors) if error < _JOINED * self.circle), len(errors))
         return max(errors[joined:], default=0.0)
 
     def heights(self) -> list[float]:
-        """How much too high it was, all the way."""
+        """Return the altitude errors along the leg."""
         return [-sample.motion.down - self.end[2] for sample in self.track]
 
 
@@ -63,7 +63,7 @@ def flat(sample: Sample) -> Flat:
 
 
 def from_line(place: Flat, begin: Flat, end: Flat) -> float:
-    """How far a place is from the line between two others."""
+    """Return the distance of a point from the line through two others."""
     along = end[0] - begin[0], end[1] - begin[1]
     size = along[0] ** 2 + along[1] ** 2
     share = ((place[0] - begin[0]) * along[0] + (place[1] - begin[1]) * along[1]) / size if size else 0.0
@@ -72,14 +72,14 @@ def from_line(place: Flat, begin: Flat, end: Flat) -> float:
 
 
 def reached_in_order(flight: Flight) -> list[int]:
-    """The items that navigate, as the station heard of them."""
+    """Return the NAV items in the order in which they were reported as reached."""
     return [seq for _, seq in flight.journal.reached if seq in flight.plan.order]
 
 
 def legs_of(flight: Flight) -> list[Leg]:
-    """The legs in the order that they were flown, by what the station heard, but for take-off and landing.
+    """Return the legs in the order in which they were reported, without takeoff and landing.
 
-    What hovers, drives or dives goes straight home in the end.
+    Vehicles that can stop return on a straight line at the end.
     """
     plan = flight.plan
     legs: list[Leg] = []

@@ -1,7 +1,7 @@
-"""The missions of whole flights: what is uploaded, and what is to become of it.
+"""The missions of whole flights: the uploaded items, and the expected flight.
 
-A `Plan` of this module knows the items, the places they name in metres around home, and in which order those
-that navigate are to be reached: the middle of each mission is flown three times, by a jump.
+A `FlightPlan` holds the items, their positions in metres around home, and the order in which the NAV items
+are reached: a jump flies the middle of each mission three times.
 
     home ── take-off ── A (waits) ── B (another speed) ── C ─┐ twice back to A
                                                             └── D ── circles, waits ── home
@@ -26,7 +26,7 @@ ROUNDS = 3
 
 @dataclass(frozen=True)
 class Size:
-    """How far and how high a type flies its mission, its second speed, and its circle."""
+    """Distances and altitudes of a type's mission, its second speed, and its circle."""
 
     side: float
     height: float
@@ -46,17 +46,17 @@ SIZES = {
 
 @dataclass
 class FlightPlan:
-    """A mission as it grows."""
+    """A mission under construction."""
 
     kind: VehicleType
     firmware: Firmware
     home: Home = DEFAULT_HOME
     items: list[MissionItem] = field(default_factory=list)
-    #: Local places of items that go somewhere, by sequence number.
+    #: Local positions of items with a position, by sequence number.
     places: dict[int, Place] = field(default_factory=dict)
-    #: Circles round such a place.
+    #: Circles around these positions.
     circles: dict[int, float] = field(default_factory=dict)
-    #: The items that navigate, in the order in which they are reached.
+    #: The NAV items in the order in which they are reached.
     order: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -78,7 +78,7 @@ class FlightPlan:
         return len(self.items) - 1
 
     def go(self, command: int, place: Place, *params: float, circle: float = 0.0) -> int:
-        """An item that navigates."""
+        """Add a NAV item with a position."""
         seq = self._place(command, place, *params)
         self.places[seq] = place
         if circle:
@@ -87,13 +87,13 @@ class FlightPlan:
         return seq
 
     def stay(self, command: int, *params: float) -> int:
-        """An item that navigates and has no place."""
+        """Add a NAV item without a position."""
         seq = self.do(command, *params)
         self.order.append(seq)
         return seq
 
     def do(self, command: int, *params: float) -> int:
-        """An item without a place that only does something."""
+        """Add a DO item without a position."""
         self.items.append(MissionItem(int(command), *params, frame=FRAME.MISSION))
         return len(self.items) - 1
 
@@ -101,14 +101,14 @@ class FlightPlan:
         return self._place(CMD.DO_SET_ROI_LOCATION, place)
 
     def jump_back(self, seq: int) -> None:
-        """Fly from an item to here two times more."""
+        """Jump from an item to here twice."""
         self.do(CMD.DO_JUMP, seq, ROUNDS - 1)
         again = [each for each in self.order if each >= seq]
         self.order += again * (ROUNDS - 1)
 
 
 def whole_mission(kind: VehicleType, firmware: Firmware) -> FlightPlan:
-    """Everything that a mission can hold, for one type and firmware."""
+    """Return a mission with every kind of item, for one type and firmware."""
     plan = FlightPlan(kind, firmware)
     side, height = plan.size.side, plan.size.height
     _take_off(plan)
@@ -127,7 +127,7 @@ def whole_mission(kind: VehicleType, firmware: Firmware) -> FlightPlan:
 
 
 def triangle(kind: VehicleType, firmware: Firmware) -> FlightPlan:
-    """A short one: out and back in two legs."""
+    """Return a short mission: out and back in two legs."""
     plan = FlightPlan(kind, firmware)
     side, height = plan.size.side, plan.size.height
     _take_off(plan)
@@ -144,7 +144,7 @@ def _take_off(plan: FlightPlan) -> None:
     at = (plan.size.side / 3, 0.0) if plan.kind is not _COPTER else (0.0, 0.0)
     height = plan.size.height / 2 if plan.kind is _PLANE else plan.size.height  # a wing climbs on its way
     plan.go(command, (*at, height), 0, 0, 0, nan)
-    if plan.ardupilot or plan.kind is _COPTER:  # where it is by then is the firmware's affair
+    if plan.ardupilot or plan.kind is _COPTER:  # other firmwares end at different positions
         plan.places[plan.order[-1]] = (0.0, 0.0, height)
 
 

@@ -1,11 +1,11 @@
-"""Scripts of flights without a mission, each with a vehicle of its own, all in one simulation.
+"""Scripts of flights without a mission, run side by side with a vehicle each.
 
     @script("copter")
     async def it_returns(pilot: Pilot) -> None:
         await pilot.take_off(10)
         ...
 
-A script is flown with both firmwares unless it names one. What it asserts is what its test tells.
+A script runs with both firmwares unless it names one. Each script is one test.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mavstack.sim.motion import LocalFrame
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.whole_flights.fleet import reduce_telemetry, station
+from tests.sim.harness import reduce_telemetry, station
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -36,19 +36,19 @@ if TYPE_CHECKING:
 
 CMD = common.MavCmd
 _FRAME = LocalFrame(*DEFAULT_HOME[:3])
-#: Steps a second: half the usual number, for there are many vehicles.
+#: Steps per second: half the default, since there are many vehicles.
 RATE = 25.0
 PX4, ARDUPILOT = Firmware.PX4, Firmware.ARDUPILOT
 
 
 class Pilot:
-    """Who flies one vehicle, by MAVLink."""
+    """The pilot of one vehicle, by MAVLink."""
 
     def __init__(self, here: Station, remote: RemoteComponent, vehicle: SimulatedVehicle) -> None:
         self.here, self.remote, self.vehicle = here, remote, vehicle
         self.journal: Journal = here.journal(vehicle.address.system)
 
-    # What is known of it: by the journal what it says, by the truth what is so
+    # State: the journal holds the messages, `truth` the true motion
 
     @property
     def px4(self) -> bool:
@@ -76,19 +76,19 @@ class Pilot:
     def said(self, start: str) -> bool:
         return any(text.startswith(start) for text in self.journal.texts)
 
-    async def wait_until(self, holds: Callable[[], bool], what: str, timeout: float = 60.0) -> None:
+    async def wait_until(self, holds: Callable[[], bool], what: str, timeout: float = 60.0) -> None:  # noqa: ASYNC109 (the failure names it)
         await self.here.wait_until(holds, f"{what}; it is in {self.mode} at {self.truth[:3]}", timeout)
 
     async def wait(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
 
-    # What is done with it
+    # Actions
 
     async def command(self, command: int, *params: float, frame: int | None = None) -> None:
         await self.remote.command(command, *params, frame=frame)
 
     async def set_mode(self, *names: str) -> None:
-        """By the name that ArduPilot has for it, or by PX4's."""
+        """Set a mode by its name in ArduPilot, or in PX4."""
         await self.remote.modes.set(names[-1] if self.px4 else names[0])
 
     async def take_off(self, height: float) -> None:
@@ -108,7 +108,7 @@ class Pilot:
         await self.wait_until(lambda: self.height > 0.9 * height and self.speed < slow, "up")
 
     async def go_to(self, north: float, east: float, height: float) -> None:
-        """By DO_REPOSITION."""
+        """Go to a point by DO_REPOSITION."""
         latitude, longitude, altitude = _FRAME.to_global(north, east, -height)
         change = common.MavDoRepositionFlags.CHANGE_MODE
         params = (-1, change, 0, nan, latitude, longitude, altitude)
@@ -125,7 +125,7 @@ class Pilot:
 
 @dataclass(frozen=True)
 class Script:
-    """One of them, for one vehicle."""
+    """A script and its vehicle."""
 
     name: str
     kind: VehicleType
@@ -137,7 +137,7 @@ SCRIPTS: list[Script] = []
 
 
 def script(kind: str, *firmwares: Firmware) -> Callable[..., Callable[[Pilot], Awaitable[None]]]:
-    """Have a coroutine function flown."""
+    """Register a coroutine function as a script."""
 
     def add(fly: Callable[[Pilot], Awaitable[None]]) -> Callable[[Pilot], Awaitable[None]]:
         for firmware in firmwares or tuple(Firmware):
@@ -149,7 +149,7 @@ def script(kind: str, *firmwares: Firmware) -> Callable[..., Callable[[Pilot], A
 
 
 def fly_scripts() -> dict[str, str]:
-    """Fly them all; gives for each what went wrong, or an empty text."""
+    """Run all scripts; return the traceback of each, empty if it passed."""
     simulation, outcomes = Simulation(seed=11, rate=RATE), {}
     vehicles = [simulation.add(each.kind, each.firmware) for each in SCRIPTS]
     for vehicle in vehicles:

@@ -1,4 +1,4 @@
-"""Flights without a mission, by commands, setpoints and sticks over MAVLink: `scripts.py`, one test each."""
+"""Flights without a mission, by commands, setpoints and sticks over MAVLink: one test per script."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A radio that loses a tenth of what is sent, and takes 200 ms each way: missions are flown all the same."""
+"""Missions over a radio with 10 % loss and 200 ms of latency each way."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_it_is_flown_to_its_end(far_away, firmware) -> None:
     assert hypot(end.motion.north, end.motion.east) < 1.5
     assert end.on_ground
     assert not end.armed
-    # which item was reached is told once, and that may be lost
+    # each MISSION_ITEM_REACHED is sent once and may be lost
     reached = reached_in_order(flight)
     assert reached == [seq for seq in flight.plan.order if seq in reached]
     told = [seq for _, seq in flight.journal.current]

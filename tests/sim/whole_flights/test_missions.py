@@ -1,4 +1,4 @@
-"""Each type and firmware flies all of a mission, and the ground station hears of it."""
+"""Whole missions of each type and firmware, as the ground station observes them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.sim.whole_flights.plans import CMD, ROUNDS
 
 STATE = common.MissionState
 PLANE, VTOL = VehicleType.PLANE, VehicleType.VTOL
-#: How near home it comes to rest, in metres: a plane rolls out along its course.
+#: Distance from home at rest, in metres: a plane rolls out along its course.
 HOME_WITHIN = {
     VehicleType.COPTER: 1.5,
     VehicleType.PLANE: 80.0,
@@ -27,7 +27,7 @@ every_flight = pytest.mark.parametrize(("kind", "firmware"), ALL, ids=str)
 
 
 def last_counts(flight) -> bool:
-    """Whether its last item is told to be reached: some leave it to another mode before."""
+    """Return whether the last item is reported as reached: some leave it for another mode before."""
     return not flight.plan.ardupilot or flight.kind in (VehicleType.COPTER, VehicleType.SUB, VTOL)
 
 
@@ -97,7 +97,7 @@ def test_px4_says_that_it_took_off_and_landed(calm, kind) -> None:
 
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.SUB])
 def test_the_nose_looks_at_the_region_of_interest(calm, kind) -> None:
-    """On the way to D it looks home, where the region is."""
+    """On the way to D the vehicle faces home, the region of interest."""
     flight = calm[kind, Firmware.ARDUPILOT]
     region = next(n for n, item in enumerate(flight.plan.items) if item.command == CMD.DO_SET_ROI_LOCATION)
     after = next(seq for seq in flight.plan.order if seq > region)
@@ -118,7 +118,7 @@ def test_a_px4_copter_turns_to_the_heading_of_an_item(calm) -> None:
 
 @every_flight
 def test_it_waits_where_it_is_told_to(calm, kind, firmware) -> None:
-    """LOITER_TIME's six seconds, and NAV_DELAY's three."""
+    """LOITER_TIME waits six seconds, NAV_DELAY three."""
     flight = calm[kind, firmware]
     times = {seq: time for time, seq in flight.journal.reached}
     loiter = next(n for n, item in enumerate(flight.plan.items) if item.command == CMD.NAV_LOITER_TIME)

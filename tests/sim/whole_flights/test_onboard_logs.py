@@ -1,4 +1,4 @@
-"""The log on board holds the flight: fetched over MAVLink, read by the programs of others."""
+"""The onboard log of a flight: downloaded over MAVLink, read by other programs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DFReader = pytest.importorskip("pymavlink.DFReader")
 ULog = pytest.importorskip("pyulog").ULog
 COPTER = VehicleType.COPTER
-#: The log has what the vehicle believes, and GPS errs by about a metre.
+#: The log holds the estimated position; GPS errs by about a metre.
 NEAR = 3.0
 Place = tuple[float, float, float]
 
@@ -104,7 +104,7 @@ def place(latitude: float, longitude: float, altitude: float) -> Place:
 
 
 def assert_flown(flight: Flight, logged: list[tuple[float, Place]]) -> None:
-    """Each place in the log, by seconds from boot, is one where the vehicle really was then."""
+    """Assert that each logged position, by seconds from boot, is close to the true one."""
     times = [sample.time for sample in flight.track]
     offs = []
     for time, where in logged:

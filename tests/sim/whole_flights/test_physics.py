@@ -1,4 +1,4 @@
-"""Speeds, turns and energy stay what such vehicles can do."""
+"""Speeds, turns and energy are physically possible."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from tests.sim.whole_flights.legs import WINGS
 if TYPE_CHECKING:
     from tests.sim.whole_flights.ground_station import Sample
 
-#: Ground speed at most, in still air, m/s: what each firmware's parameters ask for, and a tenth more;
-#: rovers overshoot a little more.
+#: Maximum ground speed in still air, in m/s: the firmware's parameter plus ten percent; rovers overshoot
+#: a little more.
 FASTEST = {
     VehicleType.COPTER: {Firmware.ARDUPILOT: 10.5, Firmware.PX4: 5.6},
     VehicleType.PLANE: {Firmware.ARDUPILOT: 22.0, Firmware.PX4: 22.0},
@@ -28,7 +28,7 @@ FASTEST = {
     VehicleType.BOAT: {Firmware.ARDUPILOT: 2.8, Firmware.PX4: 3.3},
     VehicleType.SUB: {Firmware.ARDUPILOT: 1.6, Firmware.PX4: 1.1},
 }
-#: Climb and sink at most, m/s.
+#: Maximum climb and descent rate, in m/s.
 VERTICAL = {
     VehicleType.COPTER: (3.6, 2.0),
     VehicleType.PLANE: (5.5, 4.5),
@@ -37,7 +37,7 @@ VERTICAL = {
     VehicleType.BOAT: (0.0, 0.0),
     VehicleType.SUB: (1.0, 0.9),
 }
-#: Bank or lean at most, degrees, and turning rate about the yaw axis, degrees a second.
+#: Maximum bank or lean in degrees, and yaw rate in degrees per second.
 LEAN = {
     VehicleType.COPTER: (40, 130),
     VehicleType.PLANE: (55, 60),
@@ -46,7 +46,7 @@ LEAN = {
     VehicleType.BOAT: (1, 100),
     VehicleType.SUB: (5, 60),
 }
-#: Mean electrical power of a mission, watts.
+#: Mean electrical power of a mission, in watts.
 POWER = {
     VehicleType.COPTER: (140, 260),
     VehicleType.PLANE: (30, 110),
@@ -89,7 +89,7 @@ def test_it_leans_and_turns_no_more(wind_and_flight) -> None:
 
 
 def test_positions_follow_from_velocities(wind_and_flight) -> None:
-    """It never jumps: two samples are as far apart as its speed between them allows."""
+    """The distance of two samples follows from the speed between them."""
     _, flight = wind_and_flight
     for one, other in pairwise(flight.track):
         passed = other.time - one.time
@@ -99,12 +99,12 @@ def test_positions_follow_from_velocities(wind_and_flight) -> None:
 
 
 def test_velocities_follow_from_accelerations(wind_and_flight) -> None:
-    """No more than a motor, a wing or the ground can do."""
+    """Accelerations are within the limits of motors, wings and the ground."""
     _, flight = wind_and_flight
     most = 2.2 * GRAVITY if flight.kind.flies else 6.0
     for one, other in pairwise(flight.flown):
         if one.on_ground or other.on_ground:
-            continue  # touching down takes what it takes
+            continue  # a touchdown may be hard
         change = dist(one.motion[3:6], other.motion[3:6])
         assert change * SAMPLES < most, one.time
 
@@ -162,7 +162,7 @@ def test_the_energy_of_a_mission_is_plausible(wind_and_flight) -> None:
     power = sum(sample.battery.current * sample.battery.voltage for sample in flown) / len(flown)
     least, most = POWER[flight.kind]
     assert least < power < most * (1.3 if wind else 1.0)
-    # no less than what lifting it takes: it is the height's worth, for a vehicle as heavy as a kilogram
+    # at least the potential energy of a vehicle of one kilogram
     energy = power * len(flown) / SAMPLES
     assert energy > GRAVITY * abs(flight.plan.size.height)
 

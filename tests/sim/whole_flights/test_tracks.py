@@ -9,7 +9,7 @@ from tests.sim.whole_flights.conftest import WINDY
 from tests.sim.whole_flights.fleet import ALL
 from tests.sim.whole_flights.legs import WINGS, legs_of
 
-#: Metres sideways of the legs, in still air and in 6 m/s of wind: wings turn in circles, which are wide.
+#: Cross-track error in metres, in still air and in 6 m/s of wind; wings turn in wide circles.
 SIDEWAYS = {
     VehicleType.COPTER: (5.0, 5.0),
     VehicleType.PLANE: (25.0, 60.0),
@@ -18,7 +18,7 @@ SIDEWAYS = {
     VehicleType.BOAT: (2.5, 4.0),
     VehicleType.SUB: (2.0, 2.0),
 }
-#: Metres above and below on level legs.
+#: Altitude error on level legs, in metres.
 HEIGHT = {
     VehicleType.COPTER: (1.0, 1.5),
     VehicleType.PLANE: (3.0, 5.0),
@@ -27,7 +27,7 @@ HEIGHT = {
     VehicleType.BOAT: (0.0, 0.0),
     VehicleType.SUB: (0.6, 0.6),
 }
-#: Metres off the radius of a circle.
+#: Error of the radius of a circle, in metres.
 ROUND = {
     VehicleType.COPTER: 1.5,
     VehicleType.PLANE: 6.0,
@@ -36,9 +36,9 @@ ROUND = {
     VehicleType.BOAT: 2.0,
     VehicleType.SUB: 1.0,
 }
-#: Metres more for a wing that leaves a circle, which it does in whatever direction it has by then.
+#: Additional error of a wing that leaves a circle, in metres.
 LEAVING = 40.0
-#: What is above the plan or below it as a leg begins, it has this many samples to make up for.
+#: Number of samples in which an altitude error at the start of a leg is corrected.
 SETTLING = 25
 
 
@@ -84,7 +84,7 @@ def test_no_wing_comes_lower_than_the_plan_before_it_lands(calm) -> None:
 
 
 def test_a_plane_takes_off_along_its_runway_in_wind(windy) -> None:
-    """It stands and takes off to the north, in wind from the south-west."""
+    """The plane stands and takes off to the north, in wind from the south-west."""
     flight = next(flight for (kind, _), flight in windy.items() if kind is VehicleType.PLANE)
     low = [sample.motion for sample in flight.flown if sample.motion.north < 40 and sample.motion.down > -5]
     assert max(motion.north for motion in low) > 20
