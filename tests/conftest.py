@@ -1,4 +1,4 @@
-"""What all tests share: no property test fails because the machine is slow; randomised tests have seeds."""
+"""Shared test configuration: property tests without deadlines, and the seeds of randomised tests."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if "seeds" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.seeds)
         if item.get_closest_marker("interop"):
-            # Other people's programs count real seconds: on a machine that is busy for one they give up.
+            # External programs have timeouts in real time, which expire on a busy machine.
             item.add_marker(pytest.mark.flaky(reruns=2))
 
 

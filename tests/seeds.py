@@ -1,4 +1,4 @@
-"""Randomised tests over many seeds: 300 usually, `--seeds 10000` at night, `--seed N` to replay one."""
+"""Randomised tests over many seeds: 300 by default, `--seeds N` for more, `--seed N` to replay one."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Seeds:
         self._node = node
 
     def check(self, scenario: Callable[[int], None]) -> None:
-        """Run the scenario over each seed; a failure tells the command that replays it."""
+        """Run the scenario for each seed; a failure carries a note with the command that replays it."""
         begin = perf_counter()
         for seed in self.numbers:
             try:
@@ -35,7 +35,7 @@ class Seeds:
 
 
 def blocks_of(config: pytest.Config) -> list[range]:
-    """What `seeds` is parametrised by: one seed to replay, or blocks that workers share."""
+    """Return the parameters of the `seeds` fixture: one seed to replay, or blocks that workers share."""
     one = config.getoption("--seed")
     if one is not None:
         return [range(one, one + 1)]

@@ -213,7 +213,7 @@ class Network:
         return min((time for time in times if time is not None), default=None)
 
 
-def bad_weather(random: Random, *, worst_loss: float = 0.4) -> Impairment:
+def random_impairment(random: Random, *, worst_loss: float = 0.4) -> Impairment:
     """Anything a link may do, drawn from a seed: some seeds are clean, some are terrible."""
     latency = random.choice([0.0, 0.002, 0.02, 0.2])
     return Impairment(

@@ -1,13 +1,13 @@
 """MAVLink's microservices as sans-IO state machines, client and server, a package each."""
 
-from mavstack.services.addressing import EVERYBODY, Address, message_ids, target_of
+from mavstack.services.addressing import BROADCAST, Address, message_ids, target_of
 from mavstack.services.operation import Client, Operation, OperationEnded, Pause, Procedure, Progress
 from mavstack.services.service import Event, HasRoom, Outgoing, Priority, Service, always_room, earliest
 from mavstack.services.timing import DEFAULT_WAIT_TIMEOUT, RoundTrip
 
 __all__ = [
+    "BROADCAST",
     "DEFAULT_WAIT_TIMEOUT",
-    "EVERYBODY",
     "Address",
     "Client",
     "Event",

@@ -28,11 +28,11 @@ class Address(NamedTuple):
         return self.system in (0, other.system) and self.component in (0, other.component)
 
 
-EVERYBODY = Address(0, 0)
+BROADCAST = Address(0, 0)
 
 
 def target_of(message: Message) -> Address:
-    """Return the target of a message; `EVERYBODY` for a broadcast."""
+    """Return the target of a message; `BROADCAST` for a broadcast."""
     return Address(getattr(message, "target_system", 0), getattr(message, "target_component", 0))
 
 

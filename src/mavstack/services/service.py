@@ -20,7 +20,7 @@ from collections import deque
 from enum import IntEnum
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from mavstack.services.addressing import EVERYBODY, Address
+from mavstack.services.addressing import BROADCAST, Address
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -41,7 +41,7 @@ class Outgoing(NamedTuple):
     """A message to send, the address that it is routed to, and its priority."""
 
     message: Message
-    target: Address = EVERYBODY
+    target: Address = BROADCAST
     priority: Priority = Priority.CONTROL
 
 
@@ -72,7 +72,7 @@ class Service:
     #: The ids of the messages that it receives; may change.
     handles: frozenset[int] = frozenset()
     #: The only address whose packets it receives; component 0 stands for any of the system.
-    source_filter: Address = EVERYBODY
+    source_filter: Address = BROADCAST
     #: True if it also receives packets with its own address.
     accepts_own_packets = False
 
@@ -113,7 +113,7 @@ class Service:
         """Handle the timers that are due; an early or late call does no harm."""
 
     def send(
-        self, message: Message, target: Address = EVERYBODY, priority: Priority = Priority.CONTROL
+        self, message: Message, target: Address = BROADCAST, priority: Priority = Priority.CONTROL
     ) -> None:
         """Append a message to the outbox."""
         self._outbox.append(Outgoing(message, target, priority))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout
 from mavstack.services.command import Command, CommandClient, CommandServer, CommandStarted
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
@@ -49,7 +49,7 @@ def scenario(seed: int) -> None:
     vehicle = Vehicle(network)
     ground = network.node(GROUND)
     client = ground.engine.add(CommandClient(GROUND, VEHICLE))
-    with_cuts(network, network.connect(ground, vehicle.node, bad_weather(random)))
+    with_cuts(network, network.connect(ground, vehicle.node, random_impairment(random)))
     vehicle.finish_long_ones()
     if random.random() < 0.2:
         network.at(random.uniform(0, 3), vehicle.node.restart)

@@ -9,7 +9,7 @@ from mavstack.dialects import common
 from mavstack.errors import ParameterDenied, ParameterTimeout
 from mavstack.services.extended_parameters import ExtendedSetStarted
 from tests.services.extended_parameters.pairs import Pair
-from tests.services.network import bad_weather, with_cuts
+from tests.services.network import random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from mavstack.services.extended_parameters import ExtendedValue
@@ -33,7 +33,7 @@ class Camera(Pair):
         self.random = random
         kinds = [random.choice(list(KIND)) for _ in range(random.randrange(1, 20))]
         rows = {f"P{number}": (any_value(random, kind), kind) for number, kind in enumerate(kinds)}
-        super().__init__(rows, seed=seed, impairment=bad_weather(random))
+        super().__init__(rows, seed=seed, impairment=random_impairment(random))
         with_cuts(self.network, self.pipes)
         self.finish_long_ones()
 

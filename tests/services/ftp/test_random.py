@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.errors import FileDenied, FileTimeout, RemoteCancelled, RemoteProtocolError
 from mavstack.services.ftp import FtpError, MemoryStore
 from tests.services.ftp.ends import Ends
-from tests.services.network import Air, bad_weather, with_cuts
+from tests.services.network import Air, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -20,7 +20,7 @@ TIMEOUT = 120.0
 def reading(seed: int) -> None:
     random = Random(seed)
     data = random.randbytes(random.choice([0, 1, 239, 240, 3000, random.randrange(60_000)]))
-    ends = Ends(seed, MemoryStore({"f": data}), bad_weather(random), paced=random.random() < 0.5)
+    ends = Ends(seed, MemoryStore({"f": data}), random_impairment(random), paced=random.random() < 0.5)
     with_cuts(ends.network, ends.pipes)
     if random.random() < 0.2:
         ends.network.at(random.uniform(0, 3), ends.vehicle.restart)
@@ -52,7 +52,7 @@ def writing(seed: int) -> None:
     random = Random(seed)
     data = random.randbytes(random.choice([0, 1, 239, 5000, random.randrange(30_000)]))
     store = MemoryStore({"f": b"what was there before"})
-    ends = Ends(seed, store, bad_weather(random))
+    ends = Ends(seed, store, random_impairment(random))
     with_cuts(ends.network, ends.pipes)
     if random.random() < 0.2:
         ends.network.at(random.uniform(0, 3), ends.vehicle.restart)
@@ -69,7 +69,7 @@ def changing(seed: int) -> None:
     """Each change is carried out once, however often it was asked for."""
     random = Random(seed)
     store = MemoryStore({"a": b"1234", "gone": b""})
-    ends = Ends(seed, store, bad_weather(random))
+    ends = Ends(seed, store, random_impairment(random))
     with_cuts(ends.network, ends.pipes)
     client, now = ends.client, ends.now
     operations = [
@@ -97,7 +97,7 @@ def shrinking(seed: int) -> None:
     random = Random(seed)
     old, new = random.randbytes(random.randrange(1000, 20_000)), random.randbytes(random.randrange(20_000))
     store = MemoryStore({"f": old})
-    ends = Ends(seed, store, bad_weather(random, worst_loss=0.2), air=Air() if seed % 2 else None)
+    ends = Ends(seed, store, random_impairment(random, worst_loss=0.2), air=Air() if seed % 2 else None)
 
     def change() -> None:
         store._files["f",][:] = new

@@ -9,7 +9,7 @@ from mavstack.errors import LogTimeout, RemoteDenied, RemoteError, RemoteProtoco
 from mavstack.services import Address
 from mavstack.services.log import LogClient, LogServer
 from tests.services.log.store import random_store
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -27,7 +27,7 @@ def scenario(seed: int) -> None:
     clients = [ground.engine.add(LogClient(ground.address, VEHICLE)) for ground in grounds]
     for ground in grounds:
         bandwidth = random.choice([None, None, 5760.0])
-        with_cuts(network, network.connect(ground, vehicle, bad_weather(random), bandwidth=bandwidth))
+        with_cuts(network, network.connect(ground, vehicle, random_impairment(random), bandwidth=bandwidth))
     if random.random() < 0.2:
         network.at(random.uniform(0, 3), vehicle.restart)
     if random.random() < 0.2:
@@ -68,7 +68,7 @@ def replaced(seed: int) -> None:
     vehicle = network.node(VEHICLE, lambda engine: engine.add(LogServer(VEHICLE, store)))
     ground = network.node(GROUND)
     client = ground.engine.add(LogClient(GROUND, VEHICLE))
-    network.connect(ground, vehicle, bad_weather(random))
+    network.connect(ground, vehicle, random_impairment(random))
     new = random.randbytes(random.choice([len(old), random.randrange(30_000)]))
 
     def replace() -> None:
@@ -98,7 +98,7 @@ def erased(seed: int) -> None:
     vehicle = network.node(VEHICLE, lambda engine: engine.add(LogServer(VEHICLE, store)))
     ground = network.node(GROUND)
     client = ground.engine.add(LogClient(GROUND, VEHICLE))
-    with_cuts(network, network.connect(ground, vehicle, bad_weather(random)))
+    with_cuts(network, network.connect(ground, vehicle, random_impairment(random)))
     erasing = client.erase(network.now, timeout=DEADLINE / 2)
     ground.engine.touch(client)
     assert network.run(lambda: erasing.done, timeout=DEADLINE)

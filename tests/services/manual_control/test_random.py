@@ -16,7 +16,7 @@ from mavstack.services.manual_control import (
     OverrideReceived,
     OverrideSender,
 )
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -28,8 +28,8 @@ def scenario(seed: int) -> None:
     receiver = vehicle.engine.add(ManualControlReceiver(VEHICLE))
     sticks = ground.engine.add(ManualControlSender(GROUND, VEHICLE, rate=random.choice([5.0, 20.0])))
     channels = ground.engine.add(OverrideSender(GROUND, VEHICLE, rate=random.choice([5.0, 20.0])))
-    weather = bad_weather(random)
-    with_cuts(network, network.connect(ground, vehicle, weather))
+    impairment = random_impairment(random)
+    with_cuts(network, network.connect(ground, vehicle, impairment))
     inputs = [ManualInput(x=n, y=-n, z=500, buttons=n) for n in range(8)]
     overrides = [{1: 1000 + n, 9 + n % 3: 1500} for n in range(8)]
 

@@ -9,7 +9,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout, MessageTimeout
 from mavstack.services.message_request import GetMessageInterval, Interval, RequestMessage, SetMessageInterval
 from tests.services.message_request.peers import Peers
-from tests.services.network import bad_weather, with_cuts
+from tests.services.network import random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -19,7 +19,7 @@ DEADLINE = 300.0
 
 def scenario(seed: int) -> None:
     random = Random(seed)
-    peers = Peers(seed, bad_weather(random))
+    peers = Peers(seed, random_impairment(random))
     with_cuts(peers.network, peers.pipes)
     if random.random() < 0.2:
         peers.network.at(random.uniform(0, 3), peers.vehicle.restart)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from mavstack.dialects import common
-from mavstack.services import EVERYBODY, Priority
+from mavstack.services import BROADCAST, Priority
 from mavstack.services.command import Command, CommandOperation, CommandServer
 from mavstack.services.message_request import MessageServer, RequestMessage
 from tests.services.message_request.peers import Peers
@@ -167,7 +167,7 @@ def test_what_is_late_is_made_fresh_and_not_made_up_for() -> None:
     )
 
     def full(target, priority=Priority.BULK) -> bool:
-        assert (target, priority) == (EVERYBODY, Priority.STREAM)
+        assert (target, priority) == (BROADCAST, Priority.STREAM)
         return False
 
     assert list(server.messages_to_send(START, full)) == []

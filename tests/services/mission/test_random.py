@@ -26,7 +26,7 @@ from mavstack.services.mission import (
     UploadPlan,
 )
 from mavstack.services.mission.stale_messages import UPLOAD_EXPIRES_AFTER
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from mavstack.services import Operation
@@ -134,8 +134,8 @@ class Scenario:
         addresses = [GROUND, OTHER_GROUND] if self.crowded else [GROUND]
         self.stations = [Station(self, address, index) for index, address in enumerate(addresses)]
         for station in self.stations:
-            weather = bad_weather(self.random, worst_loss=worst_loss)
-            with_cuts(self.network, self.network.connect(station.node, self.vehicle, weather))
+            impairment = random_impairment(self.random, worst_loss=worst_loss)
+            with_cuts(self.network, self.network.connect(station.node, self.vehicle, impairment))
             station.next()
         if self.random.random() < 0.2:
             self.network.at(self.random.uniform(0, 3), self.vehicle.restart)

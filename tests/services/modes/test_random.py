@@ -10,7 +10,7 @@ from mavstack.errors import CommandDenied, CommandTimeout, ModeTimeout
 from mavstack.services.command import CommandClient, CommandServer
 from mavstack.services.heartbeat import HeartbeatSender
 from mavstack.services.modes import ListModes, ModeChanged, ModeServer, SetMode, SetStandardMode, modes_of
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -51,7 +51,7 @@ def scenario(seed: int) -> None:
     vehicle = Vehicle(network)
     ground = network.node(GROUND)
     client = ground.engine.add(CommandClient(GROUND, VEHICLE))
-    with_cuts(network, network.connect(ground, vehicle.node, bad_weather(random)))
+    with_cuts(network, network.connect(ground, vehicle.node, random_impairment(random)))
     if random.random() < 0.2:
         network.at(random.uniform(0, 5), vehicle.node.restart)
     listing = client.begin(ListModes(timeout=TIMEOUT), network.now)

@@ -9,7 +9,7 @@ from mavstack.dialects import common
 from mavstack.errors import ParameterDenied, ParameterTimeout, RemoteError
 from mavstack.services import Address
 from mavstack.services.parameters import Encoding, ParameterClient, ParameterServer
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 from tests.services.parameters.tables import any_table, any_value, table_of, values_of
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def scenario(seed: int) -> None:
     grounds = [network.node(GROUND), network.node(SECOND_GROUND)]
     clients = [ground.engine.add(ParameterClient(ground.address, VEHICLE, encoding)) for ground in grounds]
     for ground in grounds:
-        with_cuts(network, network.connect(ground, vehicle.node, bad_weather(random)))
+        with_cuts(network, network.connect(ground, vehicle.node, random_impairment(random)))
     if random.random() < 0.2:
         network.at(random.uniform(0, 3), vehicle.restart)
     grows = random.random() < 0.1
@@ -128,7 +128,7 @@ def restart_scenario(seed: int) -> None:
     vehicle = Vehicle(network, random, Encoding.BYTEWISE)
     clients: list[ParameterClient] = []
     ground = network.node(GROUND, lambda engine: clients.append(engine.add(ParameterClient(GROUND, VEHICLE))))
-    network.connect(ground, vehicle.node, bad_weather(random))
+    network.connect(ground, vehicle.node, random_impairment(random))
     name = random.choice(sorted(vehicle.rows)) if vehicle.rows else "SMALL"
     clients[0].download(network.now)
     clients[0].set(name, 4, network.now)

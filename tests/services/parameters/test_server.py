@@ -9,7 +9,7 @@ import pytest
 from mavstack import encode
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
-from mavstack.services import EVERYBODY, Address
+from mavstack.services import BROADCAST, Address
 from mavstack.services.parameters import (
     Encoding,
     Parameter,
@@ -173,7 +173,7 @@ def test_a_value_that_was_set_is_told_to_everybody() -> None:
     wire = wire_with(2)
     wire.set("P001", pack("<i", 77), KIND.INT32)
     (answer,) = wire.sent()
-    assert answer.target == EVERYBODY
+    assert answer.target == BROADCAST
     assert read_value(answer.message, Encoding.BYTEWISE) == Parameter("P001", 77, KIND.INT32)
     assert wire.server.events() == [ParameterWritten(Parameter("P001", 77, KIND.INT32), 1, GROUND)]
     wire.server.set("P001", 78)

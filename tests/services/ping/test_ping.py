@@ -5,7 +5,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, RemoteTimeout
 from mavstack.links import Impairment
-from mavstack.services import EVERYBODY, Address
+from mavstack.services import BROADCAST, Address
 from mavstack.services.ping import PingClient, PingServer, PingStatistics
 from tests.services.network import GROUND, START, VEHICLE, Network
 from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
@@ -33,7 +33,7 @@ def test_a_request_has_no_targets_and_goes_to_one_component() -> None:
     client.ping(START, count=1)
     (outgoing,) = client.messages_to_send(START)
     assert (outgoing.message.target_system, outgoing.message.target_component) == (0, 0)
-    assert outgoing.target == VEHICLE != EVERYBODY
+    assert outgoing.target == VEHICLE != BROADCAST
 
 
 def test_the_server_sends_the_request_back_to_its_sender() -> None:

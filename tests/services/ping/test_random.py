@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.errors import RemoteTimeout
 from mavstack.services.ping import PingClient, PingServer
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def scenario(seed: int) -> None:
     network, random = Network(seed), Random(seed)
     ground, vehicle = network.node(GROUND), network.node(VEHICLE, lambda e: e.add(PingServer(VEHICLE)))
-    weather = bad_weather(random)
-    with_cuts(network, network.connect(ground, vehicle, weather))
+    impairment = random_impairment(random)
+    with_cuts(network, network.connect(ground, vehicle, impairment))
     if random.random() < 0.2:
         network.at(random.uniform(0, 3), vehicle.restart)
     client = ground.engine.add(PingClient(GROUND, VEHICLE))
@@ -31,8 +31,8 @@ def scenario(seed: int) -> None:
         return
     statistics = pings.result()
     assert 1 <= statistics.received <= statistics.sent <= 6
-    assert statistics.minimum >= 2 * (weather.latency - weather.jitter) - 1e-6
-    if not weather.loss and not weather.corrupt and enough is None and network.now < 1:
+    assert statistics.minimum >= 2 * (impairment.latency - impairment.jitter) - 1e-6
+    if not impairment.loss and not impairment.corrupt and enough is None and network.now < 1:
         assert statistics.received == 6
 
 

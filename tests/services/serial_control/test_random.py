@@ -14,7 +14,7 @@ from mavstack.services.serial_control import (
     ShellReleased,
     ShellServer,
 )
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -50,9 +50,9 @@ def scenario(seed: int) -> None:
     network, random = Network(seed), Random(seed)
     echo, ground = Echo(network), network.node(GROUND)
     client = ground.engine.add(ShellClient(GROUND, VEHICLE))
-    weather = bad_weather(random)
+    impairment = random_impairment(random)
     cuts = random.random() < 0.5
-    pipes = network.connect(ground, echo.node, weather, bandwidth=random.choice([None, 2000.0]))
+    pipes = network.connect(ground, echo.node, impairment, bandwidth=random.choice([None, 2000.0]))
     if cuts:
         with_cuts(network, pipes)
     restarts = random.random() < 0.2
@@ -81,8 +81,10 @@ def scenario(seed: int) -> None:
     in_turn = [lines.index(event.data) for event in inputs if not event.late]
     assert restarts or in_turn == sorted(in_turn)
     heard = b"".join(event.data for event in outputs if not event.late)
-    clean = not (weather.loss or weather.corrupt or weather.reorder or weather.jitter or cuts or restarts)
-    if clean and not weather.bandwidth:
+    clean = not (
+        impairment.loss or impairment.corrupt or impairment.reorder or impairment.jitter or cuts or restarts
+    )
+    if clean and not impairment.bandwidth:
         assert [event.data for event in inputs] == lines
         assert heard == b"nsh> " + b"".join(b"did " + line for line in lines)
         assert echo.shell.owner is None

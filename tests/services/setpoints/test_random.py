@@ -14,7 +14,7 @@ from mavstack.services.setpoints import (
     SetpointsTimedOut,
     SetpointStreamer,
 )
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -43,8 +43,8 @@ def scenario(seed: int) -> None:
     ground = network.node(GROUND)
     vehicle = network.node(VEHICLE, lambda engine: engine.add(SetpointReceiver(VEHICLE)) and None)
     streamer = ground.engine.add(SetpointStreamer(GROUND, VEHICLE, rate=random.choice([4.0, 20.0, 50.0])))
-    weather = bad_weather(random)
-    pipes = network.connect(ground, vehicle, weather, bandwidth=random.choice([None, 1000.0]))
+    impairment = random_impairment(random)
+    pipes = network.connect(ground, vehicle, impairment, bandwidth=random.choice([None, 1000.0]))
     with_cuts(network, pipes, within=2.5)
     if random.random() < 0.2:
         network.at(random.uniform(0, 5), vehicle.restart)
@@ -66,7 +66,7 @@ def scenario(seed: int) -> None:
     starved = vehicle.events_of(SetpointsTimedOut)
     assert all(event.setpoint == numbered(round(number_of(event.setpoint))) for _, event in received)
     numbers = [number_of(event.setpoint) for _, event in received]
-    if weather.loss < 0.5 and not starved[:-1]:
+    if impairment.loss < 0.5 and not starved[:-1]:
         # One receiver that never starved heard them in the order in which they were set.
         services = {id(service) for service, _ in received}
         if len(services) == 1:
@@ -75,7 +75,7 @@ def scenario(seed: int) -> None:
         last_service = received[-1][0]
         ends = [event for service, event in vehicle.events if service is last_service]
         assert isinstance(ends[-1], SetpointsTimedOut)
-    if weather.loss == 0 and weather.corrupt == 0 and weather.bandwidth == 0:
+    if impairment.loss == 0 and impairment.corrupt == 0 and impairment.bandwidth == 0:
         assert numbers[-1] == 10
 
 

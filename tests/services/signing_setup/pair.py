@@ -12,7 +12,7 @@ from tests.services.network import GROUND, VEHICLE, Network
 class Pair:
     """`key`: what both begin with; `policy` of the vehicle, else its trusted channels."""
 
-    def __init__(self, seed=0, *, key=None, weather=None, policy=None, trusted=True, answers=True):
+    def __init__(self, seed=0, *, key=None, impairment=None, policy=None, trusted=True, answers=True):
         self.network = Network(seed, keep_packets=True)
         self.key, self.policy, self.trusted, self.answers = key, policy, trusted, answers
         self.ground_key = key
@@ -21,7 +21,7 @@ class Pair:
         self.ground = self.network.node(GROUND)
         self.ground.engine.add(HeartbeatSender(GROUND))
         self.client = self.ground.engine.add(SigningSetupClient(GROUND, VEHICLE))
-        self.pipes = self.network.connect(self.ground, self.vehicle, weather)
+        self.pipes = self.network.connect(self.ground, self.vehicle, impairment)
         self.sign(self.ground, key)
         self.sign(self.vehicle, key)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.errors import RemoteDenied, RemoteTimeout
 from mavstack.links import Impairment
 from mavstack.security import SigningKey
-from tests.services.network import bad_weather, with_cuts
+from tests.services.network import random_impairment, with_cuts
 from tests.services.signing_setup.pair import Pair
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def scenario(seed: int) -> None:
     pair = Pair(
         seed,
         key=old,
-        weather=bad_weather(random),
+        impairment=random_impairment(random),
         policy=(lambda request: "no") if refuses else None,
         answers=random.random() < 0.8,
     )

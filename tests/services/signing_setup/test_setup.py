@@ -7,7 +7,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, RemoteCancelled, RemoteDenied, RemoteTimeout, SigningError
 from mavstack.security import SigningKey
-from mavstack.services import EVERYBODY, Address, Service, message_ids
+from mavstack.services import BROADCAST, Address, Service, message_ids
 from mavstack.services.signing_setup import (
     KeySettled,
     SetupSigning,
@@ -227,7 +227,7 @@ def test_a_key_shows_in_no_text():
 
 
 def test_our_own_misuse_raises_at_once():
-    for target in (EVERYBODY, Address(1, 0), Address(0, 1)):
+    for target in (BROADCAST, Address(1, 0), Address(0, 1)):
         with pytest.raises(InvalidArgumentError, match="one component"):
             SigningSetupClient(GROUND, target)
     with pytest.raises(SigningError, match="zeros"):

@@ -6,7 +6,7 @@ from random import Random
 from typing import TYPE_CHECKING
 
 from mavstack.services.statustext import GAP, StatusText, StatustextReceiver, StatustextSender
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -23,8 +23,8 @@ def scenario(seed: int) -> None:
     vehicle = network.node(VEHICLE, lambda engine: senders.append(engine.add(StatustextSender(VEHICLE))))
     ground = network.node(GROUND)
     ground.engine.add(StatustextReceiver(GROUND))
-    weather = bad_weather(random)
-    pipes = network.connect(ground, vehicle, weather)
+    impairment = random_impairment(random)
+    pipes = network.connect(ground, vehicle, impairment)
     with_cuts(network, pipes)
 
     starting_until = [0.0]

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from mavstack.dialects import common
-from mavstack.services import EVERYBODY, Priority
+from mavstack.services import BROADCAST, Priority
 from mavstack.services.statustext import StatustextSender
 from tests.services.network import START, VEHICLE
 from tests.services.telemetry_helpers import sent_by
@@ -12,7 +12,7 @@ def test_texts_go_to_everybody_in_order_with_ids_of_their_own() -> None:
     for text in ("x" * 60, "short", "y" * 60):
         sender.send_text(text, common.MavSeverity.WARNING)
     sent = list(sender.messages_to_send(START))
-    assert {outgoing.target for outgoing in sent} == {EVERYBODY}
+    assert {outgoing.target for outgoing in sent} == {BROADCAST}
     assert [outgoing.message.id for outgoing in sent] == [1, 1, 0, 2, 2]
     assert {outgoing.message.severity for outgoing in sent} == {common.MavSeverity.WARNING}
 

@@ -6,7 +6,7 @@ from random import Random
 from typing import TYPE_CHECKING
 
 from mavstack.services.system_time import Rebooted, SystemTimeBroadcaster, SystemTimeObserver
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -20,7 +20,7 @@ def scenario(seed: int) -> None:
 
     vehicle, ground = network.node(VEHICLE, setup), network.node(GROUND)
     ground.engine.add(SystemTimeObserver(GROUND))
-    with_cuts(network, network.connect(ground, vehicle, bad_weather(random)))
+    with_cuts(network, network.connect(ground, vehicle, random_impairment(random)))
     restarts = random.randrange(3)
     for number in range(restarts):
         network.at(20 + 30 * number, vehicle.restart)

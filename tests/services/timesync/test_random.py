@@ -6,7 +6,7 @@ from random import Random
 from typing import TYPE_CHECKING
 
 from mavstack.services.timesync import TimesyncClient, TimesyncServer
-from tests.services.network import GROUND, VEHICLE, Network, bad_weather, with_cuts
+from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -21,7 +21,7 @@ def scenario(seed: int) -> None:
 
     vehicle = network.node(VEHICLE, lambda engine: engine.add(TimesyncServer(VEHICLE, clock)))
     ground = network.node(GROUND)
-    with_cuts(network, network.connect(ground, vehicle, bad_weather(random)))
+    with_cuts(network, network.connect(ground, vehicle, random_impairment(random)))
     client = ground.engine.add(TimesyncClient(GROUND, VEHICLE, interval=1.0))
     if random.random() < 0.2:
         network.at(random.uniform(0, 3), vehicle.restart)

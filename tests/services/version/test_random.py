@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import MessageTimeout
 from mavstack.services.version import ProtocolVersion, RequestAutopilotVersion, RequestProtocolVersion
-from tests.services.network import bad_weather, with_cuts
+from tests.services.network import random_impairment, with_cuts
 from tests.services.version.test_version import VERSION, Versioned
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def scenario(seed: int) -> None:
     random = Random(seed)
-    peers = Versioned(seed, bad_weather(random))
+    peers = Versioned(seed, random_impairment(random))
     with_cuts(peers.network, peers.pipes)
     if random.random() < 0.3:
         peers.commands.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.UNSUPPORTED)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import Address, message_ids
+from mavstack.services.extended_parameters.cache import ReceivedExtendedParameter
 from mavstack.services.extended_parameters.operations import (
     DownloadExtendedParameters,
     GetExtendedParameter,
@@ -51,16 +52,6 @@ class ExtendedParameterChanged(Event):
 
     parameter: ExtendedParameter
     previous: ExtendedParameter | None
-
-
-@dataclass(frozen=True, slots=True)
-class ReceivedExtendedParameter:
-    """A PARAM_EXT_VALUE or PARAM_EXT_ACK: `result` is None in the former, `count` is 0 in the latter."""
-
-    parameter: ExtendedParameter
-    count: int
-    result: int | None
-    reordered: bool
 
 
 class ExtendedParameterClient(Client):

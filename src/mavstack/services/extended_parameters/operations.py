@@ -18,10 +18,7 @@ from mavstack.services.parameters.retrying_request import MAX_REFUSALS, Retrying
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
-    from mavstack.services.extended_parameters.client import (
-        ExtendedParameterClient,
-        ReceivedExtendedParameter,
-    )
+    from mavstack.services.extended_parameters.cache import ExtendedParameterCache, ReceivedExtendedParameter
     from mavstack.services.timing import RoundTrip
     from mavstack.wire import Packet
 
@@ -35,9 +32,9 @@ class ExtendedOperation(RetryingRequest[Result]):
     """The base of `ExtendedParameterClient` operations that repeat one request until it is answered."""
 
     @property
-    def parameters(self) -> ExtendedParameterClient:
+    def parameters(self) -> ExtendedParameterCache:
         """The client that runs the operation."""
-        return cast("ExtendedParameterClient", self.client)
+        return cast("ExtendedParameterCache", self.client)
 
     @property
     def round_trip(self) -> RoundTrip:
@@ -165,9 +162,9 @@ class DownloadExtendedParameters(Listing["dict[str, ExtendedParameter]"]):
         )
 
     @property
-    def parameters(self) -> ExtendedParameterClient:
+    def parameters(self) -> ExtendedParameterCache:
         """The client that runs the operation."""
-        return cast("ExtendedParameterClient", self.client)
+        return cast("ExtendedParameterCache", self.client)
 
     def list_request(self) -> Message:
         target = self.target

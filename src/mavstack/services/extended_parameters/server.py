@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
-from mavstack.services.addressing import EVERYBODY, Address, message_ids
+from mavstack.services.addressing import BROADCAST, Address, message_ids
 from mavstack.services.extended_parameters.value import (
     ExtendedParameter,
     ExtendedValue,
@@ -119,7 +119,7 @@ class ExtendedParameterServer(Service):
         old = self._parameters[name]
         if encode(value, old.type) != encode(old.value, old.type):
             self._store(name, encode(value, old.type))
-            self.send(self._value_message(name), EVERYBODY)
+            self.send(self._value_message(name), BROADCAST)
 
     def complete(self, request: ExtendedSetRequest, result: int, now: float) -> None:
         """End a long change with a PARAM_ACK. Idempotent."""
@@ -252,7 +252,7 @@ class ExtendedParameterServer(Service):
             return
         previous = self._parameters[name].value
         self._store(name, _data(request.parameter))
-        self.send(_ack(self._parameters[name], result), EVERYBODY)
+        self.send(_ack(self._parameters[name], result), BROADCAST)
         self.emit(ExtendedParameterWritten(self._parameters[name], previous, request.source))
 
     def _store(self, name: str, data: bytes) -> None:

@@ -1,15 +1,15 @@
 """The file transfer protocol: access to the files of a component (guide: MAVLink FTP)."""
 
-from mavstack.services.ftp.client import (
+from mavstack.services.ftp.client import FtpClient
+from mavstack.services.ftp.entries import Entry
+from mavstack.services.ftp.operations import (
     ComputeChecksum,
     DownloadFile,
     EndSession,
-    FtpClient,
     ListDirectory,
     PathOperation,
     UploadFile,
 )
-from mavstack.services.ftp.entries import Entry
 from mavstack.services.ftp.overlay import OverlayStore, VirtualFile
 from mavstack.services.ftp.payload import FtpError, FtpPayload, Opcode, file_crc32
 from mavstack.services.ftp.server import FtpServer

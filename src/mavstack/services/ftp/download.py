@@ -97,19 +97,19 @@ class DownloadTransfer(Operation[bytes]):
     # Answers
 
     def _read_answered(self, reply: FtpPayload, now: float) -> None:
-        asked = self._window.find((reply.sequence - 1) % SEQUENCES)
-        if asked is None:
+        request = self._window.find((reply.sequence - 1) % SEQUENCES)
+        if request is None:
             self._window.answered_again((reply.sequence - 1) % SEQUENCES)
             return
-        if not reply.answers(asked):
+        if not reply.answers(request):
             return
         if reply.error in _END_OF_FILE or (reply.error is None and not reply.data):
-            self._window.answered(asked.sequence, now)
-            self._end_of_file_at(asked.offset)
+            self._window.answered(request.sequence, now)
+            self._end_of_file_at(request.offset)
         elif reply.error is not None:
             self.fail(denied(self, reply))
-        elif reply.offset == asked.offset and reply.session == self._session:
-            self._window.answered(asked.sequence, now)
+        elif reply.offset == request.offset and reply.session == self._session:
+            self._window.answered(request.sequence, now)
             self._store(reply, now)
         self._continue(now)
 

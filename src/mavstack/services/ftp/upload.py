@@ -56,17 +56,17 @@ class UploadTransfer(Operation[None]):
 
     def receive(self, packet: Packet, now: float) -> None:
         reply = FtpPayload.read(packet.message) if packet.message is not None else None
-        asked = None if reply is None else self._window.find((reply.sequence - 1) % SEQUENCES)
-        if reply is not None and asked is None and reply.req_opcode == Opcode.WRITEFILE:
+        answered = None if reply is None else self._window.find((reply.sequence - 1) % SEQUENCES)
+        if reply is not None and answered is None and reply.req_opcode == Opcode.WRITEFILE:
             self._window.answered_again((reply.sequence - 1) % SEQUENCES)
-        if reply is None or asked is None or not reply.answers(asked):
+        if reply is None or answered is None or not reply.answers(answered):
             return
         if reply.error is not None:
             self.fail(denied(self, reply))
             return
-        self._window.answered(asked.sequence, now)
-        self._repeats = [request for request in self._repeats if request is not asked]
-        self._written += asked.size
+        self._window.answered(answered.sequence, now)
+        self._repeats = [request for request in self._repeats if request is not answered]
+        self._written += answered.size
         self.report_progress(now)
         (self.parent or self).report_progress(now, self._written, len(self._data))
         self._repeat_lost(now)

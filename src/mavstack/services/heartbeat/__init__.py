@@ -21,7 +21,7 @@ message belongs to it within `SAME_BOOT` seconds. A message that fits no boot st
 
 A new boot that would be older than the current one is no reboot: a clock jumped, or the machine slept. Nor is
 one that continues where the old one stopped (a paused simulator), nor one that left a queue late. So a reboot
-is seen even if the vehicle has been up for longer than before when it is heard again, and a second vehicle
+is seen even if the vehicle has been up for longer than before when it returns, and a second vehicle
 that is switched on beside the first is not reported as a reboot of the first.
 
 `address_conflict` decides whether one sender uses an address. Three things contradict that, since no field of
@@ -31,7 +31,8 @@ a packet identifies the sender:
     HEARTBEAT's type and autopilot alternate; a single change is a new configuration
     two different unique ids (AUTOPILOT_VERSION) within seconds: a board is not replaced that fast
 
-Two vehicles of one type that booted at the same moment, and whose versions nobody requests, stay undetected.
+Two vehicles of one type that booted at the same moment, and whose versions are not requested, stay
+undetected.
 """
 
 from mavstack.services.heartbeat.address_conflict import ConflictingSender

@@ -54,7 +54,7 @@ _BOOT_TIME_IDS = message_ids(*_WITH_BOOT_TIME)
 
 
 class Discovery(Service):
-    """The components that were heard, by address.
+    """The known components, by address.
 
     Args:
         local: The local component.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ComponentFound(Event):
-    """A component was heard for the first time."""
+    """A component was found."""
 
     component: ComponentInfo
 
@@ -29,7 +29,7 @@ class ComponentLost(Event):
 
 @dataclass(frozen=True, slots=True)
 class ComponentReturned(Event):
-    """A lost component is heard again, `after` seconds after its last sign of life."""
+    """A lost component returned, `after` seconds after its last sign of life."""
 
     component: ComponentInfo
     after: float

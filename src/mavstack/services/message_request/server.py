@@ -17,7 +17,7 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import Message, common
-from mavstack.services.addressing import EVERYBODY, Address, message_ids
+from mavstack.services.addressing import BROADCAST, Address, message_ids
 from mavstack.services.message_request.interval import MAX_INTERVAL, message_id_of, stream_groups
 from mavstack.services.message_request.legacy_requests import legacy_request
 from mavstack.services.service import HasRoom, Outgoing, Priority, Service, always_room
@@ -131,14 +131,14 @@ class MessageServer(Service):
         self._retry_at = None
         queue = self._queued()
         while queue and queue[0][0] <= now:
-            if not has_room(EVERYBODY, Priority.STREAM):
+            if not has_room(BROADCAST, Priority.STREAM):
                 self._retry_at = now + RETRY
                 return
             _, order, stream = queue[0]
             heapreplace(queue, (stream.sent(now), order, stream))
             message = stream.produce(now)
             if message is not None:
-                yield Outgoing(message, EVERYBODY, Priority.STREAM)
+                yield Outgoing(message, BROADCAST, Priority.STREAM)
             queue = self._queued()  # a new one after a change of rate
 
     def next_timeout(self) -> float | None:
@@ -159,17 +159,17 @@ class MessageServer(Service):
         if legacy is not None:
 
             def answer(request: CommandRequest) -> common.MavResult:
-                return self._send_one(message_id, legacy.instance_in(request.command), EVERYBODY, request)
+                return self._send_one(message_id, legacy.instance_in(request.command), BROADCAST, request)
 
             self._commands.support(legacy.command, answer)
 
     def _request_message(
         self, request: CommandRequest
     ) -> common.MavResult | tuple[common.MavResult, int] | None:
-        message_id, wish = request.command.param1, request.command.param7
+        message_id, response_target = request.command.param1, request.command.param7
         if self._others and message_id not in self._instances and message_id not in self._streams:
             return self._others(request)  # the handler that was registered before
-        target = EVERYBODY if wish == _BROADCAST else request.source
+        target = BROADCAST if response_target == _BROADCAST else request.source
         return self._send_one(message_id, request.command.param2, target, request)
 
     def _send_one(

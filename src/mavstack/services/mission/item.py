@@ -14,7 +14,7 @@ from math import isnan, nan
 from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
-from mavstack.services.addressing import EVERYBODY
+from mavstack.services.addressing import BROADCAST
 from mavstack.services.frames import as_float32, from_integer, scale_of, to_integer
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ class MissionItem:
 
     def to_bytes(self) -> bytes:
         """Return the bytes by which items are compared."""
-        message = self.to_int(EVERYBODY, 0, 0, current=False)
+        message = self.to_int(BROADCAST, 0, 0, current=False)
         message.frame = _SYNONYMS.get(self.frame, self.frame)
         return message.to_payload()
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
-from mavstack.services.addressing import EVERYBODY
+from mavstack.services.addressing import BROADCAST
 from mavstack.services.mission.item import MissionItem
 from mavstack.services.mission.plan import MAX_ITEMS, Plan, PlanType
 
@@ -55,7 +55,7 @@ def pack_plan(plan: Plan, *, current: int = -1) -> bytes:
     if len(plan) > MAX_ITEMS:
         raise InvalidArgumentError(f"a plan file holds at most {MAX_ITEMS} items, got {len(plan)}")
     items = (
-        item.to_int(EVERYBODY, seq, plan.type, current=seq == current).to_payload().ljust(ITEM_SIZE, b"\0")
+        item.to_int(BROADCAST, seq, plan.type, current=seq == current).to_payload().ljust(ITEM_SIZE, b"\0")
         for seq, item in enumerate(plan.items)
     )
     return _HEADER.pack(MAGIC, plan.type, 0, 0, len(plan)) + b"".join(items)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
-from mavstack.services.addressing import EVERYBODY, Address, message_ids
+from mavstack.services.addressing import BROADCAST, Address, message_ids
 from mavstack.services.mission.download_server import DownloadServer
 from mavstack.services.mission.item import MissionItem
 from mavstack.services.mission.plan import MAX_ITEMS, PLAN_TYPES, Plan, PlanStore, PlanType
@@ -342,5 +342,5 @@ class MissionServer(Service):
     def _current_of(self, plan_type: int) -> int:
         return self._current if plan_type == PlanType.MISSION else -1
 
-    def _reply(self, message: Message, target: Address = EVERYBODY) -> None:
+    def _reply(self, message: Message, target: Address = BROADCAST) -> None:
         self.send(message, target)

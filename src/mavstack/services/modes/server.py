@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
-from mavstack.services.addressing import EVERYBODY, Address, message_ids
+from mavstack.services.addressing import BROADCAST, Address, message_ids
 from mavstack.services.modes.available import AvailableMode
 from mavstack.services.modes.names import PX4, mode_name, px4_custom_mode
 from mavstack.services.service import Event, Outgoing, Priority, Service, earliest
@@ -201,10 +201,10 @@ class ModeServer(Service):
     def handle_timeout(self, now: float) -> None:
         if now >= self._current_due:
             self._current_due = now + CURRENT_INTERVAL
-            self.send(self._current_mode(), EVERYBODY, Priority.STREAM)
+            self.send(self._current_mode(), BROADCAST, Priority.STREAM)
         if self._monitor_due is not None and now >= self._monitor_due:
             self._monitor_due = now + MONITOR_INTERVAL
-            self.send(common.AvailableModesMonitor(seq=self.sequence), EVERYBODY, Priority.STREAM)
+            self.send(common.AvailableModesMonitor(seq=self.sequence), BROADCAST, Priority.STREAM)
 
     # Internals
 

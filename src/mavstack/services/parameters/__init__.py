@@ -1,11 +1,7 @@
 """The parameter protocol: client and server, in both encodings (guide: parameter protocol)."""
 
-from mavstack.services.parameters.client import (
-    ParameterChanged,
-    ParameterClient,
-    ParameterRounded,
-    Snapshot,
-)
+from mavstack.services.parameters.cache import Snapshot
+from mavstack.services.parameters.client import ParameterChanged, ParameterClient, ParameterRounded
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
 from mavstack.services.parameters.operations import DownloadParameters, GetParameter, ReadHash, SetParameter
 from mavstack.services.parameters.packed import PACKED_NAME, PackedFile, unpack, write, write_upload

@@ -15,6 +15,7 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.operation import Client, Operation
+from mavstack.services.parameters.cache import ReceivedParameter, Snapshot
 from mavstack.services.parameters.hashing import HASH_NAME
 from mavstack.services.parameters.operations import DownloadParameters, GetParameter, ReadHash, SetParameter
 from mavstack.services.parameters.packed import MAX_PARAMETERS, PackedFile, unpack
@@ -52,28 +53,6 @@ class ParameterRounded(Event):
     name: str
     requested: Value
     sent: Value
-
-
-@dataclass(frozen=True, slots=True)
-class Snapshot:
-    """A complete parameter set, for example from an earlier connection.
-
-    Attributes:
-        parameters: The parameters in the order of the component's table.
-        hash: The hash that the component sent for the set, if it did.
-    """
-
-    parameters: tuple[Parameter, ...]
-    hash: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ReceivedParameter:
-    """A PARAM_VALUE; `count` is the size of the table, `reordered` means that newer ones arrived before."""
-
-    parameter: Parameter
-    count: int
-    reordered: bool
 
 
 class ParameterClient(Client):

@@ -32,7 +32,7 @@ from mavstack.services.parameters.value import (
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
-    from mavstack.services.parameters.client import ParameterClient, ReceivedParameter, Snapshot
+    from mavstack.services.parameters.cache import ParameterCache, ReceivedParameter, Snapshot
     from mavstack.services.timing import RoundTrip
     from mavstack.wire import Packet
 
@@ -49,9 +49,9 @@ class ParameterOperation(RetryingRequest[Result]):
     handles = message_ids(common.Statustext)
 
     @property
-    def parameters(self) -> ParameterClient:
+    def parameters(self) -> ParameterCache:
         """The client that runs the operation."""
-        return cast("ParameterClient", self.client)
+        return cast("ParameterCache", self.client)
 
     @property
     def round_trip(self) -> RoundTrip:
@@ -226,9 +226,9 @@ class DownloadParameters(Listing["dict[str, Parameter]"]):
             self._hashes |= set() if known.hash is None else {known.hash}
 
     @property
-    def parameters(self) -> ParameterClient:
+    def parameters(self) -> ParameterCache:
         """The client that runs the operation."""
-        return cast("ParameterClient", self.client)
+        return cast("ParameterCache", self.client)
 
     def list_request(self) -> Message:
         target = self.target

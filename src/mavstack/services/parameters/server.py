@@ -19,7 +19,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.services.addressing import EVERYBODY, Address, message_ids
+from mavstack.services.addressing import BROADCAST, Address, message_ids
 from mavstack.services.parameters.hashing import HASH_NAME
 from mavstack.services.parameters.operations import BY_NAME
 from mavstack.services.parameters.packed import unpack
@@ -142,7 +142,7 @@ class ParameterServer(Service):
         changed = not same(held, definition.value)
         definition.value = held
         if changed:
-            self.send(self._value_message(name), EVERYBODY)
+            self.send(self._value_message(name), BROADCAST)
 
     def load_packed(self, data: bytes, source: Address) -> bool:
         """Set the parameters of an uploaded packed file; returns False, without any change, if it is damaged.
@@ -266,7 +266,7 @@ class ParameterServer(Service):
         previous = definition.value
         held = fitted(value, definition.kind)
         definition.value = previous if held is None else held
-        self.send(self._value_message(definition.name), EVERYBODY)
+        self.send(self._value_message(definition.name), BROADCAST)
         if not same(previous, definition.value):
             self.emit(ParameterWritten(self.table.parameter(definition.name), previous, source))
 

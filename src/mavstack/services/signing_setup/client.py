@@ -1,7 +1,7 @@
 """The client that sets or removes a component's signing key (SETUP_SIGNING; see `key_change`).
 
-    not heard yet ── TIMESYNC, until a packet arrives: so a key goes only to a known target
-    heard         ── SETUP_SIGNING, signed the old way, repeated until the target signs the new way
+    not seen yet  ── TIMESYNC, until a packet arrives: so a key goes only to a known target
+    seen          ── SETUP_SIGNING, signed the old way, repeated until the target signs the new way
     signs new     ── TIMESYNC, signed the new way, until answered: the target receives the client ──► done
     rolls back    ── requested again, while there is time; after SETTLED_AFTER seconds ──► RemoteDenied
     silence       ──────────────────────────────────────────────────────────────────────► RemoteTimeout

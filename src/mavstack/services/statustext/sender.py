@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.services.addressing import EVERYBODY, Address
+from mavstack.services.addressing import BROADCAST, Address
 from mavstack.services.service import HasRoom, Outgoing, Priority, Service, always_room
 from mavstack.services.statustext.chunks import chunks_of, next_number
 
@@ -39,8 +39,8 @@ class StatustextSender(Service):
 
     def bulk_messages(self, now: float, has_room: HasRoom = always_room) -> Iterator[Outgoing]:
         while self._current or self._waiting:
-            if not has_room(EVERYBODY, Priority.STREAM):
+            if not has_room(BROADCAST, Priority.STREAM):
                 return
             if not self._current:
                 self._current = self._waiting.popleft()
-            yield Outgoing(self._current.popleft(), EVERYBODY, Priority.STREAM)
+            yield Outgoing(self._current.popleft(), BROADCAST, Priority.STREAM)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.services.addressing import EVERYBODY, Address
+from mavstack.services.addressing import BROADCAST, Address
 from mavstack.services.stream_sender import StreamSender
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ class SystemTimeBroadcaster(StreamSender):
         rate: float = 1.0,
         unix_time: Callable[[float], float | None] = lambda now: now,
     ) -> None:
-        super().__init__(local, EVERYBODY, rate)
+        super().__init__(local, BROADCAST, rate)
         self._started_at = started_at
         self._unix_time = unix_time
         self.start(started_at)
