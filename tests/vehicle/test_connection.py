@@ -159,7 +159,7 @@ def test_a_group_of_unknown_system_ids():
         await stage.enter(4)
         await stage.node.wait_for_vehicle()
         assert stage.node.group().systems == stage.node.group(4).systems == (4,)
-        with pytest.raises(MavstackError, match="no vehicle has the system id 3; those heard: 4"):
+        with pytest.raises(MavstackError, match="no vehicle with system id 3 was heard; known: 4"):
             stage.node.group(4, 3)
 
     play(scenario)

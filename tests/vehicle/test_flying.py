@@ -122,7 +122,7 @@ def test_a_copter_that_would_sink_by_its_throttle_stick_does_not_orbit():
         await vehicle.arm()
         await vehicle.takeoff(15)
         await vehicle.wait_for_message(common.RcChannels)
-        with pytest.raises(ActionUnsupported, match=r"throttle stick is at 1000 us.* centre the stick"):
+        with pytest.raises(ActionUnsupported, match=r"throttle stick is at 1000 us.* center the stick"):
             await vehicle.orbit(*place(world, 30.0, 0.0), 15, radius=15)
         assert vehicle.mode == "GUIDED"
         assert away(world) < 2

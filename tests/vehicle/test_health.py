@@ -56,7 +56,7 @@ def test_a_starting_vehicle_reports_that_it_starts(kind):
         with pytest.raises(HealthTimeout) as caught:
             await vehicle.wait_until_ready(timeout=0.5)
         text = str(caught.value)
-        assert text.startswith("being ready to arm 1/1 failed: not in 0.5 s: ")
+        assert text.startswith("waiting for the readiness of 1/1 failed: not in 0.5 s: ")
         expected = "System not initialised" if kind[1] == ARDUPILOT else "ekf2 missing data"
         assert expected in text
 
@@ -69,7 +69,7 @@ FAULTS = [
     (ARDUPILOT, "radio off", ["radio control receiver is not healthy", "Throttle below failsafe"]),
     (ARDUPILOT, "battery 5", ["Battery 1 low voltage failsafe"]),
     (PX4, "gps off", ["No valid global position estimate", "GPS has no 3D fix (0 satellites)"]),
-    (PX4, "compass 120", ["heading estimate invalid", "compass does not fit the estimate"]),
+    (PX4, "compass 120", ["heading estimate invalid", "compass contradicts the estimate"]),
     (PX4, "battery 10", ["battery 0 is low (10 %)"]),
     (PX4, "battery 6", ["battery 0 is critically low (6 %)"]),
     (PX4, "battery 2", ["battery 0 is almost empty (2 %)"]),
@@ -123,7 +123,7 @@ def test_a_silent_vehicle_is_reported_as_silent():
         health = vehicle.health
         assert health.ready is None
         assert texts_of(health)[-1].startswith("it is silent for ")
-        with pytest.raises(RemoteTimeout, match=r"does not say whether it is ready; .*it is silent"):
+        with pytest.raises(RemoteTimeout, match=r"readiness not reported; .*it is silent"):
             await vehicle.wait_until_ready(timeout=5)
 
     fly(COPTERS[0], scenario)
@@ -178,7 +178,7 @@ def test_old_messages_do_not_count():
 
 
 PROBLEMS = [
-    (status(BIT.PREARM_CHECK), "its checks before arming fail, and it has not said which", "SYS_STATUS"),
+    (status(BIT.PREARM_CHECK), "its checks before arming fail, and it has not reported which", "SYS_STATUS"),
     (
         status(BIT.SENSOR_3D_MAG | BIT.SENSOR_3D_GYRO, BIT.SENSOR_3D_GYRO),
         "compass is not healthy",
@@ -191,7 +191,7 @@ PROBLEMS = [
     ),
     (common.GpsRawInt(fix_type=2, satellites_visible=5), "GPS has no 3D fix (5 satellites)", "GPS_RAW_INT"),
     (common.GpsRawInt(fix_type=1, satellites_visible=255), "GPS has no 3D fix", "GPS_RAW_INT"),
-    (common.GpsRawInt(fix_type=0), "no GPS receiver is heard", "GPS_RAW_INT"),
+    (common.GpsRawInt(fix_type=0), "no GPS receiver is connected", "GPS_RAW_INT"),
     (
         ardupilotmega.EkfStatusReport(ESTIMATED & ~EKF.POS_HORIZ_ABS),
         "horizontal position is not estimated",
@@ -205,21 +205,25 @@ PROBLEMS = [
     (ardupilotmega.EkfStatusReport(ESTIMATED | EKF.GPS_GLITCHING), "GPS glitches", "EKF_STATUS_REPORT"),
     (
         ardupilotmega.EkfStatusReport(ESTIMATED, compass_variance=1.5),
-        "compass does not fit the estimate",
+        "compass contradicts the estimate",
         "EKF_STATUS_REPORT",
     ),
     (common.EstimatorStatus(flags=ESTIMATED | 1024), "GPS glitches", "ESTIMATOR_STATUS"),
-    (common.EstimatorStatus(flags=ESTIMATED | 2048), "the accelerometer is not believed", "ESTIMATOR_STATUS"),
+    (
+        common.EstimatorStatus(flags=ESTIMATED | 2048),
+        "the estimator rejects the accelerometer",
+        "ESTIMATOR_STATUS",
+    ),
     (
         common.EstimatorStatus(flags=ESTIMATED, mag_ratio=2),
-        "compass does not fit the estimate",
+        "compass contradicts the estimate",
         "ESTIMATOR_STATUS",
     ),
     (common.BatteryStatus(charge_state=2, battery_remaining=14), "battery 0 is low (14 %)", "BATTERY_STATUS"),
     (common.BatteryStatus(id=1, fault_bitmask=4), "battery 1 reports a fault", "BATTERY_STATUS"),
     (
         common.Heartbeat(2, 3, system_status=common.MavState.CALIBRATING),
-        "it is being calibrated",
+        "it is calibrating",
         "HEARTBEAT",
     ),
     (common.Statustext(text="PreArm: RC not calibrated"), "RC not calibrated", "STATUSTEXT"),
@@ -310,7 +314,8 @@ def test_ardupilots_failed_checks_arrive_in_one_run():
         await asyncio.sleep(50)
         stage.heartbeat()
         stage.hear(NOT_READY)
-        assert texts_of(stage.vehicle.health) == ["its checks before arming fail, and it has not said which"]
+        unknown = "its checks before arming fail, and it has not reported which"
+        assert texts_of(stage.vehicle.health) == [unknown]
 
     on_stage(scenario)
 

@@ -65,7 +65,7 @@ def test_paused_and_resumed(kind):
         flying = asyncio.create_task(vehicle.mission.fly())
         await asyncio.sleep(6)
         await vehicle.mission.pause()
-        with pytest.raises(ActionInterrupted, match="the mission 1/1 failed: it changed to"):
+        with pytest.raises(ActionInterrupted, match="flying the mission of 1/1 failed: it changed to"):
             await flying
         before = world.simulated.body.truth.north
         await asyncio.sleep(10)
@@ -193,7 +193,7 @@ def test_the_end_of_an_earlier_flight_does_not_count():
 def test_a_vehicle_that_reports_no_progress_ends_with_the_timeout():
     async def scenario(made):
         flying = await flown(made, limit=40)
-        with pytest.raises(ActionTimeout, match="the mission 1/1 failed: not done in 40 s"):
+        with pytest.raises(ActionTimeout, match="flying the mission of 1/1 failed: not done in 40 s"):
             await flying
 
     play(scenario)

@@ -25,9 +25,6 @@ from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.vehicle_state import VehicleState
 
 if TYPE_CHECKING:
-    from mavstack.node.ftp import Ftp
-    from mavstack.node.logs import Logs
-    from mavstack.node.shell import Shell
     from mavstack.services.setpoints import Setpoint
     from mavstack.vehicle.health import Health
 
@@ -397,21 +394,3 @@ class Vehicle(VehicleState):
     def rally(self) -> VehiclePlan:
         """The rally points."""
         return VehiclePlan(self, PlanType.RALLY)
-
-    @property
-    def ftp(self) -> Ftp:
-        """The files on the vehicle (MAVLink FTP)."""
-        return self.component.ftp
-
-    @property
-    def logs(self) -> Logs:
-        """The logs on the vehicle."""
-        return self.component.logs
-
-    def shell(self) -> Shell:
-        """Return a context manager during which the firmware's shell is open (SERIAL_CONTROL).
-
-        Returns:
-            The shell.
-        """
-        return self.component.shell()

@@ -18,8 +18,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavstack.node import Node, RemoteComponent
+    from mavstack.node.ftp import Ftp
+    from mavstack.node.logs import Logs
     from mavstack.node.modes import Modes
     from mavstack.node.params import Params
+    from mavstack.node.shell import Shell
     from mavstack.services import Address
     from mavstack.services.heartbeat import ComponentInfo
     from mavstack.vehicle.telemetry.values import HomePosition, Position
@@ -89,7 +92,7 @@ class VehicleState(TelemetryProperties):
         """The readiness to arm and the problems that the vehicle reports."""
         return health_of(self.telemetry)
 
-    # Services that actions use
+    # Services
 
     @property
     def modes(self) -> Modes:
@@ -100,6 +103,24 @@ class VehicleState(TelemetryProperties):
     def params(self) -> Params:
         """The parameters."""
         return self.component.params
+
+    @property
+    def ftp(self) -> Ftp:
+        """The files on the vehicle (MAVLink FTP)."""
+        return self.component.ftp
+
+    @property
+    def logs(self) -> Logs:
+        """The logs on the vehicle."""
+        return self.component.logs
+
+    def shell(self) -> Shell:
+        """Return a context manager during which the firmware's shell is open (SERIAL_CONTROL).
+
+        Returns:
+            The shell.
+        """
+        return self.component.shell()
 
     # Positions, requested or waited for if they are not known
 

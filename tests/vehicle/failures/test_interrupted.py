@@ -15,19 +15,19 @@ from tests.vehicle.failures.rows import named
 from tests.vehicle.failures.scripted import ARDUPILOT, PX4, Scene, play, run_virtually, scene
 
 WATCHED = [call for call in CALLS if call.interrupted]
-#: LandingDetector and returning end with the motors off; where it turns, it need not be armed.
+#: Landing and returning end with the motors off; a turn needs no motors.
 MAY_DISARM = {"Vehicle.land", "Vehicle.rtl", "Vehicle.set_yaw"}
-WHAT = {
-    "Vehicle.takeoff": "takeoff to 30 m",
+OPERATIONS = {
+    "Vehicle.takeoff": "takeoff to 30 m of",
     "Vehicle.land": "landing",
-    "Vehicle.rtl": "return",
-    "Vehicle.goto": "going to 47.399000, 8.547000",
-    "Vehicle.move": "going to 47.398641, 8.545594",
-    "Vehicle.orbit": "orbit of 20 m",
-    "Vehicle.set_yaw": "turning to 90 degrees",
-    "Mission.fly": "the mission",
+    "Vehicle.rtl": "return to launch of",
+    "Vehicle.goto": "going to 47.399000, 8.547000 with",
+    "Vehicle.move": "going to 47.398641, 8.545594 with",
+    "Vehicle.orbit": "orbit of 20 m radius with",
+    "Vehicle.set_yaw": "turn to 90 degrees of",
+    "Mission.fly": "flying the mission of",
 }
-#: Of ArduPilot, those that are one step; an orbit begins with going there.
+#: The calls that are one step with ArduPilot; an orbit begins with a goto.
 ARDUPILOT_CALLS = [call for call in WATCHED if call.name != "Mission.fly"]
 
 
@@ -50,7 +50,7 @@ async def interrupted(made: Scene, call, happens) -> ActionInterrupted:
 def test_another_mode(call):
     async def scenario(made):
         error = await interrupted(made, call, lambda: made.script.enter("ALTCTL"))
-        assert str(error) == f"{WHAT[call.name]} 1/1 failed: it changed to ALTCTL (Failsafe: battery)"
+        assert str(error) == f"{OPERATIONS[call.name]} 1/1 failed: it changed to ALTCTL (Failsafe: battery)"
         assert error.status_texts == ("Failsafe: battery",)
 
     play(scenario, autopilot=PX4)
@@ -60,8 +60,8 @@ def test_another_mode(call):
 def test_another_mode_of_ardupilots(call):
     async def scenario(made):
         error = await interrupted(made, call, lambda: made.script.enter("STABILIZE"))
-        what = WHAT["Vehicle.goto"] if call.name == "Vehicle.orbit" else WHAT[call.name]
-        assert str(error) == f"{what} 1/1 failed: it changed to STABILIZE (Failsafe: battery)"
+        operation = OPERATIONS["Vehicle.goto"] if call.name == "Vehicle.orbit" else OPERATIONS[call.name]
+        assert str(error) == f"{operation} 1/1 failed: it changed to STABILIZE (Failsafe: battery)"
 
     play(scenario, autopilot=ARDUPILOT)
 
@@ -70,7 +70,7 @@ def test_another_mode_of_ardupilots(call):
 def test_disarmed_in_the_air(call):
     async def scenario(made):
         error = await interrupted(made, call, lambda: made.script.arm(False))
-        assert str(error) == f"{WHAT[call.name]} 1/1 failed: it was disarmed (Failsafe: battery)"
+        assert str(error) == f"{OPERATIONS[call.name]} 1/1 failed: it was disarmed (Failsafe: battery)"
 
     play(scenario)
 
@@ -149,7 +149,8 @@ def test_the_next_setpoint_raises_after_an_interruption():
         ):
             with pytest.raises(ActionInterrupted) as error:
                 order()
-            assert str(error.value) == "following setpoints 1/1 failed: it changed to RTL (Failsafe: no RC)"
+            text = "following setpoints with 1/1 failed: it changed to RTL (Failsafe: no RC)"
+            assert str(error.value) == text
         made.script.heard.clear()
         await guided.__aexit__(None, None, None)
         assert not [each for each in made.script.heard if isinstance(each, common.CommandLong)]

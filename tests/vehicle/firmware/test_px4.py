@@ -113,7 +113,7 @@ def test_rovers_and_submarines(kind):
 
 def test_a_plane_does_not_turn_on_the_spot():
     async def scenario(made):
-        with pytest.raises(ActionUnsupported, match="a plane cannot turn on the spot"):
+        with pytest.raises(ActionUnsupported, match="cannot turn on the spot: it is a plane"):
             await made.vehicle.set_yaw(90)
         assert asked_of(made) == []
 
