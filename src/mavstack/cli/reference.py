@@ -119,7 +119,7 @@ def _argument_tables(parser: ArgumentParser) -> Iterator[str]:
 def _table(parser: ArgumentParser, group: _ArgumentGroup) -> str:
     heading = (group.title or "options").split()[0]
     actions = [each for each in group._group_actions if _is_documented(each)]
-    rows = [f"| {_invocation(each)} | {_cell(_help(parser, each))} |" for each in actions]
+    rows = [f"| {_cell(_invocation(each))} | {_cell(_help(parser, each))} |" for each in actions]
     return "\n".join([f"| {_HEADINGS.get(heading, 'option')} | meaning |", "|---|---|", *rows])
 
 

@@ -11,7 +11,7 @@ places = st.tuples(st.floats(-89, 89), st.floats(-179, 179))
 
 
 def rows(drawn) -> list[str]:
-    return ["".join(cell.sign for cell in row) for row in drawn.rows]
+    return ["".join(cell.symbol for cell in row) for row in drawn.rows]
 
 
 def test_north_is_up_and_east_is_right():

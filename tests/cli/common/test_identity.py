@@ -46,8 +46,8 @@ def test_component_without_autopilot_has_no_mode():
 
 
 def test_identity_without_heartbeat():
-    assert identify(68, None, ALL).kind == "telemetry radio"
-    assert identify(199, None, ALL).kind == ""
+    assert identify(68, None, ALL).type_name == "telemetry radio"
+    assert identify(199, None, ALL).type_name == ""
 
 
 def test_unknown_enum_values_are_numbers():

@@ -62,9 +62,9 @@ def test_ls(mav, harness):
     ("words", "problem"),
     [
         (["ls", "/nope"], "not found"),
-        (["ls", "/APM/*.xyz"], "nothing on the vehicle fits /APM/*.xyz"),
+        (["ls", "/APM/*.xyz"], "no file on the vehicle matches /APM/*.xyz"),
         (["get", "/APM/nope"], "not found"),
-        (["get", "/APM/nope*"], "nothing on the vehicle fits /APM/nope*"),
+        (["get", "/APM/nope*"], "no file on the vehicle matches /APM/nope*"),
         (["crc", "/nope"], "not found"),
         (["rm", "/nope"], "not found"),
         (["mkdir", "/APM/a/b"], "not found"),
@@ -160,7 +160,7 @@ def test_interrupted_download_keeps_the_old_file_and_resumes(mav, harness, tmp_p
     cut = CutAfter(harness, 200_000)
     result = mav("ftp", "get", LOG)
     assert result.code == 1
-    assert re.search(r"; run it again to go on from [\d.]+ kB$", result.err)
+    assert re.search(r"; run it again to resume at [\d.]+ kB$", result.err)
     assert result.err.count("\n") == 1
     assert target.read_bytes() == b"old"
     kept = (tmp_path / ".00000001.BIN.part").stat().st_size

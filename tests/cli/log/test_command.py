@@ -85,7 +85,7 @@ def test_logs_of_equal_size_are_downloaded_by_number(mav, monkeypatch, tmp_path)
     assert json.loads(mav("log", "get", "2", "--json").out)["via"] == "log"
     result = mav("log", "get", "1", "--via", "ftp")
     assert result.code == 1
-    assert result.err == "mav log: which file log 1 is cannot be told; fetch it with --via log\n"
+    assert result.err == "mav log: the file of log 1 is not known; download the log with --via log\n"
 
 
 def test_without_ftp_logs_are_downloaded_by_number(mav, harness, monkeypatch, tmp_path):
@@ -103,11 +103,11 @@ def test_without_ftp_logs_are_downloaded_by_number(mav, harness, monkeypatch, tm
 
 def test_a_downloaded_log_is_kept(mav, harness, tmp_path):
     assert mav("log", "get", "2").code == 0
-    assert mav("log", "get", "2").out == "log 2 -> 00000002.BIN (is here already)\n"
+    assert mav("log", "get", "2").out == "log 2 -> 00000002.BIN (already downloaded)\n"
     (tmp_path / "00000001.BIN").write_bytes(b"mine")
     result = mav("log", "get", "all")
     assert result.code == 1
-    assert result.err == "mav log: 00000001.BIN is there and another file; move it away, or add --force\n"
+    assert result.err == "mav log: 00000001.BIN exists with another size; move it away, or add --force\n"
     assert "log 2" in result.out
     assert (tmp_path / "00000001.BIN").read_bytes() == b"mine"
     assert mav("log", "get", "1", "--force").code == 0

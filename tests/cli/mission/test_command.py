@@ -278,8 +278,8 @@ def test_convert(mav, files):
     result = mav("mission", "convert", "flight.plan", "out.txt")
     assert result.code == 1
     assert result.err == (
-        "mav mission: out.txt: the format 'waypoints' cannot hold the fence, as it holds one kind of plan a "
-        "file (and 1 more); --force writes the rest, .json holds everything\n"
+        "mav mission: out.txt: the format 'waypoints' cannot hold the fence, as this format holds one "
+        "type of plan (and 1 more); --force writes the rest, .json holds everything\n"
     )
     assert not (files / "out.txt").exists()
 

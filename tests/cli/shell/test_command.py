@@ -64,7 +64,7 @@ def test_no_vehicle_is_a_failure(simulate, mav):
     simulate()
     result = mav("shell", "--system", 9, "--timeout", 2, "--command", "info")
     assert result.code == 1
-    assert result.err.splitlines()[-1].startswith("mav shell: the heartbeat of vehicle 9")
+    assert result.err.splitlines()[-1].startswith("mav shell: waiting for vehicle 9")
 
 
 def test_selected_vehicle(simulate, mav):

@@ -36,7 +36,7 @@ def test_help_of_each_command(command, capsys):
 
 def test_settings(capsys):
     async def scenario(session):
-        await run_line(session, "set wait off; set limit 12.5; set severity warning; set; set wait")
+        await run_line(session, "set wait off; set timeout 12.5; set severity warning; set; set wait")
         assert session.settings.wait is False
         assert session.settings.limit == 12.5
         assert session.settings.severity == common.MavSeverity.WARNING
@@ -49,7 +49,7 @@ def test_settings(capsys):
 
 @pytest.mark.parametrize(
     "line",
-    ["set colour", "set wait perhaps", "set limit -1", "set limit nan", "set severity loud", "set a b c"],
+    ["set colour", "set wait perhaps", "set timeout -1", "set timeout nan", "set severity loud", "set a b c"],
 )
 def test_wrong_settings(line):
     with pytest.raises(UsageError):
@@ -58,16 +58,16 @@ def test_wrong_settings(line):
 
 def test_aliases(capsys):
     async def scenario(session):
-        await run_line(session, 'alias add calm "set wait off; set limit 5"; calm; alias; alias list')
+        await run_line(session, 'alias add calm "set wait off; set timeout 5"; calm; alias; alias list')
         assert session.settings.limit == 5
-        await run_line(session, "alias add limit set limit; limit 7")
+        await run_line(session, "alias add limit set timeout; limit 7")
         assert session.settings.limit == 7
         await run_line(session, "help calm; alias remove calm")
         with pytest.raises(UsageError, match="there is no command 'calm'"):
             await run_line(session, "calm")
 
     alone(scenario)
-    assert "calm is an alias of: set wait off; set limit 5" in capsys.readouterr().out
+    assert "calm is an alias of: set wait off; set timeout 5" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_recursive_alias_fails():
 
 def test_script_runs_until_a_failure(tmp_path, capsys):
     script = tmp_path / "a.txt"
-    script.write_text("# settings\nset limit 3\n\nset limit x; set limit 4\nset limit 5\n")
+    script.write_text("# settings\nset timeout 3\n\nset timeout x; set timeout 4\nset timeout 5\n")
 
     async def scenario(session):
         with pytest.raises(AlreadyReported):
@@ -121,7 +121,7 @@ def test_unreadable_scripts(tmp_path):
 
 def test_exit_ends_the_line():
     async def scenario(session):
-        await run_line(session, "exit; set limit 5")
+        await run_line(session, "exit; set timeout 5")
         assert session.exiting
         assert session.settings.limit == 0
 

@@ -61,7 +61,7 @@ def test_without_wait_commands_return_immediately():
 
 def test_timeout_setting():
     with pytest.raises(ActionTimeout, match="not done in 2 s"):
-        type_lines("set limit 2; mode guided; arm throttle; takeoff 80")
+        type_lines("set timeout 2; mode guided; arm throttle; takeoff 80")
 
 
 def test_refusal_has_a_reason():

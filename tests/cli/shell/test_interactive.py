@@ -36,25 +36,27 @@ class Typist:
 
 def test_failures_are_reported_and_the_shell_goes_on(capsys):
     async def scenario(session):
-        await run_interactive(session, Typist("bad", KeyboardInterrupt, "", "'", "set limit 4", "set limit"))
+        await run_interactive(
+            session, Typist("bad", KeyboardInterrupt, "", "'", "set timeout 4", "set timeout")
+        )
 
     alone(scenario)
     captured = capsys.readouterr()
     assert "there is no command 'bad'" in captured.err
     assert "no closing quotation" in captured.err
-    assert captured.out == "limit  4\n"
+    assert captured.out == "timeout  4\n"
 
 
 def test_exit(capsys):
-    typist = Typist("exit", "set limit")
+    typist = Typist("exit", "set timeout")
     alone(lambda session: run_interactive(session, typist))
-    assert typist.lines == ["set limit"]
+    assert typist.lines == ["set timeout"]
 
 
 def test_unexpected_error_is_reported_and_the_shell_goes_on(capsys):
     async def scenario(session):
         session.forwarding = None
-        await run_interactive(session, Typist("output list", "set limit"))
+        await run_interactive(session, Typist("output list", "set timeout"))
 
     alone(scenario)
     captured = capsys.readouterr()
@@ -68,7 +70,7 @@ def test_ctrl_c_cancels_only_the_command(capsys):
         loop.call_later(5.0, signal.raise_signal, signal.SIGINT)
         before = signal.getsignal(signal.SIGINT)
         began = session.connection.now()
-        await run_interactive(session, Typist("mode guided; arm; takeoff 80", "set limit"))
+        await run_interactive(session, Typist("mode guided; arm; takeoff 80", "set timeout"))
         assert session.connection.now() < began + 7
         assert signal.getsignal(signal.SIGINT) == before
 
@@ -80,7 +82,7 @@ def test_ctrl_c_cancels_only_the_command(capsys):
 
 def test_question_without_answer_is_refused(capsys):
     async def scenario(session, world):
-        typist = Typist("log erase", "set limit")
+        typist = Typist("log erase", "set timeout")
         session.ask = typist.ask
         await run_interactive(session, typist)
 
@@ -152,7 +154,7 @@ def test_plain_input_without_prompt_toolkit(monkeypatch, capsys):
         asked.append(prompt)
         if len(asked) > 1:
             raise EOFError
-        return "set limit"
+        return "set timeout"
 
     monkeypatch.setattr(builtins, "input", typed)
 

@@ -92,7 +92,7 @@ def test_command_names_ignore_case():
 @pytest.mark.parametrize(("keep_going", "limit"), [(False, 1), (True, 3)])
 def test_keep_going(keep_going, limit, capsys):
     async def scenario(session):
-        lines = each("set limit 1; bad; set limit 2", "worse", "set limit 3")
+        lines = each("set timeout 1; bad; set timeout 2", "worse", "set timeout 3")
         assert not await run_lines(session, lines, "a.txt", keep_going=keep_going)
         assert session.settings.limit == limit
 
@@ -104,7 +104,7 @@ def test_keep_going(keep_going, limit, capsys):
 
 def test_script_succeeds():
     async def scenario(session):
-        assert await run_lines(session, each("", "# nothing", "set limit 1"))
+        assert await run_lines(session, each("", "# nothing", "set timeout 1"))
 
     alone(scenario)
 

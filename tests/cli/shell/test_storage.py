@@ -59,7 +59,7 @@ def test_a_mission(kind, capsys, tmp_path):
 
     in_shell(kind, scenario)
     out = capsys.readouterr().out
-    assert "mission: 3 items given" in out
+    assert "mission: 3 items uploaded" in out
     assert "item 2 of 3" in out
     assert "mission: cleared" in out
     assert kept.read_text().startswith("QGC WPL 110")

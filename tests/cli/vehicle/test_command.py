@@ -28,16 +28,16 @@ def test_a_flight(simulate, mav, kind):
         return result.out
 
     assert done("arm") == "vehicle 1: armed\n"
-    assert done("takeoff", 12) == "vehicle 1: is 12 m above home\n"
+    assert done("takeoff", 12) == "vehicle 1: 12 m above home\n"
     assert -body.truth.down == pytest.approx(12, abs=1.5)
-    assert done("speed", 6) == "vehicle 1: flies 6 m/s\n"
-    assert done("goto", *there, 15) == "vehicle 1: is there\n"
+    assert done("speed", 6) == "vehicle 1: speed set to 6 m/s\n"
+    assert done("goto", *there, 15) == "vehicle 1: at the target\n"
     assert (body.truth.north, body.truth.east) == pytest.approx((30, 10), abs=3)
-    assert done("yaw", 90) == "vehicle 1: points to 90°\n"
-    assert done("hold") == "vehicle 1: holds\n"
-    assert done("orbit", *there, 15, "--radius", 15) == "vehicle 1: is on the circle\n"
-    assert done("rtl", "--no-wait") == "vehicle 1: returns home\n"
-    assert done("land") == "vehicle 1: has landed\n"
+    assert done("yaw", 90) == "vehicle 1: heading 90°\n"
+    assert done("hold") == "vehicle 1: holding\n"
+    assert done("orbit", *there, 15, "--radius", 15) == "vehicle 1: on the circle\n"
+    assert done("rtl", "--no-wait") == "vehicle 1: returning home\n"
+    assert done("land") == "vehicle 1: landed\n"
     assert not harness.vehicle.autopilot.armed
 
 
@@ -45,7 +45,7 @@ def test_a_flight(simulate, mav, kind):
 def test_modes(simulate, mav, kind):
     harness = simulate(kind)
     name = "POSCTL" if kind == PX4_COPTER else "LOITER"
-    assert mav("vehicle", "mode", name.lower()).out == f"vehicle 1: is in {name}\n"
+    assert mav("vehicle", "mode", name.lower()).out == f"vehicle 1: mode {name}\n"
     listed = json.loads(mav("vehicle", "modes", "--json").out)
     assert listed["mode"] == name
     assert name in [each["name"] for each in listed["modes"]]
@@ -79,7 +79,7 @@ def test_waiting_for_readiness_times_out(simulate, mav):
     simulate(ready=False)
     result = mav("vehicle", "health", "--wait", 1)
     assert result.code == 1
-    assert result.err.startswith("mav vehicle: being ready to arm")
+    assert result.err.startswith("mav vehicle: waiting for the readiness of 1/1 failed")
 
 
 def test_home(simulate, mav):
@@ -93,7 +93,7 @@ def test_home(simulate, mav):
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_reboot(simulate, mav, kind):
     simulate(kind)
-    assert mav("vehicle", "reboot").out == "vehicle 1: is back after its reboot\n"
+    assert mav("vehicle", "reboot").out == "vehicle 1: rebooted\n"
 
 
 def test_refusal_is_one_line_with_the_reason(simulate, mav):
@@ -123,7 +123,7 @@ def test_action_timeout(simulate, mav):
     simulate()
     mav("vehicle", "mode", "guided")
     mav("vehicle", "arm")
-    result = mav("vehicle", "takeoff", 100, "--limit", 2)
+    result = mav("vehicle", "takeoff", 100, "--action-timeout", 2)
     assert result.code == 1
     assert "not done in 2 s" in result.err
 
@@ -148,7 +148,7 @@ def test_failure_of_one_vehicle_does_not_stop_others(simulate, mav):
     assert "there is no such mode" in outcomes[1]["error"]
     plain = mav("vehicle", "mode", "guided", "--all")
     assert plain.code == 1
-    assert plain.out == "vehicle 1: is in GUIDED\n"
+    assert plain.out == "vehicle 1: mode GUIDED\n"
     assert plain.err.startswith("mav vehicle: vehicle 2: ")
 
 
@@ -164,7 +164,8 @@ def test_missing_vehicle(simulate, mav):
 @pytest.mark.parametrize(
     "words",
     [
-        ["fly"], ["takeoff", "high"], ["takeoff", "nan"], ["goto", "1"], ["mode"], ["yaw"], ["say", " "],
+        ["fly"], ["takeoff", "high"], ["takeoff", "nan"], ["goto", "1"], ["mode"], ["yaw"],
+        ["statustext", " "],
         ["home", "x"], ["home", "1"], ["arm", "--systems", "0"], ["arm", "--all", "--systems", "1"],
     ],
 )  # fmt: skip

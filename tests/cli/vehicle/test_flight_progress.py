@@ -50,7 +50,7 @@ def test_remaining_distance(capsys):
     async def scenario(session, world):
         vehicle = session.vehicle
         await vehicle.wait_for_message(common.GlobalPositionInt)
-        await vehicle.telemetry.ask_for_home()
+        await vehicle.telemetry.request_home()
         assert distance_to_altitude(20.0)(vehicle) == pytest.approx(20, abs=1)
         north, east = world.simulated.body.frame.to_global(30.0, 40.0, 0.0)[:2]
         assert distance_to_place(north, east)(vehicle) == pytest.approx(50, abs=2)

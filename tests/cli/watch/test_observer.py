@@ -28,8 +28,8 @@ def test_loss_is_counted_per_channel():
     observer.receive("lossy", b"".join(packets[:5] + packets[10:]), 1.0)
     totals = observer.totals()
     assert totals.sources[1, 1].lost == 5
-    assert totals.heard.lost == 5
-    assert 0 < totals.heard.loss < 0.2
+    assert totals.all_sources.lost == 5
+    assert 0 < totals.all_sources.loss < 0.2
 
 
 def test_reopened_channel_is_a_new_stream():
@@ -60,4 +60,4 @@ def test_duration_of_recorded_time():
     observer = Observer(ALL)
     observer.open("log", timestamped=True)
     assert len(observer.receive("log", stamped(flight(18)), 0.0, 0.5)) == 6
-    assert observer.beyond_limit
+    assert observer.beyond_duration

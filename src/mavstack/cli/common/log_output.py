@@ -81,12 +81,12 @@ def stderr_log_held() -> Iterator[None]:
 
     shown = [each for each in logging.getLogger(ROOT_LOGGER).handlers if isinstance(each, StderrHandler)]
     for handler in shown:
-        handler.hold()
+        handler.hold_lines()
     try:
         yield
     finally:
         for handler in shown:
-            handler.release()
+            handler.print_held_lines()
 
 
 def _handlers(verbosity: int, path: str | None) -> list[Handler]:

@@ -22,7 +22,7 @@ class StderrHandler(Handler):
         self._held: deque[str] | None = None
 
     def emit(self, record: LogRecord) -> None:
-        """Print a record, or keep it until `release`."""
+        """Print a record, or keep it until `print_held_lines`."""
         try:
             line = self.format(record)
             if self._held is None:
@@ -32,11 +32,11 @@ class StderrHandler(Handler):
         except Exception:  # noqa: BLE001 (as in logging's own handlers)
             self.handleError(record)
 
-    def hold(self) -> None:
+    def hold_lines(self) -> None:
         """Keep lines from now on."""
         self._held = deque(maxlen=MAX_HELD_LINES)
 
-    def release(self) -> None:
+    def print_held_lines(self) -> None:
         """Print the lines that were kept."""
         held, self._held = self._held, None
         for line in held or ():

@@ -17,7 +17,7 @@ from mavstack.cli.mission.files import read
 from mavstack.cli.mission.sketch import flown_path, sketch
 from mavstack.cli.mission.text import altitude_text, length_text, number, params_text, place_text
 from mavstack.cli.mission.transfer import download_plans
-from mavstack.files.plans import fence_areas, check, plan_json
+from mavstack.files.plans import check, fence_areas, plan_json
 from mavstack.files.plans.model import CMD, PLAN_NAMES
 from mavstack.vehicle.geography import distance
 

@@ -169,7 +169,7 @@ async def home(session: Session, words: list[str]) -> None:
     if words:
         await vehicle.set_home(*place)
     else:
-        await vehicle.telemetry.ask_for_home()
+        await vehicle.telemetry.request_home()
     position = vehicle.home
     if position is None:
         raise CommandError(f"vehicle {vehicle.system} has no home position yet")

@@ -243,7 +243,7 @@ def home(arguments: Namespace) -> int:
         if place is not None:
             await vehicle.set_home(*place)
         else:
-            await vehicle.telemetry.ask_for_home()
+            await vehicle.telemetry.request_home()
         where = vehicle.home
         if where is None:
             if place is None:

@@ -45,7 +45,7 @@ _FIRMWARES: Final[dict[int, str]] = {
 async def gather_facts(vehicle: Vehicle) -> dict[str, Any]:
     """Return identity and state of a vehicle as values for JSON; an unknown value is None."""
     messages = (_recent(vehicle, message) for message in _MESSAGES)
-    version, *_ = await asyncio.gather(_version(vehicle), vehicle.telemetry.ask_for_home(), *messages)
+    version, *_ = await asyncio.gather(_version(vehicle), vehicle.telemetry.request_home(), *messages)
     if vehicle.health.ready is False and not vehicle.armed:
         with suppress(MavstackError):
             await vehicle.component.command(common.MavCmd.RUN_PREARM_CHECKS, timeout=REQUEST_TIMEOUT)
