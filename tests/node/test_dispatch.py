@@ -6,7 +6,7 @@ from mavstack.dialects import common
 from mavstack.node.dispatch import MAX_CACHED, PacketDispatch
 from mavstack.node.service_index import MAX_CACHED as MAX_SERVICES_CACHED
 from mavstack.node.service_index import ServiceIndex
-from mavstack.services import EVERYBODY, Address, Service
+from mavstack.services import BROADCAST, Address, Service
 from mavstack.wire import Packet, encode
 
 HEARTBEAT, ATTITUDE = common.Heartbeat(), common.Attitude()
@@ -18,7 +18,7 @@ def packet(message, system: int = 1, component: int = 1) -> Packet:
 
 def test_each_listener_gets_its_packets() -> None:
     dispatch, heard = PacketDispatch(), []
-    first = dispatch.add([common.Heartbeat], EVERYBODY, lambda _: heard.append("first"))
+    first = dispatch.add([common.Heartbeat], BROADCAST, lambda _: heard.append("first"))
     dispatch.deliver(packet(HEARTBEAT))
     dispatch.add([], Address(1, 0), lambda _: heard.append("all of 1"))
     dispatch.add([], Address(2, 7), lambda _: heard.append("2/7"))
@@ -38,8 +38,8 @@ def test_a_listener_may_close_during_the_dispatch() -> None:
         heard.append("once")
         listening.close()
 
-    listening = dispatch.add([], EVERYBODY, once)
-    dispatch.add([], EVERYBODY, lambda _: heard.append("always"))
+    listening = dispatch.add([], BROADCAST, once)
+    dispatch.add([], BROADCAST, lambda _: heard.append("always"))
     dispatch.deliver(packet(HEARTBEAT))
     dispatch.deliver(packet(HEARTBEAT))
     assert heard == ["once", "always", "always"]
@@ -47,7 +47,7 @@ def test_a_listener_may_close_during_the_dispatch() -> None:
 
 def test_the_lookup_caches_are_bounded() -> None:
     dispatch, index, heard = PacketDispatch(), ServiceIndex(), []
-    dispatch.add([], EVERYBODY, heard.append)
+    dispatch.add([], BROADCAST, heard.append)
     for number in range(2 * MAX_CACHED):
         dispatch.deliver(packet(HEARTBEAT, 1 + number % 255, 1 + number // 255))
         index.find(number, 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mavstack.node.routes import MAX_ADDRESSES, SILENCE_TIMEOUT, Routes
-from mavstack.services import EVERYBODY, Address
+from mavstack.services import BROADCAST, Address
 
 A, B, C = "radio", "wifi", "usb"
 ALL = (A, B, C)
@@ -29,16 +29,16 @@ def test_the_route_of_an_unknown_component_is_that_of_its_system() -> None:
 def test_broadcasts_and_unknown_systems_use_all_channels() -> None:
     routes: Routes[str] = Routes()
     routes.learn(COPTER, A, 0.0)
-    assert list(routes.channels_to(EVERYBODY, ALL)) == list(ALL)
+    assert list(routes.channels_to(BROADCAST, ALL)) == list(ALL)
     assert list(routes.channels_to(Address(9, 1), ALL)) == list(ALL)
 
 
 def test_system_0_is_never_learned() -> None:
     routes: Routes[str] = Routes()
-    for address in (Address(0, 1), EVERYBODY):
+    for address in (Address(0, 1), BROADCAST):
         routes.learn(address, A, 0.0)
     assert list(routes.channels_to(Address(1, 1), ALL)) == list(ALL)
-    assert routes.heard_on(EVERYBODY) == ()
+    assert routes.heard_on(BROADCAST) == ()
 
 
 def test_the_route_of_component_0_is_that_of_its_system() -> None:

@@ -1431,7 +1431,7 @@ class Mission(VehiclePlan):
         Raises:
             CommandDenied: The vehicle refused the item.
             CommandTimeout: The vehicle did not answer, and `restart` is set.
-            MissionDenied: The vehicle refused the item, asked by MISSION_SET_CURRENT.
+            MissionDenied: The vehicle refused MISSION_SET_CURRENT.
             MissionTimeout: The vehicle did not answer.
         """
 
@@ -1473,8 +1473,8 @@ class Mission(VehiclePlan):
             CommandDenied: The vehicle refused to be armed, or to start the mission.
             CommandTimeout: The vehicle did not answer.
             ModeTimeout: The vehicle accepted its mission mode and did not enter it.
-            MissionDenied: The vehicle refused to be asked for its mission.
-            MissionTimeout: The vehicle did not answer when it was asked for its mission.
+            MissionDenied: The vehicle refused the download of its mission.
+            MissionTimeout: The vehicle did not answer the request for its mission.
             ActionTimeout: The call did not end within `timeout`, or no item was reached for a long time.
             ActionInterrupted: The vehicle left the mission.
             ContactLost: No heartbeat of the vehicle arrives.
@@ -1682,7 +1682,7 @@ class Vehicle:
 
     @property
     def health(self) -> Health:
-        """Whether the vehicle reports that it is ready to arm, and the problems that it reports."""
+        """The readiness to arm and the problems that the vehicle reports."""
 
     @property
     def modes(self) -> Modes:
@@ -1691,6 +1691,21 @@ class Vehicle:
     @property
     def params(self) -> Params:
         """The parameters."""
+
+    @property
+    def ftp(self) -> Ftp:
+        """The files on the vehicle (MAVLink FTP)."""
+
+    @property
+    def logs(self) -> Logs:
+        """The logs on the vehicle."""
+
+    def shell(self) -> Shell:
+        """Return a context manager during which the firmware's shell is open (SERIAL_CONTROL).
+
+        Returns:
+            The shell.
+        """
 
     def rc_pulse(self, channel: int) -> int | None:
         """Return the pulse of a radio control channel.
@@ -2045,21 +2060,6 @@ class Vehicle:
     def rally(self) -> VehiclePlan:
         """The rally points."""
 
-    @property
-    def ftp(self) -> Ftp:
-        """The files on the vehicle (MAVLink FTP)."""
-
-    @property
-    def logs(self) -> Logs:
-        """The logs on the vehicle."""
-
-    def shell(self) -> Shell:
-        """Return a context manager during which the firmware's shell is open (SERIAL_CONTROL).
-
-        Returns:
-            The shell.
-        """
-
 class Results(Mapping['Vehicle', 'Result | Exception'], Generic[Result]):
     """The outcome of an operation for each vehicle of a group: its result, or the error that it raised."""
 
@@ -2254,7 +2254,7 @@ class Connection(Node):
             The vehicle.
 
         Raises:
-            RemoteTimeout: There was none in time; the text tells what was received instead.
+            RemoteTimeout: There was none in time; the text names the components that were heard instead.
         """
 
     def wait_for_vehicles(self, count: int, *, timeout: float | None=...) -> Group:
@@ -2268,7 +2268,7 @@ class Connection(Node):
             All vehicles that are alive, which may be more.
 
         Raises:
-            RemoteTimeout: There were fewer in time; the text tells what was received.
+            RemoteTimeout: There were fewer in time; the text names the components that were heard.
         """
 
     @property
