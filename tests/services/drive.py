@@ -1,4 +1,4 @@
-"""Driving one service by hand: packets in, messages out, no network."""
+"""A driver of one service without a network: packets in, messages out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tests of small services share: packets as they come from a wire, and messages with any fields."""
+"""Helpers of several service tests: packets as received, and messages with random fields."""
 
 from __future__ import annotations
 

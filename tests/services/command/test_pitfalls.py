@@ -1,4 +1,4 @@
-"""What peers trip over in the command protocol, one test each, and the tables of client and server."""
+"""Pitfalls of the command protocol, one test each, and the tables of client and server."""
 
 from __future__ import annotations
 

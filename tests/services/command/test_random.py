@@ -1,4 +1,4 @@
-"""Commands over a network that does its worst: the answer, or a typed error within the deadline."""
+"""Commands over random networks: the answer, or a typed error within the deadline."""
 
 from __future__ import annotations
 

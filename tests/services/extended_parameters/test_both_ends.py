@@ -60,7 +60,7 @@ def test_one_is_read_by_name_and_index() -> None:
     assert [read.result() for read in reads] == [ExtendedParameter("CAM_ISO", 400, KIND.UINT32)] * 2
 
 
-def test_values_are_set_and_told_to_all() -> None:
+def test_values_are_set_and_reported_to_all() -> None:
     pair = Pair(ROWS)
     sets = [
         pair.client.set("CAM_MODE", "photo", pair.network.now),

@@ -1,4 +1,4 @@
-"""Extended parameters over a network that does its worst: equal sets, or a typed error in time."""
+"""Extended parameters over random networks: equal sets, or a typed error in time."""
 
 from __future__ import annotations
 

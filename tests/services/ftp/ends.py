@@ -43,7 +43,7 @@ class Ends:
 
 
 class SpreadingServer(FtpServer):
-    """BurstTracker blindly like PX4 over UDP: four packets each 1.25 ms, whatever the link behind it carries."""
+    """Bursts without pacing, as PX4 over UDP: four packets per 1.25 ms, whatever the link carries."""
 
     TICK, PACKETS = 0.00125, 4
 

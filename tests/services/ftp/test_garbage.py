@@ -1,4 +1,4 @@
-"""What comes from the wire never raises, whatever it is."""
+"""Random bytes from the wire never raise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Virtual files beside real ones: what is seen, what can be changed, and what comes of hostile paths."""
+"""Virtual files beside real ones: visibility, changes, and hostile paths."""
 
 from __future__ import annotations
 
@@ -224,7 +224,7 @@ def test_over_the_network(source) -> None:
     assert len(ends.server.sessions) == 0
 
 
-def test_an_upload_that_nobody_ends_harms_nobody(source) -> None:
+def test_an_upload_that_no_client_ends_harms_no_client(source) -> None:
     source.refuses = True
     store = OverlayStore(MemoryStore(), {"up": VirtualFile(source.read, source.write)})
     ends = Ends(store=store)

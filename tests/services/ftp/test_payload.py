@@ -73,7 +73,7 @@ def test_misuse_raises() -> None:
     assert FtpPayload.read(common.Heartbeat()) is None
 
 
-def test_entries_are_counted_even_if_they_cannot_be_told() -> None:
+def test_entries_are_counted_even_if_they_cannot_be_reported() -> None:
     entries = [Entry("a", size=3), Entry("tab\there"), Entry("d", True), Entry("x" * 240), Entry("")]
     page = pack_entries(entries, 0)
     assert page == b"Fa\t3\0S\0Dd\0S\0S\0"

@@ -1,4 +1,4 @@
-"""What peers trip over in the file transfer protocol, one test each."""
+"""Pitfalls of the file transfer protocol, one test each."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def test_times_fall_back_to_the_plain_listing(client) -> None:
     assert operation.result() == ()
 
 
-def test_an_errno_is_told(client) -> None:
+def test_an_errno_is_reported(client) -> None:
     operation = client.remove("f", START)
     nak(client, asked(client)[0], FtpError.FAILERRNO, 30)
     with pytest.raises(FileDenied, match="errno 30"):
@@ -170,7 +170,7 @@ def test_a_repeated_removal_that_finds_nothing_has_worked(client) -> None:
     assert operation.error is None
 
 
-def test_a_reply_remembered_from_another_client_is_asked_again_under_a_new_number(client) -> None:
+def test_a_reply_remembered_from_another_client_is_requested_again_under_a_new_number(client) -> None:
     operation = client.remove("f", START)
     (request,) = asked(client)
     reply(client, request, req_opcode=Opcode.TERMINATESESSION)

@@ -1,4 +1,4 @@
-"""Files over a network that does its worst: the very file, or a typed error within the deadline."""
+"""Files over random networks: the exact file, or a typed error within the deadline."""
 
 from __future__ import annotations
 

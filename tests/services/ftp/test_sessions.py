@@ -19,7 +19,7 @@ def server() -> FtpServer:
     return FtpServer(VEHICLE, MemoryStore({"a": b"aaaa", "b": b"bbbb"}))
 
 
-def test_the_reply_has_the_number_that_was_asked_for(server) -> None:
+def test_the_reply_has_the_number_that_was_requested(server) -> None:
     """MAVSDK's client says 0 in every request, and looks at no reply's session."""
     for turn, path in enumerate((b"a", b"b")):
         (opened,) = ask(server, Opcode.OPENFILERO, path, sequence=10 * turn + 1, session=0)
@@ -60,7 +60,7 @@ def test_our_client_calls_each_session_otherwise() -> None:
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.2])
-def test_a_client_resets_its_own_sessions_and_nobody_elses(loss: float) -> None:
+def test_a_client_resets_its_own_sessions_and_no_client_elses(loss: float) -> None:
     """Those that an earlier run left open, under numbers that it does not know."""
     ends = Ends(store=MemoryStore({"a": b"aaaa"}), impairment=Impairment(loss=loss))
     other = Address(254, 1)
@@ -81,7 +81,7 @@ def test_a_reset_waits_until_a_transfer_has_ended() -> None:
     assert not ends.server.sessions
 
 
-def test_a_reset_that_nobody_answers_times_out() -> None:
+def test_a_reset_that_no_client_answers_times_out() -> None:
     ends = Ends(connect=False)
     operation = ends.run(ends.client.reset_sessions(ends.now))
     assert isinstance(operation.error, FileTimeout)

@@ -1,4 +1,4 @@
-"""Stores: what is below the root, and nothing else."""
+"""File stores: access to files below the root, and nothing else."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def test_a_falling_boot_time_is_a_reboot() -> None:
     assert boot_times(50_000, 52_000, 300, 2_300, 4_300, every=2.0) == [ComponentRebooted]
 
 
-def test_an_overtaken_message_is_no_reboot() -> None:
+def test_an_reordered_message_is_no_reboot() -> None:
     assert boot_times(50_000, 50_100, 49_000, 50_200, 48_500, 50_300) == []
 
 

@@ -65,7 +65,7 @@ def test_every_log_of_every_kind_of_autopilot(kind: type, impairment: Impairment
 
 
 @pytest.mark.parametrize("kind", [LogServer, ArduPilotLogs])
-def test_no_logs_are_told_by_an_entry_of_none(kind: type) -> None:
+def test_no_logs_are_reported_by_an_entry_of_none(kind: type) -> None:
     assert Site(kind, sizes=[]).list().result() == ()
 
 
@@ -88,7 +88,7 @@ def test_px4_that_restarted_within_a_log_is_listed_again() -> None:
     assert site.download(entry).result() == site.contents[entry.id]
 
 
-def test_a_transfer_that_got_stuck_is_ended_and_begun_anew() -> None:
+def test_a_transfer_that_got_stuck_is_ended_and_begun_again() -> None:
     site = Site(StuckLogs, air=Air(), bandwidth=5760.0)
     entry = site.list().result()[-1]
     site.network.at(2.0, lambda: setattr(site.server, "ends", 0))
@@ -120,7 +120,7 @@ def test_cancelling_sends_log_request_end_and_the_server_stops() -> None:
     assert len(site.ground.heard) == before
 
 
-def test_progress_is_told_of_the_download() -> None:
+def test_progress_is_reported_of_the_download() -> None:
     site = Site()
     operation = site.download(7)
     told = [event for event in site.ground.events_of(Progress) if event.operation is operation]
@@ -129,7 +129,7 @@ def test_progress_is_told_of_the_download() -> None:
     assert (told[-1].done, told[-1].total) == (29_970, 30_000)
 
 
-def test_nobody_there_is_a_typed_error_in_time() -> None:
+def test_no_client_there_is_a_typed_error_in_time() -> None:
     site = Site()
     site.vehicle.restart()
     assert isinstance(site.list().error, LogTimeout)
@@ -260,14 +260,14 @@ def test_copies_of_one_answer_are_one_claim_that_the_log_ends() -> None:
     assert hand.operation.result() == b"abc"
 
 
-def test_memory_grows_by_what_was_asked_for() -> None:
+def test_memory_grows_by_what_was_requested() -> None:
     hand = Hand(0xFFFFFFFF)
     hand.hear(common.LogData(id=1, ofs=90 << 20, count=90))
     (transfer,) = (part for part in hand.client._running if part is not hand.operation)
     assert len(transfer._collector._data) == 0
 
 
-def test_the_next_window_is_asked_for_with_the_last_chunk_of_the_one_before() -> None:
+def test_the_next_window_is_requested_with_the_last_chunk_of_the_one_before() -> None:
     hand = Hand(90 * 1000 + 1)
     ((offset, count),) = hand.asked()
     for start in range(offset, offset + count, 90):
@@ -275,7 +275,7 @@ def test_the_next_window_is_asked_for_with_the_last_chunk_of_the_one_before() ->
     assert hand.asked() == [(count, 2 * count)]
 
 
-def test_gaps_are_asked_for_after_the_end() -> None:
+def test_gaps_are_requested_after_the_end() -> None:
     hand = Hand(90 * 60 + 1)
     assert hand.asked() == [(0, 61 * 90)]
     for chunk in (*range(10), *range(12, 60)):
@@ -297,15 +297,15 @@ def listed(*entries: tuple[int, int], last: int = 9) -> tuple:
     return operation, [(request.start, request.end) for request in requests]
 
 
-def test_a_gap_in_the_list_is_asked_for_by_its_ids() -> None:
+def test_a_gap_in_the_list_is_requested_by_its_ids() -> None:
     assert listed((1, 6), (2, 6), (5, 6), (6, 6), last=6)[1] == [(3, 4)]
 
 
-def test_if_an_end_of_the_list_is_missing_all_is_asked_for() -> None:
+def test_if_an_end_of_the_list_is_missing_all_is_requested() -> None:
     assert listed((2, 4), (3, 4), (4, 4), last=4)[1] == [(0, 0xFFFF)]
 
 
-def test_a_list_that_changes_its_length_begins_anew() -> None:
+def test_a_list_that_changes_its_length_begins_again() -> None:
     operation, _ = listed((5, 3), (1, 2), (2, 2))
     assert [entry.id for entry in operation.result()] == [1, 2]
 
@@ -382,7 +382,7 @@ def growing(site: Site, replace: bool) -> None:
     site.network.at(0.2, change)
 
 
-def test_a_log_that_is_being_written_can_be_fetched() -> None:
+def test_a_log_that_is_being_written_can_be_download() -> None:
     site = Site(impairment=Impairment(latency=0.02, bandwidth=20_000.0, queue=1 << 20))
     growing(site, replace=False)
     download = site.download(max(site.store.contents))

@@ -65,7 +65,7 @@ def test_a_log_that_ends_before_its_size_must_say_so_several_times() -> None:
     assert collector.data() == FULL + b"end"
 
 
-def test_the_tail_of_what_somebody_else_asked_for_is_no_end() -> None:
+def test_the_tail_of_what_another_client_else_requested_is_no_end() -> None:
     collector = Collector(1000)
     for _ in range(9):
         collector.add(3, b"0123456789", requested=False)

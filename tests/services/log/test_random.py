@@ -1,4 +1,4 @@
-"""Logs over a network that does its worst: the whole log, or a typed error within its deadline."""
+"""Logs over random networks: the whole log, or a typed error within its deadline."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def test_the_list_and_parts_of_it() -> None:
     assert sent_by(server) == []
 
 
-def test_no_logs_are_told_by_an_entry_of_none() -> None:
+def test_no_logs_are_reported_by_an_entry_of_none() -> None:
     server = server_of()
     ask(server, common.LogRequestList, start=0, end=0xFFFF)
     assert sent_by(server) == [common.LogEntry(id=0, num_logs=0)]
@@ -123,7 +123,7 @@ def test_each_message_is_made_only_when_there_is_room() -> None:
     assert len(sent_by(server)) == 98
 
 
-def test_erasing_is_told_and_its_copy_ignored() -> None:
+def test_erasing_is_reported_and_its_copy_ignored() -> None:
     server = server_of(b"x" * 900)
     ask(server, common.LogRequestData, id=1, ofs=0, count=900)
     ask(server, common.LogErase)

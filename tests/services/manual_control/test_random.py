@@ -1,4 +1,4 @@
-"""Steering over a network that does its worst: what arrives was meant, and in the end nobody holds on."""
+"""Manual control over random networks: received input was sent, and in the end all input is released."""
 
 from __future__ import annotations
 

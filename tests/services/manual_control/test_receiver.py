@@ -70,7 +70,7 @@ def test_an_override_that_is_not_repeated_is_lost():
     assert receiver.overridden(GROUND, 14.0)[0] == {2: 1400}
 
 
-def test_an_overtaken_packet_does_not_take_hold_again_after_the_release():
+def test_an_reordered_packet_does_not_take_hold_again_after_the_release():
     receiver = ManualControlReceiver(VEHICLE)
     give(receiver, override({1: 1500}), GROUND, 10.0, 254)
     give(receiver, override({1: RELEASE}), GROUND, 10.2, 1)
@@ -79,7 +79,7 @@ def test_an_overtaken_packet_does_not_take_hold_again_after_the_release():
     assert receiver.reordered == 1
 
 
-def test_a_sender_that_restarts_is_heard_after_a_moment():
+def test_a_sender_that_restarts_is_received_after_a_moment():
     receiver = ManualControlReceiver(VEHICLE)
     give(receiver, ManualInput(x=1).to_message(1), GROUND, 10.0, 30)
     give(receiver, ManualInput(x=2).to_message(1), GROUND, 10.1, 0)

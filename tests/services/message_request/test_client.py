@@ -115,7 +115,7 @@ def test_older_commands_and_their_params(kind: type, params: tuple[float, ...], 
     assert got == [command]
 
 
-def test_accepted_but_not_sent_is_asked_again_and_then_times_out() -> None:
+def test_accepted_but_not_sent_is_requested_again_and_then_times_out() -> None:
     peers = Peers(old=True)
     peers.commands.support(REQUEST, lambda _: common.MavResult.ACCEPTED)
     operation = peers.run(RequestMessage(common.VfrHud))
@@ -142,7 +142,7 @@ def test_silence_is_a_typed_error() -> None:
     assert now - START < 60
 
 
-def test_only_the_instance_that_was_asked_for() -> None:
+def test_only_the_instance_that_was_requested() -> None:
     client = CommandClient(GROUND, VEHICLE)
     wanted = RequestMessage(common.StorageInformation, (2,), match=lambda message: message.storage_id == 2)
     client.begin(wanted, START)

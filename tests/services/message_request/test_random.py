@@ -1,4 +1,4 @@
-"""Requests and rates over a network that does its worst."""
+"""Requests and rates over random networks."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ class OldStreams(Service):
 
 
 @pytest.mark.parametrize("answer", [common.Attitude, common.DataStream])
-def test_who_knows_no_intervals_is_asked_for_the_group(answer: type) -> None:
+def test_who_knows_no_intervals_is_requested_the_group(answer: type) -> None:
     peers = Peers(old=True)
     streams = peers.vehicle.engine.add(OldStreams(answer))
     outcome = peers.run(SetMessageInterval(common.Attitude, Interval.hertz(4))).result()

@@ -24,7 +24,7 @@ def test_a_default_rate_is_kept() -> None:
     assert peers.heard(common.HomePosition) == []
 
 
-def test_a_rate_that_was_asked_for_is_kept() -> None:
+def test_a_rate_that_was_requested_is_kept() -> None:
     peers = Peers()
     peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 20_000)))
     before = len(peers.heard(common.Attitude))

@@ -1,4 +1,4 @@
-"""How PX4 and ArduPilot answer, as far as it differs from the guide and from our own server.
+"""Mission servers that behave like PX4 and ArduPilot where these differ from the guide.
 
 Written from what their sources do, not from their code: PX4 has one transfer at a time for all types, passes
 over items that it did not ask for and ends a download that asks out of turn; ArduPilot asks with the old

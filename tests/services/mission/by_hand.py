@@ -1,4 +1,4 @@
-"""Driving one state machine by hand: what it is told, what it says, when."""
+"""A peer controlled by the test: it sends messages to one service and collects the answers."""
 
 from __future__ import annotations
 

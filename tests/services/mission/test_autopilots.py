@@ -1,4 +1,4 @@
-"""Our client with vehicles that behave as PX4 and ArduPilot do, over links that lose, double and reorder."""
+"""The mission client with PX4-like and ArduPilot-like servers over links that lose, duplicate and reorder."""
 
 from __future__ import annotations
 

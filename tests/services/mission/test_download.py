@@ -1,4 +1,4 @@
-"""Downloads, clearing and the current item, against a vehicle played by hand."""
+"""Downloads, clearing and the current item, against a vehicle controlled by the test."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_items_come_one_by_one_and_the_last_is_acknowledged(vehicle) -> None:
     assert download.result().plan_id == 4
 
 
-def test_only_the_item_that_is_due_is_ever_asked_for(vehicle) -> None:
+def test_only_the_item_that_is_due_is_ever_requested(vehicle) -> None:
     """PX4 ends the transfer when it is asked out of turn."""
     plan = plan_of(6)
     begin(vehicle)
@@ -97,7 +97,7 @@ def test_vehicle_that_refuses_the_new_request_gets_the_old(vehicle) -> None:
     assert (kinds(said), seqs(said)) == (["MissionRequest"], [0])
 
 
-def test_vehicle_that_lost_the_transfer_is_asked_for_the_list_again(vehicle) -> None:
+def test_vehicle_that_lost_the_transfer_is_requested_the_list_again(vehicle) -> None:
     plan = plan_of(2)
     download, _ = begin(vehicle)
     vehicle.count(2)
@@ -110,7 +110,7 @@ def test_vehicle_that_lost_the_transfer_is_asked_for_the_list_again(vehicle) -> 
     assert download.result() == plan
 
 
-def test_vehicle_that_forgot_silently_is_asked_for_the_list_again(vehicle) -> None:
+def test_vehicle_that_forgot_silently_is_requested_the_list_again(vehicle) -> None:
     begin(vehicle)
     vehicle.count(2)
     said = kinds(vehicle.wait_for_all(9.0))
@@ -118,7 +118,7 @@ def test_vehicle_that_forgot_silently_is_asked_for_the_list_again(vehicle) -> No
     assert said.count("MissionRequestInt") == 5
 
 
-def test_second_count_begins_anew(vehicle) -> None:
+def test_second_count_begins_again(vehicle) -> None:
     plan = plan_of(3)
     begin(vehicle)
     vehicle.wait()
@@ -257,7 +257,7 @@ def test_set_current_by_command() -> None:
     assert isinstance(setting.error, CommandDenied)
 
 
-def test_progress_is_told_when_it_changes(vehicle, client) -> None:
+def test_progress_is_reported_when_it_changes(vehicle, client) -> None:
     current = common.MissionCurrent(seq=1, total=5, mission_state=3, mission_id=7, rally_points_id=8)
     for message in (current, current, common.MissionItemReached(seq=1), common.MissionItemReached(seq=1)):
         vehicle.tell(message)
@@ -281,7 +281,7 @@ def test_plan_ids_tell_whether_a_plan_is_still_held(vehicle, client) -> None:
     assert client.still_held(plan_of(1, PlanType.FENCE).with_id(7)) is None
 
 
-def test_packets_of_others_are_not_heard(vehicle) -> None:
+def test_packets_of_others_are_not_received(vehicle) -> None:
     download, _ = begin(vehicle)
     count = common.MissionCount(count=0, **to_ground())
     vehicle.tell(count, source=(2, 1))

@@ -1,4 +1,4 @@
-"""Whatever the wire brings: nothing raises, nothing runs for ever, nothing grows without end."""
+"""Random messages: no exceptions, no endless transfers, no unbounded growth."""
 
 from __future__ import annotations
 

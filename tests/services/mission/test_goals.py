@@ -1,4 +1,4 @@
-"""How long 200 items take, in virtual seconds, beside what the link makes possible."""
+"""Durations of transfers of 200 items, in virtual seconds, compared with the link's capacity."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""ArduPilot's files of plans: read as others read them, and nothing damaged taken."""
+"""ArduPilot's plan files: compatibility, and rejection of damaged files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plans over a network that does its worst: whole or not at all, and nobody is told what is not so.
+"""Plans over random networks: complete or not at all, with correct results.
 
 Two ground stations, one vehicle whose storage outlives its restarts. Whatever happens, the storage never
 holds anything but a plan that somebody sent whole; an upload that succeeded is there; a download that

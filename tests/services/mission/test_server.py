@@ -112,7 +112,7 @@ def test_limits_and_types() -> None:
         station.service.replace(plan_of(1, PlanType.FENCE))
 
 
-def test_items_are_asked_for_again_by_the_round_trip(station) -> None:
+def test_items_are_requested_again_by_the_round_trip(station) -> None:
     plan = plan_of(20)
     station.count(20)
     begin = station.now
@@ -124,7 +124,7 @@ def test_items_are_asked_for_again_by_the_round_trip(station) -> None:
     assert station.service.next_timeout() - station.now < 0.1
 
 
-def test_silent_uploader_is_told_and_forgotten(station) -> None:
+def test_silent_uploader_is_reported_and_dropped(station) -> None:
     station.upload(plan_of(3))
     station.count(2)
     station.item(plan_of(2), 0)
@@ -174,7 +174,7 @@ def test_last_item_again_brings_the_last_acknowledgement_again(station) -> None:
     assert station.service.events() == []
 
 
-def test_count_again_begins_anew_but_a_copy_does_not(station) -> None:
+def test_count_again_begins_again_but_a_copy_does_not(station) -> None:
     plan = plan_of(3)
     raw = mavstack.encode(common.MissionCount(count=3, **to_vehicle()), system=255, component=190, sequence=9)
     assert seqs(station.tell_raw(raw)) == [0]
@@ -222,7 +222,7 @@ def test_old_uploads_with_floats_are_taken(station) -> None:
     assert len(station.service.plan(0)) == 2
 
 
-def test_one_who_knows_only_the_old_request_is_asked_with_it(station) -> None:
+def test_one_who_knows_only_the_old_request_is_requested_with_it(station) -> None:
     station.count(1)
     assert "MissionRequest" in kinds(station.wait_for_all(2.0))
     other = make()
@@ -422,7 +422,7 @@ def test_a_firmware_may_keep_to_the_older_messages() -> None:
     assert kinds(station.tell(common.MissionRequestInt(seq=1, **to_vehicle()))) == ["MissionItemInt"]
 
 
-def test_an_item_is_not_asked_for_again_too_soon() -> None:
+def test_an_item_is_not_requested_again_too_soon() -> None:
     pauses = []
     for station in (make(), make(options=MissionServerOptions(request_interval=1.0))):
         station.count(3)

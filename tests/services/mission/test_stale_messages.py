@@ -1,4 +1,4 @@
-"""What is left of a transfer that is over must not get into the next one."""
+"""Stale messages of an ended transfer do not affect the next one."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_request_of_another_upload_is_not_served(vehicle) -> None:
     assert kinds(vehicle.request(2)) == ["MissionItemInt"]
 
 
-def test_vehicle_in_another_upload_is_told_to_leave_it(vehicle) -> None:
+def test_vehicle_in_another_upload_is_reported_to_leave_it(vehicle) -> None:
     """PX4 answers ERROR to a count while it waits for a later item."""
     upload = vehicle.service.upload(plan_of(1), vehicle.now)
     vehicle.said()

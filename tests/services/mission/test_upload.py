@@ -1,4 +1,4 @@
-"""Uploads, against a vehicle played by hand."""
+"""Uploads, against a vehicle controlled by the test."""
 
 from __future__ import annotations
 
@@ -222,7 +222,7 @@ def all_sent(vehicle: Vehicle, plan: Plan, **options):
     return upload
 
 
-def test_lost_final_ack_is_asked_for_by_the_last_item(vehicle) -> None:
+def test_lost_final_ack_is_requested_by_the_last_item(vehicle) -> None:
     """PX4 then says it again."""
     upload = all_sent(vehicle, plan_of(3))
     assert seqs(vehicle.wait()) == [2]

@@ -1,4 +1,4 @@
-"""What is told of one mode."""
+"""The messages about one mode."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_who_may_be_offered_it(properties: int, selectable: bool, advanced: bool
     assert (heard.selectable, heard.advanced) == (selectable, advanced)
 
 
-def test_a_mode_is_read_as_it_was_told() -> None:
+def test_a_mode_is_read_as_it_was_reported() -> None:
     mode = AvailableMode(0x05040000, "Rückkehr", STANDARD.SAFE_RECOVERY, PROPERTY.AUTO_MODE)
     message = mode.to_message(2, 3)
     assert (message.mode_index, message.number_modes) == (2, 3)

@@ -1,4 +1,4 @@
-"""Setting and listing modes: client against server, and against autopilots that behave otherwise."""
+"""Setting and listing modes: client against server, and against autopilots that differ."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_px4_gets_main_and_sub_mode_and_stays_armed():
     assert (command.param1, command.param2, command.param3) == (129.0, 4.0, 5.0)
 
 
-def test_accepted_but_never_entered_is_an_error_that_says_so():
+def test_accepted_but_never_entered_is_an_error_that_is_reported():
     pair = Pair(obeys=False)
     operation = pair.run(SetMode("GUIDED"))
     with pytest.raises(ModeTimeout, match="accepted, but not entered: the vehicle reports STABILIZE"):
@@ -122,7 +122,7 @@ def test_a_name_that_only_the_vehicle_knows_is_found_in_its_list():
     assert pair.run(SetMode("my script")).result() == 77
 
 
-def test_a_name_that_nobody_knows_is_denied_with_those_that_there_are():
+def test_a_name_that_no_client_knows_is_denied_with_those_that_there_are():
     error = Pair().run(SetMode("HOVERCRAFT")).error
     assert isinstance(error, RemoteDenied)
     assert "GUIDED" in str(error)
@@ -151,7 +151,7 @@ def pair_list(pair):
     return list(pair.run(ListModes()).result())
 
 
-def test_gaps_in_the_list_are_asked_for_by_index():
+def test_gaps_in_the_list_are_requested_by_index():
     pair = Pair()
     original = pair.modes._list
 

@@ -64,7 +64,7 @@ def test_px4_numbers_lie_in_the_two_upper_bytes():
     assert mode_name(PX4, T.QUADROTOR, px4_custom_mode(3, 1)) == "ORBIT"
 
 
-def test_a_px4_sub_mode_that_nobody_knows_has_its_main_modes_name():
+def test_a_px4_sub_mode_that_no_client_knows_has_its_main_modes_name():
     assert mode_name(PX4, T.QUADROTOR, px4_custom_mode(4, 99)) == "AUTO"
     assert mode_name(PX4, T.QUADROTOR, px4_custom_mode(99)) is None
 

@@ -1,4 +1,4 @@
-"""Modes over a network that does its worst: entered and told, or a typed error within the deadline."""
+"""Modes over random networks: entered and reported, or a typed error within the deadline."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def test_impossible_requests_are_refused_and_change_nothing(params):
     assert isinstance(copter.modes.events()[0], ModeRefused)
 
 
-def test_the_programs_veto_is_told_to_the_asker():
+def test_the_programs_veto_is_reported_to_the_asker():
     copter = Copter(may_enter=lambda mode, source: "no GPS" if mode.name == "LOITER" else None)
     assert copter.ask(common.MavCmd.DO_SET_MODE, 1, 5) == R.FAILED
     assert copter.modes.intended.custom_mode == copter.modes.current.custom_mode == 0
@@ -137,7 +137,7 @@ def test_current_mode_is_streamed_and_sent_on_request():
     assert [type(message) for message in sent(copter.modes, 10)] == [common.CurrentMode]
 
 
-def test_a_changed_set_of_modes_is_told_from_then_on():
+def test_a_changed_set_of_modes_is_reported_from_then_on():
     copter = Copter()
     assert not [m for _, m in pass_time(copter.modes, 30) if isinstance(m, common.AvailableModesMonitor)]
     copter.modes.offer(COPTER[:2], 31.0)

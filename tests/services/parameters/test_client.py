@@ -146,7 +146,7 @@ def test_an_unknown_name_that_gets_a_text_is_denied(which, text) -> None:
     assert read.error.code == ERROR.DOES_NOT_EXIST
 
 
-def test_a_component_that_keeps_its_value_is_told_so() -> None:
+def test_a_component_that_keeps_its_value_is_reported() -> None:
     hand = ByHand()
     hand.tell("X", 1.0, 0, 1)
     hand.run(0.1)
@@ -174,7 +174,7 @@ def test_an_old_value_that_comes_late_is_no_refusal() -> None:
     assert hand.client.parameters["X"].index == 0
 
 
-def test_a_component_that_answers_only_changes_is_asked_for_the_value() -> None:
+def test_a_component_that_answers_only_changes_is_requested_the_value() -> None:
     hand = ByHand()
     operation = hand.client.set("X", 5.0, hand.network.now, kind=KIND.REAL32)
     for _ in range(30):
@@ -205,7 +205,7 @@ def test_the_cache_follows_what_others_change() -> None:
     assert second.parameter == Parameter("X", 7.0)
 
 
-def test_a_value_that_was_overtaken_does_not_undo_a_newer_one() -> None:
+def test_a_value_that_was_reordered_does_not_undo_a_newer_one() -> None:
     client = ParameterClient(GROUND, VEHICLE)
     for sequence, value in ((5, 1.0), (7, 3.0), (6, 2.0)):
         client.receive(value_packet("X", value, sequence), 100.0)
@@ -238,7 +238,7 @@ def test_a_packed_file_fills_the_cache() -> None:
     assert not pair.client.load_packed(b"nothing", 1.0)
 
 
-def test_what_was_told_during_a_download_is_newer_than_the_file() -> None:
+def test_what_was_reported_during_a_download_is_newer_than_the_file() -> None:
     client = ParameterClient(GROUND, VEHICLE)
     client.receive(value_packet("OLD", 1.0, 1), 5.0)
     client.receive(value_packet("NEW", 1.0, 2), 15.0)

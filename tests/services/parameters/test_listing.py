@@ -1,4 +1,4 @@
-"""Fetching all parameters: the traps, and how long it takes on which link."""
+"""Download of all parameters: pitfalls, and durations on various links."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def test_one_name_in_two_places_is_not_believed() -> None:
     assert list(listing.result()) == ["NEW", "A"]
 
 
-def test_a_parameter_that_cannot_be_read_is_told() -> None:
+def test_a_parameter_that_cannot_be_read_is_reported() -> None:
     hand = ByHand()
     listing = hand.client.download(hand.network.now)
     hand.run(0.1)
@@ -165,7 +165,7 @@ def test_silence_ends_in_a_timeout_that_says_how_many_came() -> None:
     assert hand.client.parameters["A"].value == 1.0
 
 
-def test_gaps_are_not_asked_for_all_at_once() -> None:
+def test_gaps_are_not_requested_all_at_once() -> None:
     hand = ByHand()
     hand.client.download(hand.network.now)
     hand.run(0.1)
@@ -203,7 +203,7 @@ def test_two_lists_of_one_client_go_one_after_the_other() -> None:
     assert len(requests_of(pair, "PARAM_REQUEST_LIST")) == 2
 
 
-def test_progress_is_told() -> None:
+def test_progress_is_reported() -> None:
     pair = Pair(10)
     listing = pair.client.download(pair.network.now)
     pair.run(listing)
@@ -228,7 +228,7 @@ def test_a_known_hash_saves_the_transfer() -> None:
     assert len(values) < 30  # the list was stopped
 
 
-def test_a_changed_hash_means_fetching() -> None:
+def test_a_changed_hash_means_download() -> None:
     first = Pair(50)
     first.run(first.client.download(first.network.now))
     snapshot = first.client.snapshot()
@@ -239,7 +239,7 @@ def test_a_changed_hash_means_fetching() -> None:
     assert values_of(listing.result()) == table_of(again.server)
 
 
-def test_a_vehicle_without_hash_is_fetched_without_delay() -> None:
+def test_a_vehicle_without_hash_is_download_without_delay() -> None:
     pair = Pair(50, hash_check=False)
     listing = pair.client.download(pair.network.now, known=Snapshot((), 5))
     assert pair.run(listing) < 0.2

@@ -1,4 +1,4 @@
-"""What is asked for singly, and when."""
+"""Missing entries: which are requested individually, and when."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def wanted(missing: MissingEntries, now: float) -> list[int]:
     return asked
 
 
-def test_a_gap_is_asked_for_once_the_list_has_ended_and_not_before() -> None:
+def test_a_missing_entry_is_requested_once_the_list_has_ended_and_not_before() -> None:
     """ArduPilot's list stands still while it answers single requests."""
     missing = listing(10)
     for index in (0, 1, 3, 4, 5, 6, 7, 8):
@@ -32,7 +32,7 @@ def test_a_gap_is_asked_for_once_the_list_has_ended_and_not_before() -> None:
     assert wanted(missing, 0.01) == [2]
 
 
-def test_the_tail_is_asked_for_when_the_list_falls_quiet() -> None:
+def test_the_tail_is_requested_when_the_list_falls_quiet() -> None:
     missing = listing(10)
     for index in range(7):
         missing.receive(index, 0.1 * index)
@@ -66,7 +66,7 @@ def test_a_list_that_goes_on_is_listened_to_again() -> None:
     assert wanted(missing, 0.52) == []
 
 
-def test_a_list_that_goes_on_after_a_loss_is_asked_for_what_it_lost() -> None:
+def test_a_list_that_goes_on_after_a_loss_is_requested_what_it_lost() -> None:
     missing = listing(100)
     for index in range(10):
         missing.receive(index, 0.001 * index)
@@ -82,7 +82,7 @@ def test_a_list_that_goes_on_after_a_loss_is_asked_for_what_it_lost() -> None:
     assert wanted(missing, due) == list(range(10, 26))
 
 
-def test_the_list_ends_where_it_meets_what_was_asked_for() -> None:
+def test_the_list_ends_where_it_meets_what_was_requested() -> None:
     missing = listing(20)
     for index in range(6):
         missing.receive(index, 0.001 * index)
@@ -144,7 +144,7 @@ def test_the_window_grows_with_answers_and_shrinks_with_silence() -> None:
     assert missing.window == MIN_WINDOW
 
 
-def test_what_stays_out_is_asked_for_again_until_it_comes() -> None:
+def test_what_stays_out_is_requested_again_until_it_comes() -> None:
     missing = listing(3)
     missing.receive(0, 0.0)
     missing.receive(2, 0.0)

@@ -69,7 +69,7 @@ class PausingPair(Pair):
 
 
 @pytest.mark.parametrize("pause", [0.15, 0.4, 1.0])
-def test_a_list_that_pauses_is_not_fetched_twice(pause) -> None:
+def test_a_list_that_pauses_is_not_download_twice(pause) -> None:
     pair = PausingPair(pause, COUNT, air=Air(5760.0), bandwidth=5760.0)
     listing = pair.client.download(pair.network.now)
     seconds = pair.run(listing)

@@ -1,4 +1,4 @@
-"""Parameters over a network that does its worst: equal sets on both ends, or a typed error in time."""
+"""Parameters over random networks: equal sets on both ends, or a typed error in time."""
 
 from __future__ import annotations
 

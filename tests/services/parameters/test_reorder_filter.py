@@ -1,11 +1,11 @@
-"""Packets that were overtaken."""
+"""The filter for reordered packets."""
 
 from __future__ import annotations
 
 from mavstack.services.parameters.reorder_filter import ReorderFilter
 
 
-def test_copies_and_overtaken_packets_are_told_from_new_ones() -> None:
+def test_copies_and_reordered_packets_are_reported_from_new_ones() -> None:
     newest = ReorderFilter()
     assert not newest.is_reordered(250, 0.0)
     assert newest.is_reordered(250, 0.1)

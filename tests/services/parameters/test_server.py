@@ -1,4 +1,4 @@
-"""The vehicle's side: lists, sets, refusals, bounds."""
+"""Parameter server: lists, sets, refusals, bounds."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def wire_with(number: int, **options) -> Wire:
     return wire
 
 
-def test_a_list_begins_with_the_hash_and_goes_to_who_asked() -> None:
+def test_a_list_begins_with_the_hash_and_goes_to_who_requested() -> None:
     wire = wire_with(3)
     wire.list()
     sent = wire.all_sent()
@@ -117,7 +117,7 @@ def test_a_list_leaves_in_bursts() -> None:
     assert len(wire.sent()) == 32
 
 
-def test_a_list_that_is_asked_for_again_begins_again() -> None:
+def test_a_list_that_is_requested_again_begins_again() -> None:
     wire = wire_with(3)
     wire.list()
     budget = iter([True, True, True])
@@ -135,7 +135,7 @@ def test_several_clients_are_served_in_turns() -> None:
     assert names(sent) == ["P000", "P000", "P001", "P001", "P002", "P002"]
 
 
-def test_a_client_without_room_holds_up_nobody() -> None:
+def test_a_client_without_room_holds_up_no_client() -> None:
     wire = wire_with(3, hash_check=False)
     wire.list(GROUND)
     wire.list(OTHER)
@@ -169,7 +169,7 @@ def test_the_hash_is_read_by_its_name() -> None:
     assert answer.message.error == ERROR.DOES_NOT_EXIST
 
 
-def test_a_value_that_was_set_is_told_to_everybody() -> None:
+def test_a_value_that_was_set_is_reported_to_all() -> None:
     wire = wire_with(2)
     wire.set("P001", pack("<i", 77), KIND.INT32)
     (answer,) = wire.sent()
@@ -212,7 +212,7 @@ def test_what_cannot_be_set_is_refused_and_stays(name, data, kind, error) -> Non
     assert wire.server.events() == []
 
 
-def test_an_unknown_index_is_told_with_its_number() -> None:
+def test_an_unknown_index_is_reported_with_its_number() -> None:
     wire = wire_with(2)
     wire.read(2)
     (answer,) = wire.sent()

@@ -101,7 +101,7 @@ def test_numbers_wrap() -> None:
     assert (first.seq, second.seq) == (0xFFFFFFFF, 0)
 
 
-def test_nobody_answers() -> None:
+def test_no_client_answers() -> None:
     client = PingClient(GROUND, VEHICLE)
     operation = client.ping(START, count=3)
     now = START

@@ -1,4 +1,4 @@
-"""Pings over a network that does its worst: honest statistics, or a typed error in time."""
+"""Pings over random networks: correct statistics, or a typed error in time."""
 
 from __future__ import annotations
 

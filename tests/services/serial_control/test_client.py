@@ -90,14 +90,14 @@ def test_closing_waits_for_room_and_does_not_spin():
     assert [message.flags for message in sent(client, 2.0)] == [OPEN, 0]
 
 
-def test_a_packet_that_comes_twice_is_told_once_but_the_same_text_twice():
+def test_a_packet_that_comes_twice_is_reported_once_but_the_same_text_twice():
     client = opened()
     for sequence in (5, 5, 6):
         give(client, reply(b"tick\n"), VEHICLE, 1.0, sequence)
     assert client.events() == [ShellOutput(b"tick\n")] * 2
 
 
-def test_what_was_overtaken_is_marked():
+def test_what_was_reordered_is_marked():
     client = opened()
     for sequence in (5, 7, 6):
         give(client, reply(b"%d" % sequence), VEHICLE, 1.0, sequence)
@@ -119,7 +119,7 @@ def test_a_count_that_exceeds_the_field_is_clamped():
     assert client.events() == [ShellOutput(b"y" * 70)]
 
 
-def test_a_port_that_answers_only_when_asked_is_polled():
+def test_a_port_that_answers_only_when_requested_is_polled():
     client = ShellClient(GROUND, VEHICLE, 2, baudrate=57600, poll=0.5)
     client.open(0.0)
     sent(client, 0.0)

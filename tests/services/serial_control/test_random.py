@@ -1,4 +1,4 @@
-"""A shell over a network that does its worst: nothing twice, nothing invented, nothing out of turn."""
+"""A shell over random networks: no duplicates, no invented data, no reordering."""
 
 from __future__ import annotations
 

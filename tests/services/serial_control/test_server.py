@@ -33,7 +33,7 @@ def test_the_owner_gets_the_output_in_pieces_of_seventy():
     assert (out[0].target_system, out[0].target_component) == GROUND
 
 
-def test_input_is_told_once_though_its_packet_comes_twice():
+def test_input_is_reported_once_though_its_packet_comes_twice():
     server = owned()
     for sequence in (1, 1, 2):
         give(server, ask(b"ls\n"), GROUND, 1.0, sequence)
@@ -74,7 +74,7 @@ def test_the_last_input_may_come_with_the_closing_message():
     assert server.events() == [ShellInput(GROUND, b"reboot\n"), ShellClosed(GROUND)]
 
 
-def test_an_overtaken_packet_neither_opens_nor_closes():
+def test_an_reordered_packet_neither_opens_nor_closes():
     server = owned()
     give(server, ask(flags=0), GROUND, 1.0, 9)
     give(server, ask(b"late\n"), GROUND, 1.1, 8)

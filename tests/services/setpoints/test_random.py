@@ -1,4 +1,4 @@
-"""Setpoints over a network that does its worst: what arrives was sent, in order, and silence is noticed."""
+"""Setpoints over random networks: what arrives was sent, in order, and silence is noticed."""
 
 from __future__ import annotations
 

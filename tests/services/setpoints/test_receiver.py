@@ -17,7 +17,7 @@ from tests.services.network import GROUND, VEHICLE
 HERE = LocalSetpoint(position=(1, 2, 3))
 
 
-def test_setpoints_are_told_and_kept_with_their_age():
+def test_setpoints_are_reported_and_kept_with_their_age():
     receiver = SetpointReceiver(VEHICLE)
     give(receiver, HERE.to_message(VEHICLE), GROUND, 10.0)
     assert receiver.events() == [SetpointReceived(GROUND, HERE)]
@@ -51,7 +51,7 @@ def test_impossible_setpoints_are_counted_and_do_not_feed_the_stream():
     assert isinstance(receiver.events()[-1], SetpointsTimedOut)
 
 
-def test_what_was_overtaken_on_its_way_is_left_out_and_a_new_clock_is_not():
+def test_what_was_reordered_on_its_way_is_left_out_and_a_new_clock_is_not():
     receiver = SetpointReceiver(VEHICLE)
     give(receiver, HERE.to_message(VEHICLE, 100_000), GROUND, 1.0)
     give(receiver, LocalSetpoint(yaw=1.0).to_message(VEHICLE, 99_950), GROUND, 1.1)

@@ -40,7 +40,7 @@ def test_an_impossible_setpoint_raises_at_once_and_changes_nothing():
     assert streamer.setpoint == HERE
 
 
-def test_stopped_it_sends_nothing_and_begins_anew_with_the_next():
+def test_stopped_it_sends_nothing_and_begins_again_with_the_next():
     streamer = SetpointStreamer(GROUND, VEHICLE, rate=10.0)
     streamer.start(0.0)
     assert sent(streamer, 0.0) == []  # there is nothing to send yet

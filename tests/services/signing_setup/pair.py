@@ -1,4 +1,4 @@
-"""A vehicle and a ground station whose channels sign, and what each hears of the other."""
+"""A vehicle and a ground station whose channels sign, and what each receives of the other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The asking side alone, packet by packet."""
+"""The signing setup client alone, packet by packet."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_it_asks_again_until_it_hears_the_new_way_but_not_for_ever():
     assert stamps[0] == timestamp_at(START + 3)
 
 
-def test_once_the_new_way_is_heard_it_asks_no_more_and_wants_an_answer():
+def test_once_the_new_way_is_received_it_asks_no_more_and_wants_an_answer():
     asker = Asker()
     asker.unsigned(common.Heartbeat(), START)
     asker.sent(START, common.SetupSigning)
@@ -79,7 +79,7 @@ def test_an_answer_given_the_old_way_proves_nothing_and_it_asks_again():
     assert asker.sent(START + 1.2, common.SetupSigning)
 
 
-def test_an_answer_to_what_was_asked_the_old_way_proves_nothing():
+def test_an_answer_to_what_was_requested_the_old_way_proves_nothing():
     asker = Asker()
     asker.unsigned(common.Heartbeat(), START)
     early = asker.sent(START, common.Timesync)
@@ -89,7 +89,7 @@ def test_an_answer_to_what_was_asked_the_old_way_proves_nothing():
     assert not asker.operation.done
 
 
-def test_no_signing_is_asked_for_by_zeros_and_the_time_zero():
+def test_no_signing_is_requested_by_zeros_and_the_time_zero():
     asker = Asker(key=None)
     asker.signed(common.Heartbeat(), START)
     for number in range(1, 4):

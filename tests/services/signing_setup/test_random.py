@@ -1,4 +1,4 @@
-"""Changing keys over a network that does its worst: whatever happens, in the end both hear each other."""
+"""Changing keys over random networks: in the end both ends communicate."""
 
 from __future__ import annotations
 

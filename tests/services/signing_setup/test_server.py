@@ -41,7 +41,7 @@ def server(**options) -> SigningSetupServer:
     return SigningSetupServer(VEHICLE, may_set=lambda request: None, **options)
 
 
-def test_a_new_key_is_on_trial_until_it_is_heard():
+def test_a_new_key_is_on_trial_until_it_is_received():
     vehicle = server()
     give(vehicle, setup(ONE), GROUND, START)
     assert vehicle.events() == [ListenForKey(GROUND, ONE, 1000), UseNewKey(GROUND)]
@@ -81,7 +81,7 @@ def test_a_key_for_all_or_for_others_is_not_taken(target):
     assert vehicle.events() == []
 
 
-def test_asking_again_changes_nothing_and_an_overtaken_one_neither():
+def test_asking_again_changes_nothing_and_an_reordered_one_neither():
     vehicle = server()
     give(vehicle, setup(ONE, 1000), GROUND, START)
     vehicle.events()

@@ -1,4 +1,4 @@
-"""Setting keys between two ends: confirmed, or rolled back, and never deaf."""
+"""Setting keys between two ends: confirmed, or rolled back, and never cut off."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_by_default_only_a_trusted_channel_may_set_keys(trusted):
     pair.assert_they_hear_each_other()
 
 
-def test_without_a_policy_nobody_may():
+def test_without_a_policy_no_client_may():
     pair = Pair()
     pair.vehicle.engine.remove(pair.server)
     server = pair.vehicle.engine.add(SigningSetupServer(VEHICLE))
@@ -101,7 +101,7 @@ def test_one_that_takes_the_key_but_cannot_hear_us_goes_back_and_so_do_we():
     assert not pair.client.changing
 
 
-def test_one_that_took_the_key_while_we_heard_nothing_is_followed():
+def test_one_that_took_the_key_while_we_received_nothing_is_followed():
     """The operation gives up, the vehicle has changed: we speak its way as soon as we hear it."""
     pair = Pair(key=OLD)
     operation = pair.install(NEW, timeout=5.0)
@@ -141,7 +141,7 @@ def test_a_vehicle_without_a_trial_as_ardupilot_is_confirmed_too():
     pair.assert_they_hear_each_other()
 
 
-def test_nothing_is_sent_before_the_target_is_heard_nor_to_others():
+def test_nothing_is_sent_before_the_target_is_received_nor_to_others():
     pair = Pair()
     stranger = pair.network.node(Address(9, 9))
     pair.network.connect(pair.ground, stranger)

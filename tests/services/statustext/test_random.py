@@ -1,4 +1,4 @@
-"""Texts over a network that does its worst: whole and once, or marked, and never made up."""
+"""Texts over random networks: complete and once, or marked as incomplete."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def long(number: int = 5, text: str = A + B + C, severity: int = 6) -> list[comm
     return chunks_of(text, severity, number)
 
 
-def test_id_0_is_told_at_once() -> None:
+def test_id_0_is_reported_at_once() -> None:
     ear = Ear()
     ear.hear(common.Statustext(severity=3, text="PreArm: GPS"))
     assert ear.receiver.events() == [StatusText(VEHICLE, 3, "PreArm: GPS")]
@@ -69,7 +69,7 @@ def test_a_gap_times_out_and_is_marked(lost: int, text: str) -> None:
     assert ear.receiver.next_timeout() is None
 
 
-def test_a_chunk_that_comes_after_its_text_was_told_is_no_text_of_its_own() -> None:
+def test_a_chunk_that_comes_after_its_text_was_reported_is_no_text_of_its_own() -> None:
     ear = Ear()
     chunks = long()
     ear.hear(chunks[0], chunks[2])
@@ -78,7 +78,7 @@ def test_a_chunk_that_comes_after_its_text_was_told_is_no_text_of_its_own() -> N
     assert ear.told(START + 60) == []
 
 
-def test_components_and_systems_are_told_apart() -> None:
+def test_components_and_systems_are_reported_apart() -> None:
     ear = Ear()
     other, third = Address(1, 100), Address(2, 1)
     for chunk in range(3):
@@ -87,7 +87,7 @@ def test_components_and_systems_are_told_apart() -> None:
     assert sorted(ear.told()) == sorted([A + B + C, B + C + A, C + C + C])
 
 
-def test_duplicates_are_told_once() -> None:
+def test_duplicates_are_reported_once() -> None:
     ear = Ear()
     ear.hear(*long(), *long(), *reversed(long()))
     assert ear.told(START + 4) == [A + B + C]
@@ -97,14 +97,14 @@ def test_duplicates_are_told_once() -> None:
     assert ear.told() == ["hello"]
 
 
-def test_the_same_text_said_twice_is_told_twice() -> None:
+def test_the_same_text_said_twice_is_reported_twice() -> None:
     ear = Ear()
     for number in (5, 6):
         ear.hear(common.Statustext(severity=6, text="hello"), *long(number))
     assert ear.told() == ["hello", A + B + C] * 2
 
 
-def test_a_sender_that_starts_anew_uses_its_ids_again() -> None:
+def test_a_sender_that_starts_again_uses_its_ids_again() -> None:
     ear = Ear()
     ear.hear(*long(1))
     ear.hear(*long(1, C + A + B), now=START + 0.5)

@@ -7,7 +7,7 @@ from tests.services.network import START, VEHICLE
 from tests.services.telemetry_helpers import sent_by
 
 
-def test_texts_go_to_everybody_in_order_with_ids_of_their_own() -> None:
+def test_texts_go_to_all_in_order_with_ids_of_their_own() -> None:
     sender = StatustextSender(VEHICLE)
     for text in ("x" * 60, "short", "y" * 60):
         sender.send_text(text, common.MavSeverity.WARNING)

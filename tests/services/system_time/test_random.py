@@ -1,4 +1,4 @@
-"""Over a network that does its worst every restart is seen, and nothing else is taken for one."""
+"""Over random networks every reboot is detected, and nothing else."""
 
 from __future__ import annotations
 

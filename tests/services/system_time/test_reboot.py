@@ -16,7 +16,7 @@ def test_a_falling_time_means_a_reboot() -> None:
     assert observe((100, 0), (101, 1), (0.5, 4), (1.5, 5)) == [False, False, True, False]
 
 
-def test_one_reboot_is_told_once() -> None:
+def test_one_reboot_is_reported_once() -> None:
     detector = RebootDetector()
     for boot, passed in ((100, 0), (0.5, 4), (1.5, 5), (2.5, 6)):
         detector.observe(boot * 1000, START + passed)
@@ -24,7 +24,7 @@ def test_one_reboot_is_told_once() -> None:
     assert detector.booted_at == START + 3.5
 
 
-def test_overtaken_messages_are_no_reboot() -> None:
+def test_reordered_messages_are_no_reboot() -> None:
     assert not any(observe((100, 0), (99.5, 0.01), (100.5, 0.5), (98, 0.6)))
 
 

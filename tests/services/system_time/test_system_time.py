@@ -52,7 +52,7 @@ def test_a_rate_must_be_one() -> None:
         SystemTimeBroadcaster(VEHICLE, START, rate=0)
 
 
-def test_a_time_of_0_is_not_known_and_one_after_a_fix_is_told() -> None:
+def test_a_time_of_0_is_not_known_and_one_after_a_fix_is_reported() -> None:
     observer = SystemTimeObserver(GROUND)
     observer.receive(packet_of(heard(0, 5)), START)
     observer.receive(packet_of(heard(86_400, 6)), START + 1)
@@ -64,7 +64,7 @@ def test_a_time_of_0_is_not_known_and_one_after_a_fix_is_told() -> None:
     assert observer.clock_of(VEHICLE).offset == pytest.approx(98.0)
 
 
-def test_a_reboot_is_told_and_unsets_the_clock() -> None:
+def test_a_reboot_is_reported_and_unsets_the_clock() -> None:
     observer = SystemTimeObserver(GROUND)
     observer.receive(packet_of(heard(START, 500)), START)
     observer.receive(packet_of(heard(0, 1)), START + 5)
@@ -72,7 +72,7 @@ def test_a_reboot_is_told_and_unsets_the_clock() -> None:
     assert observer.clock_of(VEHICLE).unix_time is None
 
 
-def test_systems_are_told_apart_and_the_table_is_bounded() -> None:
+def test_systems_are_reported_apart_and_the_table_is_bounded() -> None:
     observer = SystemTimeObserver(GROUND)
     for number in range(600):
         source = Address(1 + number % 250, 1 + number // 250)

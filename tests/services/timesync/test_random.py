@@ -1,4 +1,4 @@
-"""The offset over a network that does its worst is never further off than half the best round trip."""
+"""The offset over random networks is never further off than half the best round trip."""
 
 from __future__ import annotations
 

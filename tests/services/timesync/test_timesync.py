@@ -65,7 +65,7 @@ def test_a_request_has_tc1_0_and_is_addressed() -> None:
     assert (asked.target_system, asked.target_component) == VEHICLE
 
 
-def test_the_answer_is_addressed_to_who_asked() -> None:
+def test_the_answer_is_addressed_to_who_requested() -> None:
     server = TimesyncServer(VEHICLE, lambda _: 77)
     server.receive(packet_of(common.Timesync(tc1=0, ts1=5), GROUND), START)
     (outgoing,) = server.messages_to_send(START)
@@ -85,7 +85,7 @@ def test_a_clock_at_zero_does_not_make_a_request_of_the_answer() -> None:
     assert sent_by(server)[0].tc1 != 0
 
 
-def test_a_peer_of_the_first_version_answers_everybody() -> None:
+def test_a_peer_of_the_first_version_answers_all() -> None:
     client = TimesyncClient(GROUND, VEHICLE)
     asked = request(client)
     client.receive(packet_of(common.Timesync(tc1=9, ts1=asked.ts1 + 1)), START)
@@ -103,7 +103,7 @@ def test_an_answer_counts_once() -> None:
     assert client.estimate.samples == 1
 
 
-def test_who_never_answers_is_asked_rarely_and_remembered_boundedly() -> None:
+def test_who_never_answers_is_requested_rarely_and_remembered_boundedly() -> None:
     client = TimesyncClient(GROUND, VEHICLE)
     times = []
     while not times or times[-1] < START + 1000:

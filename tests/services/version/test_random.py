@@ -1,4 +1,4 @@
-"""Versions over a network that does its worst."""
+"""Versions over random networks."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ def test_a_server_answers_the_older_commands_too() -> None:
     assert set(peers.commands_heard()) == {512, 519, 520}
 
 
-def test_nobody_there_is_a_typed_error() -> None:
+def test_no_client_there_is_a_typed_error() -> None:
     peers = Peers(old=True)
     peers.vehicle.setup = None
     peers.vehicle.restart()
@@ -129,7 +129,7 @@ def test_which_protocols_are_spoken(protocol: ProtocolVersion, speaks: list[int]
     assert [major for major in (1, 2, 3) if protocol.supports(major)] == speaks
 
 
-def test_a_camera_is_asked_like_an_autopilot() -> None:
+def test_a_camera_is_requested_like_an_autopilot() -> None:
     peers = Versioned()
     assert peers.client.target == VEHICLE
     assert peers.run(RequestMessage(common.AutopilotVersion)).result() == VERSION.to_message()
