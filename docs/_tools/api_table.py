@@ -24,16 +24,6 @@ class Section:
 
 SECTIONS = (
     Section("Connections and vehicles", ("mavstack.vehicle",)),
-    Section(
-        "Parts of a vehicle",
-        classes=(
-            "mavstack.vehicle.mission:Mission",
-            "mavstack.vehicle.mission:VehiclePlan",
-            "mavstack.vehicle.guided_session:GuidedSession",
-            "mavstack.vehicle.health:Health",
-            "mavstack.vehicle.vehicle_type:VehicleType",
-        ),
-    ),
     Section("Telemetry values", ("mavstack.vehicle.telemetry.values",)),
     Section("Nodes and remote components", ("mavstack.node",)),
     Section(

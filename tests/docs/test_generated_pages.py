@@ -85,6 +85,34 @@ def test_markers_name_generated_parts():
             assert name in hooks.PARTS, (path, name)
 
 
+def test_the_api_reference_names_objects_that_exist():
+    for path in (DOCS / "reference").rglob("*.md"):
+        text = path.read_text("utf-8")
+        for identifier, options in re.findall(r"^::: ([\w.]+)\n((?: +.*\n)*)", text, re.MULTILINE):
+            item = found(identifier)
+            members = re.search(r"members: \[(.*)\]", options)
+            for name in members[1].split(", ") if members else ():
+                assert hasattr(item, name), f"{path.name}: {identifier}.{name}"
+
+
+def found(identifier: str) -> object:
+    """The module or class of a dotted name."""
+    item: object = import_module("mavstack")
+    names = identifier.split(".")
+    for index, name in enumerate(names[1:], 2):
+        if not hasattr(item, name):
+            import_module(".".join(names[:index]))
+        item = getattr(item, name)
+    return item
+
+
+def test_the_api_reference_holds_the_public_names_of_a_connection_and_a_node():
+    for package in ("vehicle", "node"):
+        text = (DOCS / "reference" / "api" / f"{package}.md").read_text("utf-8")
+        for name in import_module(f"mavstack.{package}").__all__:
+            assert re.search(rf"\b{name}\b", text), name
+
+
 def test_measured_figures_are_those_of_the_benchmarks():
     page = (DOCS / "explanation" / "performance.md").read_text("utf-8")
     measured = page[page.index("## Live telemetry") : page.index("## Simulated vehicles")]
