@@ -35,7 +35,7 @@ lint: $(VENV)/installed ## Check style, types, layers, vocabulary and generated 
 	$(BIN)/python -m mavstack.sync.generate --check
 
 docs: $(VENV)/installed ## Build the documentation site in site/
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 bench: $(VENV)/installed ## Compare speed and memory with the peers
 	$(BIN)/python -m benchmarks
