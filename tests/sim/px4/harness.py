@@ -36,6 +36,7 @@ class Px4Harness(VehicleHarness):
         harness.attach(self)
         reduce_telemetry(self.vehicle)
         self.receiving = True
+        assert self.port  # opened now, not with the first message
         if ready:
             self.send_heartbeat()
             self.run(4.0)
