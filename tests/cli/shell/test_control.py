@@ -38,7 +38,7 @@ def test_settings(capsys):
     async def scenario(session):
         await run_line(session, "set wait off; set timeout 12.5; set severity warning; set; set wait")
         assert session.settings.wait is False
-        assert session.settings.limit == 12.5
+        assert session.settings.timeout == 12.5
         assert session.settings.severity == common.MavSeverity.WARNING
 
     alone(scenario)
@@ -59,9 +59,9 @@ def test_wrong_settings(line):
 def test_aliases(capsys):
     async def scenario(session):
         await run_line(session, 'alias add calm "set wait off; set timeout 5"; calm; alias; alias list')
-        assert session.settings.limit == 5
+        assert session.settings.timeout == 5
         await run_line(session, "alias add limit set timeout; limit 7")
-        assert session.settings.limit == 7
+        assert session.settings.timeout == 7
         await run_line(session, "help calm; alias remove calm")
         with pytest.raises(UsageError, match="there is no command 'calm'"):
             await run_line(session, "calm")
@@ -98,7 +98,7 @@ def test_script_runs_until_a_failure(tmp_path, capsys):
     async def scenario(session):
         with pytest.raises(AlreadyReported):
             await run_line(session, f"script {script}")
-        assert session.settings.limit == 3
+        assert session.settings.timeout == 3
 
     alone(scenario)
     assert f"{script}:4: limit is a number from 0 on, not 'x'\n" in capsys.readouterr().err
@@ -123,7 +123,7 @@ def test_exit_ends_the_line():
     async def scenario(session):
         await run_line(session, "exit; set timeout 5")
         assert session.exiting
-        assert session.settings.limit == 0
+        assert session.settings.timeout == 0
 
     alone(scenario)
 
@@ -148,8 +148,8 @@ def test_outputs_are_added_listed_and_removed(capsys):
 
     in_shell(COPTER, scenario)
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("0  memory://pair  1 there")
-    assert lines[1] == "nothing is forwarded"
+    assert lines[0].startswith("0  memory://pair  1 peers")
+    assert lines[1] == "there are no outputs"
 
 
 @pytest.mark.parametrize(

@@ -113,7 +113,7 @@ def test_relative_yaw():
     ],
 )  # fmt: skip
 def test_wrong_usage(line):
-    with pytest.raises(UsageError, match=r"usage|is no number"):
+    with pytest.raises(UsageError, match=r"usage|is not a number"):
         alone(lambda session: run_line(session, line))
 
 

@@ -38,7 +38,7 @@ def test_watch_ends_after_its_duration(capsys):
 
 
 def test_watch_without_duration_needs_an_interactive_shell():
-    with pytest.raises(UsageError, match="how many seconds"):
+    with pytest.raises(UsageError, match="number of seconds"):
         type_lines("watch HEARTBEAT")
 
 
@@ -50,7 +50,7 @@ def test_watch_requests_a_rate(capsys):
 def test_version_link_and_ping(capsys):
     type_lines("version; link; ping")
     out = capsys.readouterr().out
-    for word in ("firmware", "memory://pair", " packets, 0 bytes", "4 of 4 came back"):
+    for word in ("firmware", "memory://pair", " packets, 0 bytes", "4 of 4 pings answered"):
         assert word in out
 
 
@@ -74,7 +74,7 @@ def test_vehicles_are_listed_and_selected(capsys):
         await world.wait_until(lambda: len(session.connection.vehicles) == 2)
         await run_line(session, "vehicle; vehicle 2; vehicle; disarm")
         assert session.vehicle.system == 2
-        with pytest.raises(MavstackError, match="no vehicle has the system id 9; those heard: 1, 2"):
+        with pytest.raises(MavstackError, match="no vehicle has the system id 9; known: 1, 2"):
             await run_line(session, "vehicle 9")
 
     in_shell([COPTER, PX4_COPTER], scenario)
@@ -93,4 +93,4 @@ def test_no_vehicle_is_an_error(line):
 
 def test_link_without_peers(capsys):
     alone(lambda session: run_line(session, "link; vehicle"))
-    assert "nobody is there\nno vehicle has been heard yet\n" in capsys.readouterr().out
+    assert "no peer\nno vehicle has been heard yet\n" in capsys.readouterr().out

@@ -60,8 +60,8 @@ def test_unexpected_error_is_reported_and_the_shell_goes_on(capsys):
 
     alone(scenario)
     captured = capsys.readouterr()
-    assert "a defect of this command: AttributeError" in captured.err
-    assert captured.out == "limit  0\n"
+    assert "unexpected error: AttributeError" in captured.err
+    assert captured.out == "timeout  0\n"
 
 
 def test_ctrl_c_cancels_only_the_command(capsys):
@@ -77,7 +77,7 @@ def test_ctrl_c_cancels_only_the_command(capsys):
     in_shell(COPTER, scenario)
     captured = capsys.readouterr()
     assert "cancelled" in captured.err
-    assert captured.out == "armed\nlimit  0\n"
+    assert captured.out == "armed\ntimeout  0\n"
 
 
 def test_question_without_answer_is_refused(capsys):
@@ -172,5 +172,5 @@ def test_plain_input_without_prompt_toolkit(monkeypatch, capsys):
     asyncio.run(whole())
     captured = capsys.readouterr()
     assert "pip install 'mavstack[cli]'" in captured.err
-    assert captured.out == "limit  0\n"
+    assert captured.out == "timeout  0\n"
     assert asked == ["no vehicle> "] * 2

@@ -72,7 +72,7 @@ def test_system_id_is_shown_for_several_vehicles():
 def test_link_down():
     async def scenario(session):
         news = Notifications(session)
-        assert news.line(LinkDown("refused", 2.0)) == ("link down: refused; tries again in 2 s", "red")
+        assert news.line(LinkDown("refused", 2.0)) == ("link down: refused; next try in 2 s", "red")
         assert news.line(LinkDown("gone", float("inf"))) == ("link down: gone", "red")
 
     alone(scenario)

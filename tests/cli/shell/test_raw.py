@@ -41,25 +41,25 @@ def test_channels_are_overridden_and_released(capsys):
     async def scenario(session, world):
         async with session.connection.packets() as _:
             await run_line(session, "rc 3 1500; rc 5 1200; rc; sleep 1")
-            assert session.overrides.of(session.vehicle) == {3: 1500, 5: 1200}
+            assert session.overrides.active(session.vehicle) == {3: 1500, 5: 1200}
             rc = session.vehicle.latest(common.RcChannels) or await session.vehicle.wait_for_message(
                 common.RcChannels
             )
             assert rc.chan3_raw == 1500
             await run_line(session, "rc 5 0; rc clear; rc status")
-            assert session.overrides.of(session.vehicle) == {}
+            assert session.overrides.active(session.vehicle) == {}
 
     in_shell(COPTER, scenario)
     out = capsys.readouterr().out.splitlines()
     assert out[2] == "overridden: 3: 1500 µs, 5: 1200 µs"
-    assert out[-1] == "overridden: nothing"
+    assert out[-1] == "overridden: none"
 
 
 def test_leaving_releases_channels():
     async def scenario(session, world):
         await run_line(session, "rc all 1400; sleep 1")
         await session.overrides.close()
-        assert session.overrides.of(session.vehicle) == {}
+        assert session.overrides.active(session.vehicle) == {}
 
     in_shell(COPTER, scenario)
 

@@ -86,7 +86,7 @@ def test_unknown_command_suggests_a_similar_one(line, hint):
 
 
 def test_command_names_ignore_case():
-    alone(lambda session: run_line(session, "SET limit 5; Help"))
+    alone(lambda session: run_line(session, "SET timeout 5; Help"))
 
 
 @pytest.mark.parametrize(("keep_going", "limit"), [(False, 1), (True, 3)])
@@ -94,7 +94,7 @@ def test_keep_going(keep_going, limit, capsys):
     async def scenario(session):
         lines = each("set timeout 1; bad; set timeout 2", "worse", "set timeout 3")
         assert not await run_lines(session, lines, "a.txt", keep_going=keep_going)
-        assert session.settings.limit == limit
+        assert session.settings.timeout == limit
 
     alone(scenario)
     told = capsys.readouterr().err.splitlines()

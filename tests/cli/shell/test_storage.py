@@ -123,7 +123,7 @@ def test_erasing_logs_asks_for_confirmation(answer, left):
         session.ask = ask
         await run_line(session, "arm throttle; sleep 2; disarm; sleep 3")
         if left:
-            with pytest.raises(MavstackError, match="nothing was erased"):
+            with pytest.raises(MavstackError, match="no log was erased"):
                 await run_line(session, "log erase")
         else:
             await run_line(session, "log erase")

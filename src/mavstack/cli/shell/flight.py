@@ -139,7 +139,8 @@ async def modes(session: Session, words: list[str]) -> None:
 async def speed(session: Session, words: list[str]) -> None:
     """Run `setspeed 5`."""
     expect_words(words, 1, 1, "setspeed METRES_PER_SECOND")
-    await session.vehicle.set_speed(parse_number(words[0], "the speed"))
+    ground_speed = parse_number(words[0], "the speed")
+    await session.vehicle.set_speed(ground_speed)
 
 
 async def yaw(session: Session, words: list[str]) -> None:
