@@ -80,29 +80,29 @@ def test_for_another_system_the_error_names_the_vehicles():
 
 
 @pytest.mark.parametrize(
-    ("said", "text"),
+    ("sent", "text"),
     [
-        (None, "heard: nobody, as no link has a peer; look at address and port"),
-        (b"", "heard: nobody; look at address and port, and whether the vehicle is on"),
-        (b"\x00\x55" * 40, "heard: 80 bytes that are not MAVLink; look at the baud rate"),
+        (None, "heard: nothing, no link has a peer; check address and port"),
+        (b"", "heard: nothing; check address and port, and that the vehicle is on"),
+        (b"\x00\x55" * 40, "heard: 80 bytes that are not MAVLink; check the baud rate"),
         (common.Attitude(), "heard: 1 packets, but no heartbeat"),
     ],
     ids=["no peer", "silence", "noise", "no heartbeat"],
 )
-def test_when_nothing_was_heard_the_error_names_what_to_check(said, text):
+def test_when_nothing_was_heard_the_error_names_what_to_check(sent, text):
     async def scenario(stage):
-        if said is not None:
+        if sent is not None:
             peer = Node(stage.network.link(), system=1, component=1, heartbeat=False)
             await peer.open()
             await asyncio.sleep(0.1)
             for channel in peer._host.driver.channels:
-                if isinstance(said, bytes):
-                    channel.write(said)
-            if not isinstance(said, bytes):
-                peer.send(said)
+                if isinstance(sent, bytes):
+                    channel.write(sent)
+            if not isinstance(sent, bytes):
+                peer.send(sent)
         with pytest.raises(RemoteTimeout) as caught:
             await stage.node.wait_for_vehicle(timeout=5)
-        if said is not None:
+        if sent is not None:
             await peer.close()
         assert text in str(caught.value)
 

@@ -42,7 +42,7 @@ class World:
     def simulated(self) -> SimulatedVehicle:
         return self.simulation.vehicles[0]
 
-    async def wait_until(self, holds: Callable[[], bool], *, timeout: float = 60.0) -> None:  # noqa: ASYNC109
+    async def wait_until(self, holds: Callable[[], bool], *, timeout: float = 60.0) -> None:
         await wait_until(holds, timeout=timeout, interval=0.1, now=self.node.now)
 
 

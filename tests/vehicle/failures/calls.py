@@ -92,6 +92,7 @@ async def open_shell(scene: Scene) -> None:
         pass
 
 
+PART_OF_ACTIONS = "it fails as the actions that use it"
 NOT_WAITED = "it does not wait for the effect"
 VEHICLE = [
     command(
@@ -187,6 +188,20 @@ VEHICLE = [
         lambda s: s.vehicle.set_message_rate(common.Attitude, 5.0),
         5,
         why_not=NOT_WAITED,
+    ),
+    Call("Vehicle.get_home", lambda s: s.vehicle.get_home(), silent=None, why_not=PART_OF_ACTIONS),
+    Call(
+        "Vehicle.get_home_altitude",
+        lambda s: s.vehicle.get_home_altitude(),
+        silent=None,
+        why_not=PART_OF_ACTIONS,
+    ),
+    Call("Vehicle.get_position", lambda s: s.vehicle.get_position(), silent=None, why_not=PART_OF_ACTIONS),
+    Call(
+        "Vehicle.get_relative_altitude",
+        lambda s: s.vehicle.get_relative_altitude(),
+        silent=None,
+        why_not=PART_OF_ACTIONS,
     ),
 ]
 TELEMETRY = [

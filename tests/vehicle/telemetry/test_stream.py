@@ -116,7 +116,7 @@ def test_the_fastest_of_several_streams_counts():
 def test_a_refusal_is_raised_if_nothing_arrives(rate):
     async def scenario(peer):
         peer.answer = RESULT.UNSUPPORTED
-        with pytest.raises(CommandDenied, match=r"ODOMETRY at \d Hz 1/1 failed: UNSUPPORTED"):
+        with pytest.raises(CommandDenied, match=r"ODOMETRY at \d Hz from 1/1 failed: UNSUPPORTED"):
             await anext(peer.vehicle.stream(common.Odometry, rate=rate))
         assert not peer.vehicle.connection._host.packet_dispatch._open
 
