@@ -101,7 +101,7 @@ class Port:
 
 
 class Node:
-    """An engine in the network; `setup` builds its services, anew after each restart."""
+    """An engine in the network; `setup` builds its services, again after each restart."""
 
     def __init__(self, network: Network, address: Address, setup: Callable[[Engine], None] | None) -> None:
         self.network = network

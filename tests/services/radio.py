@@ -1,6 +1,6 @@
 """A radio network: one ground station, several vehicles, one half-duplex channel that all of them share.
 
-What the ground sends all vehicles hear; what a vehicle sends the ground hears. Each radio has a queue that
+All vehicles receive the packets of the ground station, and it receives theirs. Each radio has a queue that
 drops what overflows, and tells its own side once in a while how much of it is free (RADIO_STATUS).
 """
 

@@ -23,7 +23,7 @@ def packet_of(message: Message, source: Address = VEHICLE, sequence: int = 0) ->
 
 
 def sent_by(service: Service, now: float = START) -> list[Message]:
-    """What the service wants to send, links without limits given."""
+    """Return the messages that a service sends over unlimited links."""
     return [outgoing.message for outgoing in service.messages_to_send(now)]
 
 

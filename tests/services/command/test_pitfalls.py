@@ -197,7 +197,7 @@ def test_a_duplicate_while_running_is_temporarily_rejected(server) -> None:
     assert answers(server, command_long(WINCH), 3, source=Address(254, 1)) == [RESULT.TEMPORARILY_REJECTED]
 
 
-def test_the_same_request_sent_again_hears_how_far_it_is(server) -> None:
+def test_a_repeated_request_gets_the_progress(server) -> None:
     assert answers(server, command_long(WINCH)) == [RESULT.IN_PROGRESS]
     assert answers(server, command_long(WINCH, confirmation=1), 1) == [RESULT.IN_PROGRESS]
     assert len(server.running) == 1
@@ -210,7 +210,7 @@ def test_a_command_whose_answer_was_lost_is_not_carried_out_twice() -> None:
     assert answers(server, command_long(SERVO)) == [RESULT.ACCEPTED]
     assert answers(server, command_long(SERVO, confirmation=1), 1) == [RESULT.ACCEPTED]
     assert len(done) == 1
-    assert answers(server, command_long(SERVO), 2) == [RESULT.ACCEPTED]  # asked anew
+    assert answers(server, command_long(SERVO), 2) == [RESULT.ACCEPTED]  # requested again
     assert len(done) == 2
 
 

@@ -70,11 +70,11 @@ def test_telemetry_beside_a_transfer() -> None:
 
 
 @pytest.mark.parametrize(
-    ("loss", "most"), [(0.0, 0.6), (0.01, 0.87), (0.1, 3.5)], ids=["clean", "1 percent", "10 percent"]
+    ("loss", "maximum"), [(0.0, 0.6), (0.01, 0.87), (0.1, 3.5)], ids=["clean", "1 percent", "10 percent"]
 )
-def test_over_20_ms(loss, most) -> None:
+def test_over_20_ms(loss, maximum) -> None:
     seconds, _ = transfer(Impairment(latency=0.02, loss=loss))
-    assert seconds <= most
+    assert seconds <= maximum
 
 
 def test_a_server_without_bursts_is_read_with_several_requests_under_way() -> None:
@@ -113,8 +113,8 @@ def test_a_blind_server_that_takes_its_time_through_a_radio() -> None:
 
 
 @pytest.mark.parametrize(
-    ("latency", "loss", "most"), [(0.0, 0.0, 0.4), (0.02, 0.01, 0.87), (0.02, 0.1, 3.5)], ids=str
+    ("latency", "loss", "maximum"), [(0.0, 0.0, 0.4), (0.02, 0.01, 0.87), (0.02, 0.1, 3.5)], ids=str
 )
-def test_a_server_as_fast_as_px4(latency, loss, most) -> None:
+def test_a_server_as_fast_as_px4(latency, loss, maximum) -> None:
     seconds, _ = transfer(Impairment(latency=latency, loss=loss), kind=SpreadingEnds)
-    assert seconds <= most
+    assert seconds <= maximum

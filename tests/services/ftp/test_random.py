@@ -93,7 +93,7 @@ def changing(seed: int) -> None:
 
 
 def shrinking(seed: int) -> None:
-    """A file that changes while it is read is never a mix that nobody tells of."""
+    """A file that changes during the download is reported, never returned as a mix."""
     random = Random(seed)
     old, new = random.randbytes(random.randrange(1000, 20_000)), random.randbytes(random.randrange(20_000))
     store = MemoryStore({"f": old})

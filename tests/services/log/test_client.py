@@ -154,7 +154,7 @@ def test_the_limit_is_kept() -> None:
 
 
 class StuckLogs(ArduPilotLogs):
-    """Still sends to somebody who is gone, and has no time for others."""
+    """Still sends to a client that is gone, and ignores others."""
 
     def bulk_messages(self, now, has_room):
         return super().bulk_messages(now, has_room) if self.ends else iter(())
@@ -337,8 +337,8 @@ def test_erasing_that_does_nothing_is_a_typed_error() -> None:
 def test_a_slow_radio_is_used_well() -> None:
     site = Site(air=(air := Air()), bandwidth=5760.0)
     site.download(7)
-    least = 30_000 / 90 * 102 / 5760
-    assert site.network.now - START < 1.25 * least
+    minimum = 30_000 / 90 * 102 / 5760
+    assert site.network.now - START < 1.25 * minimum
     assert air.overflowed == 0
 
 

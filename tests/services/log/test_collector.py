@@ -114,13 +114,13 @@ def test_ranges() -> None:
 
 @given(st.sets(st.integers(0, 40)), st.integers(0, 60), st.integers(1, 50), st.integers(0, 50))
 def test_a_range_is_never_empty_and_starts_where_something_is_missing(
-    there: set[int], cursor: int, most: int, merge: int
+    there: set[int], cursor: int, maximum: int, merge: int
 ) -> None:
     collector = Collector(50 * CHUNK + 1)
     for number in there:
         collector.add(number, FULL, requested=True)
-    start, end = collector.missing_range(cursor, most, merge)
+    start, end = collector.missing_range(cursor, maximum, merge)
     assert 0 <= start < end <= 51
-    assert end - start <= most
-    assert not {start, end - 1} & there or most < 51
+    assert end - start <= maximum
+    assert not {start, end - 1} & there or maximum < 51
     assert start not in there

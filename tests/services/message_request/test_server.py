@@ -145,7 +145,7 @@ def test_a_full_link_thins_telemetry_instead_of_queueing_it() -> None:
     assert len(ages) > 100
 
 
-def test_what_is_most_overdue_goes_first() -> None:
+def test_overdue_messages_go_first() -> None:
     server = MessageServer(VEHICLE, CommandServer(VEHICLE))
     kinds = (common.Attitude, common.RawImu, common.SysStatus)
     for kind in kinds:

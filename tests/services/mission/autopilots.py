@@ -19,7 +19,7 @@ class Autopilot(Service):
     handles = MissionServer.handles
     request_kind = common.MissionRequestInt
     ask_again = 0.25
-    patience = 5.0
+    idle_timeout = 5.0
 
     def __init__(self, local: Address) -> None:
         super().__init__(local)
@@ -39,10 +39,10 @@ class Autopilot(Service):
     def next_timeout(self) -> float | None:
         if not self.receiving:
             return None
-        return min(self.asked_at + self.ask_again, self.heard_at + self.patience)
+        return min(self.asked_at + self.ask_again, self.heard_at + self.idle_timeout)
 
     def handle_timeout(self, now) -> None:
-        if self.receiving and now >= self.heard_at + self.patience:
+        if self.receiving and now >= self.heard_at + self.idle_timeout:
             self.receiving = False
         elif self.receiving and now >= self.asked_at + self.ask_again:
             self.ask(now)
@@ -126,7 +126,7 @@ class ArduPilot(Autopilot):
 
     request_kind = common.MissionRequest
     ask_again = 1.0
-    patience = 8.0
+    idle_timeout = 8.0
 
     def on_mission_count(self, message, source, now) -> None:
         self.plan = self.plan[: message.count]  # not atomic

@@ -54,7 +54,7 @@ class Hand:
         return [outgoing.message for outgoing in self.service.messages_to_send(self.now)]
 
     def wait(self, seconds: float = 0.0) -> list[Message]:
-        """Let time pass to its next timer, or so many seconds; gives what it says then."""
+        """Advance to the next timer, or by some seconds; return the messages sent then."""
         due = self.service.next_timeout()
         if seconds:
             self.now += seconds
@@ -65,7 +65,7 @@ class Hand:
         return self.said()
 
     def wait_for_all(self, seconds: float) -> list[Message]:
-        """Let so many seconds pass, timer by timer; gives all that it says."""
+        """Advance by `seconds`, timer by timer; return all messages sent."""
         end, messages = self.now + seconds, self.said()
         while (due := self.service.next_timeout()) is not None and due <= end:
             messages += self.wait()

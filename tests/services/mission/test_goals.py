@@ -61,8 +61,8 @@ def test_half_duplex_radio_is_used_to_its_end() -> None:
     for bandwidth in (None, 5760.0):
         air = Air(bandwidth=5760.0, latency=0.0)
         up, down = transfer(0, air=air, bandwidth=bandwidth)
-        least = air.carried / air.bandwidth
-        print(f"{ITEMS} items, radio: up {up:.2f} s, down {down:.2f} s, least {least / 2:.2f} s")
-        assert up + down <= 1.05 * least
+        minimum = air.carried / air.bandwidth
+        print(f"{ITEMS} items, radio: up {up:.2f} s, down {down:.2f} s, minimum {minimum / 2:.2f} s")
+        assert up + down <= 1.05 * minimum
         assert air.overflowed == 0
         assert max(up, down) <= 2.9

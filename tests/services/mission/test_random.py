@@ -1,7 +1,7 @@
 """Plans over random networks: complete or not at all, with correct results.
 
 Two ground stations, one vehicle whose storage outlives its restarts. Whatever happens, the storage never
-holds anything but a plan that somebody sent whole; an upload that succeeded is there; a download that
+holds anything but a plan that a client sent completely; an upload that succeeded is there; a download that
 succeeded is what the vehicle held in that time; everything ends.
 """
 
@@ -192,7 +192,7 @@ def test_plans_over_bad_links(seeds: Seeds) -> None:
     seeds.check(scenario)
 
 
-def test_most_of_it_succeeds() -> None:
+def test_the_majority_of_operations_succeeds() -> None:
     """The scenario would prove nothing if everything failed."""
     done = [Scenario(seed, worst_loss=0.1) for seed in range(40)]
     for each in done:

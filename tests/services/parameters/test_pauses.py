@@ -87,8 +87,8 @@ class HeldUpServer(ParameterServer):
     def bulk_messages(self, now: float, has_room: HasRoom = always_room) -> Iterator[Outgoing]:
         if now < self.turn_at:
             return
-        most = 1 if self._reads else 20
-        for _, outgoing in zip(range(most), super().bulk_messages(now, has_room), strict=False):
+        maximum = 1 if self._reads else 20
+        for _, outgoing in zip(range(maximum), super().bulk_messages(now, has_room), strict=False):
             yield outgoing
         self.turn_at = now + self.turn
 

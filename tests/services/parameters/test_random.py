@@ -92,7 +92,7 @@ def choose_sets(random: Random, vehicle: Vehicle, encoding: Encoding) -> list[tu
 
 
 def check_sets(vehicle: Vehicle, original: dict[str, Value], sets) -> None:
-    """What was confirmed last is what the vehicle has; what was not may or may not have come through."""
+    """The vehicle has the last confirmed value; an unconfirmed one may or may not have arrived."""
     possible: dict[str, list[Value]] = {}
     for name, value, operation in sets:
         if operation.error is None:

@@ -69,8 +69,8 @@ def test_an_integer_that_is_a_signalling_nan_passes_through_a_message() -> None:
 @pytest.mark.parametrize("kind", INTEGERS)
 @given(data=st.data())
 def test_cast_integers_survive_up_to_24_bits(kind, data) -> None:
-    least, greatest = limits(kind)
-    value = data.draw(st.integers(max(least, -(1 << 24)), min(greatest, 1 << 24)))
+    smallest, largest = limits(kind)
+    value = data.draw(st.integers(max(smallest, -(1 << 24)), min(largest, 1 << 24)))
     assert survives(value, kind, Encoding.C_CAST)
 
 

@@ -56,7 +56,7 @@ def test_only_the_answer_to_our_own_ping_counts() -> None:
     client = PingClient(GROUND, VEHICLE)
     operation = client.ping(START, count=1)
     (ping,) = sent_by(client)
-    client.receive(packet_of(ping), START + 0.1)  # somebody else's request
+    client.receive(packet_of(ping), START + 0.1)  # another client's request
     client.receive(packet_of(answer_to(ping.replace(seq=ping.seq + 1))), START + 0.1)
     client.receive(packet_of(answer_to(ping.replace(time_usec=1))), START + 0.1)
     client.receive(packet_of(answer_to(ping), Address(2, 1)), START + 0.1)

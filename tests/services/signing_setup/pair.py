@@ -33,7 +33,7 @@ class Pair:
         self.server = engine.add(SigningSetupServer(VEHICLE, key=self.stored(), may_set=policy))
 
     def stored(self):
-        """What the vehicle's program wrote down: the key of the last change that was settled."""
+        """The key that the vehicle's program stored: that of the last completed change."""
         for event in reversed((getattr(self, "vehicle", None) and self.vehicle.events_of(KeySettled)) or []):
             if event.changed:
                 return event.key

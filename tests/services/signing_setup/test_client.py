@@ -37,9 +37,9 @@ class Asker:
         return [message for _, message in pass_time(self.client, until) if isinstance(message, kind)]
 
 
-def test_it_asks_again_until_it_hears_the_new_way_but_not_for_ever():
+def test_requests_are_repeated_until_the_new_way_is_received():
     asker = Asker()
-    assert not asker.sent(START + 3, common.SetupSigning)  # nobody was heard yet
+    assert not asker.sent(START + 3, common.SetupSigning)  # no packet was received yet
     asker.unsigned(common.Heartbeat(), START + 3)
     asked = asker.sent(START + 30, common.SetupSigning)
     assert 2 <= len(asked) <= 17
@@ -59,7 +59,7 @@ def test_once_the_new_way_is_received_it_asks_no_more_and_wants_an_answer():
     (proof,) = messages
     assert isinstance(proof, common.Timesync)
     assert not asker.operation.done
-    asker.signed(common.Timesync(tc1=5, ts1=proof.ts1 + 1), START + 0.7)  # somebody else's answer
+    asker.signed(common.Timesync(tc1=5, ts1=proof.ts1 + 1), START + 0.7)  # another component's answer
     assert not asker.operation.done
     asker.signed(common.Timesync(tc1=5, ts1=proof.ts1), START + 0.8)
     assert asker.operation.result() is None

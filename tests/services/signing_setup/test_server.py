@@ -134,7 +134,7 @@ def test_a_clock_that_would_soon_end_is_not_taken(timestamp):
     assert not vehicle.on_trial
 
 
-def test_one_whose_clock_was_never_set_knows_the_new_way_when_it_hears_it():
+def test_without_a_clock_the_new_way_is_recognised():
     vehicle = server()
     give(vehicle, setup(ONE), GROUND, 1000.0)
     vehicle.receive(signed(common.Heartbeat(), ONE, now=START), 1001.0)

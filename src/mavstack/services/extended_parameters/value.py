@@ -112,5 +112,5 @@ def _bytes_of(value: ExtendedValue, kind: int) -> bytes | None:
     if not isfinite(value) or int(value) != value:
         return None
     bits, signed = 8 * calcsize(layout), layout[1].islower()
-    least, beyond = (-(1 << bits - 1), 1 << bits - 1) if signed else (0, 1 << bits)
-    return pack(layout, int(value)) if least <= value < beyond else None
+    smallest, beyond = (-(1 << bits - 1), 1 << bits - 1) if signed else (0, 1 << bits)
+    return pack(layout, int(value)) if smallest <= value < beyond else None

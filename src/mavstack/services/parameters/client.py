@@ -1,6 +1,6 @@
 """The parameter client of one component (guide: parameter protocol).
 
-`ParameterClient.parameters` is updated by every PARAM_VALUE of the component, whoever requested it; each
+`ParameterClient.parameters` is updated by every PARAM_VALUE of the component, requested or not; each
 change is emitted as `ParameterChanged`. The encoding of values follows from the component (`encoding_of`); a
 change of the encoding discards all values.
 """

@@ -125,7 +125,7 @@ class Listing(Operation[Result]):
         if self._list_due is not None and now >= self._list_due:
             self._request_list(now)
         self._missing.handle_timeout(now)
-        unanswered = self._missing.most_attempts >= ATTEMPTS_BEFORE_LIST * (self._list_repetitions + 1)
+        unanswered = self._missing.max_attempts >= ATTEMPTS_BEFORE_LIST * (self._list_repetitions + 1)
         if unanswered and not self._missing.answers:
             self._list_repetitions += 1
             self.send(self.list_request())

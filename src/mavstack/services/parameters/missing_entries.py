@@ -67,7 +67,7 @@ class MissingEntries:
         self._shrink_at = now
         self._repeat: deque[int] = deque()
         self._last_entry = now
-        self._longest_pause = 0.0
+        self._max_pause = 0.0
         self._quiet = False
 
     @property
@@ -76,7 +76,7 @@ class MissingEntries:
         return 0 < self.total == len(self.received)
 
     @property
-    def most_attempts(self) -> int:
+    def max_attempts(self) -> int:
         """The largest number of unanswered requests for one entry."""
         return max((self._attempts[index] for index in self._repeat), default=0)
 
@@ -153,9 +153,9 @@ class MissingEntries:
 
     @property
     def _quiet_at(self) -> float:
-        if not self._longest_pause:
+        if not self._max_pause:
             return self._last_entry + self._round_trip.timeout()
-        pause = QUIET_FACTOR * self._longest_pause
+        pause = QUIET_FACTOR * self._max_pause
         minimum = MIN_QUIET if self._frontier >= self._end - NEAR_END else MIN_PAUSE
         return self._last_entry + min(max(pause, minimum), MAX_QUIET)
 
@@ -185,6 +185,6 @@ class MissingEntries:
             self._jump = index
             return
         if self._frontier >= 0:
-            self._longest_pause = max(self._longest_pause * PAUSE_DECAY, now - self._last_entry)
+            self._max_pause = max(self._max_pause * PAUSE_DECAY, now - self._last_entry)
         self._frontier, self._jump, self._last_entry = index, -1, now
         self._quiet = self._last_wanted() is None

@@ -112,8 +112,8 @@ def fitted(value: Value, kind: int) -> Value | None:
         return float(unpack("<f", pack("<f", as_float32(value)))[0])
     if not isfinite(value) or int(value) != value:
         return None
-    least, greatest = limits(kind)
-    return int(value) if least <= value <= greatest else None
+    smallest, largest = limits(kind)
+    return int(value) if smallest <= value <= largest else None
 
 
 def as_type(name: str, value: Value, kind: int) -> Value:
@@ -150,8 +150,8 @@ def decode(data: bytes, kind: int, encoding: Encoding) -> Value:
     number = float(unpack("<f", data)[0])
     if not is_integer(kind):
         return number
-    least, greatest = limits(kind)
-    return 0 if isnan(number) else int(min(max(number, least), greatest))
+    smallest, largest = limits(kind)
+    return 0 if isnan(number) else int(min(max(number, smallest), largest))
 
 
 def whole_bytes(value: Value, kind: int) -> bytes:
