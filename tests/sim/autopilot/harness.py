@@ -127,13 +127,13 @@ class StubVehicle:
     """As much of a vehicle as an autopilot touches."""
 
     body: Any
-    type: VehicleType
+    vehicle_type: VehicleType
     profile: StubProfile
     now: float = START
     firmware: Firmware = Firmware.ARDUPILOT
     address: Address = field(default_factory=lambda: Address(1, 1))
     plans: PlanStore = field(default_factory=PlanStore)
-    said: list[str] = field(default_factory=list)
+    status_texts: list[str] = field(default_factory=list)
     reactions: dict[Any, list[Any]] = field(default_factory=lambda: defaultdict(list))
     modes: Any = field(
         default_factory=lambda: types.SimpleNamespace(enter=lambda number, now, commanded=False: None)
@@ -152,7 +152,7 @@ class StubVehicle:
             reaction(event)
 
     def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
-        self.said.append(text)
+        self.status_texts.append(text)
 
     def touch(self, service: Any) -> None: ...
 

@@ -78,7 +78,7 @@ def test_a_speed_and_a_yaw_that_are_chosen_count_at_once() -> None:
     maneuvers = flight.autopilot.maneuvers
     maneuvers.speed = 6.0
     maneuvers.yaw = pi / 2
-    maneuvers.again()
+    maneuvers.reissue()
     flight.run(5)
     assert flight.speed == pytest.approx(6.0, abs=0.7)
     assert flight.body.truth.yaw == pytest.approx(pi / 2, abs=0.1)
@@ -93,6 +93,6 @@ def test_what_is_repeated_keeps_the_yaw_it_was_given() -> None:
     flight.autopilot.guided.go_to((100.0, 0.0, -10.0), yaw=1.0)
     flight.run(4)
     flight.autopilot.maneuvers.speed = 2.0
-    flight.autopilot.maneuvers.again()
+    flight.autopilot.maneuvers.reissue()
     flight.run(3)
     assert flight.body.truth.yaw == pytest.approx(1.0, abs=0.1)

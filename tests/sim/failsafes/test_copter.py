@@ -157,7 +157,7 @@ def results() -> dict[str, VehicleHarness]:
     return run_cases(CASES, "ardupilot")
 
 
-@pytest.mark.parametrize("scene", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
     one = results[case.name]
     assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)
@@ -167,7 +167,7 @@ def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> N
         assert not one.critical
 
 
-@pytest.mark.parametrize("scene", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_the_state_is_critical_while_a_failsafe_is_active_on_an_armed_vehicle(results, case) -> None:
     one = results[case.name]
     assert one.critical == (one.armed and case.name not in CALM)

@@ -98,7 +98,7 @@ def check(one: VehicleHarness, case: Case) -> None:
     assert set(case.texts) <= set(one.texts), list(one.texts)
 
 
-@pytest.mark.parametrize("scene", ARDUPILOT, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", ARDUPILOT, ids=lambda case: case.name)
 def test_without_a_position_an_ardupilot_does_what_fs_ekf_action_says(ardupilot, case) -> None:
     one = ardupilot[case.name]
     check(one, case)
@@ -106,7 +106,7 @@ def test_without_a_position_an_ardupilot_does_what_fs_ekf_action_says(ardupilot,
     assert one.critical == (one.armed and case.name not in watched)
 
 
-@pytest.mark.parametrize("scene", PX4, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", PX4, ids=lambda case: case.name)
 def test_without_a_position_a_px4_descends(px4, case) -> None:
     check(px4[case.name], case)
     assert px4[case.name].critical == case.armed

@@ -111,7 +111,7 @@ def results() -> dict[str, VehicleHarness]:
     return run_cases(map(parameters_of, CASES), "ardupilot")
 
 
-@pytest.mark.parametrize("scene", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
     one = results[case.name]
     assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)

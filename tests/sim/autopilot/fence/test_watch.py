@@ -74,7 +74,7 @@ def fenced(
         flight.in_the_air(height)
     else:
         flight.arm()
-    flight.said.clear()
+    flight.status_texts.clear()
     return flight
 
 
@@ -170,10 +170,10 @@ def test_switching_off_ends_a_breach() -> None:
 def test_px4s_distances() -> None:
     flight = fenced(firmware=PX4, GF_MAX_HOR_DIST=40, GF_MAX_VER_DIST=40)
     breach(flight)
-    assert flight.said == ["Geofence: exceeding maximum distance to Home"]
+    assert flight.status_texts == ["Geofence: exceeding maximum distance to Home"]
     flight = fenced(firmware=PX4, GF_MAX_HOR_DIST=40, GF_MAX_VER_DIST=40)
     breach(flight, Up)
-    assert flight.said == ["Geofence: exceeding maximum altitude above Home"]
+    assert flight.status_texts == ["Geofence: exceeding maximum altitude above Home"]
 
 
 # What is done
@@ -185,7 +185,7 @@ def test_px4s_distances() -> None:
 def test_ardupilots_copter(action: int, mode: int) -> None:
     flight = fenced(*square(30), FENCE_ACTION=action)
     breach(flight)
-    assert flight.said == ["Polygon fence breached"]
+    assert flight.status_texts == ["Polygon fence breached"]
     assert flight.autopilot.mode.number == mode
     assert flight.autopilot.system_status == common.MavState.CRITICAL
 
@@ -194,7 +194,7 @@ def test_ardupilots_copter(action: int, mode: int) -> None:
 def test_ardupilots_rover(action: int, mode: int) -> None:
     flight = fenced(*square(20), kind=VehicleType.ROVER, FENCE_ACTION=action)
     breach(flight)
-    assert flight.said == ["Polygon fence breached"]
+    assert flight.status_texts == ["Polygon fence breached"]
     assert flight.autopilot.mode.number == mode
 
 
@@ -213,7 +213,7 @@ def test_ardupilots_plane(action: int, mode: int) -> None:
 def test_px4(action: int, mode: int, armed: bool) -> None:
     flight = fenced(*square(30), firmware=PX4, GF_ACTION=action)
     breach(flight)
-    assert flight.said == ["Geofence: approaching or outside geofence"]
+    assert flight.status_texts == ["Geofence: approaching or outside geofence"]
     assert flight.autopilot.mode.number == mode
     assert flight.autopilot.armed == armed
     assert flight.autopilot.terminated == (not armed)
@@ -223,7 +223,7 @@ def test_px4_without_an_action_does_not_look() -> None:
     flight = fenced(*square(30), firmware=PX4, GF_ACTION=0)
     flight.fly(Away)
     flight.run(12)
-    assert not flight.said
+    assert not flight.status_texts
     assert not flight.autopilot.fence.breaches
 
 
@@ -232,7 +232,7 @@ def test_it_is_told_once_and_again_when_it_is_over() -> None:
     breach(flight)
     flight.run_until(lambda: not flight.autopilot.fence.breaches, timeout=60)
     flight.run(0.3)
-    assert flight.said == ["Polygon fence breached", "Fence breach cleared"]
+    assert flight.status_texts == ["Polygon fence breached", "Fence breach cleared"]
     assert not flight.autopilot.failsafes
     status = flight.autopilot.fence.status()
     assert (status.breach_status, status.breach_count, status.breach_type) == (0, 1, KINDS.NONE)
@@ -243,7 +243,7 @@ def test_going_on_outwards_is_another_breach() -> None:
     flight = fenced(*square(30), FENCE_ACTION=0)
     breach(flight)
     flight.run(10)
-    assert flight.said == ["Polygon fence breached"] * 3
+    assert flight.status_texts == ["Polygon fence breached"] * 3
     assert flight.autopilot.fence.count == 3
 
 
@@ -313,7 +313,7 @@ def test_ardupilot_is_not_armed_outside() -> None:
     flight.upload(*square(20, north=200), kind=PlanType.FENCE)
     flight.run(0.3)
     assert list(flight.autopilot.fence.problems()) == ["Vehicle breaching Polygon fence"]
-    assert not flight.said[1:]
+    assert not flight.status_texts[1:]
     flight.vehicle.parameters |= {"FENCE_RADIUS": -1, "FENCE_ALT_MAX": -1}
     assert list(flight.autopilot.fence.problems())[-2:] == [
         "Invalid FENCE_RADIUS value",
@@ -329,7 +329,7 @@ def test_px4_is_not_armed_outside() -> None:
     flight.upload(*square(20, north=200), kind=PlanType.FENCE)
     flight.run(0.3)
     assert list(flight.autopilot.fence.problems()) == ["Geofence: approaching or outside geofence"]
-    assert flight.said == ["Geofence invalid, doesn't contain Home position"]
+    assert flight.status_texts == ["Geofence invalid, doesn't contain Home position"]
 
 
 def test_another_fence_counts_at_once() -> None:

@@ -85,8 +85,8 @@ class MissionHarness(AutopilotHarness):
         return self.autopilot.mission
 
     @property
-    def said(self) -> list[str]:
-        texts: list[str] = self.vehicle.said
+    def status_texts(self) -> list[str]:
+        texts: list[str] = self.vehicle.status_texts
         return texts
 
     def _sent(self, message: Any, *_: Any) -> None:

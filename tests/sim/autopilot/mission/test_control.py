@@ -129,7 +129,7 @@ def test_ardupilot_flies_on_at_the_same_number() -> None:
     flight = flying()
     flight.load(takeoff(10), waypoint(0, -40, 10), waypoint(0, -60, 10))
     flight.run(0.2)
-    assert flight.said[-2:] == ["Auto mission changed, restarted command", "Mission: 2 WP"]
+    assert flight.status_texts[-2:] == ["Auto mission changed, restarted command", "Mission: 2 WP"]
     assert flight.mission.sequence == 2
     flight.run_until(lambda: flight.mission.sequence == 3, timeout=60)
     assert flight.distance((0, -40)) < 5
@@ -139,7 +139,7 @@ def test_ardupilot_does_not_mind_the_same_mission_again() -> None:
     flight = flying()
     flight.load(takeoff(10), waypoint(60, 0, 10), waypoint(60, 60, 10), waypoint(0, 60, 10))
     flight.run(0.2)
-    assert flight.said[-1] == "Flight plan received"
+    assert flight.status_texts[-1] == "Flight plan received"
     assert flight.mission.sequence == 2
     flight.ended()
     assert flight.reached == [1, 2, 3, 4]
@@ -177,7 +177,7 @@ def test_px4_holds_when_its_mission_is_gone() -> None:
     flight = flying(PX4)
     assert flight.clear() == RESULT.ACCEPTED
     flight.run_until(lambda: flight.autopilot.mode.number == HOLD, timeout=2)
-    assert flight.said[-1] == "No valid mission available, loitering"
+    assert flight.status_texts[-1] == "No valid mission available, loitering"
     assert flight.mission.state == STATE.NO_MISSION
 
 
@@ -186,7 +186,7 @@ def test_a_shorter_mission_ends_it() -> None:
     flight.reach(4)
     flight.load(takeoff(10), waypoint(60, 0, 10))
     flight.ended(timeout=5)
-    assert flight.said[-1] == "Auto mission changed but failed to restart command"
+    assert flight.status_texts[-1] == "Auto mission changed but failed to restart command"
 
 
 def test_disarming_ends_it() -> None:

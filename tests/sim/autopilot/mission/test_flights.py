@@ -117,10 +117,10 @@ def test_arming_begins_the_mission_in_its_mode() -> None:
     flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(takeoff(10))
     assert flight.mission.start() is None
-    assert not flight.said
+    assert not flight.status_texts
     flight.arm()
     flight.run_until(lambda: flight.height > 9, timeout=20)
-    assert flight.said[0] == "Executing Mission"
+    assert flight.status_texts[0] == "Executing Mission"
 
 
 @pytest.mark.parametrize(
@@ -177,7 +177,7 @@ def test_ardupilots_plane_returns() -> None:
     flight.load(takeoff(40), waypoint(300, 0, 40))
     flight.start()
     flight.run_until(lambda: flight.autopilot.mode.number == RETURN, timeout=120)
-    assert flight.said[-1] == "Mission complete, changing mode to RTL"
+    assert flight.status_texts[-1] == "Mission complete, changing mode to RTL"
     assert flight.mission.state == STATE.COMPLETE
 
 
@@ -199,14 +199,14 @@ def test_a_rover_stops() -> None:
     flight.ended()
     flight.run(10)
     assert flight.speed < 0.2
-    assert flight.said[-1] == "Mission Complete"
+    assert flight.status_texts[-1] == "Mission Complete"
 
 
 def test_px4_stays_in_its_mission_and_disarms_after_a_landing() -> None:
     flight = MissionHarness(firmware=Firmware.PX4, land_disarm_delay=2.0, disarm_delay=60.0)
     flight.load(takeoff(8), item(CMD.NAV_LAND))
     flight.start()
-    flight.run_until(lambda: flight.said[-1:] == ["Mission finished, landed"], timeout=90)
+    flight.run_until(lambda: flight.status_texts[-1:] == ["Mission finished, landed"], timeout=90)
     assert flight.autopilot.mode.number == MISSION
     assert flight.autopilot.armed
     flight.run(4)
@@ -218,7 +218,7 @@ def test_px4_holds_where_its_mission_ends_in_the_air() -> None:
     flight.load(takeoff(8), waypoint(20, 0, 8))
     flight.start()
     flight.run_until(lambda: flight.autopilot.mode.number == HOLD, timeout=90)
-    assert flight.said[-1] == "Mission finished, loitering"
+    assert flight.status_texts[-1] == "Mission finished, loitering"
     flight.run(8)
     assert flight.distance((20, 0)) < 4
 

@@ -630,7 +630,7 @@ def test_the_nearest_start_of_a_landing() -> None:
 def test_texts_of_ardupilot() -> None:
     flight = fly(waypoint(10, 0, 10), item(CMD.DO_SET_SERVO, 9, 1900), waypoint(0, 0, 10))
     flight.ended()
-    assert flight.said == [
+    assert flight.status_texts == [
         "Flight plan received",
         "Mission: 1 Takeoff",
         "Mission: 2 WP",
@@ -647,7 +647,7 @@ def test_texts_of_a_rover_that_waits() -> None:
     flight.load(waypoint(10, 0, 0, param1=3))
     flight.start()
     flight.ended()
-    assert "Reached waypoint #1. Loiter for 3 seconds" in flight.said
+    assert "Reached waypoint #1. Loiter for 3 seconds" in flight.status_texts
 
 
 def test_an_unknown_item_in_the_store_is_passed_over() -> None:

@@ -133,7 +133,7 @@ def test_the_other_plans_hold_their_own_items_only(flight: MissionHarness) -> No
 def test_px4_takes_what_it_will_not_fly_and_says_so(items: list[MissionItem], text: str) -> None:
     flight = MissionHarness(firmware=PX4)
     flight.load(*items)
-    assert flight.said == [text]
+    assert flight.status_texts == [text]
     flight.arm()
     assert flight.mission.start() == "Switching to mode 'Mission' is currently not possible"
 
@@ -144,4 +144,4 @@ def test_ardupilot_says_that_it_has_a_plan() -> None:
     flight.upload(item(CMD.NAV_RALLY_POINT, at=(10, 0, 30)), kind=PlanType.RALLY)
     circle = item(CMD.NAV_FENCE_CIRCLE_INCLUSION, 50, at=(0, 0, 0))
     flight.upload(circle, kind=PlanType.FENCE)
-    assert flight.said == ["Flight plan received", "Rally points received", "Fence received"]
+    assert flight.status_texts == ["Flight plan received", "Rally points received", "Fence received"]
