@@ -43,7 +43,7 @@ class CliHarness:
             reduce_telemetry(self.simulation.add(vehicle_type, firmware))
         if ready:
             make_ready(self.simulation)
-        #: What another ground station does while a command runs.
+        #: Coroutine of another ground station that runs beside a command.
         self.meanwhile: Callable[[RemoteComponent], Awaitable[None]] | None = None
         #: The URLs of the last connection.
         self.urls: tuple[str, ...] = ()

@@ -15,7 +15,7 @@ OFFICIAL = Path(import_module("mavstack.dialects").__file__).parent / "definitio
 #: Where a vehicle would be; a recording takes its place.
 LINKS = ("udpin://0.0.0.0:14550", "/dev/ttyACM0,57600", "tcp:127.0.0.1:5760")
 NOWHERE = ("--out", "udpout://127.0.0.1:9")
-#: What makes an example that would go on for ever short.
+#: Arguments that end an example that would run without end.
 BRIEFLY = {"sim": ("--for", "1", "--speed", "max", *NOWHERE), "demo": ("--for", "2", "--once")}
 #: These are run by tests of their own, against a simulated vehicle.
 WITH_VEHICLE = ("vehicle", "param", "mission", "ftp", "log", "shell")

@@ -1,4 +1,4 @@
-"""What only a process of its own shows: exit codes, Ctrl-C, a closed pipe, a terminal."""
+"""`mav` in its own process: exit codes, Ctrl-C, a closed pipe, a terminal."""
 
 from __future__ import annotations
 

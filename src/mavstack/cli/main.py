@@ -30,7 +30,7 @@ usage: mav COMMAND …
 
 {commands}
 
-`mav COMMAND --help` shows the options of a command, with examples; `mav --version` shows the version.
+`mav COMMAND --help` shows options and examples, `mav --version` the version.
 Every command takes -v (-vv: debug) for a log on stderr, and --log-file FILE.
 
 examples:

@@ -49,10 +49,10 @@ COMMANDS: Final[Mapping[str, CommandEntry]] = MappingProxyType(
             _entry("watch", "messages of a link or a file: rates, values, link quality"),
             _entry("vehicle", "act on a vehicle: arm, takeoff, goto, mode, info and others"),
             _entry("param", "parameters of a vehicle: list, get, set, save, load, diff"),
-            _entry("mission", "missions, fences, rally points: upload, download, show, convert, start"),
+            _entry("mission", "missions, fences, rally points: upload, download, show, start"),
             _entry("ftp", "files on a vehicle: ls, get, put, rm, mkdir, rename, crc"),
             _entry("log", "logs on a vehicle: list, get, erase"),
-            _entry("shell", "interactive console: mode, arm, takeoff, wp, param, fence, ftp, log and others"),
+            _entry("shell", "interactive console: arm, mode, takeoff, wp, param, ftp, log"),
             _entry("dialect", "list, show, check, compare and import message definitions"),
             _entry("doctor", "check the installation"),
         ]

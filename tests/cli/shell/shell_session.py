@@ -41,7 +41,7 @@ def type_lines(*lines: str, kind=COPTER, **how):
 
 
 def alone(scenario: Callable[[Session], Awaitable[None]]) -> None:
-    """Run a scenario with a session that hears nobody."""
+    """Run a scenario with a session without vehicles."""
 
     async def whole():
         async with connect(MemoryNetwork().link()) as node, Session(node, COMMANDS) as session:

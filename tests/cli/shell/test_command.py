@@ -106,7 +106,7 @@ def test_wrong_usage(mav, words):
 
 
 def test_examples_of_the_help_run(simulate, mav, pipe, tmp_path, monkeypatch):
-    """Each line but those that wait for somebody who types."""
+    """Return the example lines except those of an interactive shell."""
     (tmp_path / "flight.txt").write_text("info\n")
     monkeypatch.chdir(tmp_path)
     for line in EXAMPLES.splitlines()[1:7]:
@@ -120,7 +120,7 @@ def test_examples_of_the_help_run(simulate, mav, pipe, tmp_path, monkeypatch):
         assert mav(*words).code == 0, line
 
 
-#: What needs a file, an output or a firmware of its own is tried elsewhere.
+#: Examples that need a file, an output or another firmware have tests of their own.
 ELSEWHERE = {"wp set 2", "nsh ver all", "script"}
 
 

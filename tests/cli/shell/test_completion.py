@@ -1,4 +1,4 @@
-"""What a word may become."""
+"""Candidates for words, without and with a vehicle."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell
 
 
 def completed(text):
-    """What a text may become with nobody there."""
+    """Return the candidates for a text without a vehicle."""
     found = []
 
     async def scenario(session):

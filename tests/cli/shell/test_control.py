@@ -60,7 +60,7 @@ def test_aliases(capsys):
     async def scenario(session):
         await run_line(session, 'alias add calm "set wait off; set timeout 5"; calm; alias; alias list')
         assert session.settings.timeout == 5
-        await run_line(session, "alias add limit set timeout; limit 7")
+        await run_line(session, "alias add wait_time set timeout; wait_time 7")
         assert session.settings.timeout == 7
         await run_line(session, "help calm; alias remove calm")
         with pytest.raises(UsageError, match="there is no command 'calm'"):
@@ -101,7 +101,7 @@ def test_script_runs_until_a_failure(tmp_path, capsys):
         assert session.settings.timeout == 3
 
     alone(scenario)
-    assert f"{script}:4: limit is a number from 0 on, not 'x'\n" in capsys.readouterr().err
+    assert f"{script}:4: timeout must be a number of 0 or more, not 'x'\n" in capsys.readouterr().err
 
 
 def test_recursive_script_fails(tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""The loop that somebody types into, with a typist in place of a terminal."""
+"""The interactive loop, with scripted input in place of a terminal."""
 
 from __future__ import annotations
 

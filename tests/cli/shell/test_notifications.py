@@ -1,4 +1,4 @@
-"""What happens meanwhile is told."""
+"""Notifications while the shell runs."""
 
 from __future__ import annotations
 
@@ -46,16 +46,16 @@ def test_vehicle_lost_and_returned(capsys):
 
 def test_severity_setting():
     async def scenario(session):
-        news = Notifications(session)
+        notifications = Notifications(session)
         text = StatusText(Address(1, 1), int(common.MavSeverity.INFO), "hello\x1b[2J", True)
-        assert news.line(text) == ("hello\N{REPLACEMENT CHARACTER}[2J", "")
+        assert notifications.line(text) == ("hello\N{REPLACEMENT CHARACTER}[2J", "")
         await run_line(session, "set severity warning")
-        assert news.line(text) is None
+        assert notifications.line(text) is None
         alarm = StatusText(Address(1, 1), int(common.MavSeverity.CRITICAL), "Crash", True)
-        assert news.line(alarm) == ("Crash", "alarm")
+        assert notifications.line(alarm) == ("Crash", "alarm")
         own = StatusText(session.connection.address, 0, "mine", True)
-        assert news.line(own) is None
-        assert news.line(StatusText(Address(1, 1), 0, "odd", True))[1] == "alarm"
+        assert notifications.line(own) is None
+        assert notifications.line(StatusText(Address(1, 1), 0, "odd", True))[1] == "alarm"
 
     alone(scenario)
 
@@ -71,9 +71,9 @@ def test_system_id_is_shown_for_several_vehicles():
 
 def test_link_down():
     async def scenario(session):
-        news = Notifications(session)
-        assert news.line(LinkDown("refused", 2.0)) == ("link down: refused; next try in 2 s", "red")
-        assert news.line(LinkDown("gone", float("inf"))) == ("link down: gone", "red")
+        notifications = Notifications(session)
+        assert notifications.line(LinkDown("refused", 2.0)) == ("link down: refused; next try in 2 s", "red")
+        assert notifications.line(LinkDown("gone", float("inf"))) == ("link down: gone", "red")
 
     alone(scenario)
 

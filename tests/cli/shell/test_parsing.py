@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.shell.parsing import UnfinishedLine, split_commands, split_unfinished
 
-#: What gives a parser trouble, more often than chance does.
+#: Lines with many quotes, separators and comments.
 LINES = st.text(
     st.one_of(st.sampled_from("\"'\\;# \t-ab"), st.characters(exclude_categories=["Cs"])), max_size=40
 )

@@ -14,7 +14,7 @@ from mavstack.cli.shell.runner import report_failure, run_line, run_lines
 from mavstack.errors import MavstackError
 from tests.cli.shell.shell_session import COPTER, alone, in_shell
 
-#: What reads files and opens links as it is told is left out: its errors are those of the machine.
+#: Commands that read files and open links are left out: their errors depend on the machine.
 SAFE = sorted(set(COMMANDS) - {"output", "sleep", "delay"})
 VERBS = [
     "list",

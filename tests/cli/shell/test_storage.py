@@ -1,4 +1,4 @@
-"""What a vehicle stores: the words of MAVProxy's users, and the options of `mav param` and the like."""
+"""Commands for stored data: the words of MAVProxy, and the options of `mav param` and others."""
 
 from __future__ import annotations
 
