@@ -34,7 +34,8 @@ _MESSAGES: Final[tuple[type[Message], ...]] = (
     common.GlobalPositionInt,
     common.ExtendedSysState,
 )
-_WIDTH: Final = 92
+#: Columns of wrapped texts, which with the names of the rows fit into 80.
+_WIDTH: Final = 66
 _FIXES: Final = ("no receiver", "no fix", "2D fix", "3D fix", "DGPS fix", "RTK float", "RTK fixed")
 _FIRMWARES: Final[dict[int, str]] = {
     common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot",
