@@ -78,13 +78,13 @@ def test_timestamps_continue_with_a_new_key(timestamp, clock):
 
 def test_a_packet_that_both_states_accept_is_delivered_once():
     channel, peer = ChannelState("cable", common), Peer()
-    channel.listen_also(NEW.signing())
+    channel.accept_also(NEW.signing())
     assert len(channel.receive(peer.packet("new") + peer.packet("none"), START)) == 2
 
 
 def test_a_half_received_packet_survives_the_change():
     channel, peer = ChannelState("cable", common, signing=OLD.signing()), Peer()
-    channel.listen_also(NEW.signing())
+    channel.accept_also(NEW.signing())
     data = peer.packet("new")
     channel.receive(data[:9], START)
     channel.use_new(True)
@@ -94,7 +94,7 @@ def test_a_half_received_packet_survives_the_change():
 
 def test_sequence_numbers_continue():
     channel = ChannelState("cable", common)
-    channel.listen_also(NEW.signing())
+    channel.accept_also(NEW.signing())
     numbers = []
     for new in (True, True, False, False):
         channel.use_new(new)

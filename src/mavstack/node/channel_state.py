@@ -75,7 +75,7 @@ class ChannelState:
         """The newest signing timestamp sent or accepted, in units of 10 us; 0 without signing."""
         return self._signing.timestamp if self._signing else 0
 
-    def listen_also(self, signing: Signing | None) -> None:
+    def accept_also(self, signing: Signing | None) -> None:
         """Start a change of keys: accept packets of this signing state as well (None: unsigned)."""
         self._other, self._uses_new = (signing, Parser(self._dialect, signing=signing)), False
 

@@ -1,4 +1,4 @@
-"""The client state machines toward one remote component, each created on first use."""
+"""The clients of one remote component, each created on first use."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class ComponentClients:
-    """The clients toward one remote component; its parts share them."""
+    """The clients of one remote component; the parts of the component share the clients."""
 
     def __init__(self, host: NodeHost, address: Address) -> None:
         self.host = host
@@ -32,7 +32,7 @@ class ComponentClients:
 
     @property
     def info(self) -> ComponentInfo | None:
-        """The component's last heartbeat; None if it was never heard."""
+        """The component's last heartbeat; None if none was received."""
         return self.host.components.get(self.address)
 
     def has(self, name: str) -> bool:

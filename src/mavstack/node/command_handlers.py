@@ -8,8 +8,8 @@
         node.commands.progress(request, 40)
         ...
 
-A plain function is answered with its result at once. If it returns None, it started a long command, which the
-program ends by `node.commands.server.complete`. An async function is a long command: its sender receives
+The result of a plain function is sent immediately. A function that returns None started a long command, which
+the program ends by `node.commands.server.complete`. An async function is a long command: its sender receives
 IN_PROGRESS until it returns; if the sender cancels the command, the task is cancelled and the answer is
 CANCELLED. An exception, or a return value that is no result, is reported to the event loop's exception
 handler, and the answer is FAILED. Closing the node cancels the tasks.

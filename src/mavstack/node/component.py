@@ -64,7 +64,7 @@ class RemoteComponent:
 
     @property
     def info(self) -> ComponentInfo | None:
-        """The component's last heartbeat; None if it was never heard."""
+        """The component's last heartbeat; None if none was received."""
         return self._clients.info
 
     @property
@@ -106,8 +106,8 @@ class RemoteComponent:
             params: Up to seven parameters, in the units of the command's definition; missing ones are 0.
             frame: A MAV_FRAME: send COMMAND_INT, with params 5 and 6 in degrees or metres. None:
                 COMMAND_LONG.
-            timeout: Seconds for the whole call; None: until retries are exhausted or IN_PROGRESS stops
-                coming.
+            timeout: Seconds for the whole call; None: until retries are exhausted or no more
+                IN_PROGRESS is received.
             progress: Called with the percentage done and 100 while a long command runs.
 
         Returns:
@@ -199,7 +199,7 @@ class RemoteComponent:
         return await self._host.run_operation(self._clients.command, operation)
 
     async def get_protocol_version(self, *, timeout: float | None = None) -> ProtocolVersion:
-        """Get the MAVLink versions that the component speaks (PROTOCOL_VERSION).
+        """Get the MAVLink versions that the component supports (PROTOCOL_VERSION).
 
         Args:
             timeout: Seconds for the whole call; None: until retries are exhausted.
@@ -304,15 +304,15 @@ class RemoteComponent:
         return Modes(self._clients)
 
     async def setup_signing(self, key: SigningKey | None, *, timeout: float | None = None) -> None:
-        """Install a signing key on the component, and sign with it once the component does (SETUP_SIGNING).
+        """Install a signing key on the component (SETUP_SIGNING), and use it once the component uses it.
 
         Args:
             key: The key; None: remove the present key.
-            timeout: Seconds for the whole call; None: 40 seconds without an answer.
+            timeout: Seconds for the whole call; None: until no answer was received for 40 seconds.
 
         Raises:
-            RemoteDenied: The component keeps its present key. Both sides go on as before.
-            RemoteTimeout: The component does not answer. Both sides go on as before.
+            RemoteDenied: The component refused the key. Both sides keep the present key.
+            RemoteTimeout: The component does not answer. Both sides keep the present key.
         """
         client = self._clients.signing
         await self._host.finish(client, client.install(key, self._host.now(), timeout=timeout))
@@ -382,7 +382,7 @@ class RemoteComponent:
 
     @property
     def clock(self) -> TimesyncClient:
-        """The tracker of the component's clock (TIMESYNC), from the first use on; see its `estimate`."""
+        """The client that follows the component's clock (TIMESYNC) from the first use on; see `estimate`."""
         return self._clients.clock
 
     def __repr__(self) -> str:

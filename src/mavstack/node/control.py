@@ -4,8 +4,7 @@
         stream.set(LocalSetpoint(velocity=(1, 0, 0)))
         await asyncio.sleep(5)
 
-The last value is repeated at the rate. Leaving the block releases control in the way that the protocol asks
-for.
+The last value is repeated at the rate. Leaving the block releases control as the protocol requires.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 #: Seconds between two checks whether the release was sent.
 RELEASE_INTERVAL = 0.1
 Value_contra = TypeVar("Value_contra", contravariant=True)
-Sent = TypeVar("Sent")
+Value = TypeVar("Value")
 
 
 class Sender(Protocol[Value_contra]):
@@ -31,7 +30,7 @@ class Sender(Protocol[Value_contra]):
 
     @property
     def active(self) -> bool:
-        """True until the release was sent as often as it must be."""
+        """True until the release was sent as often as the protocol requires."""
 
     def set(self, value: Value_contra, now: float, /) -> None:
         """Repeat this value from now on."""
@@ -40,15 +39,15 @@ class Sender(Protocol[Value_contra]):
         """Release control, then send nothing more."""
 
 
-class ControlStream(Generic[Sent]):
+class ControlStream(Generic[Value]):
     """A stream of one type of value to a remote component; an async context manager."""
 
-    def __init__(self, host: NodeHost, sender: Sender[Sent], service: Service) -> None:
+    def __init__(self, host: NodeHost, sender: Sender[Value], service: Service) -> None:
         self._host = host
         self._sender = sender
         self._service = service
 
-    def set(self, value: Sent) -> None:
+    def set(self, value: Value) -> None:
         """Send a value, and repeat it until the next one.
 
         Args:
@@ -61,7 +60,7 @@ class ControlStream(Generic[Sent]):
         self._host.wake(self._service)
 
     def stop(self) -> None:
-        """Release control; `set` takes it again."""
+        """Release control; the next `set` takes control again."""
         self._sender.stop(self._host.now())
         self._host.wake(self._service)
 

@@ -1,4 +1,4 @@
-"""Diagnostics for discovery timeouts: what was received instead, and what to check."""
+"""Diagnostics for discovery timeouts: the traffic received instead, and hints."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mavstack.node.host import NodeHost
 
-#: Components that are named in a text.
+#: Components that a text names.
 MAX_NAMED = 8
 
 
 def describe_traffic(host: NodeHost) -> str:
-    """Return which components were heard; if none was, what was received instead, and what to check."""
+    """Return the components that were heard; if none, the traffic received instead and what to check."""
     heard = sorted(host.components.items())
     if heard:
         names = [

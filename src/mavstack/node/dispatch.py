@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mavstack.services import Service
     from mavstack.wire import Packet
 
-#: The id in the register of listeners to every message.
+#: The key of listeners to every message id.
 ANY = -1
 #: Cached lookups; the cache is bounded because ids and addresses can be forged.
 MAX_CACHED = 16384
@@ -70,13 +70,13 @@ class PacketDispatch:
         queue: int,
         keep_all: bool,
     ) -> Subscription[Any]:
-        """Subscribe to these message classes (none: all); `convert` makes the item from the packet."""
+        """Subscribe to these message classes (none: all); `convert` returns the item of a packet."""
         subscription: Subscription[Any] = Subscription(self._unsubscribe, queue=queue, keep_all=keep_all)
         put = subscription.put
         self._open[subscription] = self.add(kinds, source, lambda packet: put(convert(packet)))
         return subscription
 
-    def subscribe_to_known(self, source: Address, *, queue: int, keep_all: bool) -> Subscription[Any]:
+    def subscribe_to_all(self, source: Address, *, queue: int, keep_all: bool) -> Subscription[Any]:
         """Subscribe to every message that the dialect defines."""
         subscription: Subscription[Any] = Subscription(self._unsubscribe, queue=queue, keep_all=keep_all)
 
@@ -136,8 +136,8 @@ class EventDispatch:
 
     def deliver(self, event: object, service: Service | None = None) -> None:
         """Deliver an event to its subscriptions."""
-        for subscription, (kinds, wanted) in tuple(self._open.items()):
-            if isinstance(event, kinds) and wanted in (None, service):
+        for subscription, (kinds, source) in tuple(self._open.items()):
+            if isinstance(event, kinds) and source in (None, service):
                 subscription.put(event)
 
     def end(self) -> None:

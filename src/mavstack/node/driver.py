@@ -1,7 +1,7 @@
 """The driver that runs an engine over links with asyncio: the only module with an event loop and a clock.
 
 One task per link reads the link's events; one timer wakes the engine for its next deadline. Timers are not
-re-armed for later deadlines, as nearly every packet moves a deadline back; so the engine may be woken too
+re-armed for later deadlines, since nearly every packet postpones a deadline; the engine may be woken too
 early, never too late. The clock is the Unix time at which the driver was created, advanced by the loop's own
 clock: it never decreases, and with a loop in virtual time it is virtual too.
 
@@ -145,10 +145,10 @@ class Driver:
             case Progress(operation, done, total):
                 report = self._progress.get(operation)
                 if report is not None:
-                    self._guarded(f"the progress callback of {operation}", report, done, total)
+                    self._call_safely(f"the progress callback of {operation}", report, done, total)
         self._on_event(event, service)
 
-    def _guarded(self, description: str, function: Callable[..., None], *arguments: object) -> None:
+    def _call_safely(self, description: str, function: Callable[..., None], *arguments: object) -> None:
         try:
             function(*arguments)
         except Exception as error:  # noqa: BLE001 (a defect of the program must not stop the link)

@@ -5,10 +5,10 @@
     engine.events()                       (service, event), in order
     engine.next_timeout()                 when to call `engine.handle_timeout(now)`
 
-The asyncio driver runs an engine over links; tests run several over a simulated network in virtual time. Both
-therefore use the same routing, pacing and services. A packet is handled by the services that handle its
-message id, if it is addressed to their component or to all. Only services with something to do are processed:
-touched ones, and those whose timer, in a heap, is due.
+The asyncio driver runs an engine over links; tests run several over a simulated network in virtual time. The
+routing, pacing and services are therefore the same in both. A packet is handled by the services that handle
+its message id, if the packet is addressed to their component or to all. Only services with something to do
+are processed: touched ones, and those whose timer, in a heap, is due.
 
 A service may call a function of the program (a handler, a producer, a policy). If that function raises,
 `on_failure` is called, the service's timer is suspended for a moment, and all other services continue;
@@ -56,7 +56,7 @@ FAILURE_INTERVAL = 0.05
 #: Outdated entries of the timer heap that are kept before the heap is rebuilt.
 MAX_OUTDATED_TIMERS = 1000
 
-#: Own heartbeats are kept for so many seconds, and so many of them, to recognise echoes over looped links.
+#: Seconds for which own heartbeats are kept, to recognise their echoes over looped links, and their number.
 ECHO_TIMEOUT = 10.0
 MAX_HEARTBEATS = 256
 
@@ -75,7 +75,7 @@ class Engine:
         #: The channel of the packet that is being handled; None in between.
         self.arrived_on: ChannelState | None = None
         self._heartbeats: deque[tuple[float, int, bytes]] = deque(maxlen=MAX_HEARTBEATS)
-        self._past_clock = 0
+        self._closed_clock = 0
         self._link_ids = count()
         #: Called with each exception raised by a service; see the module's docstring.
         self.on_failure: Callable[[Service, Exception], None] = _raise
@@ -124,14 +124,14 @@ class Engine:
     def close_channel(self, channel: ChannelState) -> None:
         """Close the channel of a peer that is gone."""
         self.channels.remove(channel)
-        self._past_clock = max(self._past_clock, channel.clock)
+        self._closed_clock = max(self._closed_clock, channel.clock)
         self.routes.remove_channel(channel)
         self._to_send = [item for item in self._to_send if item[0] is not channel]
 
     @property
     def signing_clock(self) -> int:
         """The newest signing timestamp of all channels, closed ones included."""
-        return max([self._past_clock, *(channel.clock for channel in self.channels)])
+        return max([self._closed_clock, *(channel.clock for channel in self.channels)])
 
     # Services
 
@@ -187,7 +187,7 @@ class Engine:
 
     def data_to_send(self, now: float) -> list[tuple[ChannelState, bytes]]:
         """Return the data to write to each channel."""
-        self._settle(now)
+        self._process_touched(now)
         data, self._to_send = self._to_send, []
         return data
 
@@ -224,7 +224,7 @@ class Engine:
         for service in [key for key, due in self._blocked.items() if due <= now]:
             self._touched[service] = None
 
-    # Within
+    # Processing
 
     def _handle(self, packet: Packet, channel: ChannelState, now: float) -> bool:
         message_id, system = packet.message_id, packet.system
@@ -262,7 +262,7 @@ class Engine:
             case common.RadioStatus(txbuf=free):
                 channel.pacer.radio_status(free, now)
 
-    def _settle(self, now: float) -> None:
+    def _process_touched(self, now: float) -> None:
         """Drain the touched services, in order, until none is left."""
         while self._touched:
             service = next(iter(self._touched))
@@ -274,7 +274,7 @@ class Engine:
                 self._fail(service, error)
             self._collect_events(service)
             self._index.update(service)
-            self._arm(service, now)
+            self._set_timer(service, now)
 
     def _collect_events(self, service: Service) -> None:
         for event in service.events():
@@ -321,9 +321,9 @@ class Engine:
             else:
                 self._to_send.append((channel, data))
                 if source == self.local and isinstance(message, common.Heartbeat):
-                    self._remember(data, now)
+                    self._record_heartbeat(data, now)
 
-    def _remember(self, heartbeat: bytes, now: float) -> None:
+    def _record_heartbeat(self, heartbeat: bytes, now: float) -> None:
         while self._heartbeats and now - self._heartbeats[0][0] > ECHO_TIMEOUT:
             self._heartbeats.popleft()
         packet = Packet(heartbeat, self.dialect)
@@ -333,7 +333,7 @@ class Engine:
         data = channel.encode(outgoing.message, source, now, outgoing.priority)
         self._to_send.append((channel, data))
 
-    def _arm(self, service: Service, now: float) -> None:
+    def _set_timer(self, service: Service, now: float) -> None:
         due = service.next_timeout()
         failed = self._failed.pop(service, service) is None
         if failed and due is not None:

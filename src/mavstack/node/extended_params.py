@@ -85,6 +85,6 @@ class ExtendedParams:
         return self.cached
 
     def changes(self) -> Subscription[ExtendedParameterChanged]:
-        """Subscribe to changes of extended parameters made by anyone."""
+        """Subscribe to changes of extended parameters, made by any component."""
         client = self._clients.extended_params
         return self._clients.host.events(ExtendedParameterChanged, of=client, queue=DEFAULT_QUEUE)

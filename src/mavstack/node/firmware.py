@@ -28,5 +28,5 @@ def has_packed_params(info: ComponentInfo | None, capabilities: int) -> bool:
 
 
 def param_encoding(info: ComponentInfo | None, capabilities: int) -> Encoding:
-    """Return how parameter values are encoded, by capability or else by the firmware's default."""
+    """Return the encoding of parameter values: by capability, else the firmware's default."""
     return encoding_of(capabilities, info.autopilot if info else common.MavAutopilot.GENERIC)

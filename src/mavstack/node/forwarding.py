@@ -108,14 +108,14 @@ class Forwarding:
         for output in outputs:
             await self._stop(output)
 
-    def _find(self, which: str | int) -> Output:
-        if isinstance(which, int) and 0 <= which < len(self._outputs):
-            return self._outputs[which]
+    def _find(self, url_or_index: str | int) -> Output:
+        if isinstance(url_or_index, int) and 0 <= url_or_index < len(self._outputs):
+            return self._outputs[url_or_index]
         for output in self._outputs:
-            if output.url == str(which):
+            if output.url == str(url_or_index):
                 return output
-        known = ", ".join(output.url for output in self._outputs) or "none"
-        raise InvalidArgumentError(f"{which} is not an output; outputs: {known}")
+        urls = ", ".join(output.url for output in self._outputs) or "none"
+        raise InvalidArgumentError(f"{url_or_index} is not an output; outputs: {urls}")
 
     async def _stop(self, output: Output) -> None:
         if output.task is not None:

@@ -47,7 +47,7 @@ class NodeHost:
 
     @property
     def components(self) -> dict[Address, ComponentInfo]:
-        """Every component heard so far, by address."""
+        """Every component discovered so far, by address."""
         return self.discovery.components
 
     @property
@@ -129,5 +129,5 @@ class NodeHost:
         """Subscribe to messages of these classes (none: all that the dialect defines) from a source."""
         dispatch = self.packet_dispatch
         if not kinds:
-            return dispatch.subscribe_to_known(source, queue=queue, keep_all=keep_all)
+            return dispatch.subscribe_to_all(source, queue=queue, keep_all=keep_all)
         return dispatch.subscribe(kinds, source, attrgetter("message"), queue=queue, keep_all=keep_all)

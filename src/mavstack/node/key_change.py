@@ -30,7 +30,7 @@ def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState]) -> None:
     for channel in channels:
         match event:
             case ListenForKey(key=key, timestamp=timestamp):
-                channel.listen_also(signing_of(key, channel, timestamp))
+                channel.accept_also(signing_of(key, channel, timestamp))
             case UseNewKey():
                 channel.use_new(True)
             case UseOldKey():
@@ -40,7 +40,7 @@ def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState]) -> None:
 
 
 class ArrivalChannel(Protocol):
-    """An engine, as far as it knows the channel of the packet that is being handled."""
+    """The part of an engine that a policy needs: the channel of the packet that is being handled."""
 
     @property
     def arrived_on(self) -> ChannelState | None:

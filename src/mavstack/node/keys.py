@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mavstack.services import Address, Service
     from mavstack.services.signing_setup import KeyEvent
 
-#: Seconds between two stores of the signing timestamp; a crash loses at most so much of it.
+#: Seconds between two stores of the signing timestamp; a crash loses at most this much.
 STORE_INTERVAL = 30.0
 
 
@@ -56,7 +56,7 @@ class Keys:
         self._task: asyncio.Task[None] | None = None
 
     def on_channel_opened(self, channel: ChannelState) -> None:
-        """Set the key of a channel that opened, and let it take part in the change of keys that it was in."""
+        """Set the key of a channel that opened; during a change of keys of its name, it joins that change."""
         self._sign(channel, self._by_channel.get(channel.name, self._key))
         for change in self._changes.values():
             if any(channel.name == known.name for known in change.channels):

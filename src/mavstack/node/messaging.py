@@ -135,7 +135,7 @@ class Messaging:
 
         Args:
             message: The message.
-            target: The address to send to; None: the address in the message's target fields, or everybody.
+            target: The address to send to; None: the address in its target fields, or all components.
 
         Raises:
             InvalidStateError: The node is closed.

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 
 class Modes:
-    """The flight modes of a remote component, by name, whatever the firmware's numbers are."""
+    """The flight modes of a remote component, by names that do not depend on the firmware's numbers."""
 
     def __init__(self, clients: ComponentClients) -> None:
         self._clients = clients
 
     def follow(self) -> None:
-        """Follow the mode from now on, so that `current` is known; every other use does this too."""
+        """Start to follow the mode, so that `current` is known; every other method does this too."""
         _ = self._clients.modes
 
     @property
@@ -48,7 +48,7 @@ class Modes:
         return await self._clients.host.run_operation(self._clients.command, SetMode(mode, timeout=timeout))
 
     async def set_standard(self, standard_mode: int, *, timeout: float | None = None) -> int:
-        """Set a standard mode (MAV_CMD_DO_SET_STANDARD_MODE), which means the same with every firmware.
+        """Set a standard mode (MAV_CMD_DO_SET_STANDARD_MODE), whose meaning does not depend on the firmware.
 
         Args:
             standard_mode: A MAV_STANDARD_MODE.

@@ -6,9 +6,9 @@
         async for message in node.stream(common.Attitude): ...
 
 The class serves ground stations, companion computers and payloads alike: `system`, `component` and `type` say
-what the program is, and `serve`, `publish` and `on_command` add what it offers. Nothing is global: dialect,
-version, address and keys belong to the node. A slow subscriber loses its own messages and
-delays nothing else.
+what the program is, and `serve`, `publish` and `on_command` add the services that the program offers. Nothing
+is global: dialect, version, address and keys belong to the node. A slow subscriber loses messages of its own
+queue and delays nothing else.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ class Node(Messaging, Serving):
         self._heartbeat = HeartbeatSender(local, type, autopilot)
         #: The node's links, in the order in which they were given.
         self.links: list[Link] = [open_link(link) if isinstance(link, str) else link for link in links]
-        #: The services that every component offers: it receives status texts, and answers PING and TIMESYNC.
+        #: The services of every node: it receives status texts, and answers PING and TIMESYNC.
         self._common_services = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
         self._version = version
         self._keys = Keys(engine, signing, timestamps)
@@ -121,7 +121,7 @@ class Node(Messaging, Serving):
 
     @property
     def components(self) -> dict[Address, ComponentInfo]:
-        """Every component heard so far, by address."""
+        """Every component discovered so far, by address."""
         return self._host.components
 
     @property
@@ -181,7 +181,7 @@ class Node(Messaging, Serving):
     # Remote components
 
     def component(self, system: int, component: int = common.MavComponent.AUTOPILOT1) -> RemoteComponent:
-        """Return a remote component by its address, whether it was heard or not.
+        """Return a remote component by its address, whether it was discovered or not.
 
         Args:
             system: The system id.
@@ -202,14 +202,14 @@ class Node(Messaging, Serving):
         """Wait until the heartbeat of an autopilot is received.
 
         Args:
-            system: The system id; None: the first autopilot that is heard.
+            system: The system id; None: the first autopilot that is discovered.
             timeout: Seconds to wait; None: for ever.
 
         Returns:
             The autopilot.
 
         Raises:
-            RemoteTimeout: No autopilot was heard in time; the text says what was heard instead.
+            RemoteTimeout: No autopilot was discovered in time; the text names the traffic received.
         """
         description = "an autopilot" if system is None else f"the autopilot of system {system}"
         return await self.wait_for_component(
@@ -229,14 +229,14 @@ class Node(Messaging, Serving):
 
         Args:
             predicate: Called with the `ComponentInfo` of each component.
-            description: The component's name in the error.
+            description: The name of the component in the error text.
             timeout: Seconds to wait; None: for ever.
 
         Returns:
-            The first such component.
+            The first component for which `predicate` is true.
 
         Raises:
-            RemoteTimeout: There was none in time; the text says what was heard instead.
+            RemoteTimeout: No such component was discovered in time; the text names the traffic received.
         """
         async with self.events(ComponentFound, ComponentReturned, ComponentChanged) as events:
             try:
@@ -285,10 +285,10 @@ class Node(Messaging, Serving):
         self._host.event_dispatch.deliver(event, service)
 
     def _on_operation_error(self, operation: Operation[Any], started_at: float) -> None:
-        """Handle the error of an operation that began at a time; a subclass may add details to the error."""
+        """Handle the error of an operation that began at `started_at`; a subclass may add details."""
 
     def _wait_error(self, description: str, found: str, timeout: float | None) -> RemoteTimeout:
-        """Return the error of a wait for components that ended without them."""
+        """Return the error of a wait for components that ended without a match."""
         links = ", ".join(str(link.url) for link in self.links) or "no link"
         reason = (
             f"{found} in {timeout:g} s" if timeout is not None and self.is_open else "the node was closed"

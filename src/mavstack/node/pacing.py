@@ -2,15 +2,15 @@
 
 A `Pacer` is a token bucket in bytes that fills at the channel's bandwidth. Every byte sent takes from it,
 those of control messages too, which never wait; on a half-duplex link every byte received as well, since both
-directions share the air. Bulk messages are sent only while the bucket is above zero, so they get what the
-others leave; stream messages may overdraw it a little, so they precede bulk. Telemetry often needs more than
-a radio carries, and a transfer would never end: while bulk messages wait, streams are limited to a share.
+directions share the air. Bulk messages are sent only while the bucket is above zero, so they get the
+bandwidth that the others leave; stream messages may overdraw the bucket a little, so they precede bulk.
+Telemetry often needs more than a radio carries, and a transfer would never end: while bulk messages wait,
+streams are limited to a share.
 
 The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or estimated: a radio reports in
 RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on, the estimate follows
-it, down quickly and up slowly, as autopilots do. With neither, there is no limit. The queue of a radio that
-has little to send is empty whatever the radio can carry, so the estimate rises only while the bandwidth is
-used.
+it, down quickly and up slowly, as autopilots do. With neither, there is no limit. The queue of an idle
+radio is empty at any bandwidth, so the estimate rises only while the bandwidth is used.
 
 A link without a known bandwidth may have a `bulk_rate`, in packets per second: a UDP receiver buffers a few
 hundred packets and drops the tail of a large burst.
@@ -114,7 +114,7 @@ class Pacer:
             self.bandwidth, self.learned = DEFAULT_ESTIMATE, True
         self._fill(now)
         used = self._rate_since_status(now)
-        change = _change(free_percent)
+        change = _estimate_factor(free_percent)
         if change > 1 and used < MIN_USED_SHARE * self.bandwidth:
             return
         if change < 1:
@@ -147,7 +147,7 @@ class Pacer:
         self._filled_at = now
 
 
-def _change(free_percent: int) -> float:
+def _estimate_factor(free_percent: int) -> float:
     """Return the factor for the estimate: below 1 for a filling queue, above 1 for a nearly empty one."""
     if free_percent < 20:
         return 0.6

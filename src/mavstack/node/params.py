@@ -32,7 +32,7 @@ class Params:
 
     @property
     def cached(self) -> Mapping[str, Parameter]:
-        """Every parameter received so far, by name; it follows changes that others make."""
+        """Every parameter received so far, by name, with changes made by any component."""
         return self._clients.params.parameters
 
     @property
@@ -112,7 +112,7 @@ class Params:
         return self.cached
 
     def changes(self) -> Subscription[ParameterChanged]:
-        """Subscribe to changes of parameters made by anyone."""
+        """Subscribe to changes of parameters, made by any component."""
         return self._clients.host.events(ParameterChanged, of=self._clients.params, queue=DEFAULT_QUEUE)
 
     def clear_cache(self) -> None:

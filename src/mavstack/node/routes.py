@@ -1,7 +1,7 @@
 """Routes: the channel that leads to each address, learned from every packet.
 
-Heartbeats alone would not do, since some sources never send one. The preferred channel of an address stays
-the same as long as the address is heard on it, so that two links to one vehicle do not alternate. A packet to
+Heartbeats alone do not suffice, since some sources never send one. The preferred channel of an address does
+not change while the address is heard on it, so that two links to one vehicle do not alternate. A packet to
 an address that was never heard goes over the channels of its system, and if the system is unknown, over all
 channels. Some programs send as component 0; a packet to component 0 is for all components of its system.
 """
@@ -61,7 +61,7 @@ class Routes(Generic[Channel]):
     def learn(self, heard: tuple[int, int], channel: Channel, now: float) -> bool:
         """Record that an address was heard on a channel; return whether it is heard on several.
 
-        System 0 is nobody's address and is not recorded.
+        System 0 is the broadcast address and is not recorded.
         """
         # An address equals a plain tuple, which is created in half the time.
         route: _Route[Channel] | None = self._routes.get(heard)  # type: ignore[call-overload]

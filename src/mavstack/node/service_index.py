@@ -1,7 +1,8 @@
 """The services of an engine by the packets that they handle: message id and source system.
 
-A client handles packets of one system, a server those of all systems. A packet therefore costs as much as the
-services that handle it, however many vehicles there are. Lookups are cached until a service changes its ids.
+A client handles packets of one system, a server those of all systems. The cost of a packet therefore depends
+on the services that handle it, and not on the number of vehicles. Lookups are cached until a service changes
+its ids.
 """
 
 from __future__ import annotations

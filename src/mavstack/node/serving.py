@@ -1,4 +1,4 @@
-"""The services of a node: what the local component offers to others, and operations of its clients."""
+"""The services of a node: those that the local component offers, and operations of its clients."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class Serving:
         custom_mode: int | None = None,
         system_status: int | None = None,
     ) -> None:
-        """Change fields of the node's own HEARTBEAT; the next one is sent at once.
+        """Change fields of the node's own HEARTBEAT; the next HEARTBEAT is sent immediately.
 
         Args:
             base_mode: MAV_MODE_FLAG flags; None: unchanged.
@@ -108,18 +108,18 @@ class Serving:
     def publish(
         self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float = 0.0
     ) -> None:
-        """Publish a message: at an interval, at the rates that others set, and when it is requested.
+        """Publish a message: at an interval, at the rates that remote components set, and on request.
 
         Args:
             message: The message class.
             producer: Called with the time; returns the message, or None if there is none to send.
-            interval: Seconds between two messages; 0: only when others ask for it.
+            interval: Seconds between two messages; 0: only on request, and at rates that are set.
         """
         self.message_server.provide(message, producer, interval=interval)
         self.wake(self.message_server)
 
     def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
-        """Send a status text to everybody (STATUSTEXT); a long text is sent in chunks.
+        """Send a status text to all components (STATUSTEXT); a long text is sent in chunks.
 
         Args:
             text: The text.
@@ -139,7 +139,7 @@ class Serving:
 
     @cached_property
     def commands(self) -> CommandHandlers:
-        """The handlers of commands that others send to this node."""
+        """The handlers of commands that remote components send to this node."""
         return CommandHandlers(self._host)
 
     def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:

@@ -1,8 +1,8 @@
 """A subscription: an async iterator over messages, packets or events, with a bounded queue of its own.
 
 A slow subscriber never blocks the link or another subscriber: when its queue is full, the oldest item is
-dropped, since a vehicle's newest state matters most, and `dropped` counts. With `keep_all=True` the queue is
-unbounded, and nothing is lost.
+dropped, since a vehicle's newest state matters most; `dropped` counts the dropped items. With `keep_all=True`
+the queue is unbounded, and nothing is lost.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Subscription(Generic[Item]):
         self._close = close
         self._max_items = None if keep_all else queue
         self._items: deque[Item] = deque()
-        self._news = asyncio.Event()  # several tasks may wait for it
+        self._wakeup = asyncio.Event()  # several tasks may wait for it
 
     def put(self, item: Item) -> None:
         """Add an item without waiting; drop the oldest if the queue is full."""
@@ -51,12 +51,12 @@ class Subscription(Generic[Item]):
             self._items.popleft()
             self.dropped += 1
         self._items.append(item)
-        self._news.set()
+        self._wakeup.set()
 
     def end(self) -> None:
         """End the iteration once the queued items have been read."""
         self.closed = True
-        self._news.set()
+        self._wakeup.set()
 
     def close(self) -> None:
         """Unsubscribe. Idempotent."""
@@ -78,11 +78,11 @@ class Subscription(Generic[Item]):
         """Wait until an item is queued or the subscription ends.
 
         Returns:
-            True if an item is queued, False if none will come any more.
+            True if an item is queued, False if the subscription has ended.
         """
         while not self._items and not self.closed:
-            self._news.clear()
-            await self._news.wait()
+            self._wakeup.clear()
+            await self._wakeup.wait()
         return bool(self._items)
 
     def __aiter__(self) -> Self:

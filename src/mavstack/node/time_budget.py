@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: Seconds that the last request gets when the timeout has passed already: it fails at once, with its typed
-#: error.
+#: Timeout of a request after the timeout of the call has passed: the request fails immediately, with its
+#: typed error.
 MIN_REMAINING = 0.001
 
 
@@ -19,9 +19,9 @@ class TimeBudget:
         self._now = now
         self._deadline = None if timeout is None else now() + timeout
 
-    def remaining(self, at_most: float | None = None) -> float | None:
-        """Return the seconds that remain, at most `at_most`; None for no limit."""
+    def remaining(self, maximum: float | None = None) -> float | None:
+        """Return the seconds that remain, at most `maximum`; None for no limit."""
         if self._deadline is None:
-            return at_most
+            return maximum
         seconds = max(self._deadline - self._now(), MIN_REMAINING)
-        return seconds if at_most is None else min(seconds, at_most)
+        return seconds if maximum is None else min(seconds, maximum)

@@ -71,7 +71,7 @@ AnyMessage = TypeVar('AnyMessage', bound=Message)
 AnyService = TypeVar('AnyService', bound='Service')
 Item = TypeVar('Item')
 Result = TypeVar('Result')
-Sent = TypeVar('Sent')
+Value = TypeVar('Value')
 
 class Subscription(Generic[Item]):
     """An iterator over received items; it ends after `close`, or when the node closes.
@@ -102,7 +102,7 @@ class Subscription(Generic[Item]):
         """Wait until an item is queued or the subscription ends.
 
         Returns:
-            True if an item is queued, False if none will come any more.
+            True if an item is queued, False if the subscription has ended.
         """
 
     def __iter__(self) -> Self:
@@ -152,10 +152,10 @@ class CommandHandlers:
     def stop(self) -> None:
         """Cancel the tasks of all long commands, and wait until they have ended."""
 
-class ControlStream(Generic[Sent]):
+class ControlStream(Generic[Value]):
     """A stream of one type of value to a remote component; a context manager."""
 
-    def set(self, value: Sent) -> None:
+    def set(self, value: Value) -> None:
         """Send a value, and repeat it until the next one.
 
         Args:
@@ -166,7 +166,7 @@ class ControlStream(Generic[Sent]):
         """
 
     def stop(self) -> None:
-        """Release control; `set` takes it again."""
+        """Release control; the next `set` takes control again."""
 
     def __enter__(self) -> Self:
         ...
@@ -229,7 +229,7 @@ class ExtendedParams:
         """
 
     def changes(self) -> Subscription[ExtendedParameterChanged]:
-        """Subscribe to changes of extended parameters made by anyone."""
+        """Subscribe to changes of extended parameters, made by any component."""
 
 class Ftp:
     """The files of a remote component, by MAVLink FTP (FILE_TRANSFER_PROTOCOL).
@@ -407,10 +407,10 @@ class Logs:
         """
 
 class Modes:
-    """The flight modes of a remote component, by name, whatever the firmware's numbers are."""
+    """The flight modes of a remote component, by names that do not depend on the firmware's numbers."""
 
     def follow(self) -> None:
-        """Follow the mode from now on, so that `current` is known; every other use does this too."""
+        """Start to follow the mode, so that `current` is known; every other method does this too."""
 
     @property
     def current(self) -> str | None:
@@ -433,7 +433,7 @@ class Modes:
         """
 
     def set_standard(self, standard_mode: int, *, timeout: float | None=None) -> int:
-        """Set a standard mode (MAV_CMD_DO_SET_STANDARD_MODE), which means the same with every firmware.
+        """Set a standard mode (MAV_CMD_DO_SET_STANDARD_MODE), whose meaning does not depend on the firmware.
 
         Args:
             standard_mode: A MAV_STANDARD_MODE.
@@ -471,7 +471,7 @@ class Params:
 
     @property
     def cached(self) -> Mapping[str, Parameter]:
-        """Every parameter received so far, by name; it follows changes that others make."""
+        """Every parameter received so far, by name, with changes made by any component."""
 
     @property
     def encoding(self) -> Encoding:
@@ -529,7 +529,7 @@ class Params:
         """
 
     def changes(self) -> Subscription[ParameterChanged]:
-        """Subscribe to changes of parameters made by anyone."""
+        """Subscribe to changes of parameters, made by any component."""
 
     def clear_cache(self) -> None:
         """Discard the capabilities that were cached before a reboot."""
@@ -650,7 +650,7 @@ class RemoteComponent:
 
     @property
     def info(self) -> ComponentInfo | None:
-        """The component's last heartbeat; None if it was never heard."""
+        """The component's last heartbeat; None if none was received."""
 
     @property
     def is_open(self) -> bool:
@@ -677,8 +677,8 @@ class RemoteComponent:
             params: Up to seven parameters, in the units of the command's definition; missing ones are 0.
             frame: A MAV_FRAME: send COMMAND_INT, with params 5 and 6 in degrees or metres. None:
                 COMMAND_LONG.
-            timeout: Seconds for the whole call; None: until retries are exhausted or IN_PROGRESS stops
-                coming.
+            timeout: Seconds for the whole call; None: until retries are exhausted or no more
+                IN_PROGRESS is received.
             progress: Called with the percentage done and 100 while a long command runs.
 
         Returns:
@@ -752,7 +752,7 @@ class RemoteComponent:
         """
 
     def get_protocol_version(self, *, timeout: float | None=None) -> ProtocolVersion:
-        """Get the MAVLink versions that the component speaks (PROTOCOL_VERSION).
+        """Get the MAVLink versions that the component supports (PROTOCOL_VERSION).
 
         Args:
             timeout: Seconds for the whole call; None: until retries are exhausted.
@@ -835,15 +835,15 @@ class RemoteComponent:
         """The component's flight modes."""
 
     def setup_signing(self, key: SigningKey | None, *, timeout: float | None=None) -> None:
-        """Install a signing key on the component, and sign with it once the component does (SETUP_SIGNING).
+        """Install a signing key on the component (SETUP_SIGNING), and use it once the component uses it.
 
         Args:
             key: The key; None: remove the present key.
-            timeout: Seconds for the whole call; None: 40 seconds without an answer.
+            timeout: Seconds for the whole call; None: until no answer was received for 40 seconds.
 
         Raises:
-            RemoteDenied: The component keeps its present key. Both sides go on as before.
-            RemoteTimeout: The component does not answer. Both sides go on as before.
+            RemoteDenied: The component refused the key. Both sides keep the present key.
+            RemoteTimeout: The component does not answer. Both sides keep the present key.
         """
 
     def setpoints(self, rate: float=20.0) -> ControlStream[Setpoint]:
@@ -897,7 +897,7 @@ class RemoteComponent:
 
     @property
     def clock(self) -> TimesyncClient:
-        """The tracker of the component's clock (TIMESYNC), from the first use on; see its `estimate`."""
+        """The client that follows the component's clock (TIMESYNC) from the first use on; see `estimate`."""
 
 class Node:
     """The local MAVLink component; open it with `async with`, or with `open()` and `close()`.
@@ -990,7 +990,7 @@ class Node:
 
         Args:
             message: The message.
-            target: The address to send to; None: the address in the message's target fields, or everybody.
+            target: The address to send to; None: the address in its target fields, or all components.
 
         Raises:
             InvalidStateError: The node is closed.
@@ -1048,7 +1048,7 @@ class Node:
         """
 
     def set_heartbeat(self, *, base_mode: int | None=None, custom_mode: int | None=None, system_status: int | None=None) -> None:
-        """Change fields of the node's own HEARTBEAT; the next one is sent at once.
+        """Change fields of the node's own HEARTBEAT; the next HEARTBEAT is sent immediately.
 
         Args:
             base_mode: MAV_MODE_FLAG flags; None: unchanged.
@@ -1057,16 +1057,16 @@ class Node:
         """
 
     def publish(self, message: type[Message], producer: Callable[[float], Message | None], *, interval: float=0.0) -> None:
-        """Publish a message: at an interval, at the rates that others set, and when it is requested.
+        """Publish a message: at an interval, at the rates that remote components set, and on request.
 
         Args:
             message: The message class.
             producer: Called with the time; returns the message, or None if there is none to send.
-            interval: Seconds between two messages; 0: only when others ask for it.
+            interval: Seconds between two messages; 0: only on request, and at rates that are set.
         """
 
     def send_statustext(self, text: str, severity: int=...) -> None:
-        """Send a status text to everybody (STATUSTEXT); a long text is sent in chunks.
+        """Send a status text to all components (STATUSTEXT); a long text is sent in chunks.
 
         Args:
             text: The text.
@@ -1079,7 +1079,7 @@ class Node:
 
     @cached_property
     def commands(self) -> CommandHandlers:
-        """The handlers of commands that others send to this node."""
+        """The handlers of commands that remote components send to this node."""
 
     def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
         """Register a function, plain or async, as the handler of a command; see `CommandHandlers`.
@@ -1122,7 +1122,7 @@ class Node:
 
     @property
     def components(self) -> dict[Address, ComponentInfo]:
-        """Every component heard so far, by address."""
+        """Every component discovered so far, by address."""
 
     @property
     def is_open(self) -> bool:
@@ -1143,7 +1143,7 @@ class Node:
         """Cancel running operations on both ends, end all subscriptions and close the links. Idempotent."""
 
     def component(self, system: int, component: int=...) -> RemoteComponent:
-        """Return a remote component by its address, whether it was heard or not.
+        """Return a remote component by its address, whether it was discovered or not.
 
         Args:
             system: The system id.
@@ -1157,14 +1157,14 @@ class Node:
         """Wait until the heartbeat of an autopilot is received.
 
         Args:
-            system: The system id; None: the first autopilot that is heard.
+            system: The system id; None: the first autopilot that is discovered.
             timeout: Seconds to wait; None: for ever.
 
         Returns:
             The autopilot.
 
         Raises:
-            RemoteTimeout: No autopilot was heard in time; the text says what was heard instead.
+            RemoteTimeout: No autopilot was discovered in time; the text names the traffic received.
         """
 
     def wait_for_component(self, predicate: Callable[[ComponentInfo], bool], description: str='a component', *, timeout: float | None=...) -> RemoteComponent:
@@ -1172,14 +1172,14 @@ class Node:
 
         Args:
             predicate: Called with the `ComponentInfo` of each component.
-            description: The component's name in the error.
+            description: The name of the component in the error text.
             timeout: Seconds to wait; None: for ever.
 
         Returns:
-            The first such component.
+            The first component for which `predicate` is true.
 
         Raises:
-            RemoteTimeout: There was none in time; the text says what was heard instead.
+            RemoteTimeout: No such component was discovered in time; the text names the traffic received.
         """
 
     def has_address_conflict(self, address: Address) -> bool:

@@ -25,7 +25,7 @@ RENAMED = {
     "__anext__": "__next__",
     "__aiter__": "__iter__",
 }
-#: Members that have no blocking counterpart, or are internal to the vehicle layer.
+#: Members that have no blocking counterpart, or that only the vehicle layer uses.
 OMITTED = {"__await__", "__repr__", "__hash__", "telemetry", "firmware"}
 #: Classes that the node and the vehicle create; a program only annotates with them.
 CONSTRUCTIBLE = {"Node", "Connection"}
@@ -85,7 +85,7 @@ def _identifiers(text: str) -> set[str]:
 
 
 def _type_variables(trees: list[ast.Module]) -> dict[str, str]:
-    """Return the lines that make type variables, by name; several modules may have the same one."""
+    """Return the lines that define type variables, by name; several modules may define one variable."""
     items = [
         item
         for tree in trees
@@ -113,7 +113,7 @@ _module_names: dict[str, ast.Module] = {}
 
 
 def _class(name: str, trees: dict[str, ast.Module]) -> ast.ClassDef:
-    """Return a class as the stub has it, with the members of its internal bases."""
+    """Return the stub of a class, with the members of its internal bases."""
     _module_names.update(trees)
     found = _find(trees[CLASSES[name]], name)
     assert isinstance(found, ast.ClassDef)  # noqa: S101 (classes alone are listed)
@@ -169,7 +169,7 @@ def _annotated(name: str, annotation: ast.expr) -> ast.AnnAssign:
 
 
 def _attributes(init: Function) -> dict[str, ast.stmt]:
-    """Return the public attributes that a constructor sets, if it says their types."""
+    """Return the public attributes that a constructor sets, if their types are declared."""
     parameters = {each.arg: each.annotation for each in (*init.args.args, *init.args.kwonlyargs)}
     found: dict[str, ast.stmt] = {}
     for part in ast.walk(init):
@@ -197,7 +197,7 @@ def _type_of(value: ast.expr, parameters: dict[str, ast.expr | None]) -> ast.exp
 
 
 def _docstring(item: ast.ClassDef | Function) -> str | None:
-    """Return a docstring that speaks of functions, iterators and context managers that are not async."""
+    """Return the docstring, without "async" before functions, iterators and context managers."""
     text = ast.get_docstring(item, clean=False)
     for noun, article in (("function", "a"), ("context manager", "a"), ("iterator", "an")):
         for before in ("an", "An"):
@@ -207,7 +207,7 @@ def _docstring(item: ast.ClassDef | Function) -> str | None:
 
 
 class _Blocking(ast.NodeTransformer):
-    """Types as a blocking program sees them: a callback returns its result, and not an awaitable of it."""
+    """Types of the blocking API: a callback returns its result, and not an awaitable."""
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
         self.generic_visit(node)
@@ -217,7 +217,7 @@ class _Blocking(ast.NodeTransformer):
 
 
 def _method(part: Function | ast.ClassDef) -> ast.FunctionDef:
-    """Return a method as the stub has it: the same signature and docstring, and no coroutine."""
+    """Return the stub of a method: its signature and docstring, without `async`."""
     assert not isinstance(part, ast.ClassDef)  # noqa: S101 (functions alone are listed)
     documented = _docstring(part)
     body: list[ast.stmt] = [ast.Expr(ast.Constant(documented if documented is not None else ...))]

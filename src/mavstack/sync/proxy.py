@@ -1,7 +1,7 @@
 """A blocking proxy of any object of the async API: the same names, with blocking calls.
 
-There is no second implementation. A proxy looks an attribute up in the event loop's thread and converts what
-it finds:
+There is no second implementation. A proxy looks an attribute up in the event loop's thread and converts its
+value:
 
     async method                     a method that blocks until the result
     plain method, property           called in the loop's thread
@@ -118,8 +118,8 @@ class Blocking:
         if not self._portal.closed:  # else the node has cleaned up already
             self._portal.wait(self._inner.__aexit__(kind, error, trace))
 
-    def _convert_attribute(self, found: Any) -> Any:  # noqa: ANN401 (any value)
-        return self._blocking(found) if callable(found) and not _needs_proxy(found) else self._wrap(found)
+    def _convert_attribute(self, value: Any) -> Any:  # noqa: ANN401 (any value)
+        return self._blocking(value) if callable(value) and not _needs_proxy(value) else self._wrap(value)
 
     def _blocking(self, method: Callable[..., Any]) -> Callable[..., Any]:
         async def run(args: tuple[Any, ...], named: dict[str, Any]) -> Any:  # noqa: ANN401 (as below)
@@ -132,14 +132,14 @@ class Blocking:
 
         return call
 
-    def _wrap(self, found: Any) -> Any:  # noqa: ANN401 (any value)
-        if _needs_proxy(found):
-            return blocking_class(type(found))(found, self._portal)
-        if isinstance(found, list):
-            return [self._wrap(item) for item in found]
-        if isinstance(found, Mapping):
-            return {self._wrap(key): self._wrap(value) for key, value in found.items()}
-        return found
+    def _wrap(self, value: Any) -> Any:  # noqa: ANN401 (any value)
+        if _needs_proxy(value):
+            return blocking_class(type(value))(value, self._portal)
+        if isinstance(value, list):
+            return [self._wrap(item) for item in value]
+        if isinstance(value, Mapping):
+            return {self._wrap(key): self._wrap(item) for key, item in value.items()}
+        return value
 
 
 class BlockingGroup(Blocking):
@@ -202,11 +202,11 @@ def _unwrap(argument: Any) -> Any:  # noqa: ANN401 (any value)
     return argument._inner if isinstance(argument, Blocking) else argument  # noqa: SLF001 (of this module)
 
 
-def _needs_proxy(found: object) -> bool:
-    kind = type(found)
-    if is_dataclass(kind) and not isinstance(found, VehicleEvent):
+def _needs_proxy(value: object) -> bool:
+    kind = type(value)
+    if is_dataclass(kind) and not isinstance(value, VehicleEvent):
         return False
-    belongs = kind.__module__.startswith(PACKAGES) and not isinstance(found, str | tuple)
+    belongs = kind.__module__.startswith(PACKAGES) and not isinstance(value, str | tuple)
     return belongs or hasattr(kind, "__anext__")
 
 
