@@ -134,7 +134,8 @@ def test_enums_are_merged(write):
 
 
 @pytest.mark.parametrize(
-    ("entries", "problem"), [([("E_A", 5)], "E_A of enum E is 1"), ([("E_C", 1)], "gives 1 to E_A and E_C")]
+    ("entries", "problem"),
+    [([("E_A", 5)], "E_A of enum E is 1"), ([("E_C", 1)], "has the value 1 twice: E_A and E_C")],
 )
 def test_a_file_may_not_contradict_an_enum(write, entries, problem):
     write("first", enums=enum(("E_A", 1)))

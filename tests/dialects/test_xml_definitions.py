@@ -122,7 +122,7 @@ BROKEN = {
     "entry value twice": (
         enum('<entry value="1" name="A"/>\n<entry value="0x1" name="B"/>'),
         5,
-        "gives 1 to A and B",
+        "has the value 1 twice: A and B",
     ),
     "entry value no number": (enum('<entry value="1+1" name="A"/>'), 4, "'1+1'"),
     "entry value code": (enum('<entry value="__import__(\'os\')" name="A"/>'), 4, "is not an integer"),

@@ -19,27 +19,36 @@ if TYPE_CHECKING:
 
     from mavstack.dialects.model import DialectDefinition, EnumDefinition, MessageDefinition
 
-_MARKS = frozenset({"wip", "deprecated", "superseded", "description"})
+_STATUS_ELEMENTS = frozenset({"wip", "deprecated", "superseded", "description"})
 _CHILDREN = {
     "mavlink": frozenset({"include", "version", "dialect", "enums", "messages"}),
     "enums": frozenset({"enum"}),
-    "enum": _MARKS | {"entry"},
-    "entry": _MARKS | {"param"},
+    "enum": _STATUS_ELEMENTS | {"entry"},
+    "entry": _STATUS_ELEMENTS | {"param"},
     "messages": frozenset({"message"}),
-    "message": _MARKS | {"field", "extensions"},
+    "message": _STATUS_ELEMENTS | {"field", "extensions"},
     "field": frozenset({"description"}),
     "wip": frozenset({"description"}),
     "deprecated": frozenset({"description"}),
     "superseded": frozenset({"description"}),
 }
-_PLAN_MARKS = {"mission", "fence", "rally", "command", "missionOnly"}
-_LIMITS = {"units", "multiplier", "instance", "enum", "increment", "minValue", "maxValue", "default"}
+_PLAN_FLAGS = {"mission", "fence", "rally", "command", "missionOnly"}
+_VALUE_ATTRIBUTES = {
+    "units",
+    "multiplier",
+    "instance",
+    "enum",
+    "increment",
+    "minValue",
+    "maxValue",
+    "default",
+}
 _ATTRIBUTES = {
     "enum": frozenset({"name", "bitmask"}),
-    "entry": frozenset({"name", "value", "hasLocation", "hasAltitudeOnly", "isDestination"} | _PLAN_MARKS),
-    "param": frozenset({"index", "label", "decimalPlaces", "reserved"} | _LIMITS),
+    "entry": frozenset({"name", "value", "hasLocation", "hasAltitudeOnly", "isDestination"} | _PLAN_FLAGS),
+    "param": frozenset({"index", "label", "decimalPlaces", "reserved"} | _VALUE_ATTRIBUTES),
     "message": frozenset({"id", "name"}),
-    "field": frozenset({"type", "name", "print_format", "display", "invalid"} | _LIMITS),
+    "field": frozenset({"type", "name", "print_format", "display", "invalid"} | _VALUE_ATTRIBUTES),
     "wip": frozenset({"since"}),
     "deprecated": frozenset({"since", "replaced_by", "remove_on_date"}),
     "superseded": frozenset({"since", "replaced_by"}),
@@ -56,8 +65,8 @@ class Problem:
     line: int | None = None
 
     def __str__(self) -> str:
-        where = self.path if self.line is None else f"{self.path}:{self.line}"
-        return f"{where}: {self.severity}: {self.text}"
+        location = self.path if self.line is None else f"{self.path}:{self.line}"
+        return f"{location}: {self.severity}: {self.text}"
 
 
 def check_file(path: str) -> list[Problem]:

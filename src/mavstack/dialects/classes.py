@@ -45,27 +45,27 @@ def make_class(
 ) -> type[Message]:
     """Create the class of a message in `dialect`; `table` is that of the file that defines the message."""
     attributes = attribute_names(row)
-    facts, field_facts = table.message_facts(row[1])
+    metadata, field_metadata = table.message_metadata(row[1])
     namespace: dict[str, Any] = {
         "__slots__": (),
         "__module__": dialect.module_name,
-        "__doc__": facts.get("description"),
+        "__doc__": metadata.get("description"),
         "__match_args__": tuple(attributes),
         "__mavlink_dialect__": dialect,
         "__mavlink_row__": row,
     }
     bases = _bases(parents) or (Message,)
     namespace |= _absent_fields(parents, attributes)
-    template = _version_template(row, field_facts, table.header["version"])
+    template = _version_template(row, field_metadata, table.header["version"])
     message_class: Any = new_message_class(
         class_name(row[1]), bases, namespace, dialect.layout(row), template
     )
     return message_class  # type: ignore[no-any-return]
 
 
-def _version_template(row: MessageRow, field_facts: dict[str, Any], version: int | None) -> bytes | None:
+def _version_template(row: MessageRow, field_metadata: dict[str, Any], version: int | None) -> bytes | None:
     """Return the default payload of a message whose version field has the version of the definitions."""
-    if not field_facts.get(_VERSION_FIELD, {}).get("protocol_version"):
+    if not field_metadata.get(_VERSION_FIELD, {}).get("protocol_version"):
         return None
     offset = next(int(field[3]) for field in row[5] if field[0] == _VERSION_FIELD)
     return bytes(offset) + bytes([version or 0])
@@ -73,7 +73,7 @@ def _version_template(row: MessageRow, field_facts: dict[str, Any], version: int
 
 def _bases(parents: Iterable[type[Message]]) -> tuple[type[Message], ...]:
     """Return as many of the parents, from the first, as Python can combine in one class."""
-    bases = tuple(_most_derived(parents))
+    bases = tuple(_leaf_classes(parents))
     while len(bases) > 1:
         try:
             MessageMeta("probe", bases, {"__slots__": ()})
@@ -84,7 +84,7 @@ def _bases(parents: Iterable[type[Message]]) -> tuple[type[Message], ...]:
     return bases
 
 
-def _most_derived(classes: Iterable[type[Message]]) -> list[type[Message]]:
+def _leaf_classes(classes: Iterable[type[Message]]) -> list[type[Message]]:
     """Return the classes that are not base classes of another one."""
     unique = list(dict.fromkeys(classes))
     return [

@@ -1,9 +1,9 @@
 """Conversion between definitions and table lines, without loss.
 
 The row of a message is `[id, name, CRC_EXTRA, base length, length, fields]` with `[name, type, array length,
-offset, enum]` for each field, in the order of the definition. Its facts are `[message facts, {field:
-facts}]`. Facts are objects with only those attributes that differ from their default, so that a line stays
-short and a change is one changed line. Whether a field is an extension follows from its offset.
+offset, enum]` for each field, in the order of the definition. Its metadata is `[message metadata,
+{field: metadata}]`. Metadata objects have only those attributes that differ from their default, so that a
+line stays short and a change is one changed line. A field at or after the base length is an extension.
 """
 
 from __future__ import annotations
@@ -36,29 +36,29 @@ _Value = TypeVar(
 )
 
 
-def _facts(value: object, leave_out: frozenset[str] = frozenset()) -> dict[str, Any]:
+def _metadata(value: object, excluded: frozenset[str] = frozenset()) -> dict[str, Any]:
     """Return the attributes of a definition that differ from their default."""
     found: dict[str, Any] = {}
     for item in fields(value):  # type: ignore[arg-type]
         content = getattr(value, item.name)
-        if item.name in leave_out or (item.default is not MISSING and content == item.default):
+        if item.name in excluded or (item.default is not MISSING and content == item.default):
             continue
         if isinstance(content, Replacement):
-            content = _facts(content)
+            content = _metadata(content)
         elif isinstance(content, tuple):
-            content = [_facts(param) for param in content]
+            content = [_metadata(param) for param in content]
         found[item.name] = content
     return found
 
 
-def _restore(kind: type[_Value], facts: dict[str, Any], given: dict[str, Any]) -> _Value:
-    """Return the definition from which `_facts` were made."""
+def _restore(definition_class: type[_Value], metadata: dict[str, Any], row: dict[str, Any]) -> _Value:
+    """Return the definition from which `_metadata` was made."""
     for mark in ("deprecated", "superseded"):
-        if mark in facts:
-            given[mark] = Replacement(**facts[mark])
-    if "params" in facts:
-        given["params"] = tuple(EnumParam(**param) for param in facts["params"])
-    return kind(**{**facts, **given})
+        if mark in metadata:
+            row[mark] = Replacement(**metadata[mark])
+    if "params" in metadata:
+        row["params"] = tuple(EnumParam(**param) for param in metadata["params"])
+    return definition_class(**{**metadata, **row})
 
 
 def _line(*values: object) -> str:
@@ -82,12 +82,12 @@ def table_lines(definition: DialectDefinition) -> Iterator[str]:
     }
     yield _line(header)
     for message in definition.messages:
-        field_facts = {item.name: _facts(item, _IN_FIELD_ROW) for item in message.fields}
-        kept = {name: facts for name, facts in field_facts.items() if facts}
-        yield _line(message_row(message), [_facts(message, _IN_MESSAGE_ROW), kept])
+        field_metadata = {item.name: _metadata(item, _IN_FIELD_ROW) for item in message.fields}
+        kept = {name: metadata for name, metadata in field_metadata.items() if metadata}
+        yield _line(message_row(message), [_metadata(message, _IN_MESSAGE_ROW), kept])
     for enum in definition.enums:
-        entries = [[entry.value, entry.name, _facts(entry, _IN_ENTRY_ROW)] for entry in enum.entries]
-        yield f"{enum.name}\t{_line([_facts(enum, _IN_ENUM_ROW), entries])}"
+        entries = [[entry.value, entry.name, _metadata(entry, _IN_ENTRY_ROW)] for entry in enum.entries]
+        yield f"{enum.name}\t{_line([_metadata(enum, _IN_ENUM_ROW), entries])}"
 
 
 def encode_table(definition: DialectDefinition) -> Table:
@@ -98,11 +98,11 @@ def encode_table(definition: DialectDefinition) -> Table:
 def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
     """Return the definition of a message in a table."""
     number, name, crc_extra, base_length, length, field_rows = row
-    facts, field_facts = table.message_facts(name)
-    found = tuple(
+    metadata, field_metadata = table.message_metadata(name)
+    fields_ = tuple(
         _restore(
             FieldDefinition,
-            field_facts.get(field_name, {}),
+            field_metadata.get(field_name, {}),
             {
                 "name": field_name,
                 "type": kind,
@@ -116,11 +116,11 @@ def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
     )
     return _restore(
         MessageDefinition,
-        facts,
+        metadata,
         {
             "id": number,
             "name": name,
-            "fields": found,
+            "fields": fields_,
             "crc_extra": crc_extra,
             "base_length": base_length,
             "length": length,
@@ -131,11 +131,11 @@ def decode_message(row: MessageRow, table: Table) -> MessageDefinition:
 
 def decode_enum(name: str, table: Table) -> EnumDefinition:
     """Return the definition of an enum in a table, with the entries of this file only."""
-    facts, entry_rows = table.enum_row(name)
+    metadata, entry_rows = table.enum_row(name)
     entries = tuple(
         _restore(EnumEntry, more, {"value": value, "name": entry}) for value, entry, more in entry_rows
     )
-    return _restore(EnumDefinition, facts, {"name": name, "entries": entries})
+    return _restore(EnumDefinition, metadata, {"name": name, "entries": entries})
 
 
 def decode_table(table: Table) -> DialectDefinition:

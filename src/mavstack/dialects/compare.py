@@ -83,7 +83,7 @@ def _pairs(
             yield old[name], new[name]
 
 
-def _facts(subject: str, old: object, new: object, ignored: frozenset[str]) -> Iterator[Change]:
+def _changed_attributes(subject: str, old: object, new: object, ignored: frozenset[str]) -> Iterator[Change]:
     """Yield the changed attributes of one definition."""
     for item in fields(old):  # type: ignore[arg-type]
         before, after = getattr(old, item.name), getattr(new, item.name)
@@ -94,7 +94,7 @@ def _facts(subject: str, old: object, new: object, ignored: frozenset[str]) -> I
 
 
 def _without_prose(value: object) -> object:
-    """Remove the description of a mark or of the parameters of a command."""
+    """Remove the description of a deprecation or of the parameters of a command."""
     if isinstance(value, Replacement | EnumParam):
         return replace(value, description="")
     return tuple(map(_without_prose, value)) if isinstance(value, tuple) else value
@@ -125,7 +125,7 @@ def _message(old: MessageDefinition, new: MessageDefinition, ignored: frozenset[
     if (old.crc_extra, old.base_length) != (new.crc_extra, new.base_length):
         detail = f"CRC_EXTRA {old.crc_extra} -> {new.crc_extra}"
         yield Change("changed", subject, detail, breaks_wire=True)
-    yield from _facts(subject, old, new, ignored | {"id"})
+    yield from _changed_attributes(subject, old, new, ignored | {"id"})
     for pair in _pairs(f"field {old.name}.", old.by_name, new.by_name):
         if isinstance(pair, Change):
             yield pair
@@ -138,21 +138,21 @@ def _field(
     message: str, old: FieldDefinition, new: FieldDefinition, ignored: frozenset[str]
 ) -> Iterator[Change]:
     subject = f"field {message}.{old.name}"
-    for change in _facts(subject, old, new, ignored):
-        moved = change.detail.startswith(("type ", "array_length ", "extension "))
-        yield Change("changed", subject, change.detail, breaks_wire=moved)
+    for change in _changed_attributes(subject, old, new, ignored):
+        breaks_wire = change.detail.startswith(("type ", "array_length ", "extension "))
+        yield Change("changed", subject, change.detail, breaks_wire=breaks_wire)
 
 
 def _extension_offset(
     old: MessageDefinition, new: MessageDefinition, before: FieldDefinition, after: FieldDefinition
 ) -> Iterator[Change]:
     """Yield a change if an extension has another offset, which CRC_EXTRA does not detect."""
-    was, now = before.offset - old.base_length, after.offset - new.base_length
-    if before.extension and after.extension and was != now:
+    old_offset, new_offset = before.offset - old.base_length, after.offset - new.base_length
+    if before.extension and after.extension and old_offset != new_offset:
         yield Change(
             "changed",
             f"field {old.name}.{before.name}",
-            f"offset {was} -> {now} in the extensions",
+            f"offset {old_offset} -> {new_offset} in the extensions",
             breaks_wire=True,
         )
 
@@ -166,13 +166,13 @@ def _enums(old: DialectDefinition, new: DialectDefinition, ignored: frozenset[st
 
 
 def _enum(old: EnumDefinition, new: EnumDefinition, ignored: frozenset[str]) -> Iterator[Change]:
-    yield from _facts(f"enum {old.name}", old, new, ignored)
+    yield from _changed_attributes(f"enum {old.name}", old, new, ignored)
     for pair in _pairs(f"entry {old.name}.", _by_name(old), _by_name(new)):
         if isinstance(pair, Change):
             yield pair
         else:
             before, after = pair
-            yield from _facts(f"entry {old.name}.{before.name}", before, after, ignored)
+            yield from _changed_attributes(f"entry {old.name}.{before.name}", before, after, ignored)
 
 
 def _by_name(enum: EnumDefinition) -> dict[str, EnumEntry]:

@@ -209,12 +209,12 @@ class Dialect:
         Raises:
             KeyError: The dialect has no message of that id.
         """
-        made = self._classes.get(number)
-        if made is None:
+        created = self._classes.get(number)
+        if created is None:
             owner = self._owner(number)
-            made = owner.message_class(number) if owner is not self else self._make_class(number)
-            made = self._classes.setdefault(number, made)
-        return made
+            created = owner.message_class(number) if owner is not self else self._make_class(number)
+            created = self._classes.setdefault(number, created)
+        return created
 
     def _owner(self, number: int) -> Dialect:
         """Return the first included dialect in which the message has the same enums as in this one."""
@@ -288,12 +288,12 @@ class Dialect:
         Raises:
             KeyError: The dialect has no enum of that name.
         """
-        made = self._enum_classes.get(name)
-        if made is None:
+        created = self._enum_classes.get(name)
+        if created is None:
             owner = self.enum_owner(name)
-            made = owner.enum_class(name) if owner is not self else self._make_enum(name)
-            made = self._enum_classes.setdefault(name, made)
-        return made
+            created = owner.enum_class(name) if owner is not self else self._make_enum(name)
+            created = self._enum_classes.setdefault(name, created)
+        return created
 
     def _make_enum(self, name: str) -> EnumClass:
         entries, bitmask = self._enum_entries(name)
@@ -302,14 +302,15 @@ class Dialect:
         added = [entry for names in others for entry in names if entry not in origin]
         python_names = member_names(name, origin, added, reserved_names(bitmask))
         members = {python_names[entry]: value for rows in entries for value, entry, _ in rows}
-        made = class_name(name)
-        made = f"{made}Enum" if made in self.messages_by_class else made
-        return make_enum(self, name, made, members, bitmask=bitmask)
+        python_name = class_name(name)
+        if python_name in self.messages_by_class:
+            python_name += "Enum"
+        return make_enum(self, name, python_name, members, bitmask=bitmask)
 
     def _enum_entries(self, name: str) -> tuple[list[list[list[Any]]], bool]:
-        """Return the entries [value, name, facts] of an enum by file, and true if it is a bitmask."""
+        """Return the entries [value, name, metadata] of an enum by file, and true if it is a bitmask."""
         rows = [dialect.table.enum_row(name) for dialect in self.enum_files[name]]
-        return [entries for _, entries in rows], any(facts.get("bitmask", False) for facts, _ in rows)
+        return [entries for _, entries in rows], any(metadata.get("bitmask", False) for metadata, _ in rows)
 
     def enum_values(self, name: str) -> dict[str, int]:
         """Return the values of an enum.
@@ -354,7 +355,7 @@ class Dialect:
     def enums_by_class(self) -> dict[str, str]:
         """Names of the enums by class name; `Enum` is appended to the name of a message class."""
         names = ((class_name(name), name) for name in self.enum_files)
-        return {f"{made}Enum" if made in self.messages_by_class else made: name for made, name in names}
+        return {f"{cls}Enum" if cls in self.messages_by_class else cls: name for cls, name in names}
 
 
 @cache
@@ -367,13 +368,13 @@ def _from_source(source: Source) -> Dialect:
     """Create the dialect of a definition file, and those of its included files."""
     from mavstack.dialects.includes import included_first
 
-    made: dict[int, Dialect] = {}
+    dialects: dict[int, Dialect] = {}
     for item in included_first(source):
-        includes = tuple(made[id(included)] for included in item.includes)
-        made[id(item)] = (
+        includes = tuple(dialects[id(included)] for included in item.includes)
+        dialects[id(item)] = (
             _load(item.definition.name) if item.official else _from_definition(item.definition, includes)
         )
-    return made[id(source)]
+    return dialects[id(source)]
 
 
 @lru_cache(maxsize=64)

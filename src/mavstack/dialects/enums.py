@@ -157,9 +157,9 @@ def make_enum(
 ) -> EnumClass:
     """Create the class of an enum of `dialect`; `members` are values by Python name."""
     base: Any = MavFlag if bitmask else MavEnum
-    made: Any = base(name, list(members.items()), module=dialect.module_name, qualname=name)
-    made.__mavlink_source__ = (dialect, official)
-    return made  # type: ignore[no-any-return]
+    enum_class: Any = base(name, list(members.items()), module=dialect.module_name, qualname=name)
+    enum_class.__mavlink_source__ = (dialect, official)
+    return enum_class  # type: ignore[no-any-return]
 
 
 def source_of(enum: EnumClass) -> tuple[EnumDialect, str]:

@@ -39,9 +39,9 @@ def modules(folder: Path = _HERE) -> Iterator[tuple[Path, str]]:
 
 def out_of_date() -> list[Path]:
     """Return the generated files that are outdated."""
-    wanted = [*tables(), *modules()]
-    stale = [path for path, text in wanted if not path.exists() or path.read_text(encoding="utf-8") != text]
-    known = {path for path, _ in wanted}
+    expected = [*tables(), *modules()]
+    stale = [path for path, text in expected if not path.exists() or path.read_text(encoding="utf-8") != text]
+    known = {path for path, _ in expected}
     return stale + [path for path in (_HERE / "tables").glob("*.jsonl") if path not in known]
 
 

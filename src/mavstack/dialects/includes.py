@@ -145,15 +145,15 @@ def _check_messages(definitions: Iterable[DialectDefinition]) -> None:
     names: dict[str, tuple[MessageDefinition, DialectDefinition]] = {}
     for definition in definitions:
         for message in definition.messages:
-            where = definition.path or definition.name, message.line or None
+            location = definition.path or definition.name, message.line or None
             other, file = ids.setdefault(message.id, (message, definition))
             if file is not definition:
                 raise DialectError(
-                    f"message id {message.id} is already used by {other.name} of {file.name}", *where
+                    f"message id {message.id} is already used by {other.name} of {file.name}", *location
                 )
             _, file = names.setdefault(message.name, (message, definition))
             if file is not definition:
-                raise DialectError(f"message {message.name} is already defined in {file.name}", *where)
+                raise DialectError(f"message {message.name} is already defined in {file.name}", *location)
 
 
 def merge_enums(definitions: Iterable[DialectDefinition]) -> dict[str, EnumDefinition]:
@@ -179,18 +179,18 @@ def _new_entries(known: EnumDefinition, more: EnumDefinition, path: str) -> Iter
     by_name = {entry.name: entry for entry in known.entries}
     by_value = {entry.value: entry for entry in known.entries}
     for entry in more.entries:
-        same = by_name.get(entry.name)
-        if same is not None and same.value == entry.value:
+        existing = by_name.get(entry.name)
+        if existing is not None and existing.value == entry.value:
             continue
-        if same is not None:
-            problem = (
-                f"{entry.name} of enum {more.name} is {same.value} in an included file and {entry.value} here"
-            )
+        if existing is not None:
+            problem = f"{entry.name} of enum {more.name} is {existing.value} in an included file and {entry.value} here"
             raise DialectError(problem, path, entry.line or None)
         if entry.value in by_value:
             other = by_value[entry.value].name
             raise DialectError(
-                f"enum {more.name} gives {entry.value} to {other} and {entry.name}", path, entry.line or None
+                f"enum {more.name} has the value {entry.value} twice: {other} and {entry.name}",
+                path,
+                entry.line or None,
             )
         yield entry
 

@@ -87,7 +87,7 @@ class Message(MessageBase):
         # Texts of messages are logged, and logs must not contain keys or passwords.
         if name in secret_fields(self.__mavlink_row__[1]):
             return "…"
-        return _shown(getattr(self, name), self._field_type(name))
+        return _format_value(getattr(self, name), self._field_type(name))
 
     @classmethod
     def _field_type(cls, name: str) -> str:
@@ -137,9 +137,9 @@ class Message(MessageBase):
             The JSON text, without NaN or Infinity literals.
         """
         fields = self.to_dict(enums="value" if enums == "member" else enums)
-        kinds = {row[0]: row[1] for row in self.__mavlink_row__[5]}
+        types = {row[0]: row[1] for row in self.__mavlink_row__[5]}
         return json.dumps(
-            {name: _jsonable(value, kinds[name]) for name, value in fields.items()}, allow_nan=False
+            {name: _jsonable(value, types[name]) for name, value in fields.items()}, allow_nan=False
         )
 
     @classmethod
@@ -161,9 +161,9 @@ class Message(MessageBase):
         fields = json.loads(text)
         if not isinstance(fields, dict):
             raise FieldTypeError(f"{cls.__name__} needs a JSON object, got {type(fields).__name__}")
-        kinds = {row[0]: row[1] for row in cls.__mavlink_row__[5]}
+        types = {row[0]: row[1] for row in cls.__mavlink_row__[5]}
         return cls.from_dict(
-            {name: _from_jsonable(value, kinds.get(name, "")) for name, value in fields.items()}
+            {name: _from_jsonable(value, types.get(name, "")) for name, value in fields.items()}
         )
 
     @classmethod
@@ -233,10 +233,10 @@ def shortest_float(value: float, kind: str) -> float:
     return value
 
 
-def _shown(value: object, kind: str) -> str:
+def _format_value(value: object, kind: str) -> str:
     """Format the value of a field for `repr`."""
     if isinstance(value, tuple):
-        inside = ", ".join(_shown(element, kind) for element in value)
+        inside = ", ".join(_format_value(element, kind) for element in value)
         return f"({inside},)" if len(value) == 1 else f"({inside})"
     if isinstance(value, MavFlag):
         names = value.name.split("|") if value.name else [str(int(value))]

@@ -69,8 +69,8 @@ class _StubWriter:
         yield "from mavstack._core import Dialect as _CoreDialect"
         parents = {base.__module__ for message in self.own_messages for base in message.__mro__}
         for module in sorted(parents & self.foreign.keys()):
-            if f"(_{_last(module)}." in body or f", _{_last(module)}." in body:
-                yield f"from mavstack.dialects import {_last(module)} as _{_last(module)}"
+            if f"(_{_last_part(module)}." in body or f", _{_last_part(module)}." in body:
+                yield f"from mavstack.dialects import {_last_part(module)} as _{_last_part(module)}"
         if "_types." in body:
             yield "from mavstack.dialects import field_types as _types"
         yield "from mavstack.dialects.dialect import Dialect as _Dialect"
@@ -107,25 +107,25 @@ class _StubWriter:
             yield from self.fields(message)
 
     def base(self, base: type) -> str:
-        return "_Message" if base.__name__ == "Message" else f"_{_last(base.__module__)}.{base.__name__}"
+        return "_Message" if base.__name__ == "Message" else f"_{_last_part(base.__module__)}.{base.__name__}"
 
     def fields(self, message: type[Message]) -> Iterator[str]:
         shadowed = set(attribute_names(message.__mavlink_row__))
         for item, name in zip(message.definition.fields, message.__match_args__, strict=True):
-            kind = self.kind(item.type, item.array_length, item.enum)
+            kind = self.field_type(item.type, item.array_length, item.enum)
             if shadowed & {"int", "float", "str"}:
                 raise ValueError(
                     f"{message.__name__} has a field with the name of a built-in type of the stubs"
                 )
             yield f"    {name}: {kind} = ..."
 
-    def kind(self, kind: str, array_length: int, enum: str) -> str:
-        made = self.dialect.enums[enum] if enum and kind not in ("float", "double", "char") else None
+    def field_type(self, kind: str, array_length: int, enum: str) -> str:
+        enum_class = self.dialect.enums[enum] if enum and kind not in ("float", "double", "char") else None
         if kind == "char":
             return "_types.Text"
-        if made is not None:
-            is_flag = issubclass(made, MavFlag)
-            read = made.__name__ if is_flag else f"{made.__name__} | int"
+        if enum_class is not None:
+            is_flag = issubclass(enum_class, MavFlag)
+            read = enum_class.__name__ if is_flag else f"{enum_class.__name__} | int"
             if array_length:
                 return f"_types.Enums[{read}]"
             return f"_types.Flags[{read}]" if is_flag else read
@@ -137,7 +137,7 @@ class _StubWriter:
         return "_types.Floats" if is_float else "_types.Integers"
 
 
-def _last(module: str) -> str:
+def _last_part(module: str) -> str:
     return module.rpartition(".")[2]
 
 

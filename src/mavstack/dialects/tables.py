@@ -1,7 +1,7 @@
 """The compact tables from which dialects are loaded.
 
 A table is a header line, then one line per message and per enum. Each line has two JSON values separated by a
-tab: first the facts that every program needs (the layout on the wire), then all others, which are parsed on
+tab: first the layout on the wire, which every program needs, then the other metadata, which is parsed on
 demand. `codec` converts definitions to such lines and back. This module is all that an ordinary program
 loads, so it avoids imports, even that of `typing`, which takes longer than loading a table (type checkers
 recognise `TYPE_CHECKING` by its name).
@@ -31,7 +31,7 @@ _TABLES = os.path.join(os.path.dirname(__file__), "tables")
 class Table:
     """The table of one definition file; lines are parsed on demand."""
 
-    __slots__ = ("_enums", "_facts", "_parsed", "_rows", "header", "ids", "path")
+    __slots__ = ("_enums", "_metadata", "_parsed", "_rows", "header", "ids", "path")
 
     def __init__(self, lines: Iterable[str], path: str = "") -> None:
         header, *rest = lines
@@ -43,7 +43,7 @@ class Table:
         #: Message ids by name.
         self.ids = {name[1:-1]: int(number[1:]) for number, name, _ in starts}
         self._rows = {number: row[0] for number, row in zip(self.ids.values(), rows, strict=False)}
-        self._facts = {name: row[2] for name, row in zip(self.ids, rows, strict=False)}
+        self._metadata = {name: row[2] for name, row in zip(self.ids, rows, strict=False)}
         self._enums = {row[0]: row[2] for row in rows[count:]}
         self._parsed: dict[int, MessageRow] = {}
 
@@ -75,13 +75,13 @@ class Table:
             row = self._parsed[number] = json.loads(self._rows[number])
         return row
 
-    def message_facts(self, name: str) -> list[Any]:
-        """Return the facts of a message that are not in its row."""
-        facts: list[Any] = json.loads(self._facts[name])
-        return facts
+    def message_metadata(self, name: str) -> list[Any]:
+        """Return the metadata of a message that is not in its row."""
+        metadata: list[Any] = json.loads(self._metadata[name])
+        return metadata
 
     def enum_row(self, name: str) -> list[Any]:
-        """Return the facts of an enum, and [value, name, facts] of each entry."""
+        """Return the metadata of an enum, and [value, name, metadata] of each entry."""
         row: list[Any] = json.loads(self._enums[name])
         return row
 
@@ -95,9 +95,9 @@ def official_names() -> tuple[str, ...]:
 
 def official_name(name: str) -> str:
     """Return the name of an official dialect in its official case: ASLUAV for `asluav`."""
-    wanted = name.lower().removesuffix(".xml")
+    lower_name = name.lower().removesuffix(".xml")
     for known in official_names():
-        if known.lower() == wanted:
+        if known.lower() == lower_name:
             return known
     known_names = ", ".join(official_names())
     raise UnknownDialectError(f"unknown dialect {name!r}; official dialects: {known_names}")

@@ -84,17 +84,17 @@ class _Reader:
     def identifier(self, element: Element) -> str:
         return self.name_in(element, self.attribute(element, "name"), element.tag)
 
-    def name_in(self, element: Element, name: str, what: str) -> str:
+    def name_in(self, element: Element, name: str, noun: str) -> str:
         if not _NAME.fullmatch(name):
-            self.fail(f"{name!r} is not a valid name for a {what}", element)
+            self.fail(f"{name!r} is not a valid name for a {noun}", element)
         return name
 
-    def integer(self, element: Element, text: str, what: str, low: int, high: int) -> int:
+    def integer(self, element: Element, text: str, noun: str, low: int, high: int) -> int:
         value = _integer(text)
         if value is None:
-            self.fail(f"{what} {text!r} is not an integer", element)
+            self.fail(f"{noun} {text!r} is not an integer", element)
         if not low <= value <= high:
-            self.fail(f"{what} {value} is outside {low} to {high}", element)
+            self.fail(f"{noun} {value} is outside {low} to {high}", element)
         return value
 
     def number(self, element: Element, key: str) -> Number | None:
@@ -271,7 +271,9 @@ class _Reader:
                 self.fail(f"enum {enum_name} has two entries called {entry.name}", element)
             if entry.value in values:
                 self.fail(
-                    f"enum {enum_name} gives {entry.value} to {values[entry.value]} and {entry.name}", element
+                    f"enum {enum_name} has the value {entry.value} twice: "
+                    f"{values[entry.value]} and {entry.name}",
+                    element,
                 )
             names.add(entry.name)
             values[entry.value] = entry.name
@@ -352,7 +354,7 @@ def renumbered(enum: EnumDefinition, highest: int) -> EnumDefinition:
         return enum
     entries = []
     for entry in enum.entries:
-        moved = entry.automatic and entry.value <= highest
-        entries.append(replace(entry, value=highest + 1) if moved else entry)
+        renumber = entry.automatic and entry.value <= highest
+        entries.append(replace(entry, value=highest + 1) if renumber else entry)
         highest = max(highest, entries[-1].value)
     return replace(enum, entries=tuple(entries))

@@ -48,10 +48,12 @@ class FileLink(Link):
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._speed = 0.0 if options.text("speed", "1") == "max" else self._number(options.text("speed", "1"))
+        self._speed = (
+            0.0 if options.text("speed", "1") == "max" else self._parse_speed(options.text("speed", "1"))
+        )
         self._path = Path(url.path).expanduser()
 
-    def _number(self, text: str) -> float:
+    def _parse_speed(self, text: str) -> float:
         try:
             speed = float(text)
         except ValueError:

@@ -81,8 +81,8 @@ class Impairment:
         Raises:
             LinkURLError: An option is malformed or out of range.
         """
-        given = [field.name for field in fields(cls) if options.has(field.name)]
-        if not given:
+        present = [field.name for field in fields(cls) if options.has(field.name)]
+        if not present:
             return None
         return cls(
             loss=options.fraction("loss", 0.0),
@@ -180,10 +180,10 @@ class Flow:
         bandwidth = self._model.bandwidth
         if not bandwidth:
             return now
-        begin = max(now, self._idle_from)
-        if begin > now and (begin - now) * bandwidth + size > self._model.queue:
+        start = max(now, self._idle_from)
+        if start > now and (start - now) * bandwidth + size > self._model.queue:
             return None
-        self._idle_from = begin + size / bandwidth
+        self._idle_from = start + size / bandwidth
         return self._idle_from
 
     def _arrival(self, departure: float) -> float:

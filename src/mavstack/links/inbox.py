@@ -176,7 +176,9 @@ class Inbox:
     async def _wait(self) -> None:
         """Wait until there is an event or the link has ended."""
         if self._reader is not None and not self._reader.done():
-            raise InvalidStateError("two tasks iterate over one link: pass its events on from one task")
+            raise InvalidStateError(
+                "two tasks iterate over one link: pass its events to the others from one task"
+            )
         if not self._ended:
             self._reader = asyncio.get_running_loop().create_future()
             try:

@@ -54,7 +54,7 @@ class LinkLog:
         _logger.log(level, "%s: link down: %s; next attempt in %g s", self._name, reason, retry_in)
 
     def dropped(self) -> None:
-        """Log dropped input: the first chunk at once, then a count at most every `DROP_LOG_INTERVAL`."""
+        """Log dropped input: the first chunk immediately, then a count every `DROP_LOG_INTERVAL` seconds."""
         self._dropped += 1
         now = monotonic()
         if now >= self._next_drop_record:

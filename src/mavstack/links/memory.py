@@ -4,8 +4,9 @@
     ground, copter, plane = (network.link("memory://fleet") for _ in range(3))
 
 Each other open link of the same name is a channel. The network is an object of the program, not a global
-registry, so that two tests or two fleets are isolated from each other. A written chunk is received at once:
-the only queue is that of the receiver, and a chunk for which it has no room counts as dropped by the sender.
+registry, so that two tests or two fleets are isolated from each other. A written chunk is received
+immediately: the only queue is that of the receiver, and a chunk for which it has no room counts as dropped by
+the sender.
 """
 
 from __future__ import annotations
@@ -108,11 +109,11 @@ class MemoryLink(Link):
 
     def connect(self, other: MemoryLink) -> None:
         """Open a channel at both links."""
-        mine = MemoryChannel(other._name, self._inbox, self._network.clock)
-        theirs = MemoryChannel(self._name, other._inbox, self._network.clock)
-        mine.other, theirs.other = theirs, mine
-        self._inbox.add_channel(mine)
-        other._inbox.add_channel(theirs)
+        local = MemoryChannel(other._name, self._inbox, self._network.clock)
+        remote = MemoryChannel(self._name, other._inbox, self._network.clock)
+        local.other, remote.other = remote, local
+        self._inbox.add_channel(local)
+        other._inbox.add_channel(remote)
 
     async def _open(self) -> None:
         self._network.connect_all(self)
@@ -137,5 +138,5 @@ def memory_pair(clock: Callable[[], float] = time) -> tuple[MemoryLink, MemoryLi
 def refuse_url(url: LinkURL, options: Options) -> Link:
     """Refuse a memory URL in `open_link`, because it does not name its network."""
     raise LinkURLError(
-        f"{url.redacted} needs a network: create the link by MemoryNetwork().link({url.redacted!r})"
+        f"{url.redacted} needs a network: create the link with MemoryNetwork().link({url.redacted!r})"
     )

@@ -93,17 +93,17 @@ class Options:
                 )
                 raise LinkURLError(f"{self._url.redacted}: {self._url.scheme} has no option {name!r}; {hint}")
 
-    def _quantity(self, name: str, default: float, units: Mapping[str, float], wanted: str) -> float:
+    def _quantity(self, name: str, default: float, units: Mapping[str, float], expected: str) -> float:
         if not self.has(name):
             return default
         match = _QUANTITY.fullmatch(self._url.options[name].strip())
         if match is None or match[3].lower() not in units:
-            self._refuse(name, wanted)
+            self._refuse(name, expected)
         value = float(f"{match[1]}e{match[2] or 0}") * units[match[3].lower()]
         if not isfinite(value):
-            self._refuse(name, wanted)
+            self._refuse(name, expected)
         return value
 
-    def _refuse(self, name: str, wanted: str) -> NoReturn:
+    def _refuse(self, name: str, expected: str) -> NoReturn:
         text = redact_options(f"?{name}={self._url.options[name]}")[1:]
-        raise LinkURLError(f"{self._url.redacted}: the option {text} must be {wanted}")
+        raise LinkURLError(f"{self._url.redacted}: the option {text} must be {expected}")

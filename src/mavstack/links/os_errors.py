@@ -46,7 +46,10 @@ def _hint(url: LinkURL, error: OSError) -> str:
     if isinstance(error, socket.gaierror):
         return f"the host name {url.host!r} cannot be resolved: check the spelling and the network"
     if isinstance(error, ssl.SSLCertVerificationError):
-        return f"its certificate is not trusted ({error.verify_message}): give its authority by ?ca=file.pem"
+        return (
+            f"its certificate is not trusted ({error.verify_message}): "
+            "pass its certificate authority with ?ca=file.pem"
+        )
     if isinstance(error, ssl.SSLError):
         return f"TLS failed ({error.reason or error}): check that the peer uses TLS"
     if isinstance(error, TimeoutError):

@@ -47,7 +47,7 @@ class QueuedChannel(ConnectionChannel):
             raise LinkClosedError(f"{self.name} is closed")
 
     async def wait_closed(self) -> None:
-        """Return at once, because `receive_all` ends after all chunks are sent."""
+        """Return immediately, because `receive_all` ends after all chunks are sent."""
 
     @abstractmethod
     async def _receive_loop(self, inbox: Inbox) -> str:

@@ -1,9 +1,9 @@
 """Serial ports: `serial:///dev/ttyACM0?baud=57600`, `serial://COM3`; needs the extra `serial`.
 
 The port is opened exclusively, with 8 data bits, no parity and one stop bit; `flow=rtscts` or `flow=xonxoff`
-enable flow control. When the device is unplugged the link goes down, and it reopens the device when that is
-back. On POSIX the event loop reads the file descriptor; on Windows, where it cannot, a thread does
-(`threads=yes` uses threads on every system).
+enable flow control. When the device is unplugged the link goes down, and reopens the device when it is
+plugged in again. On POSIX the event loop reads the file descriptor; on Windows, where it cannot, a thread
+does (`threads=yes` uses threads on every system).
 """
 
 from __future__ import annotations
@@ -115,15 +115,15 @@ async def _open_posix(
     _block_for_one_byte(port.fileno())
     loop = asyncio.get_running_loop()
     reader = asyncio.StreamReader()
-    reading, _ = await loop.connect_read_pipe(
+    read_transport, _ = await loop.connect_read_pipe(
         lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(os.dup(port.fileno()), "rb", buffering=0)
     )
-    writing, protocol = await loop.connect_write_pipe(
+    write_transport, protocol = await loop.connect_write_pipe(
         lambda: asyncio.StreamReaderProtocol(asyncio.StreamReader()),
         os.fdopen(os.dup(port.fileno()), "wb", buffering=0),
     )
-    writer = asyncio.StreamWriter(writing, protocol, None, loop)
-    return PosixSerialChannel(name, on_closed, (reader, writer), send_queue, (reading, port))
+    writer = asyncio.StreamWriter(write_transport, protocol, None, loop)
+    return PosixSerialChannel(name, on_closed, (reader, writer), send_queue, (read_transport, port))
 
 
 def _block_for_one_byte(descriptor: int) -> None:
@@ -144,14 +144,14 @@ class PosixSerialChannel(StreamChannel):
         on_closed: Callable[[Channel, str], None],
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
         send_queue: int,
-        owned: tuple[asyncio.ReadTransport, Serial],
+        resources: tuple[asyncio.ReadTransport, Serial],
     ) -> None:
-        super().__init__(name, str(owned[1].port), on_closed, streams, send_queue)
-        self._reading, self._port = owned
+        super().__init__(name, str(resources[1].port), on_closed, streams, send_queue)
+        self._read_transport, self._port = resources
 
     def _close_transport(self) -> None:
         super()._close_transport()
-        self._reading.close()
+        self._read_transport.close()
         with suppress(OSError):
             self._port.close()
 

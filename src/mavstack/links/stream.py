@@ -80,10 +80,10 @@ class StreamChannel(ConnectionChannel):
 
 
 async def stop_accepting(sockets: Iterable[TransportSocket | socket.socket]) -> None:
-    """Stop accepting, and wait for connections that the event loop is just accepting.
+    """Stop accepting, and wait for connections that the event loop is accepting.
 
-    If the server is closed at once, asyncio drops such a connection without closing it, and its peer waits
-    for ever.
+    If the server is closed immediately, asyncio drops such a connection without closing it, and the peer
+    waits for ever.
     """
     for sock in sockets:
         with suppress(NotImplementedError, RuntimeError):  # the event loop of Windows has no readers

@@ -46,7 +46,7 @@ def client_context(url: LinkURL, options: Options) -> ssl.SSLContext:
     if insecure:
         context.check_hostname = False
         context.verify_mode = ssl.CERT_NONE
-    _load_own(url, context, options)
+    _load_certificate(url, context, options)
     return context
 
 
@@ -60,7 +60,7 @@ def server_context(url: LinkURL, options: Options) -> ssl.SSLContext:
     if ca:
         _load_authority(url, context, ca)
         context.verify_mode = ssl.CERT_REQUIRED
-    _load_own(url, context, options)
+    _load_certificate(url, context, options)
     return context
 
 
@@ -73,7 +73,7 @@ def _load_authority(url: LinkURL, context: ssl.SSLContext, ca: str) -> None:
         ) from error
 
 
-def _load_own(url: LinkURL, context: ssl.SSLContext, options: Options) -> None:
+def _load_certificate(url: LinkURL, context: ssl.SSLContext, options: Options) -> None:
     cert, key = options.text("cert"), options.text("key")
     if not cert:
         return

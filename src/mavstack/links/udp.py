@@ -2,7 +2,7 @@
 
 With udpin each remote address is a channel, up to `max_peers`; a channel that is silent for `idle` seconds is
 closed. A multicast group as the host is joined. With udpout there is one channel, open from the start: it
-receives datagrams from any port of the peer, and from everyone if the peer is a broadcast or multicast
+receives datagrams from any port of the peer, and from any sender if the peer is a broadcast or multicast
 address.
 
 Datagrams are read in batches per wake-up of the event loop. Each becomes one event and is passed on before

@@ -62,7 +62,7 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         self.path = Path(path)
         self.dialect = dialect
         self._threads = threads or os.cpu_count() or 1
-        data = _map(self.path)
+        data = _map_file(self.path)
         self._data = data
         self.size = len(data)
         self.timestamped = (
@@ -89,15 +89,17 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
             UnknownMessageError: The log has no message of that name.
             LogError: The file was truncated since it was opened.
         """
-        wanted = [name for name in dict.fromkeys(names or self) if name not in self._tables]
-        dtypes = [self._dtype(name) for name in wanted]
-        parts = [np.empty(self.counts[name], dtype) for name, dtype in zip(wanted, dtypes, strict=True)]
-        rows = [(self._ids[name], part.view(np.uint8).data) for name, part in zip(wanted, parts, strict=True)]
+        missing = [name for name in dict.fromkeys(names or self) if name not in self._tables]
+        dtypes = [self._dtype(name) for name in missing]
+        tables = [np.empty(self.counts[name], dtype) for name, dtype in zip(missing, dtypes, strict=True)]
+        rows = [
+            (self._ids[name], table.view(np.uint8).data) for name, table in zip(missing, tables, strict=True)
+        ]
         # Reading mapped bytes beyond the end of a truncated file would kill the process.
         if isinstance(self._data, mmap.mmap) and self._data.size() < self.size:
             raise LogError(f"cannot read {self.path}: it was truncated since it was opened; open it again")
         self._index.decode(rows, threads=self._threads)
-        self._tables.update(zip(wanted, parts, strict=True))
+        self._tables.update(zip(missing, tables, strict=True))
 
     def _dtype(self, name: str) -> np.dtype[np.void]:
         message_id = self._ids.get(name)
@@ -156,7 +158,7 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         return f"<LogFile {self.path.name}: {self.statistics.packets} packets, {len(self)} messages>"
 
 
-def _map(path: Path) -> mmap.mmap | bytes:
+def _map_file(path: Path) -> mmap.mmap | bytes:
     try:
         with path.open("rb") as file:
             # An empty file cannot be mapped.
