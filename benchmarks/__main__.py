@@ -49,20 +49,20 @@ def main() -> None:
         "--definitions",
         type=Path,
         default=c_library.DEFINITIONS,
-        help="where the C headers are generated from (default: the project's own)",
+        help="folder of the definitions for the C headers (default: those of the project)",
     )
     options = parser.parse_args()
-    wanted = options.only or [*ROWS, *TABLES]
-    if TRANSFERS in wanted:
+    selected = options.only or [*ROWS, *TABLES]
+    if TRANSFERS in selected:
         _transfers(options)
-    rows_wanted = [row for row in wanted if row in ROWS]
-    if rows_wanted:
-        _rows(options, rows_wanted)
-    if SIMULATION in wanted:
+    selected_rows = [row for row in selected if row in ROWS]
+    if selected_rows:
+        _rows(options, selected_rows)
+    if SIMULATION in selected:
         simulation.main(["--seconds", "5", "--turns", "1"] if options.quick else [])
-    if TELEMETRY in wanted:
+    if TELEMETRY in selected:
         telemetry.main(_flags(options))
-    if BRIEF_TRANSFERS in wanted:
+    if BRIEF_TRANSFERS in selected:
         transfers.main(["--brief", *_flags(options)])
 
 
@@ -77,7 +77,7 @@ def _flags(options: argparse.Namespace) -> list[str]:
     return [f"--{name}" for name in ("quick", "json") if getattr(options, name)]
 
 
-def _rows(options: argparse.Namespace, wanted: list[str]) -> None:
+def _rows(options: argparse.Namespace, selected: list[str]) -> None:
     amounts = rows.QUICK if options.quick else rows.FULL
     _log("building the workload and the C library …")
     try:
@@ -88,24 +88,24 @@ def _rows(options: argparse.Namespace, wanted: list[str]) -> None:
     flight = workload.build(amounts.log)
     with tempfile.TemporaryDirectory(prefix="mavstack-bench-") as folder:
         bench = rows.Bench(flight, program, amounts, Path(folder))
-        measured = _measure(bench, wanted)
+        measured = _measure(bench, selected)
     output = f"{len(flight):,} messages, {flight.mean_size:.1f} B per packet, seed {workload.SEED}"
     conditions = report.Conditions(output, compiler, amounts.turns)
     print((report.as_json if options.json else report.table)(measured, conditions))
 
 
-def _measure(bench: rows.Bench, wanted: list[str]) -> list[Row]:
+def _measure(bench: rows.Bench, selected: list[str]) -> list[Row]:
     measured: list[Row] = []
-    for name in (name for name in ROWS if name in wanted):
+    for name in (name for name in ROWS if name in selected):
         _log(f"measuring {name} …")
         with nullcontext() if name in ON_ALL_CORES else pinned():
             measured += ROWS[name](bench)
     return measured
 
 
-def _log(what: str) -> None:
+def _log(text: str) -> None:
     if sys.stderr.isatty():
-        print(what, file=sys.stderr)
+        print(text, file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """The C peer: headers that pymavlink's mavgen generates from our definitions, and `peer.c` on top.
 
 Generated files are in `benchmarks/.build`, which git ignores, and are rebuilt when a definition or the
-program changed. Without gcc, or if mavgen refuses the definitions, the C column says so.
+program changed. Without gcc, or if mavgen refuses the definitions, the C column shows the reason.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ class CProgram:
 
     def seconds(self, mode: str, count: int, file: Path | None = None) -> float:
         """Run one mode; return the seconds per message that the program measured."""
-        where = [] if file is None else [str(file)]
-        done = subprocess.run(
-            [str(self.path), mode, *where, str(count)], check=True, capture_output=True, text=True
+        arguments = [] if file is None else [str(file)]
+        result = subprocess.run(
+            [str(self.path), mode, *arguments, str(count)], check=True, capture_output=True, text=True
         )
-        messages, took, _ = done.stdout.split()
+        messages, took, _ = result.stdout.split()
         if int(messages) != count:
-            raise RuntimeError(f"the C library saw {messages} of {count} messages")
+            raise RuntimeError(f"the C library counted {messages} of {count} messages")
         return float(took) / count
 
 
@@ -80,18 +80,18 @@ def _generate(main: Path, target: Path) -> None:
         shutil.rmtree(old)
     mavgen = importlib.import_module("pymavlink.generator.mavgen")
     options = mavgen.Opts(str(target), wire_protocol="2.0", language="C", validate=False)
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-        good = mavgen.mavgen(options, [str(main)])
-    if not good:
-        raise PeerMissingError(f"mavgen refused {main.name}: {said.getvalue().strip().splitlines()[-1:]}")
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
+        succeeded = mavgen.mavgen(options, [str(main)])
+    if not succeeded:
+        raise PeerMissingError(f"mavgen refused {main.name}: {output.getvalue().strip().splitlines()[-1:]}")
 
 
 def _compile(compiler: str, target: Path, program: Path) -> None:
     command = [compiler, *FLAGS, "-I", str(target / DIALECT), str(HERE / "peer.c"), "-o", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise PeerMissingError(f"gcc failed: {done.stderr.strip().splitlines()[:1]}")
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode:
+        raise PeerMissingError(f"gcc failed: {result.stderr.strip().splitlines()[:1]}")
 
 
 def _decode_header(target: Path) -> str:

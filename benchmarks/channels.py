@@ -3,8 +3,8 @@
 A channel takes packets with a direction and returns them when they have arrived. `Network` has two
 independent `Flow`s of the impairment model of `mavstack.links`. `Radio` has one transmitter shared by both
 directions, like a pair of telemetry radios on one frequency, which that model does not support. Each end has
-a queue; a packet that exceeds the queue is dropped. When the air is free, the end that did not send last goes
-first, and a packet occupies the air for the transmission time of its bytes.
+a queue; a packet that exceeds the queue is dropped. When the frequency is free, the end that did not send
+last sends first, and a packet occupies the frequency for the transmission time of its bytes.
 """
 
 from __future__ import annotations

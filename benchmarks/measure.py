@@ -30,21 +30,21 @@ class Ratio:
     """The ratios to one peer, turn by turn, and the target that their median must reach."""
 
     label: str
-    seen: tuple[float, ...]
+    values: tuple[float, ...]
     target: float | None
-    at_least: bool = True
+    higher_is_better: bool = True
 
     @property
     def median(self) -> float:
         """Median of the ratios."""
-        return statistics.median(self.seen)
+        return statistics.median(self.values)
 
     @property
     def reached(self) -> bool | None:
         """True if the median reaches the target; None without a target."""
         if self.target is None:
             return None
-        return self.median >= self.target if self.at_least else self.median <= self.target
+        return self.median >= self.target if self.higher_is_better else self.median <= self.target
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,20 +74,20 @@ def take_turns(work: Mapping[str, Callable[[], T]], turns: int) -> dict[str, lis
     """Run everything once as warm-up, then `turns` times in turn; return the results by name."""
     for run in work.values():
         run()
-    seen: dict[str, list[T]] = {name: [] for name in work}
+    results: dict[str, list[T]] = {name: [] for name in work}
     for _ in range(turns):
         for name, run in work.items():
             gc.collect()
-            seen[name].append(run())
-    return seen
+            results[name].append(run())
+    return results
 
 
-def speed_ratio(seen: Mapping[str, list[float]], peer: str, target: float | None) -> Ratio:
+def speed_ratio(results: Mapping[str, list[float]], peer: str, target: float | None) -> Ratio:
     """Return the time of the peer over ours, turn by turn."""
-    ratios = tuple(theirs / ours for theirs, ours in zip(seen[peer], seen[OURS], strict=True))
+    ratios = tuple(theirs / ours for theirs, ours in zip(results[peer], results[OURS], strict=True))
     return Ratio(f"times {peer}", ratios, target)
 
 
-def rates(seen: Mapping[str, list[float]]) -> dict[str, str]:
+def rates(results: Mapping[str, list[float]]) -> dict[str, str]:
     """Return the medians as millions of messages per second."""
-    return {name: f"{1e-6 / statistics.median(times):.3g} M/s" for name, times in seen.items()}
+    return {name: f"{1e-6 / statistics.median(times):.3g} M/s" for name, times in results.items()}

@@ -26,35 +26,35 @@ class Growth:
     columns: int
 
 
-def first_message(who: str) -> tuple[float, float]:
+def first_message(library: str) -> tuple[float, float]:
     """Return seconds and bytes of importing a library and encoding a first message in a new interpreter."""
-    name = who.rpartition(".")[2]
+    name = library.rpartition(".")[2]
     # Installed packages include bytecode; for a source tree it is cached here.
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     environment["PYTHONPYCACHEPREFIX"] = str(HERE / ".build" / "bytecode")
     command = [sys.executable, str(HERE / "probe_import.py"), name]
-    done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
-    seconds, size, _ = done.stdout.split()
+    result = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
+    seconds, size, _ = result.stdout.split()
     return float(seconds), float(size)
 
 
-def growth(what: str, who: str, warm: Path, path: Path) -> Growth:
+def growth(mode: str, library: str, warm: Path, path: Path) -> Growth:
     """Run a memory probe, and sample its anonymous memory while it works."""
-    command = [sys.executable, "-m", "benchmarks.probe", what, who, str(warm), str(path)]
+    command = [sys.executable, "-m", "benchmarks.probe", mode, library, str(warm), str(path)]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=HERE.parent
     ) as child:
         send, receive = _pipes(child)
         before = int(json.loads(receive.readline())["anonymous"])
-        finished, seen = threading.Event(), [before]
-        watcher = threading.Thread(target=_watch, args=(child.pid, finished, seen))
+        finished, samples = threading.Event(), [before]
+        watcher = threading.Thread(target=_watch, args=(child.pid, finished, samples))
         watcher.start()
         send.write("go\n")
         send.flush()
         answer = json.loads(receive.readline())
         finished.set()
         watcher.join()
-    highest = max(*seen, int(answer["anonymous"]))
+    highest = max(*samples, int(answer["anonymous"]))
     return Growth(int(answer["peak"]), highest - before, int(answer["columns"]))
 
 
@@ -64,9 +64,9 @@ def _pipes(child: subprocess.Popen[str]) -> tuple[IO[str], IO[str]]:
     return child.stdin, child.stdout
 
 
-def _watch(process: int, finished: threading.Event, seen: list[int]) -> None:
+def _watch(process: int, finished: threading.Event, samples: list[int]) -> None:
     while not finished.wait(SAMPLE_SECONDS):
         try:
-            seen.append(status(process)["RssAnon"])
+            samples.append(status(process)["RssAnon"])
         except (OSError, KeyError):
             return

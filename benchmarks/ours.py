@@ -21,35 +21,35 @@ def _readers() -> dict[type, attrgetter[Any]]:
     return {dialect[profile.name]: attrgetter(*profile.read_fields) for profile in PROFILES}
 
 
-def _seconds_per_message(seen: int, count: int, start: float, end: float) -> float:
-    if seen != count:
-        raise RuntimeError(f"mavstack saw {seen} of {count} messages")
+def _seconds_per_message(received: int, count: int, start: float, end: float) -> float:
+    if received != count:
+        raise RuntimeError(f"mavstack received {received} of {count} messages")
     return (end - start) / count
 
 
 def live(chunks: list[bytes], count: int) -> float:
     """Parse chunks of a stream to typed messages, and read three fields of each."""
-    parser, read, seen = mavstack.Parser(ardupilotmega), _readers(), 0
+    parser, read, received = mavstack.Parser(ardupilotmega), _readers(), 0
     start = perf_counter()
     for chunk in chunks:
         packets = parser.feed(chunk)
         for packet in packets:
             message = packet.message
             read[type(message)](message)
-        seen += len(packets)
-    return _seconds_per_message(seen, count, start, perf_counter())
+        received += len(packets)
+    return _seconds_per_message(received, count, start, perf_counter())
 
 
 def single(packets: list[bytes]) -> float:
     """Parse one packet per call to typed messages, and read three fields of each."""
-    parser, read, seen = mavstack.Parser(ardupilotmega), _readers(), 0
+    parser, read, received = mavstack.Parser(ardupilotmega), _readers(), 0
     start = perf_counter()
     for data in packets:
         for packet in parser.feed(data):
             message = packet.message
             read[type(message)](message)
-            seen += 1
-    return _seconds_per_message(seen, len(packets), start, perf_counter())
+            received += 1
+    return _seconds_per_message(received, len(packets), start, perf_counter())
 
 
 def encode(values: list[tuple[Any, ...]]) -> float:
@@ -75,11 +75,11 @@ def encode(values: list[tuple[Any, ...]]) -> float:
 def verify(chunks: list[bytes], count: int) -> float:
     """Verify signed packets in chunks, without creating messages."""
     signing = mavstack.Signing(SIGNING_KEY)
-    parser, seen, now = mavstack.Parser(ardupilotmega, signing=signing), 0, START_UNIX_US / 1e6
+    parser, received, now = mavstack.Parser(ardupilotmega, signing=signing), 0, START_UNIX_US / 1e6
     start = perf_counter()
     for chunk in chunks:
-        seen += len(parser.feed(chunk, now=now))
-    return _seconds_per_message(seen, count, start, perf_counter())
+        received += len(parser.feed(chunk, now=now))
+    return _seconds_per_message(received, count, start, perf_counter())
 
 
 def columns(path: Path, threads: int = 0) -> dict[str, Any]:
@@ -103,8 +103,8 @@ def tlog(path: Path, count: int, threads: int = 0) -> float:
 
 def stream(path: Path, size: int) -> int:
     """Parse a log of any size in chunks; return the number of messages."""
-    parser, seen = mavstack.Parser(ardupilotmega, timestamped=True), 0
+    parser, received = mavstack.Parser(ardupilotmega, timestamped=True), 0
     with path.open("rb") as file:
         while chunk := file.read(size):
-            seen += sum(packet.message is not None for packet in parser.feed(chunk))
-    return seen
+            received += sum(packet.message is not None for packet in parser.feed(chunk))
+    return received

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .mix import PROFILES
-from .workload import SIGNING_KEY, layout, metadata
+from .workload import SIGNING_KEY, dialect_module, layout
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,38 +29,38 @@ def _readers() -> dict[type, attrgetter[Any]]:
     return {layout(profile.name): attrgetter(*profile.read_fields) for profile in PROFILES}
 
 
-def _seconds_per_message(seen: int, count: int, start: float, end: float) -> float:
-    if seen != count:
-        raise RuntimeError(f"pymavlink saw {seen} of {count} messages")
+def _seconds_per_message(received: int, count: int, start: float, end: float) -> float:
+    if received != count:
+        raise RuntimeError(f"pymavlink received {received} of {count} messages")
     return (end - start) / count
 
 
 def live(chunks: list[bytes], count: int) -> float:
     """Parse chunks of a stream to message objects, and read three fields of each."""
-    mav, read, seen = metadata().MAVLink(None), _readers(), 0
+    mav, read, received = dialect_module().MAVLink(None), _readers(), 0
     start = perf_counter()
     for chunk in chunks:
         messages = mav.parse_buffer(chunk) or ()
         for message in messages:
             read[type(message)](message)
-        seen += len(messages)
-    return _seconds_per_message(seen, count, start, perf_counter())
+        received += len(messages)
+    return _seconds_per_message(received, count, start, perf_counter())
 
 
 def single(packets: list[bytes]) -> float:
     """Parse one packet per call to message objects, and read three fields of each."""
-    mav, read, seen = metadata().MAVLink(None), _readers(), 0
+    mav, read, received = dialect_module().MAVLink(None), _readers(), 0
     start = perf_counter()
     for packet in packets:
         message = mav.parse_char(packet)
         read[type(message)](message)
-        seen += 1
-    return _seconds_per_message(seen, len(packets), start, perf_counter())
+        received += 1
+    return _seconds_per_message(received, len(packets), start, perf_counter())
 
 
 def encode(values: list[tuple[Any, ...]]) -> float:
     """Encode the seven fields of ATTITUDE to packets."""
-    mav = metadata().MAVLink(None, srcSystem=1, srcComponent=1)
+    mav = dialect_module().MAVLink(None, srcSystem=1, srcComponent=1)
     start = perf_counter()
     for boot, roll, pitch, yaw, rollspeed, pitchspeed, yawspeed in values:
         mav.attitude_encode(boot, roll, pitch, yaw, rollspeed, pitchspeed, yawspeed).pack(mav)
@@ -69,13 +69,13 @@ def encode(values: list[tuple[Any, ...]]) -> float:
 
 def verify(chunks: list[bytes], count: int) -> float:
     """Verify signed packets in chunks; pymavlink always creates the messages."""
-    mav, seen = metadata().MAVLink(None), 0
+    mav, received = dialect_module().MAVLink(None), 0
     mav.signing.secret_key = SIGNING_KEY
     start = perf_counter()
     for chunk in chunks:
-        seen += len(mav.parse_buffer(chunk) or ())
+        received += len(mav.parse_buffer(chunk) or ())
     end = perf_counter()
-    return _seconds_per_message(min(seen, mav.signing.goodsig_count), count, start, end)
+    return _seconds_per_message(min(received, mav.signing.goodsig_count), count, start, end)
 
 
 def columns(path: Path) -> dict[str, dict[str, NDArray[Any]]]:

@@ -36,10 +36,12 @@ def _reset_peak() -> None:
 class Work:
     """One benchmark on a log, which keeps its result until the process ends."""
 
-    def __init__(self, what: str, who: str) -> None:
+    def __init__(self, mode: str, library: str) -> None:
         self.result: object = None
         self.size = 0
-        self._run = self._stream if what == "stream" else self._ours if who == "mavstack" else self._theirs
+        self._run = (
+            self._stream if mode == "stream" else self._ours if library == "mavstack" else self._theirs
+        )
 
     def __call__(self, path: Path) -> int:
         """Run the benchmark; return the size of the columns in bytes."""
@@ -65,9 +67,9 @@ class Work:
         return 0
 
 
-def main(what: str, who: str, warm: str, flight: str) -> None:
+def main(mode: str, library: str, warm: str, flight: str) -> None:
     """Warm up, report ready, wait, run the benchmark, and print the growth."""
-    work = Work(what, who)
+    work = Work(mode, library)
     work(Path(warm))
     _reset_peak()
     before = status()

@@ -49,9 +49,9 @@ def with_mavutil() -> bytes:
     return packet
 
 
-def main(who: str) -> None:
+def main(library: str) -> None:
     """Encode the first packet with one library, and print its time and memory."""
-    work = {"mavstack": with_mavstack, "pymavlink": with_pymavlink, "mavutil": with_mavutil}[who]
+    work = {"mavstack": with_mavstack, "pymavlink": with_pymavlink, "mavutil": with_mavutil}[library]
     before = resident("VmRSS")
     start = perf_counter()
     packet = work()

@@ -3,10 +3,11 @@
     python -m benchmarks.relay --vehicle 14550 --ground 14600 --condition c --seed 1
 
 The relay listens on one port per end, and answers to the address of the last datagram; `--vehicle-at` is the
-port of a vehicle that waits for a first datagram. A channel determines what happens between both ends (see
-`channels`). For a radio the relay also sends RADIO_STATUS to both ends once per second, from system 51,
-component 68, as SiK radios do, with the free part of the queue towards the other end; `--silent` disables it.
-The relay prints `ready`, runs until its standard input is closed, and then prints its counters as JSON.
+port of a vehicle that sends nothing before it receives a datagram. A channel determines what happens between
+both ends (see `channels`). For a radio the relay also sends RADIO_STATUS to both ends once per second, from
+system 51, component 68, as SiK radios do, with the free part of the queue towards the other end; `--silent`
+disables it. The relay prints `ready`, runs until its standard input is closed, and then prints its counters
+as JSON.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ SIGNED = 0x01
 
 
 @dataclass(slots=True)
-class Carried:
+class DirectionCounters:
     """Counters of one direction: sent, delivered, dropped and lost packets."""
 
     packets: int = 0
@@ -52,15 +53,15 @@ class Carried:
 class Report:
     """Counters of both directions."""
 
-    to_ground: Carried
-    to_vehicle: Carried
+    to_ground: DirectionCounters
+    to_vehicle: DirectionCounters
 
 
 class Relay:
     """Two sockets with a channel between them."""
 
     def __init__(self, channel: Channel, vehicle: int, ground: int, *, vehicle_at: int = 0) -> None:
-        self.carried = {direction: Carried() for direction in Direction}
+        self.counters = {direction: DirectionCounters() for direction in Direction}
         self._channel = channel
         self._sockets = {Direction.TO_GROUND: _bind(ground), Direction.TO_VEHICLE: _bind(vehicle)}
         self._peers: dict[Direction, tuple[str, int]] = {}
@@ -91,24 +92,24 @@ class Relay:
         """Close the sockets, and return the counters."""
         for direction, endpoint in self._sockets.items():
             endpoint.close()
-            self.carried[direction].lost = self._channel.lost(direction)
-        return Report(self.carried[Direction.TO_GROUND], self.carried[Direction.TO_VEHICLE])
+            self.counters[direction].lost = self._channel.lost(direction)
+        return Report(self.counters[Direction.TO_GROUND], self.counters[Direction.TO_VEHICLE])
 
     def _receive(self, direction: Direction) -> None:
         """Read all waiting datagrams of one end, and send them through the channel."""
-        carried = self.carried[direction]
+        counters = self.counters[direction]
         while (received := _read(self._sockets[direction.other])) is not None:
             datagram, self._peers[direction.other] = received
             for piece in split(datagram) if self._channel.splits_datagrams else (datagram,):
-                carried.packets += 1
-                carried.bytes += len(piece)
-                carried.overflowed += not self._channel.send(direction, piece, monotonic())
+                counters.packets += 1
+                counters.bytes += len(piece)
+                counters.overflowed += not self._channel.send(direction, piece, monotonic())
 
     def _deliver(self, now: float) -> None:
         for direction, data in self._channel.receive(now):
             if self._write(direction, data):
-                self.carried[direction].delivered += 1
-                self.carried[direction].delivered_bytes += len(data)
+                self.counters[direction].delivered += 1
+                self.counters[direction].delivered_bytes += len(data)
 
     def _send_status(self) -> None:
         """Send each end the free part of its queue."""
@@ -133,20 +134,20 @@ class Relay:
 
 def split(datagram: bytes) -> Iterator[bytes]:
     """Yield the MAVLink packets of a datagram; other bytes are one piece."""
-    at = 0
-    while at < len(datagram):
-        size = _packet_size(datagram, at)
-        yield datagram[at : at + size]
-        at += size
+    position = 0
+    while position < len(datagram):
+        size = _packet_size(datagram, position)
+        yield datagram[position : position + size]
+        position += size
 
 
-def _packet_size(data: bytes, at: int) -> int:
-    rest = len(data) - at
-    if rest < 3 or data[at] not in (MAVLINK_1, MAVLINK_2):
+def _packet_size(data: bytes, position: int) -> int:
+    rest = len(data) - position
+    if rest < 3 or data[position] not in (MAVLINK_1, MAVLINK_2):
         return rest
-    if data[at] == MAVLINK_1:
-        return min(rest, data[at + 1] + 8)
-    return min(rest, data[at + 1] + (25 if data[at + 2] & SIGNED else 12))
+    if data[position] == MAVLINK_1:
+        return min(rest, data[position + 1] + 8)
+    return min(rest, data[position + 1] + (25 if data[position + 2] & SIGNED else 12))
 
 
 def _bind(port: int) -> socket.socket:
@@ -173,7 +174,12 @@ def main() -> None:
         prog="python -m benchmarks.relay", description="An impaired link over UDP."
     )
     parser.add_argument("--vehicle", type=int, default=14550, help="the port that the vehicle sends to")
-    parser.add_argument("--vehicle-at", type=int, default=0, help="the port of a vehicle that waits")
+    parser.add_argument(
+        "--vehicle-at",
+        type=int,
+        default=0,
+        help="port of a vehicle that sends nothing before it receives a datagram",
+    )
     parser.add_argument("--ground", type=int, default=14600, help="the port that the ground station sends to")
     parser.add_argument("--condition", choices=list(CONDITIONS), default="a")
     parser.add_argument("--seed", type=int, default=0)

@@ -15,7 +15,7 @@ from .measure import OURS, PYMAVLINK, C, Ratio, Row
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-HEAD = ("work", OURS, PYMAVLINK, C, "ratio", "least … greatest", "must reach", "reached")
+HEAD = ("work", OURS, PYMAVLINK, C, "ratio", "min … max", "must reach", "reached")
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,14 +48,14 @@ def table(rows: Iterable[Row], conditions: Conditions) -> str:
         "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines
     ]
     output.insert(1, "  ".join("-" * width for width in widths))
-    facts = (
+    conditions_text = (
         f"machine     {machine()}",
         f"C library   {conditions.compiler}",
         f"workload    {conditions.workload}",
         f"turns       {conditions.turns}, interleaved; the ratio is the median of the turns' ratios",
         f"load        {' '.join(f'{load:.2f}' for load in os.getloadavg())} (1, 5, 15 minutes)",
     )
-    return "\n".join((*(line.rstrip() for line in output), "", *facts))
+    return "\n".join((*(line.rstrip() for line in output), "", *conditions_text))
 
 
 def as_json(rows: Iterable[Row], conditions: Conditions) -> str:
@@ -80,9 +80,9 @@ def _ratio(ratio: Ratio) -> dict[str, object]:
     return {
         "ratio": ratio.label,
         "median": ratio.median,
-        "seen": list(ratio.seen),
+        "seen": list(ratio.values),
         "target": ratio.target,
-        "sense": "at least" if ratio.at_least else "at most",
+        "sense": "at least" if ratio.higher_is_better else "at most",
         "reached": ratio.reached,
     }
 
@@ -95,10 +95,10 @@ def _lines(row: Row) -> list[Sequence[str]]:
 
 def _verdict(ratio: Ratio) -> tuple[str, str, str, str]:
     figure = f"{_short(ratio.median)} {ratio.label}"
-    spread = f"{_short(min(ratio.seen))} … {_short(max(ratio.seen))}"
+    spread = f"{_short(min(ratio.values))} … {_short(max(ratio.values))}"
     if ratio.target is None:
         return figure, spread, "", ""
-    sign = "≥" if ratio.at_least else "≤"
+    sign = "≥" if ratio.higher_is_better else "≤"
     return figure, spread, f"{sign} {ratio.target:g}", "yes" if ratio.reached else "NO"
 
 

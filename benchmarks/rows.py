@@ -62,11 +62,11 @@ class Bench:
         self, title: str, work: dict[str, Callable[[], float]], pymavlink: float | None, c: float | None
     ) -> Row:
         """Take turns, and compare the results."""
-        seen = take_turns(work, self.amounts.turns)
-        limits = {PYMAVLINK: pymavlink, C: c}
+        results = take_turns(work, self.amounts.turns)
+        targets = {PYMAVLINK: pymavlink, C: c}
         peers = [name for name in work if name != OURS]
-        figures = {C: "-" if self.program else "not built"} | rates(seen)
-        return Row(title, figures, tuple(speed_ratio(seen, peer, limits[peer]) for peer in peers))
+        figures = {C: "-" if self.program else "not built"} | rates(results)
+        return Row(title, figures, tuple(speed_ratio(results, peer, targets[peer]) for peer in peers))
 
 
 def live(bench: Bench) -> Row:
@@ -172,7 +172,9 @@ def log_memory(bench: Bench) -> Row:
         f"memory of a log, {size / 1e6:.0f} MB of columns",
         figures,
         (
-            Ratio("times its columns", tuple(one.anonymous / size for one in mine), 1.5, at_least=False),
+            Ratio(
+                "times its columns", tuple(one.anonymous / size for one in mine), 1.5, higher_is_better=False
+            ),
             Ratio("with the mapped file's pages", tuple(one.peak / size for one in mine), None),
             Ratio("streamed, no packets kept", (streamed.peak / size,), None),
         ),
@@ -182,14 +184,16 @@ def log_memory(bench: Bench) -> Row:
 def first_message(bench: Bench) -> Iterator[Row]:
     """Compare time and memory of the import and the first message."""
     names = (PYMAVLINK, MAVUTIL, OURS)
-    starts = take_turns({who: partial(memory.first_message, who) for who in names}, bench.amounts.starts)
+    starts = take_turns({name: partial(memory.first_message, name) for name in names}, bench.amounts.starts)
     for index, title, unit, scale in ((0, "time", "ms", 1e3), (1, "memory", "MB", 1e-6)):
-        values = {who: [start[index] for start in seen] for who, seen in starts.items()}
-        figures = {who: f"{statistics.median(seen) * scale:.1f} {unit}" for who, seen in values.items()}
+        values = {name: [result[index] for result in results] for name, results in starts.items()}
+        figures = {
+            name: f"{statistics.median(results) * scale:.1f} {unit}" for name, results in values.items()
+        }
         shares = (_share(values, PYMAVLINK, 0.5), _share(values, MAVUTIL, None))
         yield Row(f"import and first message, {title}", figures, shares)
 
 
-def _share(seen: dict[str, list[float]], peer: str, target: float | None) -> Ratio:
-    shares = tuple(mine / theirs for mine, theirs in zip(seen[OURS], seen[peer], strict=True))
-    return Ratio(f"of {peer}", shares, target, at_least=False)
+def _share(results: dict[str, list[float]], peer: str, target: float | None) -> Ratio:
+    shares = tuple(mine / theirs for mine, theirs in zip(results[OURS], results[peer], strict=True))
+    return Ratio(f"of {peer}", shares, target, higher_is_better=False)

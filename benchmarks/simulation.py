@@ -116,15 +116,15 @@ def run(command: list[str], listener: Listener, seconds: float) -> Measurement:
         start = time.monotonic() - started
         listener.receive(SETTLE_TIME)
         before, packets, lost = _cpu(process.pid), listener.packets, listener.lost
-        watched = time.monotonic()
+        measured_from = time.monotonic()
         listener.receive(seconds)
-        passed = time.monotonic() - watched
+        elapsed = time.monotonic() - measured_from
         received = listener.packets - packets
         return Measurement(
             start,
-            (_cpu(process.pid) - before) / passed,
+            (_cpu(process.pid) - before) / elapsed,
             _memory(process.pid),
-            received / passed,
+            received / elapsed,
             (listener.lost - lost) / max(received, 1),
             len(listener.systems),
         )
@@ -142,11 +142,11 @@ def _pin(pid: int) -> None:
 
 def _process_tree(pid: int) -> list[int]:
     """Return a process and all its descendants."""
-    family = [pid]
-    for each in family:
+    pids = [pid]
+    for each in pids:
         for task in Path(f"/proc/{each}/task").glob("*/children"):
-            family += [int(child) for child in task.read_text().split()]
-    return family
+            pids += [int(child) for child in task.read_text().split()]
+    return pids
 
 
 def _cpu(pid: int) -> float:
@@ -184,29 +184,32 @@ def programs(options: argparse.Namespace) -> dict[str, str]:
     return table | dict(item.split("=", 1) for item in options.sitl)
 
 
-def main(words: Sequence[str] | None = None) -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Measure all programs, and print a table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.simulation", description=__doc__)
     parser.add_argument("--seconds", type=float, default=10.0, help="duration of a measurement in seconds")
     parser.add_argument("--turns", type=int, default=3, help="runs of each program; the table shows medians")
     parser.add_argument("--fleets", type=int, nargs="+", default=FLEETS, help="numbers of vehicles")
     parser.add_argument(
-        "--sitl", action="append", default=[], help="NAME=COMMAND of an autopilot, {port} in it"
+        "--sitl",
+        action="append",
+        default=[],
+        help="NAME=COMMAND of another autopilot; {port} in the command is replaced by the UDP port",
     )
-    options = parser.parse_args(words)
-    seen: dict[str, list[Measurement]] = {}
+    options = parser.parse_args(arguments)
+    results: dict[str, list[Measurement]] = {}
     for _ in range(options.turns):
         for name, command in programs(options).items():
             listener = Listener()
-            words = shlex.split(command.replace("{port}", str(listener.port)))
-            seen.setdefault(name, []).append(run(words, listener, options.seconds))
-    _print(seen)
+            program_command = shlex.split(command.replace("{port}", str(listener.port)))
+            results.setdefault(name, []).append(run(program_command, listener, options.seconds))
+    _print(results)
 
 
-def _print(seen: dict[str, list[Measurement]]) -> None:
+def _print(results: dict[str, list[Measurement]]) -> None:
     head = f"{'program':<28}{'start':>8}{'CPU':>9}{'memory':>10}{'each':>9}"
     print(f"{head}{'msg/s':>9}{'lost':>7}{'to a core':>11}")
-    for name, runs in seen.items():
+    for name, runs in results.items():
         count = statistics.median(run.vehicles for run in runs)
         start, cpu, memory, rate, lost = (
             statistics.median(getattr(run, field) for run in runs)

@@ -105,14 +105,14 @@ def build(count: int) -> Workload:
     return Workload(out.tobytes(), starts, START_UNIX_US + due)
 
 
-def metadata() -> ModuleType:
+def dialect_module() -> ModuleType:
     """Return the dialect module of pymavlink."""
     return importlib.import_module("pymavlink.dialects.v20.ardupilotmega")
 
 
 def layout(name: str) -> type[Any]:
     """Return the class of a message in pymavlink."""
-    found: type[Any] = getattr(metadata(), f"MAVLink_{name.lower()}_message")
+    found: type[Any] = getattr(dialect_module(), f"MAVLink_{name.lower()}_message")
     return found
 
 
@@ -123,9 +123,9 @@ def _schedule(count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         moments = (np.arange(int(seconds * profile.hertz) + 1) + kind / len(PROFILES)) / profile.hertz
         due.append((moments * 1e6).astype(np.int64))
         kinds.append(np.full(len(moments), kind))
-    times, which = np.concatenate(due), np.concatenate(kinds)
+    times, kinds_of_times = np.concatenate(due), np.concatenate(kinds)
     order = np.argsort(times, kind="stable")[:count]
-    return times[order], which[order]
+    return times[order], kinds_of_times[order]
 
 
 def _sequences(kinds: NDArray[np.int64]) -> NDArray[np.uint8]:
@@ -133,8 +133,8 @@ def _sequences(kinds: NDArray[np.int64]) -> NDArray[np.uint8]:
     sources = source_of_kind[kinds]
     sequences = np.empty(len(kinds), np.uint8)
     for source in np.unique(sources):
-        mine = np.flatnonzero(sources == source)
-        sequences[mine] = np.arange(len(mine)) % 256
+        positions = np.flatnonzero(sources == source)
+        sequences[positions] = np.arange(len(positions)) % 256
     return sequences
 
 
@@ -226,7 +226,7 @@ _TABLE = tuple(_table_entry(index) for index in range(256))
 
 
 def _signed(packets: list[bytes]) -> Iterator[bytes]:
-    by_id = metadata().mavlink_map
+    by_id = dialect_module().mavlink_map
     for number, packet in enumerate(packets):
         flagged = packet[:2] + b"\x01" + packet[3:-2]
         extra = by_id[int.from_bytes(packet[7:10], "little")].crc_extra

@@ -32,11 +32,11 @@ async def camera() -> None:
 async def photographer() -> None:
     """Run the ground station: find the camera, request its model, take three pictures."""
     async with mavstack.Node("udpout://127.0.0.1:14590") as node:
-        remote = await node.wait_for_component(lambda info: info.type == common.MavType.CAMERA, "a camera")
-        information = await remote.request_message(common.CameraInformation)
-        print(information.model_name.rstrip(b"\0").decode(), "at", remote.address)
-        async with remote.stream(common.CameraImageCaptured) as pictures:
-            await remote.command(common.MavCmd.IMAGE_START_CAPTURE, 0, 0.05, 3)
+        component = await node.wait_for_component(lambda info: info.type == common.MavType.CAMERA, "a camera")
+        information = await component.request_message(common.CameraInformation)
+        print(information.model_name.rstrip(b"\0").decode(), "at", component.address)
+        async with component.stream(common.CameraImageCaptured) as pictures:
+            await component.command(common.MavCmd.IMAGE_START_CAPTURE, 0, 0.05, 3)
             print("pictures:", [picture.image_index for picture in pictures.drain()])
 
 

@@ -9,7 +9,7 @@ from mavstack.links import BytesReceived, Link
 PACKETS = 200
 
 
-async def listen(link: Link, parser: mavstack.Parser) -> None:
+async def receive(link: Link, parser: mavstack.Parser) -> None:
     """Parse received bytes until none arrive for half a second."""
     while True:
         try:
@@ -30,9 +30,9 @@ async def main() -> None:
             encoder = mavstack.Encoder(system=1, component=1)
             for step in range(PACKETS):
                 channel.write(encoder.encode(common.Attitude(time_boot_ms=step)))
-            await listen(ground, parser)
+            await receive(ground, parser)
     source = parser.sources[1, 1]
-    print(f"{source.received} of {PACKETS} arrived, {source.lost} are known to be lost ({source.loss:.0%})")
+    print(f"{source.received} of {PACKETS} arrived, {source.lost} were lost ({source.loss:.0%})")
 
 
 asyncio.run(main())

@@ -38,12 +38,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
         method for method in installed() if not options.only or method.name.startswith(tuple(options.only))
     ]
     measured = _measure(methods, count, seconds, quick=options.quick)
-    facts = (
+    conditions = (
         f"machine  {machine()}",
         f"turns    {count}, interleaved; figures, differences and ratios are medians over the turns",
         f"load     {' '.join(f'{load:.2f}' for load in os.getloadavg())} (1, 5, 15 minutes)",
     )
-    print(report.as_json(measured) if options.json else report.table(measured, facts))
+    print(report.as_json(measured) if options.json else report.table(measured, conditions))
 
 
 def _measure(
@@ -63,9 +63,9 @@ def _measure(
     return measured
 
 
-def _log(what: str) -> None:
+def _log(text: str) -> None:
     if sys.stderr.isatty():
-        print(what, file=sys.stderr, flush=True)
+        print(text, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

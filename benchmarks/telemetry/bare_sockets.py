@@ -21,10 +21,10 @@ def _blocking(recorder: MessageRecorder) -> None:
 
 class _Protocol(asyncio.DatagramProtocol):
     def __init__(self, recorder: MessageRecorder) -> None:
-        self._ear = recorder
+        self._recorder = recorder
 
     def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
-        self._ear.record()
+        self._recorder.record()
 
 
 async def _datagrams(recorder: MessageRecorder) -> None:

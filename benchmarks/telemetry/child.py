@@ -50,14 +50,14 @@ class MessageRecorder:
         self.ids = array("h")
         self.times = array("q")
         self.began = 0
-        self._heard = 0
+        self._received = 0
         with counter.open("r+b") as file:
             self._counter = memoryview(mmap.mmap(file.fileno(), 8)).cast("q")
 
     def record(self, message_id: int = UNKNOWN) -> None:
         """Record that a message of this id has reached the program."""
         now = perf_counter_ns()
-        self._heard = received = self._heard + 1
+        self._received = received = self._received + 1
         self._counter[0] = received
         if received <= MAX_RECORDED:
             self.times.append(now)

@@ -24,7 +24,7 @@ def _getters() -> dict[type[Message], Callable[[Any], object]]:
     return {dialect[name]: attrgetter(*fields) for name, fields in FIELDS.items()}
 
 
-async def _called(recorder: MessageRecorder) -> None:
+async def _by_callback(recorder: MessageRecorder) -> None:
     """Receive by a packet listener."""
     getters = _getters()
     record = recorder.record
@@ -42,7 +42,7 @@ async def _called(recorder: MessageRecorder) -> None:
         await connection.serve_forever()
 
 
-async def _iterated(recorder: MessageRecorder) -> None:
+async def _by_iteration(recorder: MessageRecorder) -> None:
     """Receive by a task that iterates over a subscription."""
     getters = _getters()
     async with connect(f"udpin://127.0.0.1:{recorder.port}") as connection:
@@ -58,7 +58,7 @@ async def _iterated(recorder: MessageRecorder) -> None:
 if __name__ == "__main__":
     serve(
         {
-            "called": lambda recorder: asyncio.run(_called(recorder)),
-            "iterated": lambda recorder: asyncio.run(_iterated(recorder)),
+            "called": lambda recorder: asyncio.run(_by_callback(recorder)),
+            "iterated": lambda recorder: asyncio.run(_by_iteration(recorder)),
         }
     )

@@ -48,7 +48,7 @@ def _direct(recorder: MessageRecorder) -> None:
     readers = {name: itemgetter(*fields) for name, fields in FIELDS.items()}
     plugin = importlib.import_module("mavsdk.plugins.mavlink_direct").MavlinkDirect
 
-    def take(message: Any, _: Any) -> None:  # noqa: ANN401
+    def callback(message: Any, _: Any) -> None:  # noqa: ANN401
         read = readers.get(message.message_name)
         if read is not None:
             read(json.loads(message.fields_json))
@@ -56,7 +56,7 @@ def _direct(recorder: MessageRecorder) -> None:
 
     station = _Station(recorder)
     direct = plugin(station.system)
-    direct.subscribe_message("", take)
+    direct.subscribe_message("", callback)
     Event().wait()
 
 
@@ -72,11 +72,11 @@ def _plugin(recorder: MessageRecorder) -> None:
 def _callback(
     recorder: MessageRecorder, message_id: int, read: Callable[[Any], object]
 ) -> Callable[[Any, Any], None]:
-    def take(value: Any, _: Any) -> None:  # noqa: ANN401
+    def callback(value: Any, _: Any) -> None:  # noqa: ANN401
         read(value)
         recorder.record(message_id)
 
-    return take
+    return callback
 
 
 if __name__ == "__main__":

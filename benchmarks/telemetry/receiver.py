@@ -32,7 +32,7 @@ class Method:
     name: str
     module: str
     method: str
-    needs: str = "mavstack"
+    distribution: str = "mavstack"
     floods: bool = True  # true if it counts every message, as a flood needs
 
 
@@ -51,7 +51,7 @@ METHODS = (
 
 def installed() -> list[Method]:
     """Return the methods whose distribution is installed."""
-    return [method for method in METHODS if find_spec(method.needs) is not None]
+    return [method for method in METHODS if find_spec(method.distribution) is not None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,16 +101,16 @@ class Receiver:
 
     def connect(self) -> None:
         """Send the command to connect."""
-        self._log()
+        self._send_command()
 
     def end(self) -> Received:
         """Send the command to end, and return the report."""
-        self._log()
+        self._send_command()
         report = json.loads(self._answer())
         self._process.wait()
         return Received(report["began"], report["ids"], report["times"])
 
-    def _log(self) -> None:
+    def _send_command(self) -> None:
         assert self._process.stdin is not None
         self._process.stdin.write("\n")
         self._process.stdin.flush()

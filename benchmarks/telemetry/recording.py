@@ -1,7 +1,8 @@
 """The packets that a simulated vehicle sends and their times, recorded in virtual time.
 
 A simulated PX4 copter sends 374 packets per second by default, in steps of 20 ms, about seven at a time.
-Evenly spread, the same packets come one by one, which costs a receiver most, because it wakes up for each.
+Evenly spread, the same packets come one by one, which has the highest cost for a receiver, because it wakes
+up for each.
 """
 
 from __future__ import annotations

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 MICRO, MILLI = 1e6, 1e3
 AS_SENT, SPREAD, FLOOD = "as the vehicle sends", "one by one", "at full rate"
 PACED_HEAD = (
-    *("receiver", "CPU µs", "least … greatest", "bare", "times ours", "idle ms/s"),
+    *("receiver", "CPU µs", "min … max", "bare", "times ours", "idle ms/s"),
     *("median ms", "added", "p99 ms", "added", "first s", "lost"),
 )
-FLOOD_HEAD = ("receiver", "msg/s", "least … greatest", "of ours", "CPU µs", "times ours", "lost")
+FLOOD_HEAD = ("receiver", "msg/s", "min … max", "of ours", "CPU µs", "times ours", "lost")
 
 
 @dataclass(slots=True)
@@ -33,12 +33,12 @@ class Measurements:
     flooded: list[Flooded] = field(default_factory=list)
 
 
-def table(measured: dict[str, Measurements], facts: Iterable[str]) -> str:
+def table(measured: dict[str, Measurements], conditions: Iterable[str]) -> str:
     """Return the tables."""
     paces = {pace: None for each in measured.values() for pace in each.paced}
     parts = [_paced(pace, {name: each.paced[pace] for name, each in measured.items()}) for pace in paces]
     flooded = {name: each.flooded for name, each in measured.items() if each.flooded}
-    return "\n\n".join((*parts, *([_flooded(flooded)] if flooded else []), "\n".join(facts)))
+    return "\n\n".join((*parts, *([_flooded(flooded)] if flooded else []), "\n".join(conditions)))
 
 
 def as_json(measured: dict[str, Measurements]) -> str:
@@ -112,7 +112,7 @@ def _against(
     """Return the median difference to the bare reader of the same turn."""
     if base is None or base is turns:
         return ""
-    differences = [of(mine) - of(theirs) for mine, theirs in zip(turns, base, strict=True)]
+    differences = [of(turn) - of(base_turn) for turn, base_turn in zip(turns, base, strict=True)]
     return form.format(statistics.median(differences))
 
 
@@ -124,4 +124,5 @@ def _times(
     """Return the median of the ratios of the turns."""
     if ours is None or ours is turns:
         return ""
-    return f"{statistics.median(of(theirs) / of(mine) for theirs, mine in zip(turns, ours, strict=True)):.2f}"
+    ratios = (of(turn) / of(our_turn) for turn, our_turn in zip(turns, ours, strict=True))
+    return f"{statistics.median(ratios):.2f}"

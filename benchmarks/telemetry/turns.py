@@ -2,9 +2,10 @@
 
 At the pace of the recording, the sender records when it passes each packet to the kernel, and the receiver's
 function when it is called with the message; both read the same monotonic clock. Messages and packets of an id
-are paired from the end, whatever was sent before the receiver listened. The receiver connects `CONNECT_LEAD`
-before a heartbeat of the vehicle, which is sending already. CPU is that of the whole process during a window
-that begins `WARM_UP_TIME` later; then nothing is sent, and the CPU of the process is its idle load.
+are paired from the end, so that packets sent before the receiver listened do not matter. The receiver
+connects `CONNECT_LEAD` before a heartbeat of the vehicle, which is sending already. CPU is that of the whole
+process during a window that begins `WARM_UP_TIME` later; then nothing is sent, and the CPU of the process is
+its idle load.
 
 A flood repeats half a second of the recording, so that the vehicle's clock hardly advances. At most `WINDOW`
 messages are in transit, which every socket buffer can hold, so no message is lost and the rate is that of the
@@ -76,8 +77,8 @@ class _Sent:
 def paced(method: Method, packets: Sequence[TimedPacket]) -> Paced:
     """Send a recording at its own pace."""
     with Receiver(method) as receiver, _Sender(receiver.port) as sender:
-        beats = [packet_time.time for packet_time in packets if packet_time.message_id == HEARTBEAT]
-        connect = beats[1] - CONNECT_LEAD
+        heartbeat_times = [packet.time for packet in packets if packet.message_id == HEARTBEAT]
+        connect = heartbeat_times[1] - CONNECT_LEAD
         sender.begin(packets[0].time)
         sender.send(packets, until=connect)
         receiver.connect()
@@ -100,9 +101,9 @@ def flood(method: Method, packets: Sequence[TimedPacket], seconds: float) -> Flo
         sender.flood(packets, receiver, FLOOD_WARM_UP_TIME)
         before, at, received = receiver.cpu, perf_counter_ns(), receiver.count
         lost = sender.flood(packets, receiver, seconds)
-        passed, delivered = (perf_counter_ns() - at) / NANO, receiver.count - received
+        elapsed, delivered = (perf_counter_ns() - at) / NANO, receiver.count - received
         cpu = receiver.cpu - before
-        return Flooded(delivered / passed, cpu / max(delivered, 1), lost / (lost + delivered))
+        return Flooded(delivered / elapsed, cpu / max(delivered, 1), lost / (lost + delivered))
 
 
 class _Sender:
@@ -142,9 +143,7 @@ class _Sender:
     def flood(self, packets: Sequence[TimedPacket], receiver: Receiver, seconds: float) -> int:
         """Keep the receiver busy, and wait for the last message; return the number of lost ones."""
         send, to = self._socket.sendto, self._address
-        data = [
-            packet_time.data for packet_time in packets if packet_time.time < packets[0].time + FLOOD_EXCERPT
-        ]
+        data = [packet.data for packet in packets if packet.time < packets[0].time + FLOOD_EXCERPT]
         index, lost = 0, 0
         end = time.perf_counter() + seconds
         begun = received = receiver.count
@@ -174,7 +173,7 @@ def _paced(sent: _Sent, received: Received, begun: int, cpu: float, idle: float)
     latencies = _latencies(sent, received, begun)
     start = bisect_left(sent.times, begun)
     ids = set(received.ids)
-    wanted = sum(UNKNOWN in ids or each in ids for each in sent.ids[start:])
+    expected = sum(UNKNOWN in ids or each in ids for each in sent.ids[start:])
     length = (sent.times[-1] - begun) / NANO
     return Paced(
         cpu=cpu / (len(sent.times) - start),
@@ -182,21 +181,21 @@ def _paced(sent: _Sent, received: Received, begun: int, cpu: float, idle: float)
         median=statistics.median(latencies),
         p99=statistics.quantiles(latencies, n=100)[98],
         first=(received.times[0] - received.began) / NANO,
-        lost=1 - len(latencies) / wanted,
+        lost=1 - len(latencies) / expected,
         rate=(len(sent.times) - start) / length,
     )
 
 
 def _latencies(sent: _Sent, received: Received, begun: int) -> list[float]:
     """Return the times from sending each packet to its arrival in the program."""
-    out, back = defaultdict[int, list[int]](list), defaultdict[int, list[int]](list)
+    sent_times, received_times = defaultdict[int, list[int]](list), defaultdict[int, list[int]](list)
     for message_id, at in zip(received.ids, received.times, strict=True):
-        back[message_id].append(at)
+        received_times[message_id].append(at)
     for message_id, at in zip(sent.ids, sent.times, strict=True):
-        out[UNKNOWN if UNKNOWN in back else message_id].append(at)
+        sent_times[UNKNOWN if UNKNOWN in received_times else message_id].append(at)
     return [
-        (there - here) / NANO
-        for message_id, times in back.items()
-        for here, there in zip(reversed(out[message_id]), reversed(times), strict=False)
-        if here >= begun
+        (received_at - sent_at) / NANO
+        for message_id, times in received_times.items()
+        for sent_at, received_at in zip(reversed(sent_times[message_id]), reversed(times), strict=False)
+        if sent_at >= begun
     ]

@@ -64,8 +64,8 @@ def _vehicles(options: argparse.Namespace, folder: Path) -> list[vehicles.Vehicl
     return [vehicles.simulated() if options.brief else vehicles.ours(folder)]
 
 
-def _log(operation: str) -> None:
-    print(operation, file=sys.stderr, flush=True)
+def _log(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -71,9 +71,9 @@ PACKED = "packed"
 
 def transfers(work: Work, vehicle: Vehicle) -> Iterator[Transfer]:
     """Yield the installed clients that can do a piece of work with a vehicle."""
-    for name, module, needs, works in PEERS:
-        if find_spec(needs) is None:
+    for name, module, distribution, works in PEERS:
+        if find_spec(distribution) is None:
             continue
-        for can, operation in works:
-            if can == work and (vehicle.packed or operation != PACKED):
+        for supported, operation in works:
+            if supported == work and (vehicle.packed or operation != PACKED):
                 yield Program(name, work, module, operation)

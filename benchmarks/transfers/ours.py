@@ -23,13 +23,13 @@ Task: TypeAlias = "Callable[[RemoteComponent, Job], Awaitable[Answer]]"
 
 
 async def _parameters(vehicle: RemoteComponent, _job: Job) -> Answer:
-    fetched = await vehicle.params.download()
-    return {"parameters": {name: float(parameter.value) for name, parameter in fetched.items()}}
+    parameters = await vehicle.params.download()
+    return {"parameters": {name: float(parameter.value) for name, parameter in parameters.items()}}
 
 
 async def _listed(vehicle: RemoteComponent, _job: Job) -> Answer:
-    fetched = await vehicle.params.download(packed=False)
-    return {"parameters": {name: float(parameter.value) for name, parameter in fetched.items()}}
+    parameters = await vehicle.params.download(packed=False)
+    return {"parameters": {name: float(parameter.value) for name, parameter in parameters.items()}}
 
 
 async def _file(vehicle: RemoteComponent, job: Job) -> Answer:

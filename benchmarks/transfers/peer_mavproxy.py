@@ -76,8 +76,8 @@ def _parameters(job: Job, *, packed: bool) -> Answer:
 
 def _row(seq: int, frame: int, command: int, x: int, y: int, z: float) -> str:
     """Return an item as a line of a plan file."""
-    index = (f"{x / 1e7:.8f}", f"{y / 1e7:.8f}", f"{z:.6f}")
-    cells = (seq, int(seq == 0), FLOAT_FRAME.get(frame, frame), command, 0, 0, 0, 0, *index, 1)
+    coordinates = (f"{x / 1e7:.8f}", f"{y / 1e7:.8f}", f"{z:.6f}")
+    cells = (seq, int(seq == 0), FLOAT_FRAME.get(frame, frame), command, 0, 0, 0, 0, *coordinates, 1)
     return "\t".join(map(str, cells))
 
 

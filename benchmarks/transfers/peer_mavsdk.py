@@ -36,10 +36,10 @@ def _parameters(job: Job) -> Answer:
     session = _Session(job)
     plugin = session.plugin("param", "Param")
     start = perf_counter()
-    everything = plugin.get_all_params()
+    params = plugin.get_all_params()
     seconds = perf_counter() - start
-    both = (*everything.int_params, *everything.float_params)
-    return {"seconds": seconds, "parameters": {item.name: float(item.value) for item in both}}
+    all_params = (*params.int_params, *params.float_params)
+    return {"seconds": seconds, "parameters": {item.name: float(item.value) for item in all_params}}
 
 
 def _file(job: Job, *, burst: bool) -> Answer:

@@ -1,6 +1,6 @@
 """pymavlink as a client: its `mavftp`, and plain scripts around `mavutil`.
 
-The scripts send one request, receive, and after a second without a message request what is missing: ten
+The scripts send one request, receive, and after a second without a message request missing data: ten
 parameters at a time, as MAVProxy does, or the next item. In an upload they leave retries to the vehicle.
 """
 
@@ -65,7 +65,7 @@ def _parameters(job: Job) -> Answer:
     while count is None or len(seen) < count:
         message = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=RECEIVE_TIMEOUT)
         if message is None:
-            _ask_again(link, seen, count)
+            _request_missing(link, seen, count)
         elif message.param_index < message.param_count:
             count = message.param_count
             seen.add(message.param_index)
@@ -73,7 +73,7 @@ def _parameters(job: Job) -> Answer:
     return {"seconds": perf_counter() - start, "parameters": values}
 
 
-def _ask_again(link: Any, seen: set[int], count: int | None) -> None:  # noqa: ANN401
+def _request_missing(link: Any, seen: set[int], count: int | None) -> None:  # noqa: ANN401
     target = (link.target_system, link.target_component)
     if count is None:
         link.mav.param_request_list_send(*target)
@@ -86,13 +86,13 @@ def _ask_again(link: Any, seen: set[int], count: int | None) -> None:  # noqa: A
 def _packed(job: Job) -> Answer:
     link = connect(job)
     mavftp: Any = importlib.import_module("pymavlink.mavftp")
-    got: list[bytes] = []
+    files: list[bytes] = []
     start = perf_counter()
     ftp = mavftp.MAVFTP(link, link.target_system, link.target_component)
-    ftp.cmd_get(["@PARAM/param.pck"], callback=lambda file: got.append(file.read() if file else b""))
+    ftp.cmd_get(["@PARAM/param.pck"], callback=lambda file: files.append(file.read() if file else b""))
     result = ftp.process_ftp_reply("OpenFileRO", timeout=job["timeout"])
     seconds = perf_counter() - start
-    decoded = mavftp.MAVFTP.ftp_param_decode(got[0]) if got and got[0] else None
+    decoded = mavftp.MAVFTP.ftp_param_decode(files[0]) if files and files[0] else None
     if decoded is None:
         return {"problem": f"mavftp error {result.return_code}", "seconds": seconds}
     return {
@@ -118,20 +118,20 @@ def _file(job: Job) -> Answer:
 def _mission_up(job: Job) -> Answer:
     link = connect(job)
     target = (link.target_system, link.target_component)
-    asked = False
+    requested = False
     start = perf_counter()
     link.mav.mission_count_send(*target, len(job["plan"]), 0)
     while True:
         message = link.recv_match(type=MISSION_REQUESTS, blocking=True, timeout=RECEIVE_TIMEOUT)
         if message is None:
-            if not asked:
+            if not requested:
                 link.mav.mission_count_send(*target, len(job["plan"]), 0)
         elif message.get_type() == "MISSION_ACK":
             seconds = perf_counter() - start
             return {"seconds": seconds, "problem": f"MISSION_ACK {message.type}" if message.type else ""}
         else:
             f, c, x, y, z = job["plan"][message.seq]
-            asked, current = True, int(message.seq == 0)
+            requested, current = True, int(message.seq == 0)
             link.mav.mission_item_int_send(*target, message.seq, f, c, current, 1, 0, 0, 0, 0, x, y, z, 0)
 
 

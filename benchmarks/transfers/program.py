@@ -41,13 +41,13 @@ class Program:
             cwd=Path(__file__).parents[2],
         ) as process:
             try:
-                said, _ = process.communicate(_job(endpoint), timeout=endpoint.timeout + START_TIMEOUT)
+                output, _ = process.communicate(_job(endpoint), timeout=endpoint.timeout + START_TIMEOUT)
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
                 return Result(None, f"timed out after {endpoint.timeout:.0f} s")
-        if not said:
+        if not output:
             return Result(None, f"its process ended with {process.returncode}")
-        answer: Answer = json.loads(said)
+        answer: Answer = json.loads(output)
         return _result(answer, endpoint)
 
 

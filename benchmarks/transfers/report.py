@@ -23,13 +23,13 @@ HEAD = (
     "work",
     "client",
     "median s",
-    "least … greatest",
-    "never",
-    "ours / it",
+    "min … max",
+    "failed",
+    "ours / peer",
     "spread",
-    "why",
+    "problem",
 )
-WHY_WIDTH = 60
+MAX_PROBLEM_WIDTH = 60
 
 
 def median(outcomes: Sequence[Outcome]) -> float | None:
@@ -54,7 +54,7 @@ def ratio(cell: Cell, peer: str) -> Ratio | None:
         for ours, theirs in pairs
         if ours.finished and theirs.finished and ours.seconds is not None and theirs.seconds
     )
-    return Ratio(f"of {peer}", seen, None, at_least=False) if seen else None
+    return Ratio(f"of {peer}", seen, None, higher_is_better=False) if seen else None
 
 
 def table(cells: Iterable[Cell]) -> str:
@@ -63,8 +63,8 @@ def table(cells: Iterable[Cell]) -> str:
     widths = [max(len(line[index]) for line in lines) for index in range(len(HEAD))]
     rows = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines]
     rows.insert(1, "  ".join("-" * width for width in widths))
-    facts = [f"{letter}  {operation}" for letter, (operation, _) in CONDITIONS.items()]
-    return "\n".join((*(line.rstrip() for line in rows), "", *facts))
+    conditions = [f"{letter}  {description}" for letter, (description, _) in CONDITIONS.items()]
+    return "\n".join((*(line.rstrip() for line in rows), "", *conditions))
 
 
 def as_json(cells: Iterable[Cell]) -> str:
@@ -80,7 +80,7 @@ def _lines(cell: Cell) -> list[tuple[str, ...]]:
             f"{name} *" if name == best else name,
             *_figures(seen),
             *_against(cell, name),
-            _why(seen),
+            _frequent_problem(seen),
         )
         for name, seen in cell.outcomes.items()
     ]
@@ -90,7 +90,7 @@ def _figures(seen: Sequence[Outcome]) -> tuple[str, str, str]:
     seconds = [item.seconds for item in seen if item.finished and item.seconds is not None]
     middle = median(seen)
     return (
-        "never" if middle is None else _short(middle),
+        "failed" if middle is None else _short(middle),
         f"{_short(min(seconds))} … {_short(max(seconds))}" if seconds else "",
         f"{len(seen) - len(seconds)} of {len(seen)}" if len(seconds) < len(seen) else "",
     )
@@ -100,12 +100,12 @@ def _against(cell: Cell, name: str) -> tuple[str, str]:
     found = ratio(cell, name) if not name.startswith(OURS) else None
     if found is None:
         return "", ""
-    return f"{found.median:.2f}", f"{min(found.seen):.2f} … {max(found.seen):.2f}"
+    return f"{found.median:.2f}", f"{min(found.values):.2f} … {max(found.values):.2f}"
 
 
-def _why(seen: Sequence[Outcome]) -> str:
+def _frequent_problem(seen: Sequence[Outcome]) -> str:
     problems = Counter(item.problem for item in seen if item.problem)
-    return problems.most_common(1)[0][0][:WHY_WIDTH] if problems else ""
+    return problems.most_common(1)[0][0][:MAX_PROBLEM_WIDTH] if problems else ""
 
 
 def _short(value: float) -> str:

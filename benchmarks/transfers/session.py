@@ -39,7 +39,7 @@ READ = Program("reference", Work.PARAMETERS, "peer_pymavlink", "parameters")
 PLAN_UP = Program("reference", Work.MISSION_UP, "peer_pymavlink", "mission-up")
 PLAN_DOWN = Program("reference", Work.MISSION_DOWN, "peer_pymavlink", "mission-down")
 PLAN_CLEAR = Program("reference", Work.MISSION_UP, "peer_pymavlink", "mission-clear")
-SETTLE_TIME = Program("reference", Work.FILE, "peer_pymavlink", "settle")
+SETTLE = Program("reference", Work.FILE, "peer_pymavlink", "settle")
 
 
 class PreparationError(Exception):
@@ -81,8 +81,8 @@ def relayed(condition: str, seed: int) -> Iterator[None]:
         try:
             yield
         finally:
-            said, _ = process.communicate()
-            json.loads(said)
+            output, _ = process.communicate()
+            json.loads(output)
 
 
 def measure(vehicles: Sequence[Vehicle], run: Run) -> Iterator[Cell]:
@@ -123,7 +123,7 @@ class _Bench:
             yield Cell(self._vehicle.name, self._condition, work, outcomes)
 
     def _expected(self, works: Sequence[Work]) -> validation.Expected:
-        self._run_clean(SETTLE_TIME)
+        self._run_clean(SETTLE)
         first, second = ({}, {}) if Work.PARAMETERS not in works else (self._parameters(), self._parameters())
         return validation.Expected(
             parameters=first,
@@ -155,7 +155,7 @@ class _Bench:
             outcome = validation.outcome(
                 client.work, result, replace(expected, volatile=expected.volatile | changed)
             )
-        took = f"{result.seconds:.2f} s" if result.seconds is not None else "never"
+        took = f"{result.seconds:.2f} s" if result.seconds is not None else "failed"
         self._run.log(
             f"{self._vehicle.name} {self._condition} {client.work} {client.name}: {took} {outcome.problem}"
         )
@@ -164,7 +164,7 @@ class _Bench:
     def _prepare(self, work: Work) -> None:
         if self._vehicle.remote_file:
             (self._folder / Path(self._vehicle.remote_file).name).unlink(missing_ok=True)
-        self._run_clean(SETTLE_TIME)
+        self._run_clean(SETTLE)
         if work is Work.MISSION_UP:
             self._run_clean(PLAN_CLEAR)
         elif work is Work.MISSION_DOWN:

@@ -48,40 +48,41 @@ def outcome(work: Work, result: Result, expected: Expected) -> Outcome:
     return Outcome(result.seconds, wrong)
 
 
-def _wrong_parameters(got: Mapping[str, float], expected: Expected) -> str:
+def _wrong_parameters(received: Mapping[str, float], expected: Expected) -> str:
     names = set(expected.parameters) - NOT_COUNTED
-    missing = names - set(got)
+    missing = names - set(received)
     if missing:
         return f"{len(missing)} of {len(names)} parameters missing"
     differing = [
         name
         for name in names - expected.volatile
-        if not math.isclose(got[name], expected.parameters[name], rel_tol=1e-5, abs_tol=1e-6)
-        and not (math.isnan(got[name]) and math.isnan(expected.parameters[name]))
+        if not math.isclose(received[name], expected.parameters[name], rel_tol=1e-5, abs_tol=1e-6)
+        and not (math.isnan(received[name]) and math.isnan(expected.parameters[name]))
     ]
-    return f"{len(differing)} parameters wrong, as {min(differing)}" if differing else ""
+    return f"{len(differing)} parameters wrong, such as {min(differing)}" if differing else ""
 
 
-def _wrong_file(got: bytes, expected: bytes) -> str:
-    if got == expected:
+def _wrong_file(received: bytes, expected: bytes) -> str:
+    if received == expected:
         return ""
-    return f"{len(got)} of {len(expected)} bytes" if len(got) != len(expected) else "bytes differ"
+    return f"{len(received)} of {len(expected)} bytes" if len(received) != len(expected) else "bytes differ"
 
 
-def _wrong_plan(got: Sequence[Item], expected: Expected) -> str:
-    if len(got) != len(expected.plan):
-        return f"{len(got)} of {len(expected.plan)} items"
-    pairs = list(zip(got, expected.plan, strict=True))[expected.home_first :]
-    differing = sum(not _same(mine, theirs) for mine, theirs in pairs)
+def _wrong_plan(received: Sequence[Item], expected: Expected) -> str:
+    if len(received) != len(expected.plan):
+        return f"{len(received)} of {len(expected.plan)} items"
+    pairs = list(zip(received, expected.plan, strict=True))[expected.home_first :]
+    differing = sum(not _same(item, expected_item) for item, expected_item in pairs)
     return f"{differing} items wrong" if differing else ""
 
 
-def _same(mine: Item, theirs: Item) -> bool:
+def _same(item: Item, expected_item: Item) -> bool:
     """Return whether items are equal, except for rounding in the vehicle's storage."""
     return (
-        mine.command == theirs.command
-        and INTEGER_FRAME.get(mine.frame, mine.frame) == INTEGER_FRAME.get(theirs.frame, theirs.frame)
-        and abs(mine.x - theirs.x) <= 1
-        and abs(mine.y - theirs.y) <= 1
-        and abs(mine.z - theirs.z) <= 0.02
+        item.command == expected_item.command
+        and INTEGER_FRAME.get(item.frame, item.frame)
+        == INTEGER_FRAME.get(expected_item.frame, expected_item.frame)
+        and abs(item.x - expected_item.x) <= 1
+        and abs(item.y - expected_item.y) <= 1
+        and abs(item.z - expected_item.z) <= 0.02
     )
