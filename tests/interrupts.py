@@ -1,4 +1,4 @@
-"""Ctrl-C in tests: the handler that raises KeyboardInterrupt, whatever the process was started with.
+"""Ctrl-C in tests: the handler that raises KeyboardInterrupt, also where SIGINT was ignored at the start.
 
 A shell starts background jobs with SIGINT ignored; a test that waits for a KeyboardInterrupt would then never
 end.

@@ -1,4 +1,4 @@
-"""The programs and commands in README, and the examples, run as they are."""
+"""The programs and commands in README, and the examples, run unchanged."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ COMMANDS = re.findall(r"^(mav [^#\n]+)", (ROOT / "README.md").read_text("utf-8")
 
 
 def run(*command: str, url: str = "") -> subprocess.CompletedProcess[str]:
-    given = {**os.environ, "MAVSTACK_URL": url}
+    environment = {**os.environ, "MAVSTACK_URL": url}
     return subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, timeout=120, check=False, input="", env=given
+        command, cwd=ROOT, capture_output=True, text=True, timeout=120, check=False, input="", env=environment
     )
 
 
@@ -40,8 +40,8 @@ def vehicle_for(program):
 @contextmanager
 def simulated(url):
     command = [sys.executable, "-m", "mavstack", "sim", "--speed", "5", "--out", url]
-    nothing = subprocess.DEVNULL
-    with subprocess.Popen(command, cwd=ROOT, stdin=nothing, stdout=nothing) as vehicle:
+    null = subprocess.DEVNULL
+    with subprocess.Popen(command, cwd=ROOT, stdin=null, stdout=null) as vehicle:
         try:
             yield
         finally:
@@ -49,7 +49,7 @@ def simulated(url):
 
 
 @pytest.mark.parametrize("number", range(len(PROGRAMS)))
-def test_the_readmes_programs_run(number):
+def test_the_programs_of_the_readme_run(number):
     with vehicle_for(PROGRAMS[number]):
         done = run(sys.executable, "-W", "error", "-c", PROGRAMS[number])
     assert done.returncode == 0, done.stderr
@@ -69,7 +69,7 @@ def vehicle_url():
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=str.strip)
-def test_the_readmes_commands_are_understood(command, vehicle_url):
+def test_the_commands_of_the_readme_run(command, vehicle_url):
     words = shlex.split(command)
     if words[1] == "watch" and words[2] != "flight.tlog":
         pytest.skip("needs a vehicle; tests/links covers the links")

@@ -1,4 +1,4 @@
-"""The fixtures, as a stranger's tests use them: in a pytest of their own."""
+"""The fixtures of the pytest plugin, used by tests in a separate run of pytest."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import pytest
 from mavstack.dialects import common
 from mavstack.sync import Node
 
-def test_one_on_the_ground(vehicle):
+def test_a_vehicle_on_the_ground(vehicle):
     with Node(vehicle.url.replace(":", "://", 1)) as ground:
         remote = ground.wait_for_autopilot()
         assert not remote.info.armed
 
 @pytest.mark.vehicle(vehicle_type="plane", firmware="px4", seed=4)
-def test_one_in_the_air(flying_vehicle):
+def test_a_vehicle_in_the_air(flying_vehicle):
     assert flying_vehicle.vehicle.vehicle_type == "plane"
     assert flying_vehicle.vehicle.autopilot.altitude > 30
 
-def test_virtually(virtual_vehicle):
+def test_a_vehicle_in_virtual_time(virtual_vehicle):
     async def flight(remote):
         import asyncio
         await asyncio.sleep(3)
@@ -28,12 +28,12 @@ def test_virtually(virtual_vehicle):
         await asyncio.sleep(600)
         return remote.info.armed
 
-    assert virtual_vehicle.run(flight) is False     # it disarms by itself
+    assert virtual_vehicle.run(flight) is False     # it disarms automatically
 """
 
 
-def test_they_are_there_without_any_set_up(tmp_path):
-    (tmp_path / "test_stranger.py").write_text(TESTS)
+def test_the_fixtures_need_no_setup(tmp_path):
+    (tmp_path / "test_fixtures.py").write_text(TESTS)
     plugin = ["-p", "mavstack.pytest_plugin"] if not _is_installed() else []
     command = [sys.executable, "-m", "pytest", "-q", "--strict-markers", "-p", "no:cacheprovider", *plugin]
     result = run([*command, str(tmp_path)], capture_output=True, text=True, check=False, cwd=tmp_path)

@@ -16,7 +16,7 @@ async def wait_until(
     condition: Callable[[], object],
     description: str = "condition",
     *,
-    timeout: float = DEFAULT_TIMEOUT,  # noqa: ASYNC109 (the failure says what was waited for)
+    timeout: float = DEFAULT_TIMEOUT,
     interval: float = POLL_INTERVAL,
     now: Callable[[], float] | None = None,
 ) -> None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.vehicle import Vehicle
-    from mavstack.vehicle.telemetry.values import Home
+    from mavstack.vehicle.telemetry.values import HomePosition
 
 #: The environment variable with the URL of a real autopilot.
 URL_VARIABLE = "MAVSTACK_AUTOPILOT"
@@ -63,7 +63,7 @@ def real() -> str | None:
     return os.environ.get(URL_VARIABLE)
 
 
-def offset_position(home: Home, north: float, east: float) -> tuple[float, float]:
+def offset_position(home: HomePosition, north: float, east: float) -> tuple[float, float]:
     """Return latitude and longitude, in degrees, of a point at an offset from home in metres."""
     latitude = home.latitude + north / METRES_PER_DEGREE
     return latitude, home.longitude + east / METRES_PER_DEGREE / cos(radians(home.latitude))
@@ -86,7 +86,7 @@ def cruise_altitude(vehicle: Vehicle) -> float:
     return 60.0 if vehicle.vehicle_type.circles else 12.0 if vehicle.vehicle_type.flies else 0.0
 
 
-def mission(vehicle: Vehicle, home: Home) -> Plan:
+def mission(vehicle: Vehicle, home: HomePosition) -> Plan:
     """Return a mission with a takeoff, two corners and a return, for this type of vehicle."""
     far, up = leg_length(vehicle), cruise_altitude(vehicle)
     items = [_item(CMD.NAV_WAYPOINT, home, 0, 0, 0)] if is_ardupilot(vehicle) else []  # its item 0 is home
@@ -106,6 +106,6 @@ def mission(vehicle: Vehicle, home: Home) -> Plan:
     return Plan.of(items)
 
 
-def _item(command: int, home: Home, north: float, east: float, up: float) -> MissionItem:
+def _item(command: int, home: HomePosition, north: float, east: float, up: float) -> MissionItem:
     latitude, longitude = offset_position(home, north, east)
     return MissionItem(command, param5=latitude, param6=longitude, param7=float(up))

@@ -37,13 +37,13 @@ class Stream:
 
     async def wait_for(self, wanted):
         """Return the first value for which `wanted` is true."""
-        heard: list = []
+        received: list = []
         try:
             async with asyncio.timeout(TIMEOUT):
                 while not wanted(value := await self.get()):
-                    heard.append(value)
+                    received.append(value)
         except TimeoutError:
-            raise AssertionError(f"no matching value; the last ones: {heard[-5:]}") from None
+            raise AssertionError(f"no matching value; the last ones: {received[-5:]}") from None
         return value
 
 

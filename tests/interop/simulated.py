@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from contextlib import asynccontextmanager, contextmanager
 from math import hypot
 
@@ -12,12 +11,13 @@ from mavstack.dialects import common
 from mavstack.sim import Simulation
 from tests.interop.mavsdk_peer import MavsdkError, mavsdk_object, mavsdk_peer
 from tests.sim.harness import RunningSimulation, running
+from tests.waiting import wait_until
 
 #: Simulated seconds per real second: a minute of flight in five seconds.
 SPEED = 12.0
 #: Timeout of one part of a flight, in simulated seconds.
 MAX_FLIGHT_TIME = 240.0
-POLL = 0.02
+POLL_INTERVAL = 0.02
 
 
 class Flight:
@@ -27,9 +27,9 @@ class Flight:
         self.vehicle, self.ground, self.runner = vehicle, ground, simulated.runner
         self.texts: list[str] = []
         self._simulated = simulated
-        vehicle.listeners.append(self._listen)
+        vehicle.add_listener(self._on_event)
 
-    def _listen(self, vehicle, kind: str, text: str) -> None:
+    def _on_event(self, vehicle, kind: str, text: str) -> None:
         if kind == "text":
             self.texts.append(text)
 
@@ -41,23 +41,27 @@ class Flight:
         """Call a method and require success."""
         assert await self.ground.call(plugin, method, *arguments) == "SUCCESS"
 
-    async def call_fails(self, why: str, plugin: str, method: str, *arguments) -> None:
-        """Call a method and require this failure."""
-        with pytest.raises(MavsdkError, match=why):
+    async def call_fails(self, reason: str, plugin: str, method: str, *arguments) -> None:
+        """Call a method and require that it fails for a reason."""
+        with pytest.raises(MavsdkError, match=reason):
             await self.ground.call(plugin, method, *arguments)
 
-    async def wait_for_telemetry(self, name: str, *wanted):
-        """Wait for telemetry values in this order; return the last one."""
+    async def wait_for_telemetry(self, name: str, *expected):
+        """Wait for telemetry values (or predicates of them) in this order; return the last value."""
         stream = await self.ground.stream("telemetry", f"subscribe_{name}")
-        return [await stream.wait_for(each if callable(each) else each.__eq__) for each in wanted][-1]
+        return [await stream.wait_for(each if callable(each) else each.__eq__) for each in expected][-1]
 
-    async def wait_until(self, condition, within: float = MAX_FLIGHT_TIME) -> None:
-        """Wait until a condition holds in the simulation."""
-        end = self.vehicle.now + within
-        while not condition():
-            self._simulated.raise_error()
-            assert self.vehicle.now < end, self.state
-            await asyncio.sleep(POLL)
+    async def wait_until(self, condition, timeout: float = MAX_FLIGHT_TIME) -> None:
+        """Wait until a condition holds; `timeout` is in simulated seconds."""
+        try:
+            await wait_until(
+                lambda: self._simulated.raise_error() or condition(),
+                timeout=timeout,
+                interval=POLL_INTERVAL,
+                now=lambda: self.vehicle.now,
+            )
+        except AssertionError as error:
+            raise AssertionError(f"{error}: {self.state}") from None
 
     async def fly(self, seconds: float) -> None:
         """Let this many simulated seconds pass."""

@@ -9,9 +9,9 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandTimeout
-from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.sim.runner import Runner
 from mavstack.sim.simulation import Simulation
+from mavstack.sim.vehicle_types import Firmware, VehicleType
 from mavstack.vehicle import VehicleEvent, VehicleLost, VehicleReturned, connect
 
 pytestmark = pytest.mark.interop

@@ -289,7 +289,7 @@ async def test_a_shell() -> None:
     async with ground_and_vehicle() as (ground, _):
         received = await ground.stream("shell", "subscribe_receive")
         assert await ground.call("shell", "send", "ver all", 10) == "SUCCESS"
-        await received.wait_for(lambda heard: "you said ver all" in heard["data"])
+        await received.wait_for(lambda heard: "echo: ver all" in heard["data"])
 
 
 async def test_any_message_direct() -> None:

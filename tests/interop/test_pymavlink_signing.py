@@ -55,9 +55,9 @@ async def test_both_sign_with_one_key() -> None:
     async with vehicle_with(KEY) as (vehicle, port):
         async with vehicle.packets(system=250) as packets:
             await in_thread(port, work, KEY)
-            heard = packets.drain()
-        assert {packet.name for packet in heard} == {"HEARTBEAT", "COMMAND_LONG"}
-        assert all(packet.signed for packet in heard)
+            received = packets.drain()
+        assert {packet.name for packet in received} == {"HEARTBEAT", "COMMAND_LONG"}
+        assert all(packet.signed for packet in received)
 
 
 @pytest.mark.parametrize(("key", "counter"), [(None, "unsigned"), (OTHER, "forged")])

@@ -10,9 +10,9 @@ from pymavlink import DFReader, mavwp
 
 from mavstack.services.mission import PlanType
 from mavstack.sim import Firmware, Simulation
-from mavstack.sim.runner import Runner
 from tests.interop.mavproxy import mavproxy, needs_mavproxy
 from tests.interop.simulated import Flight
+from tests.sim.harness import running
 
 pytestmark = [pytest.mark.interop, needs_mavproxy]
 
@@ -103,13 +103,11 @@ async def mavproxy_flight(kind: str, firmware: str, directory, *, speed: float =
     vehicle = simulation.add(kind, firmware)
     for name, value in parameters.items():
         vehicle.parameters.set(name, value)
-    async with Runner(simulation, speed=speed) as runner:
-        link = await runner.connect("udpin://127.0.0.1:0", [vehicle])
-        running = runner.start()
-        async with mavproxy(link.address[1], directory) as console:
-            yield MavproxyFlight(vehicle, console, runner, running)
-        if running.done():
-            running.result()
+    async with (
+        running(simulation, "udpin://127.0.0.1:0", speed=speed) as simulated,
+        mavproxy(simulated.link.address[1], directory) as console,
+    ):
+        yield MavproxyFlight(vehicle, console, simulated)
 
 
 async def test_a_copter(tmp_path) -> None:

@@ -266,7 +266,7 @@ def test_a_script_flies_a_mission_with_a_copter(tmp_path) -> None:
         assert reached in ([1, 2], [2, 3])
         connection.waypoint_set_current_send(2)
         receive(connection, "MISSION_CURRENT", lambda current: current.seq == 2)
-        assert connection.waypoint_current() == 2
+        assert connection.waypoint_current() in (2, 3)  # it may have reached item 2 meanwhile
         receive(connection, "MISSION_CURRENT", lambda current: current.seq == 3)
         wait_for_position(connection, 20, 15)
         set_mode(connection, "LAND")

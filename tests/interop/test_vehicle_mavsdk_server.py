@@ -140,7 +140,7 @@ async def test_unanswered_commands_time_out() -> None:
 async def test_readiness_is_unknown() -> None:
     async with mavsdk_server_vehicle() as (vehicle, _):
         await vehicle.wait_for_message(common.SysStatus)
-        with pytest.raises(HealthTimeout, match="does not say whether it is ready"):
+        with pytest.raises(HealthTimeout, match="readiness not reported"):
             await vehicle.wait_until_ready(timeout=1)
 
 

@@ -38,14 +38,14 @@ async def test_all_types_fly_over_a_lossy_link() -> None:
     async with Runner(simulation) as runner:
         link = await runner.connect("udpin://127.0.0.1:0", simulation.vehicles)
         running = runner.start()
-        bad = impair(
+        impaired = impair(
             open_link(f"udpout://127.0.0.1:{link.address[1]}"), Impairment(loss=0.1, latency=0.2, seed=2)
         )
-        async with connect(bad) as node:
-            mavsdk_object = World(simulation, node, None)
-            plans = [loaded(mavsdk_object, number + 1, triangle(*kind)) for number, kind in enumerate(ALL)]
-            flights = await asyncio.gather(*plans)
+        async with connect(impaired) as connection:
+            world = World(simulation, connection, None)
+            loading = [loaded(world, number + 1, triangle(*kind)) for number, kind in enumerate(ALL)]
+            flights = await asyncio.gather(*loading)
             runner.speed = SPEED  # at this speed an upload over the slow link would time out
-            for flight in await asyncio.gather(*(flown(mavsdk_object, flight) for flight in flights)):
+            for flight in await asyncio.gather(*(flown(world, flight) for flight in flights)):
                 check(flight)
         assert not running.done()

@@ -70,8 +70,8 @@ def autopilot(request: pytest.FixtureRequest) -> Iterator[Autopilot]:
     elif url is not None:
         pytest.skip("a real autopilot is used")
     else:
-        with autopilots.simulated(request.param) as mavsdk_object:
-            yield mavsdk_object
+        with autopilots.simulated(request.param) as simulated:
+            yield simulated
 
 
 @asynccontextmanager
@@ -93,15 +93,17 @@ async def wait_until_ready(vehicle: Vehicle) -> None:
         assert (await vehicle.wait_until_ready(timeout=150)).ready
         return
     async with asyncio.timeout(150):
-        while not (vehicle.gps and vehicle.gps.has_fix and vehicle.telemetry.heard_at(common.HomePosition)):
-            await vehicle.telemetry.ask_for_home()
+        while not (
+            vehicle.gps and vehicle.gps.has_fix and vehicle.telemetry.received_at(common.HomePosition)
+        ):
+            await vehicle.telemetry.request_home()
             await vehicle.wait_for_message(common.GpsRawInt)
 
 
 async def get_home(vehicle: Vehicle):
     async with asyncio.timeout(30):
         while vehicle.home is None:
-            await vehicle.telemetry.ask_for_home()
+            await vehicle.telemetry.request_home()
             await asyncio.sleep(0.1)
     return vehicle.home
 
@@ -287,8 +289,8 @@ async def fly_copter_maneuvers(vehicle: Vehicle, home) -> None:
     await vehicle.set_speed(4)
     await vehicle.set_yaw(120)
     assert vehicle.position.heading == pytest.approx(120, abs=8)
-    async with vehicle.guided() as guidance:
-        guidance.velocity(east=3)
+    async with vehicle.guided() as guided:
+        guided.velocity(east=3)
         async with asyncio.timeout(30):
             while distance_from(vehicle, leg_length(vehicle), 0) < 8:
                 await vehicle.wait_for_message(common.GlobalPositionInt)
@@ -313,7 +315,7 @@ async def return_home(vehicle: Vehicle) -> None:
     if vehicle.armed:
         await vehicle.disarm(force=vehicle.vehicle_type is not VehicleType.COPTER)
     assert vehicle.armed is False
-    await vehicle.firmware.become_armable()
+    await vehicle.firmware.prepare_arming()
 
 
 async def test_a_mission_is_flown(autopilot: Autopilot) -> None:

@@ -71,15 +71,17 @@ class Pair:
         self.trust()
 
 
-async def heard(node: Node, seconds: float = 3.0):
+async def receive_packets(node: Node, seconds: float = 3.0):
     async with node.packets(keep_all=True) as packets:
         await asyncio.sleep(seconds)
         return packets.drain()
 
 
 async def assert_both_use(pair: Pair, key, seconds: float = 3.0) -> None:
-    """Assert that both receive packets of each other, all signed with the key, and refuse none."""
-    for packets in await asyncio.gather(heard(pair.ground, seconds), heard(pair.vehicle, seconds)):
+    """Assert that both nodes receive packets of each other, all signed with the key, and refuse none."""
+    for packets in await asyncio.gather(
+        receive_packets(pair.ground, seconds), receive_packets(pair.vehicle, seconds)
+    ):
         assert "HEARTBEAT" in {packet.name for packet in packets}
         assert all(signed_with(packet, key, START) for packet in packets)
     for node in pair.nodes:

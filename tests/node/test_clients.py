@@ -1,4 +1,4 @@
-"""The state cached of a component is discarded when it reboots, and nothing else."""
+"""The cached state of a component is discarded when the component reboots, and no other state is."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_cached_state_is_discarded_and_requested_again(autopilot):
             assert remote.modes.current is remote._clients.modes.intended is None
             assert remote.mission.progress is None
             assert parameters
-            assert cameras  # a program keeps what it got
+            assert cameras  # the mapping that the program has is unchanged
             assert (await remote.params.get("P_07")).value == 7
             assert commands == [common.MavCmd.REQUEST_MESSAGE]  # its capabilities
 

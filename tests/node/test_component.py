@@ -88,7 +88,7 @@ def test_standard_modes() -> None:
         server.offer(modes_of(PX4, COPTER, [0, 0x04040000, rtl], {rtl: standard.SAFE_RECOVERY}), 0.0)
         assert await modes.set_standard(standard.SAFE_RECOVERY) == rtl
         assert server.current.custom_mode == rtl
-        assert [mode.name for mode in await modes.list()][-1] == "RTL"  # nameless on the wire
+        assert [mode.name for mode in await modes.list()][-1] == "RTL"  # without a name on the wire
         assert (modes.current, modes._clients.modes.standard_mode) == (
             None,
             None,
@@ -119,9 +119,9 @@ def test_a_shell() -> None:
     async def work(pair: Pair) -> None:
         async with pair.remote.shell() as shell:
             shell.write_line("ver all")
-            heard = ""
-            while "ver all" not in heard:
-                heard += await anext(shell)
+            received = ""
+            while "ver all" not in received:
+                received += await anext(shell)
             assert pair.vehicle.shell.owner == pair.ground.address
         await asyncio.sleep(1)
         assert pair.vehicle.shell.owner is None
@@ -143,9 +143,9 @@ def test_setpoints_and_manual_control_end_with_their_block() -> None:
             await asyncio.sleep(0.5)
             held, _ = pair.vehicle.sticks.latest(ground, pair.vehicle.now())
             assert held.x == 500
-        async with pair.vehicle.packets(system=ground.system) as heard:
+        async with pair.vehicle.packets(system=ground.system) as received:
             await asyncio.sleep(3)
-            assert {packet.name for packet in heard.drain()} == {"HEARTBEAT"}
+            assert {packet.name for packet in received.drain()} == {"HEARTBEAT"}
         assert len(pair.ground._host.engine._services) < 12
 
     with_pair(work)
@@ -169,25 +169,25 @@ def test_channels_are_overridden_in_a_block_and_then_released(raises: bool) -> N
             held = pair.vehicle.sticks.overridden(pair.ground.address, pair.vehicle.now())
             return held and dict(held[0])
 
-        async with pair.vehicle.stream(common.RcChannelsOverride) as heard:
+        async with pair.vehicle.stream(common.RcChannelsOverride) as received:
             with pytest.raises(ZeroDivisionError) if raises else nullcontext():
                 await steer()
             assert overridden() is None
-            pulses = [(message.chan3_raw, message.chan9_raw) for message in heard.drain()]
+            pulses = [(message.chan3_raw, message.chan9_raw) for message in received.drain()]
             assert pulses.count((1600, 1200)) == 10
             assert pulses.count((1500, RELEASE_LATE)) == 10
             assert pulses[20:] == [(0, RELEASE_LATE)] * 5
             await asyncio.sleep(3)
-            assert heard.drain() == []
+            assert received.drain() == []
 
     with_pair(work)
 
 
 def test_send_fills_in_the_target() -> None:
     async def work(pair: Pair) -> None:
-        async with pair.vehicle.stream(common.PlayTuneV2) as heard:
+        async with pair.vehicle.stream(common.PlayTuneV2) as received:
             pair.remote.send(common.PlayTuneV2(tune="MFT200"))
-            message = await anext(heard)
+            message = await anext(received)
         assert Address(message.target_system, message.target_component) == (1, 1)
 
     with_pair(work)

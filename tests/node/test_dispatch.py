@@ -17,41 +17,47 @@ def packet(message, system: int = 1, component: int = 1) -> Packet:
 
 
 def test_each_listener_gets_its_packets() -> None:
-    dispatch, heard = PacketDispatch(), []
-    first = dispatch.add([common.Heartbeat], BROADCAST, lambda _: heard.append("first"))
+    dispatch, received = PacketDispatch(), []
+    first = dispatch.add([common.Heartbeat], BROADCAST, lambda _: received.append("first"))
     dispatch.deliver(packet(HEARTBEAT))
-    dispatch.add([], Address(1, 0), lambda _: heard.append("all of 1"))
-    dispatch.add([], Address(2, 7), lambda _: heard.append("2/7"))
+    dispatch.add([], Address(1, 0), lambda _: received.append("all of 1"))
+    dispatch.add([], Address(2, 7), lambda _: received.append("2/7"))
     dispatch.deliver(packet(HEARTBEAT))
     dispatch.deliver(packet(ATTITUDE, system=2))
     dispatch.deliver(packet(ATTITUDE, system=2, component=7))
     first.close()
     first.close()
     dispatch.deliver(packet(HEARTBEAT))
-    assert heard == ["first", "all of 1", "first", "2/7", "all of 1"]  # listeners to all packets come first
+    assert received == [
+        "first",
+        "all of 1",
+        "first",
+        "2/7",
+        "all of 1",
+    ]  # listeners to all packets are first
 
 
 def test_a_listener_may_close_during_the_dispatch() -> None:
-    dispatch, heard = PacketDispatch(), []
+    dispatch, received = PacketDispatch(), []
 
     def once(_: Packet) -> None:
-        heard.append("once")
+        received.append("once")
         listening.close()
 
     listening = dispatch.add([], BROADCAST, once)
-    dispatch.add([], BROADCAST, lambda _: heard.append("always"))
+    dispatch.add([], BROADCAST, lambda _: received.append("always"))
     dispatch.deliver(packet(HEARTBEAT))
     dispatch.deliver(packet(HEARTBEAT))
-    assert heard == ["once", "always", "always"]
+    assert received == ["once", "always", "always"]
 
 
 def test_the_lookup_caches_are_bounded() -> None:
-    dispatch, index, heard = PacketDispatch(), ServiceIndex(), []
-    dispatch.add([], BROADCAST, heard.append)
+    dispatch, index, received = PacketDispatch(), ServiceIndex(), []
+    dispatch.add([], BROADCAST, received.append)
     for number in range(2 * MAX_CACHED):
         dispatch.deliver(packet(HEARTBEAT, 1 + number % 255, 1 + number // 255))
         index.find(number, 1)
-    assert len(heard) == 2 * MAX_CACHED
+    assert len(received) == 2 * MAX_CACHED
     assert len(dispatch._cache) <= MAX_CACHED
     assert len(index._cache) <= MAX_SERVICES_CACHED
 

@@ -26,7 +26,7 @@ class Alarm(Service):
     def __init__(self) -> None:
         super().__init__(LOCAL)
         self.due: float | None = None
-        self.rang: list[float] = []
+        self.fired: list[float] = []
 
     def next_timeout(self) -> float | None:
         return self.due
@@ -34,7 +34,7 @@ class Alarm(Service):
     def handle_timeout(self, now: float) -> None:
         if self.due is not None and now >= self.due:
             self.due = None
-            self.rang.append(now)
+            self.fired.append(now)
 
 
 def with_alarm(work: Callable[[Driver, Alarm, list[float]], asyncio.Future | object]) -> Alarm:
@@ -80,7 +80,7 @@ def test_the_timer_is_not_rearmed_for_a_later_deadline_and_fires_in_time() -> No
         assert len(timers) == 2
         dues.append(start + 1.99)
 
-    assert abs(with_alarm(work).rang[0] - dues[0]) < 1e-6
+    assert abs(with_alarm(work).fired[0] - dues[0]) < 1e-6
 
 
 def test_the_timer_is_rearmed_for_an_earlier_deadline() -> None:
@@ -95,7 +95,7 @@ def test_the_timer_is_rearmed_for_an_earlier_deadline() -> None:
         dues.append(start + 1.0)
 
     alarm = with_alarm(work)
-    assert [round(rang - due, 6) for rang, due in zip(alarm.rang, dues, strict=True)] == [0]
+    assert [round(fired - due, 6) for fired, due in zip(alarm.fired, dues, strict=True)] == [0]
 
 
 def test_the_timer_is_cancelled_when_nothing_is_due() -> None:
@@ -104,7 +104,7 @@ def test_the_timer_is_cancelled_when_nothing_is_due() -> None:
         set_for(driver, alarm, None)
         assert driver._timer is None
 
-    assert with_alarm(work).rang == []
+    assert with_alarm(work).fired == []
 
 
 class Watcher(Service):
@@ -114,11 +114,11 @@ class Watcher(Service):
 
     def __init__(self, changed: bool | None) -> None:
         super().__init__(LOCAL)
-        self.heard = self.calls = 0
+        self.received = self.calls = 0
         self._changed = changed
 
     def receive(self, packet, now) -> bool | None:
-        self.heard += 1
+        self.received += 1
         return self._changed
 
     def next_timeout(self) -> float | None:
@@ -136,7 +136,7 @@ def test_a_service_without_changes_is_skipped() -> None:
             before = quiet.calls
             async with vehicle:
                 await asyncio.sleep(5.5)
-        assert quiet.heard == other.heard >= 5
+        assert quiet.received == other.received >= 5
         assert quiet.calls - before <= 1  # when the channel opened
         assert other.calls >= 5
 

@@ -27,12 +27,12 @@ class Recorder(Service):
 
     def __init__(self, local: Address) -> None:
         super().__init__(local)
-        self.heard: list[Packet] = []
+        self.received: list[Packet] = []
         self.ticks: list[float] = []
         self.due: float | None = None
 
     def receive(self, packet: Packet, now: float) -> None:
-        self.heard.append(packet)
+        self.received.append(packet)
         self.emit(Event())
 
     def next_timeout(self) -> float | None:
@@ -43,8 +43,8 @@ class Recorder(Service):
         self.due = None
 
 
-class Firehose(Service):
-    """A service that sends bulk messages whenever there is room."""
+class BulkSender(Service):
+    """A service that sends bulk messages while the channel has room."""
 
     def __init__(self, local: Address, target: Address, total: int) -> None:
         super().__init__(local)
@@ -78,12 +78,12 @@ def test_a_service_gets_the_packets_that_it_handles_and_that_are_addressed_to_it
         common.ParamSet(target_system=1, target_component=1),
     ):
         engine.receive(wire, bytes_of(message), START)
-    assert len(recorder.heard) == 4
+    assert len(recorder.received) == 4
     engine.receive(wire, bytes_of(common.ParamValue(), source=GROUND), START)  # an own packet, echoed
-    assert len(recorder.heard) == 4
+    assert len(recorder.received) == 4
     engine.remove(recorder)
     engine.receive(wire, bytes_of(common.ParamValue()), START)
-    assert len(recorder.heard) == 4
+    assert len(recorder.received) == 4
 
 
 def test_a_service_may_have_another_address() -> None:
@@ -91,7 +91,7 @@ def test_a_service_may_have_another_address() -> None:
     gimbal = engine.add(Recorder(Address(255, 154)))
     message = common.ParamSet(target_system=255, target_component=154)
     engine.receive(wire, bytes_of(message), START)
-    assert len(gimbal.heard) == 1
+    assert len(gimbal.received) == 1
     gimbal.send(common.ParamValue())
     engine.touch(gimbal)
     ((_, data),) = engine.data_to_send(START)
@@ -112,25 +112,25 @@ def test_sequences_count_per_channel_and_component() -> None:
 
 def test_a_client_gets_packets_of_its_target_and_those_of_its_operations() -> None:
     engine, (wire,) = engine_with("wire")
-    heard = []
+    received = []
 
-    class Curious(Client):
+    class ObservingClient(Client):
         handles = message_ids(common.ParamValue)
 
         def observe(self, packet: Packet, now: float) -> None:
-            heard.append((packet.system, packet.message_id))
+            received.append((packet.system, packet.message_id))
 
-    client = engine.add(Curious(GROUND, VEHICLE))
+    client = engine.add(ObservingClient(GROUND, VEHICLE))
     engine.receive(wire, bytes_of(common.ParamValue()), START)
     engine.receive(wire, bytes_of(common.ParamValue(), source=Address(2, 1)), START)
     engine.receive(wire, bytes_of(common.Attitude()), START)
-    assert heard == [(1, 22)]
+    assert received == [(1, 22)]
     client.handles = message_ids(common.Attitude)
     engine.touch(client)
     engine.data_to_send(START)
     engine.receive(wire, bytes_of(common.Attitude()), START)
     engine.receive(wire, bytes_of(common.ParamValue()), START)
-    assert heard == [(1, 22), (1, 30)]
+    assert received == [(1, 22), (1, 30)]
 
 
 def test_duplicates_over_a_second_channel_are_dropped() -> None:
@@ -141,7 +141,7 @@ def test_duplicates_over_a_second_channel_are_dropped() -> None:
         engine.receive(one, data, START)
         engine.receive(two, data, START)
     # The first packet shows that there are two channels; each later one is delivered once.
-    assert [packet.sequence for packet in recorder.heard] == [0, 0, 1, 2, 3, 4]
+    assert [packet.sequence for packet in recorder.received] == [0, 0, 1, 2, 3, 4]
     assert engine.duplicates.dropped == 4
 
 
@@ -181,19 +181,19 @@ def test_bulk_messages_wait_for_room() -> None:
     vehicle = network.node(VEHICLE)
     network.connect(ground, vehicle, air=air, bandwidth=5760.0)
     recorder = ground.engine.add(Recorder(GROUND))
-    vehicle.engine.add(Firehose(VEHICLE, GROUND, total=1000))
+    vehicle.engine.add(BulkSender(VEHICLE, GROUND, total=1000))
     begin = network.now
-    assert network.run(lambda: len(recorder.heard) == 1000, timeout=60)
+    assert network.run(lambda: len(recorder.received) == 1000, timeout=60)
     assert air.overflowed == 0
-    least = air.carried / 5760
-    assert least <= network.now - begin <= least * 1.1
+    min_duration = air.carried / 5760
+    assert min_duration <= network.now - begin <= min_duration * 1.1
 
 
 def test_bulk_messages_wait_for_a_channel() -> None:
     engine = Engine(GROUND)
-    hose = engine.add(Firehose(GROUND, VEHICLE, total=3))
+    sender = engine.add(BulkSender(GROUND, VEHICLE, total=3))
     assert engine.data_to_send(START) == []
-    assert hose.left == 3
+    assert sender.left == 3
     engine.open_channel("late")
     assert len(engine.data_to_send(START)) == 3
 

@@ -19,8 +19,8 @@ VEHICLE, OTHER, STATION = Encoder(1, 1), Encoder(2, 1), Encoder(254, 190)
 UNKNOWN_ID = 50_000
 
 
-class End:
-    """The far end of a link: it records what it receives, and sends."""
+class LinkPeer:
+    """The far end of a link: records received bytes, and sends."""
 
     def __init__(self, link):
         self.link = link
@@ -53,12 +53,12 @@ def unknown_packet():
     return bytes(raw)
 
 
-def between(scenario):
+def run_forwarding(scenario):
     """Run a scenario with a node, two vehicles on links of their own, and a station on an output."""
 
-    async def whole():
+    async def run():
         networks = [MemoryNetwork() for _ in range(3)]
-        ends = [End(network.link()) for network in networks]
+        ends = [LinkPeer(network.link()) for network in networks]
         links = [network.link() for network in networks]
         for end in ends:
             await end.link.open()
@@ -72,7 +72,7 @@ def between(scenario):
         for end in ends:
             await end.link.close()
 
-    run_virtually(whole())
+    run_virtually(run())
 
 
 def test_received_packets_reach_the_output_unchanged():
@@ -89,7 +89,7 @@ def test_received_packets_reach_the_output_unchanged():
         assert not second.heard(packets[0])
         assert output.sent == 3
 
-    between(scenario)
+    run_forwarding(scenario)
 
 
 def test_packets_of_the_output_reach_their_target_unchanged():
@@ -108,7 +108,7 @@ def test_packets_of_the_output_reach_their_target_unchanged():
         assert second.heard(heartbeat)
         assert output.received == 2
 
-    between(scenario)
+    run_forwarding(scenario)
 
 
 def test_signed_packets_are_forwarded_unchanged():
@@ -120,7 +120,7 @@ def test_signed_packets_are_forwarded_unchanged():
         await asyncio.sleep(0.1)
         assert station.heard(raw)
 
-    between(scenario)
+    run_forwarding(scenario)
 
 
 def test_an_output_can_be_removed_and_cannot_be_added_twice():
@@ -135,4 +135,4 @@ def test_an_output_can_be_removed_and_cannot_be_added_twice():
         await asyncio.sleep(0.1)
         assert station.data == b""
 
-    between(scenario)
+    run_forwarding(scenario)

@@ -23,24 +23,24 @@ OLD, NEW = SigningKey.from_passphrase("old"), SigningKey.from_passphrase("new")
 
 
 class Peer:
-    """A sender of packets signed with the old key, with the new key, or unsigned."""
+    """A sender of packets in three signing states: the old key, the new key, or unsigned."""
 
     def __init__(self):
-        self.encoders = {key: Encoder(1, 1, signing=signing) for key, signing in self.ways()}
+        self.encoders = {key: Encoder(1, 1, signing=signing) for key, signing in self.signing_states()}
 
     @staticmethod
-    def ways():
+    def signing_states():
         return (("old", OLD.signing()), ("new", NEW.signing()), ("none", None))
 
-    def packet(self, way: str) -> bytes:
-        return self.encoders[way].encode(common.Heartbeat(), START)
+    def packet(self, state: str) -> bytes:
+        return self.encoders[state].encode(common.Heartbeat(), START)
 
 
 def accepted(channel: ChannelState, peer: Peer) -> set[str]:
-    return {way for way in ("old", "new", "none") if channel.receive(peer.packet(way), START)}
+    return {state for state in ("old", "new", "none") if channel.receive(peer.packet(state), START)}
 
 
-def way_of(channel: ChannelState) -> str:
+def signing_state_of(channel: ChannelState) -> str:
     packet = Packet(channel.encode(common.Heartbeat(), GROUND, START, 0), common)
     for name, key in (("old", OLD), ("new", NEW)):
         other = ChannelState("other", common, signing=key.signing())
@@ -56,14 +56,14 @@ def test_both_keys_are_accepted_during_a_change_and_one_after_it(old, new):
     channel = ChannelState("cable", common, signing=key.signing() if key else None)
     apply_key_event(ListenForKey(VEHICLE, keys[new]), [channel])
     assert {old, new} <= accepted(channel, peer)
-    assert way_of(channel) == old
-    for event, way in ((UseNewKey(VEHICLE), new), (UseOldKey(VEHICLE), old), (UseNewKey(VEHICLE), new)):
+    assert signing_state_of(channel) == old
+    for event, state in ((UseNewKey(VEHICLE), new), (UseOldKey(VEHICLE), old), (UseNewKey(VEHICLE), new)):
         apply_key_event(event, [channel])
         apply_key_event(event, [channel])  # idempotent
-        assert way_of(channel) == way
+        assert signing_state_of(channel) == state
         assert {old, new} <= accepted(channel, peer)
     apply_key_event(KeySettled(VEHICLE, keys[new], changed=True), [channel])
-    assert way_of(channel) == new
+    assert signing_state_of(channel) == new
     expected = {"old", "new", "none"} if new == "none" else {new}
     assert accepted(channel, peer) == expected
 
@@ -105,7 +105,7 @@ def test_sequence_numbers_continue():
 def test_without_a_change_nothing_is_switched():
     channel = ChannelState("cable", common, signing=OLD.signing())
     channel.use_new(True)
-    assert way_of(channel) == "old"
+    assert signing_state_of(channel) == "old"
 
 
 def test_radio_status_needs_no_key():

@@ -22,7 +22,7 @@ from tests.node.signed_pair import (
     THIRD,
     Pair,
     assert_both_use,
-    heard,
+    receive_packets,
     refusals,
 )
 
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.usefixtures("clock")
 
 
 @pytest.mark.parametrize(("old", "new"), CHANGES)
-def test_an_installed_key_is_used_by_both_and_survives_reconnects(old, new) -> None:
+def test_both_nodes_use_an_installed_key_also_after_reconnects(old, new) -> None:
     async def work() -> None:
         async with Pair(old) as pair:
             await assert_both_use(pair, old)
@@ -41,7 +41,7 @@ def test_an_installed_key_is_used_by_both_and_survives_reconnects(old, new) -> N
             await assert_both_use(pair, new)
             for _ in range(2):
                 await pair.reconnect()
-                await assert_both_use(pair, new, seconds=0.1)  # heartbeats come at once
+                await assert_both_use(pair, new, seconds=0.1)  # heartbeats are sent immediately
                 assert [refusals(node) for node in pair.nodes] == [0, 0]
 
     run_virtually(work())
@@ -69,17 +69,17 @@ def test_a_key_of_one_channel_is_not_used_on_others() -> None:
             await asyncio.sleep(1)
             pair.trust()
             await pair.remote.setup_signing(NEW)
-            from_ground = [packet for packet in await heard(other) if packet.system == 255]
+            from_ground = [packet for packet in await receive_packets(other) if packet.system == 255]
             assert from_ground
             assert not any(packet.signed for packet in from_ground)
-            from_other = [packet for packet in await heard(pair.ground) if packet.system == 2]
+            from_other = [packet for packet in await receive_packets(pair.ground) if packet.system == 2]
             assert from_other
 
     run_virtually(work())
 
 
 def test_a_key_installed_on_a_node_applies_to_all_its_channels() -> None:
-    """A key installed over the cable protects the radio too, at once and when another channel opens."""
+    """A key installed over the cable applies to the radio too, and to channels that open later."""
 
     async def work() -> None:
         async with Pair() as pair, Node(pair.network.link(), system=9) as other:
@@ -88,14 +88,14 @@ def test_a_key_installed_on_a_node_applies_to_all_its_channels() -> None:
             await pair.remote.setup_signing(NEW)
             async with Node(pair.network.link(), system=10) as late:
                 for node in (other, late):
-                    packets = [packet for packet in await heard(node) if packet.system == 1]
+                    packets = [packet for packet in await receive_packets(node) if packet.system == 1]
                     assert packets
                     assert all(signed_with(packet, NEW, START) for packet in packets)
-                assert {packet.system for packet in await heard(pair.vehicle)} == {255}
+                assert {packet.system for packet in await receive_packets(pair.vehicle)} == {255}
             channels = pair.vehicle._host.engine.channels
             assert len({channel.signing.link_id for channel in channels}) == len(channels)
             await pair.remote.setup_signing(None)
-            assert {packet.system for packet in await heard(pair.vehicle)} == {9, 255}
+            assert {packet.system for packet in await receive_packets(pair.vehicle)} == {9, 255}
 
     run_virtually(work())
 
@@ -137,7 +137,7 @@ def test_packets_with_another_key_are_refused(ground, vehicle) -> None:
         async with Pair(ground, vehicle_key=vehicle) as pair:
             with pytest.raises(RemoteTimeout):
                 await pair.remote.setup_signing(None, timeout=5)
-            assert await heard(pair.vehicle) == []
+            assert await receive_packets(pair.vehicle) == []
             assert pair.server.key == OLD
 
     run_virtually(work())

@@ -17,10 +17,10 @@ pytestmark = pytest.mark.usefixtures("clock")
 
 
 class InterruptedPair(Pair):
-    """A pair whose connection is interrupted during a change.
+    """A pair whose link is interrupted during a change of keys.
 
-    `stage` is the event, at the vehicle or at the ground, from which on the ground hears nothing more; before
-    the vehicle has taken the key for good the vehicle hears nothing either.
+    `stage` is the event, at the vehicle or at the ground station, after which the ground station receives
+    nothing; until the vehicle has settled on the key, the vehicle receives nothing either.
     """
 
     def __init__(self, key, stage) -> None:
@@ -28,14 +28,14 @@ class InterruptedPair(Pair):
         self.stage = stage
         self.is_broken = False
         node = self.ground if stage is UseNewKey else self.vehicle
-        happened = node._on_event
+        on_event = node._on_event
 
-        def watched(event, service) -> None:
+        def on_event_or_interrupt(event, service) -> None:
             if isinstance(event, stage):
                 self.interrupt()
-            happened(event, service)
+            on_event(event, service)
 
-        node._on_event = watched
+        node._on_event = on_event_or_interrupt
 
     def interrupt(self) -> None:
         if not self.is_broken:
@@ -94,7 +94,7 @@ def setup(key, timestamp: int = 1) -> common.SetupSigning:
 
 
 def test_a_failed_change_ends_on_reopened_channels_too() -> None:
-    """Nothing was received on the channel, so only its name relates it to the change."""
+    """Nothing was received on the reopened channel, so only its name relates it to the change."""
 
     async def work() -> None:
         async with Pair() as pair:

@@ -11,7 +11,7 @@ from mavstack.node import Node
 from mavstack.node.keys import STORE_INTERVAL
 from mavstack.security import TimestampStore
 from mavstack.sim.virtual import run_virtually
-from tests.node.signed_pair import NEW, OLD, PX4, Pair, assert_both_use, heard
+from tests.node.signed_pair import NEW, OLD, PX4, Pair, assert_both_use, receive_packets
 
 pytestmark = pytest.mark.usefixtures("clock")
 
@@ -109,12 +109,12 @@ def test_timestamps_rise_over_a_restart_of_a_node_without_a_clock(tmp_path, cloc
         async with pair.ground:
             clock(1000.0)
             async with pair.vehicle:
-                newest.extend(packet.signature_timestamp for packet in await heard(pair.ground))
+                newest.extend(packet.signature_timestamp for packet in await receive_packets(pair.ground))
             assert newest[-1] <= store.load()
             link = pair.network.link()
             again = Node(link, system=1, component=1, autopilot=PX4, signing=OLD, timestamps=store)
             async with again:
-                newest.extend(packet.signature_timestamp for packet in await heard(pair.ground))
+                newest.extend(packet.signature_timestamp for packet in await receive_packets(pair.ground))
 
     run_virtually(work())
     assert len(newest) > 4
@@ -127,9 +127,9 @@ def test_timestamps_rise_over_a_reconnect_of_a_node_without_a_clock(clock) -> No
         async with Pair(OLD) as pair:
             for node in pair.nodes:
                 node._host.engine.channels[0].signing = OLD.signing(timestamp=10**12)
-            first = await heard(pair.ground)
+            first = await receive_packets(pair.ground)
             await pair.reconnect()
-            return [packet.signature_timestamp for packet in first + await heard(pair.ground)]
+            return [packet.signature_timestamp for packet in first + await receive_packets(pair.ground)]
 
     timestamps = run_virtually(work())
     assert timestamps == sorted(set(timestamps))

@@ -56,7 +56,7 @@ def test_the_first_autopilot_is_found() -> None:
     run_virtually(work())
 
 
-def test_the_discovery_timeout_says_what_was_heard() -> None:
+def test_the_discovery_timeout_names_the_received_components() -> None:
     async def work() -> None:
         network = MemoryNetwork()
         async with Node(network.link()) as ground, Node(network.link(), system=9, component=100):
@@ -152,7 +152,7 @@ def test_the_timeout_error_has_the_number_of_attempts() -> None:
     run_virtually(work())
 
 
-def test_a_slow_subscriber_loses_the_oldest_items_and_delays_nobody() -> None:
+def test_a_slow_subscriber_loses_the_oldest_items_and_delays_no_other() -> None:
     async def work() -> None:
         async with Pair() as pair:
             await pair.ground.wait_for_autopilot()
@@ -224,7 +224,7 @@ def test_message_requests_and_rates() -> None:
     run_virtually(work())
 
 
-def test_status_texts_pings_and_clocks() -> None:
+def test_status_texts_ping_and_timesync() -> None:
     async def work() -> None:
         async with Pair() as pair:
             vehicle = await pair.ground.wait_for_autopilot()
@@ -302,7 +302,7 @@ def test_listeners_get_messages_and_packets_until_they_close() -> None:
     run_virtually(work())
 
 
-def test_the_heartbeat_changes_at_once() -> None:
+def test_a_changed_heartbeat_is_sent_immediately() -> None:
     async def work() -> None:
         async with Pair() as pair, pair.ground.stream(common.Heartbeat, system=1) as heartbeats:
             await anext(heartbeats)
@@ -356,6 +356,6 @@ def test_the_timeout_of_a_ping_is_that_of_the_whole_call() -> None:
     assert 4.9 < run_virtually(work()) < 5.5
 
 
-def test_a_closed_node_raises_an_error_of_state() -> None:
+def test_a_closed_node_raises_invalid_state_error() -> None:
     with pytest.raises(InvalidStateError, match="not open"):
         Node().send(common.Heartbeat())

@@ -17,19 +17,21 @@ from mavstack.services import Priority
 BULK, STREAM, CONTROL = Priority.BULK, Priority.STREAM, Priority.CONTROL
 
 
-def fill(pacer: Pacer, seconds: float, size: int = 50, priority: Priority = BULK, others: float = 0.0) -> int:
+def send_for(
+    pacer: Pacer, seconds: float, size: int = 50, priority: Priority = BULK, others: float = 0.0
+) -> int:
     """Return the bulk bytes sent in some seconds, beside `others` bytes per second of control messages."""
-    now, gone, owed = 1000.0, 0, 0.0
+    now, sent_bytes, due = 1000.0, 0, 0.0
     while now < 1000.0 + seconds:
-        owed += others / 1000
-        if owed >= size:
-            owed -= size
+        due += others / 1000
+        if due >= size:
+            due -= size
             pacer.sent(size, now)
         while pacer.has_room(priority, now):
             pacer.sent(size, now, priority)
-            gone += size
+            sent_bytes += size
         now += 0.001
-    return gone
+    return sent_bytes
 
 
 def test_without_a_known_bandwidth_there_is_no_limit() -> None:
@@ -42,7 +44,7 @@ def test_without_a_known_bandwidth_there_is_no_limit() -> None:
 
 def test_bulk_rate_applies_without_a_known_bandwidth() -> None:
     pacer = Pacer(bulk_rate=500.0)
-    assert fill(pacer, 10, size=1) == pytest.approx(MAX_BULK_BURST + 5000, abs=3)
+    assert send_for(pacer, 10, size=1) == pytest.approx(MAX_BULK_BURST + 5000, abs=3)
     burst = 0
     while pacer.has_room(BULK, 2000.0):  # silence allows one burst at most
         pacer.sent(10**6, 2000.0, BULK)
@@ -55,11 +57,11 @@ def test_bulk_rate_applies_without_a_known_bandwidth() -> None:
 
 
 def test_bulk_uses_the_bandwidth() -> None:
-    assert fill(Pacer(5760), 10) == pytest.approx(57_600, rel=0.02)
+    assert send_for(Pacer(5760), 10) == pytest.approx(57_600, rel=0.02)
 
 
-def test_bulk_uses_what_control_leaves() -> None:
-    assert fill(Pacer(5760), 10, others=2000) == pytest.approx(37_600, rel=0.03)
+def test_bulk_uses_the_bandwidth_that_control_leaves() -> None:
+    assert send_for(Pacer(5760), 10, others=2000) == pytest.approx(37_600, rel=0.03)
 
 
 def test_received_bytes_count_on_a_half_duplex_channel() -> None:
@@ -73,19 +75,19 @@ def test_received_bytes_count_on_a_half_duplex_channel() -> None:
     assert half.has_room(BULK, 0.2)
 
 
-def test_silence_allows_a_short_burst_at_most() -> None:
-    pacer, gone = Pacer(5760), {BULK: 0, STREAM: 0}
+def test_silence_allows_only_a_short_burst() -> None:
+    pacer, sent_bytes = Pacer(5760), {BULK: 0, STREAM: 0}
     pacer.has_room(BULK, 0.0)
     for _ in range(100):
         if pacer.has_room(BULK, 1000.0):
             pacer.sent(50, 1000.0)
-            gone[BULK] += 50
-    assert gone[BULK] == MIN_DEPTH
+            sent_bytes[BULK] += 50
+    assert sent_bytes[BULK] == MIN_DEPTH
     for _ in range(100):
         if pacer.has_room(STREAM, 1000.0):
             pacer.sent(50, 1000.0, STREAM)
-            gone[STREAM] += 50
-    assert gone[STREAM] == 50  # bulk waits: the streams' share of the burst
+            sent_bytes[STREAM] += 50
+    assert sent_bytes[STREAM] == 50  # bulk waits: the streams' share of the burst
 
 
 def test_control_never_waits_and_streams_precede_bulk() -> None:
@@ -105,7 +107,7 @@ def test_room_at_is_exact() -> None:
     assert pacer.has_room(BULK, pacer.room_at(0.0))
 
 
-def second_of(pacer: Pacer, second: int, share: float, free_percent: int) -> None:
+def use_for_a_second(pacer: Pacer, second: int, share: float, free_percent: int) -> None:
     """Use a share of the bandwidth for a second, then report the free queue space of the radio."""
     if pacer.bandwidth is not None:
         pacer.sent(round(share * pacer.bandwidth), second - 0.5)
@@ -117,34 +119,34 @@ def test_the_estimate_falls_quickly_and_rises_slowly() -> None:
     pacer.radio_status(70, 0.0)
     assert pacer.learned
     assert pacer.bandwidth == DEFAULT_ESTIMATE
-    second_of(pacer, 1, 1.0, 100)
+    use_for_a_second(pacer, 1, 1.0, 100)
     assert pacer.bandwidth == pytest.approx(DEFAULT_ESTIMATE * 1.15)
     for second in range(2, 5):
-        second_of(pacer, second, 1.0, 10)
+        use_for_a_second(pacer, second, 1.0, 10)
     assert pacer.bandwidth < DEFAULT_ESTIMATE / 3
     before = pacer.bandwidth
-    second_of(pacer, 5, 1.0, 70)
+    use_for_a_second(pacer, 5, 1.0, 70)
     assert pacer.bandwidth == before
     for second in range(6, 100):
-        second_of(pacer, second, 1.0, 0)
+        use_for_a_second(pacer, second, 1.0, 0)
     assert pacer.bandwidth == MIN_ESTIMATE
     for second in range(100, 300):
-        second_of(pacer, second, 1.0, 100)
+        use_for_a_second(pacer, second, 1.0, 100)
     assert pacer.bandwidth == MAX_ESTIMATE
 
 
 def test_an_idle_radio_does_not_raise_the_estimate() -> None:
     pacer = Pacer()
     for second in range(100):
-        second_of(pacer, second, 0.1, 100)
+        use_for_a_second(pacer, second, 0.1, 100)
     assert pacer.bandwidth <= DEFAULT_ESTIMATE * 1.15
 
 
 def test_a_full_queue_lowers_the_estimate_below_the_used_bandwidth() -> None:
     pacer = Pacer()
     for second in range(3):
-        second_of(pacer, second, 1.0, 100)
-    second_of(pacer, 3, 0.4, 10)  # others used the channel
+        use_for_a_second(pacer, second, 1.0, 100)
+    use_for_a_second(pacer, 3, 0.4, 10)  # others used the channel
     assert pacer.bandwidth < DEFAULT_ESTIMATE * 0.4
 
 
@@ -160,18 +162,18 @@ def test_no_estimate_without_a_report_or_with_a_known_bandwidth() -> None:
 
 def test_streams_are_limited_to_a_share_only_while_bulk_waits() -> None:
     pacer, now = Pacer(5760), 1000.0
-    gone = {STREAM: 0, BULK: 0}
+    sent_bytes = {STREAM: 0, BULK: 0}
 
     def second(*priorities: Priority) -> dict[Priority, int]:
         nonlocal now
-        before = dict(gone)
+        before = dict(sent_bytes)
         for _ in range(1000):
             now += 0.001
             for priority in priorities:
                 if pacer.has_room(priority, now):
                     pacer.sent(50, now, priority)
-                    gone[priority] += 50
-        return {priority: gone[priority] - before[priority] for priority in gone}
+                    sent_bytes[priority] += 50
+        return {priority: sent_bytes[priority] - before[priority] for priority in sent_bytes}
 
     second(STREAM)
     assert second(STREAM)[STREAM] == pytest.approx(5760, rel=0.05)

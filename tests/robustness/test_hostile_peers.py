@@ -102,7 +102,7 @@ def add_servers(engine: Engine) -> list[Service]:
     return [engine.add(server) for server in servers]
 
 
-def start_everything(engine: Engine, now: float, target: Address = VEHICLE) -> list[Operation]:
+def start_all_operations(engine: Engine, now: float, target: Address = VEHICLE) -> list[Operation]:
     """Start one operation of each kind."""
     add, local = engine.add, engine.local
     commands = add(CommandClient(local, target))
@@ -116,8 +116,8 @@ def start_everything(engine: Engine, now: float, target: Address = VEHICLE) -> l
     operations = [
         *(commands.command(Command(command), now) for command in (16, 20, 183)),
         *(
-            commands.begin(asked, now)
-            for asked in (
+            commands.begin(operation, now)
+            for operation in (
                 RequestMessage(common.Attitude),
                 RequestAutopilotVersion(),
                 RequestProtocolVersion(),
@@ -184,7 +184,7 @@ def scenario(seed: int) -> None:
     harness = EngineHarness(seed)
     random, engine = harness.random, harness.engine
     servers = add_servers(engine)
-    operations = start_everything(engine, harness.now)
+    operations = start_all_operations(engine, harness.now)
     for _ in range(150):
         ids = ids_of(engine)
         for _ in range(random.choice([1, 1, 5])):
@@ -197,7 +197,7 @@ def scenario(seed: int) -> None:
         if random.random() < 0.1:  # called early, and late
             engine.handle_timeout(harness.now)
         harness.wait(random.choice([0.0, 0.0, 0.01, 0.3, 2.0]))
-    for server in servers:  # they publish their states endlessly
+    for server in servers:  # servers publish their states endlessly
         engine.remove(server)
     harness.now += random.choice([0.0, 1e9])
     harness.wait(DEADLINE)

@@ -44,7 +44,7 @@ def test_threads_call_concurrently(vehicle: Node, ground: Node) -> None:
         assert set(pool.map(work, range(100))) == {common.MavResult.ACCEPTED}
 
 
-@pytest.mark.parametrize("call", ["serve_forever", "next", "command", "find"])
+@pytest.mark.parametrize("call", ["serve_forever", "next", "command", "wait_for_autopilot"])
 def test_a_blocking_call_ends_when_another_thread_closes_the_node(call: str) -> None:
     node = Node("udpin://127.0.0.1:0").open()
     began, outcome = Event(), []
@@ -53,7 +53,7 @@ def test_a_blocking_call_ends_when_another_thread_closes_the_node(call: str) -> 
         "serve_forever": node.serve_forever,
         "next": lambda: next(heard, None),
         "command": lambda: node.component(1).command(common.MavCmd.NAV_LAND),
-        "find": node.wait_for_autopilot,
+        "wait_for_autopilot": node.wait_for_autopilot,
     }
 
     def work() -> None:
@@ -121,7 +121,7 @@ def test_mappings_are_copies(vehicle: Node, ground: Node) -> None:
     assert type(ground.wait_for_autopilot(timeout=10).params.cached) is dict
 
 
-@pytest.mark.parametrize("call", ["next", "ping", "parameters", "find", "serve_forever"])
+@pytest.mark.parametrize("call", ["next", "ping", "parameters", "wait_for_autopilot", "serve_forever"])
 def test_the_node_is_usable_after_ctrl_c_in_any_call(vehicle: Node, ground: Node, call: str) -> None:
     found = ground.wait_for_autopilot(timeout=10)
     silent = ground.component(9)
@@ -130,7 +130,7 @@ def test_the_node_is_usable_after_ctrl_c_in_any_call(vehicle: Node, ground: Node
         "next": lambda: next(heard),
         "ping": silent.ping,
         "parameters": silent.params.download,
-        "find": lambda: ground.wait_for_autopilot(9),
+        "wait_for_autopilot": lambda: ground.wait_for_autopilot(9),
         "serve_forever": ground.serve_forever,
     }
     interrupt_main_thread(after=0.1)

@@ -1,4 +1,4 @@
-"""The stub of the blocking API is up to date, and type checkers read it as they should."""
+"""The stub of the blocking API is up to date, and type checkers read blocking types from it."""
 
 from __future__ import annotations
 

@@ -41,20 +41,20 @@ def test_a_script_commands_and_receives(vehicle: Node) -> None:
         with ground.stream(common.Attitude) as attitudes:
             for number in range(3):
                 vehicle.send(common.Attitude(time_boot_ms=number))
-            heard = [next(attitudes).time_boot_ms for _ in range(3)]
-        assert heard == [0, 1, 2]
+            received = [next(attitudes).time_boot_ms for _ in range(3)]
+        assert received == [0, 1, 2]
         assert list(attitudes) == []
         assert (1, 1) in ground.components
 
 
-def test_errors_are_the_same() -> None:
+def test_errors_are_those_of_the_async_api() -> None:
     with pytest.raises(LinkURLError):
         Node("nonsense")
     with Node("udpin://127.0.0.1:0") as lonely:
         with pytest.raises(RemoteTimeout, match="waiting for an autopilot on"):
             lonely.wait_for_autopilot(timeout=0.01)
         with pytest.raises(AttributeError):
-            lonely.no_such_thing  # noqa: B018
+            lonely.no_such_name  # noqa: B018
     lonely.close()
     with pytest.raises(MavstackError, match="closed"):
         lonely.send(common.Heartbeat())

@@ -16,7 +16,7 @@ from tests.interrupts import interrupt_main_thread, keyboard_interrupts
 def simulated():
     background = BackgroundSimulator("copter", "ardupilot", count=2, speed=20.0)
     for vehicle in background.simulation.vehicles:
-        vehicle.parameters.set("FS_GCS_ENABLE", 0)  # our heartbeats come by the real clock
+        vehicle.parameters.set("FS_GCS_ENABLE", 0)  # ground-station heartbeats are sent in real time
     with background:
         yield background
 
@@ -101,7 +101,7 @@ def test_objects_are_instances_of_the_blocking_classes(node):
         from mavstack.sync import Driver  # noqa: F401
 
 
-def test_assignment_to_what_is_not_settable_is_refused(node):
+def test_assignment_to_read_only_attributes_is_refused(node):
     vehicle = node.wait_for_vehicle(1)
     for name in ("armed", "params", "arm", "altitude", "_inner"):
         with pytest.raises(AttributeError, match=name):
@@ -118,7 +118,7 @@ def test_events_lead_to_blocking_vehicles(simulated):
         assert found.vehicle == node.wait_for_vehicle(found.vehicle.system)
 
 
-def test_errors_are_the_same(node):
+def test_errors_are_those_of_the_async_api(node):
     vehicle = node.wait_for_vehicle(1)
     with pytest.raises(CommandDenied):
         vehicle.component.command(common.MavCmd.DO_ORBIT)

@@ -16,7 +16,7 @@ PROGRAMS = ("async_programs.py", "blocking_programs.py")
 MISTAKES = {
     "import mavstack.sync\nasync def main() -> None:\n    await mavstack.sync.connect('x')\n": "await",
     "from mavstack.sync import Driver\n": "Driver",
-    "from mavstack.sync import Vehicle\ndef work(it: Vehicle) -> None:\n    it.armed = True\n": "armed",
+    "from mavstack.sync import Vehicle\ndef arm(one: Vehicle) -> None:\n    one.armed = True\n": "armed",
 }
 
 

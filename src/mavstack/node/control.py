@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: Seconds between two checks whether the release was sent.
 RELEASE_INTERVAL = 0.1
 Value_contra = TypeVar("Value_contra", contravariant=True)
-Value = TypeVar("Value")
+ControlValue = TypeVar("ControlValue")
 
 
 class Sender(Protocol[Value_contra]):
@@ -39,15 +39,15 @@ class Sender(Protocol[Value_contra]):
         """Release control, then send nothing more."""
 
 
-class ControlStream(Generic[Value]):
+class ControlStream(Generic[ControlValue]):
     """A stream of one type of value to a remote component; an async context manager."""
 
-    def __init__(self, host: NodeHost, sender: Sender[Value], service: Service) -> None:
+    def __init__(self, host: NodeHost, sender: Sender[ControlValue], service: Service) -> None:
         self._host = host
         self._sender = sender
         self._service = service
 
-    def set(self, value: Value) -> None:
+    def set(self, value: ControlValue) -> None:
         """Send a value, and repeat it until the next one.
 
         Args:

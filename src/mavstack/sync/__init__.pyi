@@ -69,9 +69,9 @@ AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
 AnyService = TypeVar('AnyService', bound='Service')
+ControlValue = TypeVar('ControlValue')
 Item = TypeVar('Item')
 Result = TypeVar('Result')
-Value = TypeVar('Value')
 
 class Subscription(Generic[Item]):
     """An iterator over received items; it ends after `close`, or when the node closes.
@@ -152,10 +152,10 @@ class CommandHandlers:
     def stop(self) -> None:
         """Cancel the tasks of all long commands, and wait until they have ended."""
 
-class ControlStream(Generic[Value]):
+class ControlStream(Generic[ControlValue]):
     """A stream of one type of value to a remote component; a context manager."""
 
-    def set(self, value: Value) -> None:
+    def set(self, value: ControlValue) -> None:
         """Send a value, and repeat it until the next one.
 
         Args:
