@@ -78,7 +78,7 @@ def test_an_official_dialect_equals_itself_and_extends_its_includes():
     assert any(str(change) == "added entry MAV_CMD.MAV_CMD_POWER_OFF_INITIATED" for change in found)
 
 
-DOUBTFUL = """<mavlink>
+FILE_WITH_WARNINGS = """<mavlink>
 <enums>
 <enum name="E" bitmask="true" colour="red">
 <entry name="E_A"/>
@@ -96,7 +96,7 @@ DOUBTFUL = """<mavlink>
 
 def test_warnings(tmp_path):
     path = tmp_path / "x.xml"
-    path.write_text(DOUBTFUL)
+    path.write_text(FILE_WITH_WARNINGS)
     found = [(problem.line, problem.severity, problem.text) for problem in check_file(str(path))]
     assert [(line, severity) for line, severity, _ in found] == [
         (line, "warning") for line in (3, 4, 5, 5, 7, 10, 10, 11, 11, 12)

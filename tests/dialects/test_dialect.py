@@ -87,13 +87,13 @@ def test_paparazzi_reuses_ids_of_ardupilotmega_and_both_load():
 
 @pytest.mark.parametrize("name", official_names())
 def test_our_definition_files_load_as_custom_dialects(name):
-    ours = Dialect.load(name)
-    theirs = Dialect.from_xml(DEFINITIONS / f"{name}.xml")
-    assert compare(ours.definition, theirs.definition, prose=True) == []
-    assert theirs.definition.messages == ours.definition.messages
-    assert theirs.definition.enums == ours.definition.enums
-    for message_class in theirs:
-        assert issubclass(message_class, ours[message_class.definition.id])
+    official = Dialect.load(name)
+    loaded = Dialect.from_xml(DEFINITIONS / f"{name}.xml")
+    assert compare(official.definition, loaded.definition, prose=True) == []
+    assert loaded.definition.messages == official.definition.messages
+    assert loaded.definition.enums == official.definition.enums
+    for message_class in loaded:
+        assert issubclass(message_class, official[message_class.definition.id])
 
 
 def test_an_unchanged_file_gives_the_same_dialect_again(tmp_path):
@@ -171,8 +171,8 @@ def test_invalid_python_names_of_fields_get_an_underscore(tmp_path):
 def test_descriptions_of_a_custom_file_are_kept(tmp_path):
     path = tmp_path / "own.xml"
     path.write_text(
-        '<mavlink><messages><message id="9" name="OWN"><description>Says much.</description>'
-        '<field type="uint8_t" name="a">Less.</field></message></messages></mavlink>'
+        '<mavlink><messages><message id="9" name="OWN"><description>A message.</description>'
+        '<field type="uint8_t" name="a">A field.</field></message></messages></mavlink>'
     )
     own = Dialect.from_xml(path)["OWN"]
-    assert (own.__doc__, own.definition.fields[0].description) == ("Says much.", "Less.")
+    assert (own.__doc__, own.definition.fields[0].description) == ("A message.", "A field.")

@@ -1,4 +1,4 @@
-"""Messages from the view of a Python user."""
+"""The Python interface of messages."""
 
 import copy
 import json

@@ -1,4 +1,4 @@
-"""Whatever a definition file contains, it is a usable dialect or raises one DialectError."""
+"""A definition file with any content is a usable dialect or raises one DialectError."""
 
 import pickle
 
@@ -56,11 +56,11 @@ def load_and_use(path):
     try:
         dialect = Dialect.from_xml(path)
     except DialectError as error:
-        where = str(error)
+        text = str(error)
     else:
         use(dialect)
         return
-    assert where.startswith(str(path))
+    assert text.startswith(str(path))
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +75,7 @@ def test_composed_files(path, data):
     load_and_use(path)
 
 
-GOOD = b"""<mavlink><version>3</version>
+VALID = b"""<mavlink><version>3</version>
 <enums><enum name="E" bitmask="true"><entry name="E_A" value="0x1"/></enum></enums>
 <messages><message id="1" name="M"><description>d</description>
 <field type="uint8_t" name="a" enum="E">t</field>
@@ -83,7 +83,7 @@ GOOD = b"""<mavlink><version>3</version>
 
 
 @settings(max_examples=300, deadline=None)
-@given(st.integers(0, len(GOOD) - 1), st.binary(max_size=3), st.integers(0, 3))
+@given(st.integers(0, len(VALID) - 1), st.binary(max_size=3), st.integers(0, 3))
 def test_damaged_files(path, position, inserted, removed):
-    path.write_bytes(GOOD[:position] + inserted + GOOD[position + removed :])
+    path.write_bytes(VALID[:position] + inserted + VALID[position + removed :])
     load_and_use(path)

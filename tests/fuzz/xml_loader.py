@@ -1,4 +1,4 @@
-"""Fuzz target of the XML loader: whatever the file contains, it is a dialect or raises one DialectError.
+"""Fuzz target of the XML loader: a file with any content is a dialect or raises one DialectError.
 
 Run by `rust/fuzz/run`; needs `pip install atheris`.
 """
@@ -59,7 +59,7 @@ def load(data: bytes) -> None:
         dialect = Dialect.from_xml(path)
     except DialectError as error:
         if error.path is None:
-            raise RuntimeError("the error does not say where") from error
+            raise RuntimeError("the error has no path") from error
         return
     for message_class in dialect:
         message = message_class()

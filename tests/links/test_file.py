@@ -91,7 +91,7 @@ def test_an_empty_file_ends_at_once(tmp_path):
 async def test_bytes_written_to_a_recorded_peer_are_dropped(flight):
     async with open_link(flight.as_posix()) as link:
         channel = (await anext(link)).channel
-        assert not channel.write(b"turn left")
+        assert not channel.write(b"command")
         assert channel.counters.dropped_out == 1
         await channel.drain()
 

@@ -60,48 +60,48 @@ class TestImpairedByUrl(Conformance):
 def exchange(impairment: Impairment, count: int = 200):
     """Send numbers through an impaired pair in virtual time; return the received ones with their times."""
 
-    async def talk():
+    async def send_numbers():
         loop = asyncio.get_running_loop()
         inner, other = memory_pair(clock=loop.time)
         async with impair(inner, impairment, incoming=Impairment()) as sender, other:
             channel = (await anext(sender)).channel
             received = []
 
-            async def listen():
+            async def receive_all():
                 async for event in other:
                     if isinstance(event, BytesReceived):
                         received.append((round(event.time, 6), event.data))  # noqa: PERF401 - read while the loop runs
 
-            listening = asyncio.create_task(listen())
+            receiver = asyncio.create_task(receive_all())
             for number in range(count):
                 channel.write(bytes([number]) * 10)
                 await asyncio.sleep(0.01)
             await asyncio.sleep(60)
-            listening.cancel()
+            receiver.cancel()
             return received, channel.counters, channel.stats[0]
 
-    return run_virtually(talk())
+    return run_virtually(send_numbers())
 
 
 def test_latency():
-    got, _, _ = exchange(Impairment(latency=0.25))
-    assert [at for at, _ in got] == pytest.approx([0.25 + n * 0.01 for n in range(200)])
-    assert [data[0] for _, data in got] == list(range(200))
+    received, _, _ = exchange(Impairment(latency=0.25))
+    assert [at for at, _ in received] == pytest.approx([0.25 + n * 0.01 for n in range(200)])
+    assert [data[0] for _, data in received] == list(range(200))
 
 
 def test_loss_is_silent_and_reproducible():
-    got, counters, stats = exchange(Impairment(loss=0.3, seed=9))
-    assert 100 < len(got) < 180
-    assert stats.lost == 200 - len(got)
+    received, counters, stats = exchange(Impairment(loss=0.3, seed=9))
+    assert 100 < len(received) < 180
+    assert stats.lost == 200 - len(received)
     assert counters.dropped_out == 0
-    assert exchange(Impairment(loss=0.3, seed=9))[0] == got
-    assert exchange(Impairment(loss=0.3, seed=10))[0] != got
+    assert exchange(Impairment(loss=0.3, seed=9))[0] == received
+    assert exchange(Impairment(loss=0.3, seed=10))[0] != received
 
 
 def test_chunks_beyond_the_queue_of_the_bandwidth_are_dropped():
-    got, counters, _ = exchange(Impairment(bandwidth=100, queue=100))
-    assert counters.dropped_out == 200 - len(got) > 0
-    assert all(after[0] - before[0] >= 0.1 - 1e-6 for before, after in pairwise(got))
+    received, counters, _ = exchange(Impairment(bandwidth=100, queue=100))
+    assert counters.dropped_out == 200 - len(received) > 0
+    assert all(after[0] - before[0] >= 0.1 - 1e-6 for before, after in pairwise(received))
 
 
 def test_the_delay_is_added_to_the_recorded_time(tmp_path):

@@ -42,10 +42,13 @@ async def test_reconnections_are_logged_with_their_delays(records):
         await acceptor.close()
         for _ in range(5):
             await anext(link)
-    downs = [record for record in records() if "link down" in record[1]]
-    assert downs[0] == ("WARNING", f"{link.url}: link down: closed by the peer; next attempt in 0.001 s")
-    assert downs[1][0] == "INFO"
-    assert downs[1][1].endswith("next attempt in 0.002 s")
+    link_down_records = [record for record in records() if "link down" in record[1]]
+    assert link_down_records[0] == (
+        "WARNING",
+        f"{link.url}: link down: closed by the peer; next attempt in 0.001 s",
+    )
+    assert link_down_records[1][0] == "INFO"
+    assert link_down_records[1][1].endswith("next attempt in 0.002 s")
 
 
 async def test_dropped_datagrams_are_logged_at_a_limited_rate(records):
@@ -56,8 +59,8 @@ async def test_dropped_datagrams_are_logged_at_a_limited_rate(records):
         await asyncio.sleep(0.01)
         assert link.counters.dropped_in > 1
         await peer.close()
-    drops = [record for record in records() if "dropped" in record[1]]
-    assert drops == [("WARNING", "udpin://127.0.0.1:0?receive_queue=1k: 1 received chunks dropped")]
+    drop_records = [record for record in records() if "dropped" in record[1]]
+    assert drop_records == [("WARNING", "udpin://127.0.0.1:0?receive_queue=1k: 1 received chunks dropped")]
 
 
 async def test_an_impaired_link_is_logged_once(records):

@@ -40,9 +40,9 @@ async def test_links_connect_to_links_of_the_same_name_only():
         network.link("memory://fleet") as two,
         network.link("memory://fleet") as three,
         network.link("memory://elsewhere") as other,
-        MemoryNetwork().link("memory://fleet") as stranger,
+        MemoryNetwork().link("memory://fleet") as isolated,
     ):
-        assert [len(link.channels) for link in (one, two, three, other, stranger)] == [2, 2, 2, 0, 0]
+        assert [len(link.channels) for link in (one, two, three, other, isolated)] == [2, 2, 2, 0, 0]
         for channel in one.channels:
             channel.write(b"hello")
         for link in (two, three):

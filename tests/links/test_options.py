@@ -40,28 +40,28 @@ def test_fractions(text, fraction):
 
 
 def test_flags_choices_and_integers():
-    given = options("a=YES&b=off&n=7&w=rtscts")
-    assert given.flag("a", default=False)
-    assert not given.flag("b", default=True)
-    assert given.integer("n", 1) == 7
-    assert given.choice("w", ("none", "rtscts")) == "rtscts"
-    given.refuse_unknown()
+    parsed = options("a=YES&b=off&n=7&w=rtscts")
+    assert parsed.flag("a", default=False)
+    assert not parsed.flag("b", default=True)
+    assert parsed.integer("n", 1) == 7
+    assert parsed.choice("w", ("none", "rtscts")) == "rtscts"
+    parsed.refuse_unknown()
 
 
 def test_defaults():
-    given = options("")
-    assert given.flag("a", default=True)
-    assert (given.integer("n", 3), given.seconds("t", 1.5), given.size("s", 7), given.text("x")) == (
+    parsed = options("")
+    assert parsed.flag("a", default=True)
+    assert (parsed.integer("n", 3), parsed.seconds("t", 1.5), parsed.size("s", 7), parsed.text("x")) == (
         3,
         1.5,
         7,
         "",
     )
-    assert given.choice("w", ("none", "rtscts")) == "none"
+    assert parsed.choice("w", ("none", "rtscts")) == "none"
 
 
 @pytest.mark.parametrize(
-    ("query", "read", "wanted"),
+    ("query", "read", "expected"),
     [
         ("x=maybe", lambda o: o.flag("x", default=True), "x=maybe must be yes or no"),
         ("x=fast", lambda o: o.seconds("x", 1), "a time such as 200ms"),
@@ -74,20 +74,20 @@ def test_defaults():
         ("x=up", lambda o: o.choice("x", ("in", "out")), "one of in, out"),
     ],
 )
-def test_malformed_values_raise(query, read, wanted):
-    with pytest.raises(LinkURLError, match=wanted):
+def test_malformed_values_raise(query, read, expected):
+    with pytest.raises(LinkURLError, match=expected):
         read(options(query))
 
 
 def test_an_unknown_option_raises_with_a_suggestion():
-    given = options("buad=57600&x=1")
-    given.integer("baud", 1)
+    parsed = options("buad=57600&x=1")
+    parsed.integer("baud", 1)
     with pytest.raises(LinkURLError, match=r"udpin has no option 'buad'; did you mean baud\?"):
-        given.refuse_unknown()
-    given = options("x=1")
-    given.has("idle")
+        parsed.refuse_unknown()
+    parsed = options("x=1")
+    parsed.has("idle")
     with pytest.raises(LinkURLError, match="known options: idle"):
-        given.refuse_unknown()
+        parsed.refuse_unknown()
 
 
 @pytest.mark.parametrize("more", ["", "&loss=0.1"])

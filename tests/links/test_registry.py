@@ -70,5 +70,5 @@ def test_backends_are_imported_on_first_use():
         "import sys, mavstack.links as links; links.open_link('udpin://0.0.0.0:0');"
         "print([m for m in ('serial', 'websockets', 'mavstack.links.tls') if m in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"

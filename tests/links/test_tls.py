@@ -72,10 +72,9 @@ async def test_a_server_may_require_client_certificates(server_url, certificates
             assert isinstance(await anext(server), ChannelOpened)
             assert (await anext(server)).data == b"known"
         await anext(server)
-        async with open_link(
-            url, reconnect=False
-        ) as stranger:  # in TLS 1.3 the client learns it after the handshake
-            assert len([event async for event in stranger]) == 2
+        # In TLS 1.3 the server refuses the client after the handshake.
+        async with open_link(url, reconnect=False) as refused:
+            assert len([event async for event in refused]) == 2
         assert not server.channels
 
 

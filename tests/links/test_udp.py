@@ -76,7 +76,7 @@ class WithoutReaders(asyncio.SelectorEventLoop):
 
 
 def test_an_event_loop_without_socket_readers():
-    async def talk():
+    async def exchange():
         async with open_link("udpin://127.0.0.1:0") as link:
             peer = UdpPeer(link.address)
             await peer.send(b"ping")
@@ -89,7 +89,7 @@ def test_an_event_loop_without_socket_readers():
             await peer.close()
 
     with asyncio.Runner(loop_factory=WithoutReaders) as runner:
-        runner.run(talk())
+        runner.run(exchange())
 
 
 async def test_each_remote_address_is_a_channel():
@@ -154,13 +154,13 @@ async def test_an_unknown_host_name_raises(monkeypatch):
 
 
 async def test_an_unreachable_peer_does_not_close_a_udpout():
-    on_closed = UdpPeer()
-    port = on_closed.port
-    await on_closed.close()
+    closed_peer = UdpPeer()
+    port = closed_peer.port
+    await closed_peer.close()
     async with open_link(f"udpout://127.0.0.1:{port}") as link:
         channel = (await anext(link)).channel
         for _ in range(10):
-            channel.write(b"anyone?")
+            channel.write(b"unreachable")
             await asyncio.sleep(0)
         late = UdpPeer(("127.0.0.1", link.address[1]))
         await late.send(b"from another port of the peer")

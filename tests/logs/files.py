@@ -24,10 +24,10 @@ def encoded(messages, *, system=1, component=1, version=2):
 def parsed(data, dialect, *, timestamped):
     """Return all packets of the parser by message name."""
     parser = mavstack.Parser(dialect, timestamped=timestamped)
-    found = {}
+    packets_by_name = {}
     for packet in parser.feed(data) + parser.flush():
-        found.setdefault(packet.name, []).append(packet)
-    return found, parser
+        packets_by_name.setdefault(packet.name, []).append(packet)
+    return packets_by_name, parser
 
 
 def assert_same(table, packets):

@@ -1,4 +1,4 @@
-"""The recordings in the repository: still equal to the output of their generator, and decoded alike."""
+"""The recordings in the repository: still equal to the output of their generator, and decoded as expected."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ FOLDER = Path(__file__).parents[1] / "recordings"
 
 
 def test_recordings_equal_the_output_of_their_generator():
-    made = runpy.run_path(str(FOLDER / "make.py"))["recordings"]()
-    assert {name: (FOLDER / name).read_bytes() for name in made} == made
-    assert max(map(len, made.values())) < 8000
+    expected = runpy.run_path(str(FOLDER / "make.py"))["recordings"]()
+    assert {name: (FOLDER / name).read_bytes() for name in expected} == expected
+    assert max(map(len, expected.values())) < 8000
 
 
 def test_contents_of_the_flight():

@@ -1,8 +1,7 @@
 """Logs of real vehicles, which are not in the repository: run with MAVSTACK_REALDATA=/folder.
 
 The table in MANIFEST.md of the folder lists what pymavlink 2.4.50 finds in each file. A reader that recovers
-faster after junk finds more packets, never fewer; each difference is explained below by the bytes of the
-file.
+faster after junk finds more packets, never fewer; `EXPLAINED` gives the reason for each difference.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ EXPLAINED = {
         "sources": {"1/1": 6640},
     },
     "dronekit_flight_replay.tlog": {
-        # As for all tlogs (see `bad_bytes_of`), and 19 bytes of a truncated packet at the end.
+        # See `bad_bytes_of`; also 19 bytes of a truncated packet at the end.
         "bad_bytes": 17082 + 8 * 1314 + 19,
     },
 }
@@ -92,7 +91,10 @@ def test_a_log_matches_the_manifest(name):
     versions = {"v1": statistics.version_1, "v2": statistics.version_2}
     assert {version: count for version, count in versions.items() if count} == row["versions"]
     assert statistics.signed == row["signed"]
-    sources = {f"{system}/{component}": statistics.received for (system, component), statistics in log.sources.items()}
+    sources = {
+        f"{system}/{component}": statistics.received
+        for (system, component), statistics in log.sources.items()
+    }
     assert sources == explained.get("sources", row["sources"])
     assert log.duration == pytest.approx(explained.get("duration", row["duration"]), abs=0.05)
     assert statistics.bad_bytes == explained.get("bad_bytes", bad_bytes_of(row))
@@ -156,7 +158,7 @@ def test_bad_bytes_are_of_older_definitions_or_truncated(name):
 
 
 def test_a_log_of_2012_with_other_definitions_is_empty():
-    """Its timestamps have the other byte order, and no checksum is valid; pymavlink finds no packets either."""
+    """Its timestamps have the other byte order, and no checksum is valid; nor does pymavlink find packets."""
     log = open_log(FOLDER / "pymavlink_js_capture.mavlink")
     assert (len(log), log.unknown, log.statistics.packets) == (0, {}, 0)
     assert log.statistics.bad_bytes == log.size

@@ -54,7 +54,7 @@ class Recorder:
 
 
 def flight(recorder: Recorder, rng: random.Random, steps: int) -> None:
-    """Return a short flight with packets of three sources."""
+    """Record a short flight with packets of three sources."""
     recorder.data += b"\x03\x51\x04\x03\x9c\x1d"  # the end of a packet that began before the recording
     for step in range(steps):
         roll, height = rng.uniform(-0.5, 0.5), 584_000 + step * 100
@@ -81,12 +81,12 @@ def flight(recorder: Recorder, rng: random.Random, steps: int) -> None:
 
 def recordings() -> dict[str, bytes]:
     """Return all recordings by file name."""
-    made = {}
+    contents = {}
     for name, timestamped, steps in (("flight.tlog", True, 24), ("link.raw", False, 12)):
         recorder = Recorder(timestamped=timestamped)
         flight(recorder, random.Random(2), steps)
-        made[name] = bytes(recorder.data)
-    return made
+        contents[name] = bytes(recorder.data)
+    return contents
 
 
 if __name__ == "__main__":

@@ -116,7 +116,7 @@ def test_the_message_that_carries_a_key_does_not_show_it(caplog):
     ):
         assert_hidden(text)
     assert "target_system=7" in repr(message)
-    assert packet.message.secret_key == SECRET, "it is there for who asks for it"
+    assert packet.message.secret_key == SECRET, "the field itself is readable"
 
 
 def test_a_key_message_of_a_custom_dialect_does_not_show_it(tmp_path):

@@ -37,7 +37,7 @@ def test_a_key_is_blanked_for_any_dialect_and_signature(dialect, signing):
     )
     assert again.message == blanked
     assert (again.system, again.component, again.sequence, again.signed) == (255, 190, 5, False)
-    assert packet.raw != recorded, "what is to be acted on keeps it"
+    assert packet.raw != recorded, "the packet itself is unchanged"
 
 
 def test_an_id_of_another_message_in_a_custom_dialect_is_not_redacted(tmp_path):

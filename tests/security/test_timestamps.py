@@ -84,19 +84,19 @@ def test_an_interrupted_write_leaves_the_old_value(store, monkeypatch, step):
 
 def test_a_reader_never_sees_a_partial_value(store):
     store.store(1)
-    seen, done = set(), threading.Event()
+    values, finished = set(), threading.Event()
 
     def read():
-        while not done.is_set():
-            seen.add(store.load())
+        while not finished.is_set():
+            values.add(store.load())
 
     reader = threading.Thread(target=read)
     reader.start()
     for number in range(2, 60):
         store.store(number * 10**12)
-    done.set()
+    finished.set()
     reader.join()
-    assert seen <= {1, *(number * 10**12 for number in range(2, 60))}
+    assert values <= {1, *(number * 10**12 for number in range(2, 60))}
 
 
 @pytest.mark.skipif(os.name != "posix", reason="permissions")

@@ -52,12 +52,12 @@ def argument(field: FieldDefinition, value: Any) -> Any:
 
 def message(module: ModuleType, message_id: int, fields: dict[FieldDefinition, Any]) -> Any:
     """Create a message of pymavlink; `fields` must be those of its module, in the order of the definition."""
-    made = module.mavlink_map[message_id]
-    return made(*[argument(field, value) for field, value in fields.items()])
+    message_class = module.mavlink_map[message_id]
+    return message_class(*[argument(field, value) for field, value in fields.items()])
 
 
 def raw_value(message: Any, field: FieldDefinition) -> Any:
-    """Return the fields that pymavlink read, with texts as raw bytes."""
+    """Return the value of a field that pymavlink decoded; a text as raw bytes."""
     if field.type == "char":
         return getattr(message, f"_{field.name}_raw")
     value = getattr(message, field.name)

@@ -15,19 +15,21 @@ def crc(data: bytes) -> int:
     return value
 
 
-def _closed(head_and_payload: bytes, crc_extra: int) -> bytes:
+def _with_checksum(head_and_payload: bytes, crc_extra: int) -> bytes:
     return head_and_payload + crc(head_and_payload[1:] + bytes([crc_extra])).to_bytes(2, "little")
 
 
 def version_1(message_id, payload, crc_extra, *, system=1, component=1, sequence=0):
     """Build a MAVLink 1 packet."""
-    return _closed(bytes([0xFE, len(payload), sequence, system, component, message_id]) + payload, crc_extra)
+    return _with_checksum(
+        bytes([0xFE, len(payload), sequence, system, component, message_id]) + payload, crc_extra
+    )
 
 
 def version_2(message_id, payload, crc_extra, *, system=1, component=1, sequence=0, incompat=0, compat=0):
     """Build a MAVLink 2 packet with the payload as given."""
     head = bytes([0xFD, len(payload), incompat, compat, sequence, system, component])
-    return _closed(head + message_id.to_bytes(3, "little") + payload, crc_extra)
+    return _with_checksum(head + message_id.to_bytes(3, "little") + payload, crc_extra)
 
 
 def signed(packet: bytes, key: bytes, link_id: int, timestamp: int) -> bytes:

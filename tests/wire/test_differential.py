@@ -36,14 +36,16 @@ def _link(module: ModuleType) -> Any:
     return link
 
 
-def _read_equally(message: Any, theirs: Any, values: dict[Any, Any]) -> None:
+def _assert_fields_equal(message: Any, theirs: Any, values: dict[Any, Any]) -> None:
     for field, value in values.items():
-        ours, got = getattr(message, field.name), peers.raw_value(theirs, field)
+        ours, decoded = getattr(message, field.name), peers.raw_value(theirs, field)
         if field.type == "char":
-            assert ours == text_of(value) == text_of(got), field
+            assert ours == text_of(value) == text_of(decoded), field
         else:
             assert (
-                comparable(ours, field.type) == comparable(value, field.type) == comparable(got, field.type)
+                comparable(ours, field.type)
+                == comparable(value, field.type)
+                == comparable(decoded, field.type)
             ), field
 
 
@@ -76,7 +78,7 @@ def _exchange(dialect: Dialect, module: ModuleType, version: int) -> int:
             )
             assert packet.name == read.get_type() == definition.name
             assert type(packet.message) is message_class
-            _read_equally(packet.message, read, values)
+            _assert_fields_equal(packet.message, read, values)
     assert parser.statistics.bad_bytes == 0
     return compared
 
@@ -110,13 +112,13 @@ def test_version_1_refuses_every_id_above_255(name: str) -> None:
 def test_every_message_survives_python_conversions() -> None:
     """Text, dictionary, JSON, copy and pickle of a message preserve its payload."""
     for message_class in Dialect.load("all"):
-        made = random_message(message_class)
-        assert message_class.from_payload(made.to_payload()) == made
-        assert copy.copy(made) == made
-        assert pickle.loads(pickle.dumps(made)) == made
-        assert made.replace() == made
-        assert repr(made).startswith(f"{message_class.__name__}(")
-        values = made.to_dict(enums="value")
+        message = random_message(message_class)
+        assert message_class.from_payload(message.to_payload()) == message
+        assert copy.copy(message) == message
+        assert pickle.loads(pickle.dumps(message)) == message
+        assert message.replace() == message
+        assert repr(message).startswith(f"{message_class.__name__}(")
+        values = message.to_dict(enums="value")
         # A text truncated inside a character reads shorter than it is: see test_pitfalls.
         values |= {field.name: "x" for field in message_class.definition.fields if field.type == "char"}
         again = message_class.from_json(message_class.from_dict(values).to_json()).to_dict(enums="value")
@@ -125,14 +127,14 @@ def test_every_message_survives_python_conversions() -> None:
 
 
 def _exact(value: Any, kind: str) -> Any:
-    """Compare values bit for bit, except the payload of a NaN, which JSON cannot express."""
+    """Convert a value to a form for which `==` compares all bits, except the payload of a NaN."""
     if isinstance(value, float):
         return comparable(math.nan if math.isnan(value) else value, kind)
     return [_exact(element, kind) for element in value] if isinstance(value, tuple) else value
 
 
 def test_forced_version_1_of_pymavlink_sends_extensions(tmp_path: Path) -> None:
-    """Here pymavlink deviates: its packets are longer than in version 1; our parser accepts them."""
+    """Packets of pymavlink are longer than the specification allows; our parser accepts them."""
     module = peers.generate("common", "2.0", tmp_path)
     fields = common.Statustext.definition.fields
     values = dict(zip(fields, (4, b"chunked", 5, 1), strict=True))
@@ -183,10 +185,10 @@ def _damaged_stream(rng: random.Random) -> bytes:
     return bytes(stream)
 
 
-def test_damaged_streams_give_at_least_the_messages_of_pymavlink() -> None:
+def test_all_messages_that_pymavlink_finds_in_damaged_streams_are_found() -> None:
     from pymavlink.dialects.v20 import common as peer
 
-    rng, more = random.Random(11), 0
+    rng, additional = random.Random(11), 0
     for _ in range(25):
         stream = _damaged_stream(rng)
         link = peers.link(peer)
@@ -196,5 +198,5 @@ def test_damaged_streams_give_at_least_the_messages_of_pymavlink() -> None:
         parser = mavstack.Parser(common)
         ours = {packet.raw for packet in parser.feed(stream) + parser.flush()}
         assert theirs <= ours
-        more += len(ours) - len(theirs)
-    assert more > 0
+        additional += len(ours) - len(theirs)
+    assert additional > 0

@@ -183,7 +183,10 @@ def _new_entries(known: EnumDefinition, more: EnumDefinition, path: str) -> Iter
         if existing is not None and existing.value == entry.value:
             continue
         if existing is not None:
-            problem = f"{entry.name} of enum {more.name} is {existing.value} in an included file and {entry.value} here"
+            problem = (
+                f"{entry.name} of enum {more.name} is {existing.value} in an included file "
+                f"and {entry.value} here"
+            )
             raise DialectError(problem, path, entry.line or None)
         if entry.value in by_value:
             other = by_value[entry.value].name

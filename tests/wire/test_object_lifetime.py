@@ -1,0 +1,263 @@
+"""Lifetime of the core's objects: copies, borrowing across calls, threads, and memory."""
+
+from __future__ import annotations
+
+import copy
+import gc
+import pickle
+import threading
+import weakref
+
+import pytest
+
+import mavstack
+from mavstack.dialects import Dialect, common, dialect
+from mavstack.wire import Packet
+
+from .callback_number import CallbackNumber
+
+RAW = mavstack.encode(common.Attitude(1, 2.0, 3.0), system=1, component=1)
+
+
+# copies
+
+
+def test_packets_can_be_pickled_and_copied():
+    (packet,) = mavstack.Parser(common).feed(RAW)
+    for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
+        again = pickle.loads(pickle.dumps(packet, protocol))
+        assert (again, again.message) == (packet, packet.message)
+    assert copy.copy(packet) == copy.deepcopy(packet) == packet
+    assert packet.message is packet.message
+
+
+def test_copies_share_nothing():
+    message = common.Attitude(1, 2.0)
+    for other in (
+        copy.copy(message),
+        copy.deepcopy(message),
+        pickle.loads(pickle.dumps(message)),
+        message.replace(),
+    ):
+        other.roll = 9.0
+    assert message.roll == 2.0
+
+
+@pytest.mark.parametrize("name", ["Parser", "Signing", "Encoder", "Statistics"])
+def test_objects_with_link_state_cannot_be_pickled(name):
+    state = {
+        "Parser": mavstack.Parser(common),
+        "Signing": mavstack.Signing(bytes(32)),
+        "Encoder": mavstack.Encoder(1, 1),
+        "Statistics": mavstack.Parser(common).statistics,
+    }[name]
+    with pytest.raises(TypeError):
+        pickle.dumps(state)
+
+
+# borrowing and threads
+
+
+def test_recursive_feeding_raises():
+    parser = mavstack.Parser(common)
+    with pytest.raises(RuntimeError, match="borrowed"):
+        parser.feed(RAW, CallbackNumber(lambda: len(parser.feed(RAW))))
+    assert len(parser.feed(RAW)) == 1
+
+
+def test_recursive_encoding_raises():
+    encoder = mavstack.Encoder(1, 1)
+    with pytest.raises(RuntimeError, match="borrowed"):
+        encoder.encode(common.Heartbeat(), CallbackNumber(lambda: len(encoder.encode(common.Heartbeat()))))
+    assert encoder.encode(common.Heartbeat())[4] == 0
+
+
+class AtCollection:
+    """Runs an action when the cycle collector frees it, which may be inside any call that creates objects."""
+
+    def __init__(self, action, caught):
+        self.cycle, self.action, self.caught = self, action, caught
+
+    def __del__(self):
+        try:
+            self.caught.append(self.action())
+        except BaseException as error:  # noqa: BLE001 - the test examines its type
+            self.caught.append(type(error).__mro__)
+
+
+def _inside_feed(action, parser):
+    """Return the result of the action when a collection runs inside `feed`, as before Python 3.12."""
+    caught, data, threshold = [], RAW * 50, gc.get_threshold()
+    gc.collect()
+    gc.disable()
+    AtCollection(action, caught)
+    gc.set_threshold(1)
+    gc.enable()
+    found = parser.feed(data)
+    gc.set_threshold(*threshold)
+    gc.collect()
+    assert len(found) == 50
+    return caught[0]
+
+
+def test_a_finalizer_inside_feed_returns_or_raises():
+    parser = mavstack.Parser(common)
+    outcome = _inside_feed(lambda: parser.feed(RAW), parser)
+    assert isinstance(outcome, list) or Exception in outcome
+    assert len(parser.feed(RAW)) == 1
+
+
+def test_a_finalizer_inside_feed_that_signs_returns_or_raises():
+    signing = mavstack.Signing(bytes(32), accept_unsigned=True)
+    parser = mavstack.Parser(common, signing=signing)
+    outcome = _inside_feed(
+        lambda: mavstack.encode(common.Heartbeat(), system=1, component=1, signing=signing), parser
+    )
+    assert isinstance(outcome, bytes) or Exception in outcome
+
+
+def test_threads_with_separate_parsers_and_encoders():
+    failures = []
+
+    def work(number):
+        encoder, parser = mavstack.Encoder(number, 1), mavstack.Parser(common)
+        try:
+            for step in range(500):
+                (packet,) = parser.feed(encoder.encode(common.Attitude(step, number)))
+                assert (packet.system, packet.message.time_boot_ms, packet.message.roll) == (
+                    number,
+                    step,
+                    number,
+                )
+        except BaseException as error:  # noqa: BLE001 - passed to the test
+            failures.append(error)
+
+    _in_threads(work, 4)
+    assert failures == []
+
+
+def test_threads_with_one_parser_lose_no_packets():
+    parser, counts = mavstack.Parser(common), []
+
+    def work(_number):
+        found = 0
+        for _ in range(200):
+            found += len(parser.feed(RAW * 5))
+        counts.append(found)
+
+    _in_threads(work, 4)
+    assert sum(counts) == 4 * 200 * 5 == parser.statistics.packets
+
+
+def test_threads_create_a_class_once():
+    made = Dialect(dialect.Dialect.load("minimal").table, ())
+    classes = []
+    _in_threads(lambda _number: classes.append(made["HEARTBEAT"]), 8)
+    parsers = [mavstack.Parser(made) for _ in range(4)]
+    raw = mavstack.encode(classes[0](), system=1, component=1)
+    _in_threads(lambda number: classes.append(type(parsers[number - 1].feed(raw)[0].message)), 4)
+    assert len(set(classes)) == 1
+
+
+def _in_threads(work, count):
+    threads = [threading.Thread(target=work, args=(number,)) for number in range(1, count + 1)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
+# leaks
+
+
+def xml_dialect(folder, number):
+    path = folder / f"mine_{number}.xml"
+    path.write_text(
+        f'<mavlink><enums><enum name="MY_KIND"><entry value="{number}" name="MY_KIND_A"/>'
+        f'<entry value="{number + 1}" name="MY_KIND_B"/></enum></enums>'
+        '<messages><message id="200" name="MINE">'
+        f'<field type="uint8_t" name="kind" enum="MY_KIND"/><field type="uint32_t" name="v{number}"/>'
+        "</message></messages></mavlink>"
+    )
+    return Dialect.from_xml(path)
+
+
+def clear_caches():
+    """Clear the bounded caches of recently created dialects."""
+    dialect._from_definition.cache_clear()
+    gc.collect()
+
+
+def _nothing(_dialect):
+    pass
+
+
+def _make(made):
+    repr(made["MINE"].definition)
+    made["MINE"](5).replace(kind=6)
+
+
+def _parse(made):
+    mavstack.Parser(made).feed(mavstack.encode(made["MINE"](5), system=1, component=1))
+
+
+def _read_enum(made):
+    assert isinstance(made["MINE"](250).kind, int)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        _nothing,
+        _make,
+        _parse,
+        _read_enum,
+    ],
+)
+def test_unreferenced_custom_dialects_are_freed(tmp_path, use):
+    clear_caches()
+    alive = []
+    for number in range(80):
+        made = xml_dialect(tmp_path, number)
+        use(made)
+        alive.append(weakref.ref(made))
+        del made
+    gc.collect()
+    kept = sum(reference() is not None for reference in alive)
+    clear_caches()
+    left = sum(reference() is not None for reference in alive)
+    assert (kept <= 64, left) == (True, 0)
+
+
+def test_packets_and_messages_leak_no_memory():
+    def use():
+        parser = mavstack.Parser(common)
+        for packet in parser.feed(RAW * 20 + b"\xfd\xff junk" + RAW[:9]):
+            repr(packet.message)
+            pickle.dumps(packet)
+        parser.flush()
+        for wrong in ({"roll": "x"}, {"rol": 1}):
+            with pytest.raises(TypeError):
+                common.Attitude(**wrong)
+        with pytest.raises(ValueError, match="exactly one valid"):
+            Packet(b"junk", common)
+
+    use()
+    gc.collect()
+    before = len(gc.get_objects())
+    for _ in range(20):
+        use()
+    gc.collect()
+    assert len(gc.get_objects()) - before < 50
+
+
+def test_descriptors_keep_their_class_alive(tmp_path):
+    made = xml_dialect(tmp_path, 1)
+    field = made["MINE"].v1
+    message = made["MINE"](5, 6)
+    del made
+    clear_caches()
+    assert field.__get__(message) == 6
+    del message
+    gc.collect()
+    assert field.__objclass__(1, 2).v1 == 2
