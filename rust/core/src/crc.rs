@@ -78,8 +78,8 @@ fn fold(crc: u16, block: &[u8; BLOCK]) -> u16 {
 /// A packet of an unknown id cannot be verified completely, but only 1 in 256 damaged packets has a solution.
 #[must_use]
 pub fn solve_extra(before: u16, after: u16) -> Option<u8> {
-    let wanted = after ^ (before >> 8);
-    let index = TABLES[0].iter().position(|&entry| entry == wanted)?;
+    let target = after ^ (before >> 8);
+    let index = TABLES[0].iter().position(|&entry| entry == target)?;
     Some((index as u8) ^ (before as u8))
 }
 

@@ -124,7 +124,7 @@ impl Layout {
     }
 }
 
-/// The facts of a message that the scanner needs, packed so that a look-up touches one cache line.
+/// The properties of a message that the scanner needs, packed so that a look-up touches one cache line.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
     pub slot: u16,

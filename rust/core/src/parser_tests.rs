@@ -59,7 +59,7 @@ proptest! {
     }
 
     #[test]
-    fn garbage_hides_at_most_the_span_of_one_false_magic(
+    fn garbage_hides_only_the_span_of_one_false_magic(
         garbage in prop::collection::vec(prop_oneof![Just(0xFDu8), Just(0xFE), any::<u8>()], 0..300),
     ) {
         // The last false magic may span at most 280 bytes, fourteen heartbeats: all later ones must be found.
@@ -68,7 +68,7 @@ proptest! {
             stream.extend(heartbeat(Version::V2, sequence));
         }
         let (seen, _) = parse(&[&stream], false);
-        let wanted = heartbeat(Version::V2, 15);
-        prop_assert!(seen.iter().any(|(raw, _)| *raw == wanted));
+        let expected = heartbeat(Version::V2, 15);
+        prop_assert!(seen.iter().any(|(raw, _)| *raw == expected));
     }
 }

@@ -1,4 +1,4 @@
-//! However a stream is cut into chunks, the parser finds the same packets, counts every byte and never panics.
+//! The parser finds the same packets for any division of a stream into chunks, counts every byte and never panics.
 #![no_main]
 
 use fuzz_dialect::{dialect, stream};

@@ -310,7 +310,7 @@ pub fn new_message_class<'py>(
         let names = &raw const *(*data).by_name;
         *slot_of(class.as_ptr(), meta) = Slot { vectorcall: Some(construct::vectorcall), data, names };
     }
-    // SAFETY: the data is alive, the class is held, and no one else refers to the data yet.
+    // SAFETY: the data is alive, the class is held, and no other reference to the data exists yet.
     for field in unsafe { &mut (*data).fields } {
         field.install(&class)?;
     }
@@ -331,14 +331,14 @@ pub unsafe fn direct_data(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Opti
     }
 }
 
-/// Returns the name table of such a class.
+/// Returns the name table of a class made by `new_message_class`.
 ///
 /// # Safety
 /// As [`direct_data`].
 #[inline]
 pub unsafe fn direct_names(py: Python<'_>, class: *mut ffi::PyTypeObject) -> Option<&[NameEntry]> {
     let meta = META.get(py)?;
-    // SAFETY: as in `direct_data`; the names are the data's, and there if the data is.
+    // SAFETY: as in `direct_data`; the name table belongs to the data and lives as long.
     unsafe {
         let is_ours = ptr::eq(ffi::Py_TYPE(class.cast()), meta.class.as_ptr().cast());
         let slot = slot_of(class.cast(), meta);

@@ -101,7 +101,7 @@ pub fn method(name: &'static CStr, function: ffi::PyCFunction, flags: c_int, doc
 /// `object` must be an instance of a class derived from `MessageBase`, and must live as long as the result is used.
 #[inline]
 pub unsafe fn payload<'a>(object: *mut ffi::PyObject) -> &'a [u8] {
-    // SAFETY: such an object is laid out as `Object`, followed by as many bytes as its size says.
+    // SAFETY: the object is laid out as `Object`, followed by the number of bytes in its header.
     unsafe { std::slice::from_raw_parts((&raw const (*object.cast::<Object>()).payload).cast(), size(object)) }
 }
 

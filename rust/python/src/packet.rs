@@ -189,7 +189,7 @@ pub fn create<'py>(py: Python<'py>, packet: &parser::Packet<'_>, dialect: &Py<Di
 /// `object` must be a packet that lives as long as the result is used, and whose message is not being created.
 #[inline]
 unsafe fn open<'a>(object: *mut ffi::PyObject) -> (&'a Packet, &'a [u8]) {
-    // SAFETY: a packet is laid out as `Object`, followed by as many bytes as its size says.
+    // SAFETY: a packet is laid out as `Object`, followed by the number of bytes in its header.
     unsafe {
         let object = object.cast::<Object>();
         let length = (*object).head.ob_size as usize;
@@ -268,7 +268,7 @@ unsafe extern "C" fn get_attribute(object: *mut ffi::PyObject, name: *mut ffi::P
 }
 
 unsafe extern "C" fn get_message(object: *mut ffi::PyObject, _: *mut c_void) -> *mut ffi::PyObject {
-    // SAFETY: as in `get`. Creating the message may run Python code, even code that reads this packet's message: so the
+    // SAFETY: as in `get`. Creating the message may run Python code, even code that reads this packet's message, so the
     // parts are only read during it, and the message is stored afterwards, if none is stored yet.
     unsafe {
         let py = Python::assume_attached();
