@@ -142,14 +142,14 @@ def tlog(bench: Bench, threads: int = 0) -> Row:
     return bench.compare("tlog to columns, CRC checked", work, 400, 4)
 
 
-def _assert_equal(mine: dict[str, Any], theirs: dict[str, Any]) -> None:
+def _assert_equal(our_tables: dict[str, Any], peer_tables: dict[str, Any]) -> None:
     """Raise if both readers decode different columns."""
-    if set(mine) != set(theirs):
-        raise RuntimeError(f"tables differ: {sorted(set(mine) ^ set(theirs))}")
-    for name, table in theirs.items():
+    if set(our_tables) != set(peer_tables):
+        raise RuntimeError(f"tables differ: {sorted(set(our_tables) ^ set(peer_tables))}")
+    for name, table in peer_tables.items():
         for field, column in table.items():
             if field != "_timestamp" and column.dtype.kind in "iuf":
-                same = (mine[name][field].astype(column.dtype) == column).all()
+                same = (our_tables[name][field].astype(column.dtype) == column).all()
                 if not same:
                     raise RuntimeError(f"{name}.{field} differs")
 
@@ -160,22 +160,25 @@ def log_memory(bench: Bench) -> Row:
     warm = bench.file("warm.tlog", partial(bench.flight.tlog, few // 10))
     slice_ = bench.file("slice.tlog", partial(bench.flight.tlog, few))
     whole = bench.file("flight.tlog", partial(bench.flight.tlog, many))
-    mine = [memory.growth("columns", OURS, warm, whole) for _ in range(bench.amounts.turns)]
-    theirs = memory.growth("columns", PYMAVLINK, warm, slice_)
+    our_growth = [memory.growth("columns", OURS, warm, whole) for _ in range(bench.amounts.turns)]
+    peer_growth = memory.growth("columns", PYMAVLINK, warm, slice_)
     streamed = memory.growth("stream", OURS, warm, whole)
-    size = mine[0].columns
+    size = our_growth[0].columns
     figures = {
-        OURS: f"{statistics.median(one.anonymous for one in mine) / 1e6:.0f} MB",
-        PYMAVLINK: f"{theirs.anonymous * many / few / 1e6:.0f} MB",
+        OURS: f"{statistics.median(one.anonymous for one in our_growth) / 1e6:.0f} MB",
+        PYMAVLINK: f"{peer_growth.anonymous * many / few / 1e6:.0f} MB",
     }
     return Row(
         f"memory of a log, {size / 1e6:.0f} MB of columns",
         figures,
         (
             Ratio(
-                "times its columns", tuple(one.anonymous / size for one in mine), 1.5, higher_is_better=False
+                "times its columns",
+                tuple(one.anonymous / size for one in our_growth),
+                1.5,
+                higher_is_better=False,
             ),
-            Ratio("with the mapped file's pages", tuple(one.peak / size for one in mine), None),
+            Ratio("with the mapped file's pages", tuple(one.peak / size for one in our_growth), None),
             Ratio("streamed, no packets kept", (streamed.peak / size,), None),
         ),
     )
@@ -195,5 +198,5 @@ def first_message(bench: Bench) -> Iterator[Row]:
 
 
 def _share(results: dict[str, list[float]], peer: str, target: float | None) -> Ratio:
-    shares = tuple(mine / theirs for mine, theirs in zip(results[OURS], results[peer], strict=True))
+    shares = tuple(own / peer_time for own, peer_time in zip(results[OURS], results[peer], strict=True))
     return Ratio(f"of {peer}", shares, target, higher_is_better=False)

@@ -4,7 +4,7 @@
 
 `COUNTER` is a file of eight bytes with the number of received messages: the sender of the flood reads it, so
 that it never exceeds the receive buffer. A thread that waits for the command to end uses no time; it writes
-the report and ends the process, whatever the receiver is doing.
+the report and ends the process at any state of the receiver.
 """
 
 from __future__ import annotations

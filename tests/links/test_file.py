@@ -82,7 +82,7 @@ def test_other_files_are_replayed_unchanged(tmp_path):
     assert events[-1][0] == 0
 
 
-def test_an_empty_file_ends_at_once(tmp_path):
+def test_an_empty_file_ends_immediately(tmp_path):
     path = tmp_path / "empty.tlog"
     path.touch()
     assert [type(event) for _, event in replay(str(path))] == [ChannelOpened, ChannelClosed]
@@ -109,7 +109,7 @@ async def test_a_slow_reader_slows_the_replay(tmp_path):
         assert link.counters.dropped_in == 0
 
 
-async def test_closing_during_the_replay_ends_at_once(flight):
+async def test_closing_during_the_replay_ends_the_iteration(flight):
     async with open_link(f"{flight}?speed=0.001") as link:
         opened = await anext(link)
         await anext(link)

@@ -46,7 +46,7 @@ def free_port() -> int:
     return port
 
 
-async def test_a_refused_connection_raises_at_once():
+async def test_a_refused_connection_raises_immediately():
     url = f"tcpout://127.0.0.1:{free_port()}"
     with pytest.raises(LinkError, match=rf"cannot open {url}: connection refused.*\?wait=yes"):
         await open_link(url)

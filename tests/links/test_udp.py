@@ -170,11 +170,11 @@ async def test_an_unreachable_peer_does_not_close_a_udpout():
 
 async def test_a_udpout_ignores_other_hosts():
     async with open_link("udpout://127.0.0.2:14550") as link:
-        stranger = UdpPeer(("127.0.0.1", link.address[1]))
-        await stranger.send(b"I am your drone")
+        other_host = UdpPeer(("127.0.0.1", link.address[1]))
+        await other_host.send(b"unexpected")
         await wait_until(lambda: link.counters.dropped_in)
         assert link.counters.bytes_in == 0
-        await stranger.close()
+        await other_host.close()
 
 
 async def test_a_datagram_too_large_is_dropped():

@@ -186,13 +186,13 @@ def test_the_default_dialect_is_all(write, tmp_path):
     for dialect in ("common", Dialect.load("common")):
         log = open_log(path, dialect)
         assert (set(log), log.unknown) == ({"HEARTBEAT"}, {163: 1})
-    xml = tmp_path / "mine.xml"
+    xml = tmp_path / "custom.xml"
     xml.write_text(
         '<mavlink><messages><message id="9000" name="MINE"><field type="uint8_t" name="class"/></message>'
         "</messages></mavlink>"
     )
-    mine = Dialect.from_xml(xml)
-    log = open_log(write(stamped(encoded([mine["MINE"](5)]))), mine)
+    custom = Dialect.from_xml(xml)
+    log = open_log(write(stamped(encoded([custom["MINE"](5)]))), custom)
     assert log["MINE"]["class"].tolist() == [5]
     with pytest.raises(DialectError):
         open_log(path, "no_such_dialect")

@@ -97,15 +97,15 @@ def test_both_sides_exchange_signed_packets():
 def test_a_wrong_key_does_not_block_the_right_one():
     """Pymavlink stores the timestamp before it checks the hash, so a forged packet blocks its stream."""
     forged = attitude(their_link(2**48 - 2, key=bytes(32)))
-    good = attitude(their_link(1000))
+    valid = attitude(their_link(1000))
     theirs = their_link(0)
     with pytest.raises(peer.MAVError):
         theirs.parse_buffer(forged)
     with pytest.raises(peer.MAVError):
-        theirs.parse_buffer(good)
+        theirs.parse_buffer(valid)
     parser = mavstack.Parser(common, signing=mavstack.Signing(KEY))
     assert parser.feed(forged) == []
-    assert len(parser.feed(good)) == 1
+    assert len(parser.feed(valid)) == 1
 
 
 def test_the_age_limit_of_a_new_stream_equals_that_of_pymavlink():

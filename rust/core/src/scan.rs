@@ -8,7 +8,7 @@
 //! - *unknown id*: its `CRC_EXTRA` is not known, but some byte must satisfy the CRC (1 in 256 damaged packets
 //!   passes), and no complete valid packet of a known id may lie inside: garbage that looks like the start of an
 //!   unknown packet does not hide valid packets.
-//! - *unknown incompatibility flag*: rejected at once, because the length cannot be trusted.
+//! - *unknown incompatibility flag*: rejected immediately, because the length cannot be trusted.
 //!
 //! After a rejection the search continues one byte after the false magic. All decisions depend only on the bytes from
 //! the magic to the end of the packet, so the result does not depend on how the stream is cut into chunks.

@@ -224,7 +224,7 @@ unsafe extern "C" fn dealloc_class(class: *mut ffi::PyObject) {
         dealloc(class);
         ffi::Py_DECREF(metatype.cast());
         if let Some(data) = data.filter(|data| !data.is_null()) {
-            // Attached, PyO3 releases references at once; when the interpreter shuts down, the data is leaked.
+            // Attached, PyO3 releases references immediately; when the interpreter shuts down, the data is leaked.
             Python::try_attach(|_| drop(Box::from_raw(data)));
         }
     }

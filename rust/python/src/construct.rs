@@ -46,7 +46,7 @@ unsafe fn construct<'py>(
     }
     // SAFETY: the class's data was looked up by the caller.
     let object = unsafe { allocate_zeroed(py, class, data) }?;
-    // SAFETY: no Python code can reach the object before it is complete, whatever code the conversion of a value runs.
+    // SAFETY: no Python code can reach the object before it is complete, although the conversion of a value may run any code.
     let payload = unsafe { payload_mut(object.as_ptr()) };
     payload.copy_from_slice(&data.template);
     for (access, &value) in data.fields.iter().zip(&values[..positional]) {

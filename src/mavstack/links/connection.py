@@ -2,8 +2,8 @@
 
 A `ServerLink` accepts up to `max_peers` connections. A `ClientLink` has one connection and reconnects when it
 is lost: after `retry` seconds, doubling the delay each time up to `retry_limit`, without random variation. A
-connection that received bytes resets the delay; one that only opened does not, so that a peer which closes at
-once is not reconnected to in a tight loop.
+connection that received bytes resets the delay; one that only opened does not, so that a peer which closes
+immediately causes no tight loop of reconnections.
 
 If the first attempt fails, `open` raises, because the usual cause is a wrong address or a missing device.
 With `wait=yes` it keeps trying instead; with `reconnect=no` there is only one attempt.

@@ -125,7 +125,7 @@ class ReplayClock:
         self._last: float | None = None
 
     def due(self, recorded: float) -> float:
-        """Return the replay time of a recorded time; a time before the previous one is due at once."""
+        """Return the replay time of a recorded time; a time before the previous one is due immediately."""
         if self._last is not None and self._speed:
             silence = min(max(recorded - self._last, 0.0), MAX_SILENCE)
             self._due += silence / self._speed

@@ -38,7 +38,7 @@ class FlowDriver:
         self._timer: asyncio.TimerHandle | None = None
 
     def send(self, data: bytes) -> bool:
-        """Send a chunk through the flow; without delay it arrives at once."""
+        """Send a chunk through the flow; without delay it arrives immediately."""
         accepted = self.flow.send(data, self._loop.time())
         self._run()
         return accepted

@@ -197,7 +197,7 @@ class Flow:
         return due
 
     def _corrupt(self, data: bytes) -> bytes:
-        """Flip bits; the distance to the next changed byte is drawn at once, not byte by byte."""
+        """Flip bits; the distance to the next changed byte is drawn instead of one number per byte."""
         chance = self._model.corrupt
         if not chance:
             return data
