@@ -24,7 +24,7 @@ PARTS = (Params, ExtendedParams, Ftp, Logs, Modes, Plans, Shell, Mission, Vehicl
 CLASSES = (Node, Connection, RemoteComponent, Vehicle, Group, MessageStream, *PARTS)
 #: Coroutines that raise no error of Mavstack.
 RAISES_NOTHING = {
-    "Node.close": "closing succeeds whatever state the links are in",
+    "Node.close": "closing succeeds in every state of the links",
     "Node.serve_forever": "it only waits to be cancelled",
 }
 ERRORS = {

@@ -1,4 +1,4 @@
-"""The build backend: without a Rust toolchain every hook ends with one line that says what to install."""
+"""The build backend: without a Rust toolchain every hook ends with a line on how to install one."""
 
 from __future__ import annotations
 

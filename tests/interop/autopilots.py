@@ -1,8 +1,9 @@
 """Autopilots for tests that fly both a real one and the simulation of each firmware.
 
-The environment variable MAVSTACK_AUTOPILOT holds the URL of a real autopilot, such as `udpin://127.0.0.1:14550`
-for a SITL program that sends there. The tests arm and fly it. Run PX4's SIH and ArduPilot's SITL in a network
-namespace of their own (`unshare -n sh -c 'ip link set lo up; …'`), so that their packets reach no other host.
+The environment variable MAVSTACK_AUTOPILOT holds the URL of a real autopilot, such as
+`udpin://127.0.0.1:14550` for a SITL program that sends to this port. The tests arm and fly the vehicle. Run
+PX4's SIH and ArduPilot's SITL in a network namespace of their own (`unshare -n sh -c 'ip link set lo up;
+…'`), so that their packets reach no other host.
 """
 
 from __future__ import annotations

@@ -50,11 +50,11 @@ class Console:
         self.printed += "\n-- MAVProxy ended --"
         self._new_output.set()
 
-    async def wait_for_output(self, *wanted: str, within: float = TIMEOUT) -> None:
+    async def wait_for_output(self, *expected: str, timeout: float = TIMEOUT) -> None:
         """Wait for texts in this order; output behind the last one is left for the next call."""
-        for text in wanted:
+        for text in expected:
             try:
-                async with asyncio.timeout(within):
+                async with asyncio.timeout(timeout):
                     while (found := self.printed.find(text, self._position)) < 0:
                         self._new_output.clear()
                         await self._new_output.wait()
@@ -62,12 +62,12 @@ class Console:
                 raise AssertionError(f"no {text!r} in: {self.printed[self._position :]}") from None
             self._position = found + len(text)
 
-    async def send_until_answered(self, line: str, *wanted: str) -> None:
-        """Send a line, again if need be, until the wanted output comes; only for idempotent lines."""
+    async def send_until_answered(self, line: str, *expected: str) -> None:
+        """Send a line, again if need be, until the expected output is printed; only for idempotent lines."""
         for left in (2, 1, 0):
             self.send_line(line)
             try:
-                return await self.wait_for_output(*wanted, within=RETRY_TIMEOUT if left else TIMEOUT)
+                return await self.wait_for_output(*expected, timeout=RETRY_TIMEOUT if left else TIMEOUT)
             except AssertionError:
                 if not left:
                     raise

@@ -50,7 +50,7 @@ class Agent:
         if request["plugin"] == "system":
             return getattr(self.owner, request["method"])(*request["arguments"])
         method = getattr(self.plugin(request["plugin"]), request["method"])
-        arguments = [make(argument) for argument in request["arguments"]]
+        arguments = [decode(argument) for argument in request["arguments"]]
         if request.get("stream"):
             number = request["id"]
             arguments.append(lambda *values: self.send({"stream": number, "values": encode(values[:-1])}))
@@ -86,14 +86,14 @@ def encode(value):
             )
 
 
-def make(value):
+def decode(value):
     match value:
         case {"class": name, **fields}:
             module, _, class_name = name.partition(".")
             kind = getattr(import_module(f"mavsdk.plugins.{module}"), class_name)
-            return kind(**{field: make(each) for field, each in fields.items()})
+            return kind(**{field: decode(each) for field, each in fields.items()})
         case list():
-            return [make(each) for each in value]
+            return [decode(each) for each in value]
         case _:
             return value
 

@@ -35,12 +35,12 @@ class Stream:
             values = await self.values.get()
         return values[0] if len(values) == 1 else tuple(values)
 
-    async def wait_for(self, wanted):
-        """Return the first value for which `wanted` is true."""
+    async def wait_for(self, predicate):
+        """Return the first value for which `predicate` is true."""
         received: list = []
         try:
             async with asyncio.timeout(TIMEOUT):
-                while not wanted(value := await self.get()):
+                while not predicate(value := await self.get()):
                     received.append(value)
         except TimeoutError:
             raise AssertionError(f"no matching value; the last ones: {received[-5:]}") from None

@@ -1,7 +1,7 @@
 """A vehicle made of MAVSDK's server plugins.
 
-The plugins serve parameters, plans, files, arming, modes and takeoff. Flight and telemetry are up to the
-program: this one climbs after a takeoff command and publishes its position five times a second.
+The plugins serve parameters, plans, files, arming, modes and takeoff. Flight and telemetry are left to the
+program: this vehicle climbs after a takeoff command and publishes its position at 5 Hz.
 
 MAVSDK 4.1 announces MAV_AUTOPILOT_GENERIC, which Python cannot change, so the vehicle has no modes by name.
 The plugins do not answer NAV_LAND, NAV_RETURN_TO_LAUNCH, DO_REPOSITION, MISSION_START, standard modes or
@@ -104,16 +104,16 @@ class MavsdkServerVehicle:
 
 @asynccontextmanager
 async def mavsdk_server_vehicle(system: int = 1) -> AsyncIterator[tuple[Vehicle, MavsdkServerVehicle]]:
-    """Yield the `Vehicle` of our API and the MAVSDK vehicle behind it."""
+    """Yield the `Vehicle` of the vehicle API and the MAVSDK vehicle behind it."""
     link = open_link("udpin://127.0.0.1:0")
     async with (
-        connect(link) as node,
+        connect(link) as connection,
         mavsdk_peer(f"udpout://127.0.0.1:{link.address[1]}", "server", system, 1) as server,
     ):
         served = MavsdkServerVehicle(server)
         flying = asyncio.create_task(served.fly(await served.start()))
         try:
-            yield await node.wait_for_vehicle(), served
+            yield await connection.wait_for_vehicle(), served
         finally:
             flying.cancel()
             with suppress(asyncio.CancelledError, MavsdkError):  # a test may have ended its process

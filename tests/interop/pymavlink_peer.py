@@ -57,11 +57,11 @@ async def in_thread(port: int, work: Callable[[Any], Result], key: SigningKey | 
         return await asyncio.to_thread(run)
 
 
-def receive(connection, kind: str, wanted: Callable[[Any], bool] = lambda message: True):
-    """Return the next message of this type for which `wanted` is true; drop the others."""
+def receive(connection, kind: str, predicate: Callable[[Any], bool] = lambda message: True):
+    """Return the next message of this type for which `predicate` is true; drop the others."""
     deadline = monotonic() + TIMEOUT
     while (left := deadline - monotonic()) > 0:
         message = connection.recv_match(type=kind, blocking=True, timeout=left)
-        if message is not None and wanted(message):
+        if message is not None and predicate(message):
             return message
-    raise AssertionError(f"no {kind} as wanted")
+    raise AssertionError(f"no matching {kind}")

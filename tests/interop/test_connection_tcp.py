@@ -29,10 +29,10 @@ async def test_a_server_restarts():
     first = Runner(simulation)
     await first.connect(f"tcpin://127.0.0.1:{port}", simulation.vehicles)
     first.start()
-    async with asyncio.timeout(60), connect(f"tcpout://127.0.0.1:{port}?retry=200ms") as node:
-        vehicle = await node.wait_for_vehicle()
-        telemetry = node.stream(common.Heartbeat, system=1)
-        events = node.events(VehicleEvent)
+    async with asyncio.timeout(60), connect(f"tcpout://127.0.0.1:{port}?retry=200ms") as connection:
+        vehicle = await connection.wait_for_vehicle()
+        telemetry = connection.stream(common.Heartbeat, system=1)
+        events = connection.events(VehicleEvent)
         await first.close()
         lost = await anext(events)
         assert isinstance(lost, VehicleLost)

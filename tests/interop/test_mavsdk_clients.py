@@ -31,7 +31,7 @@ async def ground_and_vehicle(**options):
 
 
 @pytest.mark.parametrize(("autopilot", "name"), [(PX4, "PX4"), (ARDUPILOT, "ARDUPILOT")])
-async def test_it_discovers_an_autopilot(autopilot: int, name: str) -> None:
+async def test_mavsdk_discovers_an_autopilot(autopilot: int, name: str) -> None:
     async with ground_and_vehicle(autopilot=autopilot) as (ground, _):
         assert await ground.call("system", "autopilot_type") == name
         assert await ground.call("system", "vehicle_type") == "MULTICOPTER"
@@ -69,7 +69,7 @@ async def test_parameters(autopilot: int) -> None:
 
 async def test_extended_parameters() -> None:
     async with ground_and_vehicle() as (ground, vehicle):
-        with suppress(MavsdkError):  # MAVSDK 4.1 calls the result of this UNKNOWN, always, and does it
+        with suppress(MavsdkError):  # MAVSDK 4.1 selects it, and always returns UNKNOWN
             await ground.call("param", "select_component", 1, EXTENDED)
         assert await ground.call("param", "get_param_custom", "CAM_MODE") == "photo"
         assert await ground.call("param", "set_param_custom", "CAM_MODE", "video") == "SUCCESS"
@@ -224,25 +224,25 @@ async def test_telemetry() -> None:
         "in_air": False,
     }
     async with ground_and_vehicle() as (ground, _):
-        for name, wanted in expected.items():
+        for name, fields in expected.items():
             heard = await ground.stream("telemetry", f"subscribe_{name}")
-            await heard.wait_for(partial(agrees, wanted))
+            await heard.wait_for(partial(agrees, fields))
 
 
-def agrees(wanted, value) -> bool:
-    """Return whether a value, or its fields, equal the wanted ones within float32 precision."""
-    if not isinstance(wanted, dict):
-        return value == wanted
+def agrees(expected, value) -> bool:
+    """Return whether a value, or its fields, equal the expected ones within float32 precision."""
+    if not isinstance(expected, dict):
+        return value == expected
     return all(
         value[name] == (each if isinstance(each, str) else pytest.approx(each, rel=1e-5))
-        for name, each in wanted.items()
+        for name, each in expected.items()
     )
 
 
 async def test_health_texts_and_rates() -> None:
     async with ground_and_vehicle() as (ground, vehicle):
         texts = await ground.stream("telemetry", "subscribe_status_text")
-        long = "A text of more than fifty letters goes in several chunks, and comes as one: " + "x" * 60
+        long = "A text of more than fifty letters is sent in chunks and received as one text: " + "x" * 60
         vehicle.send_statustext("Ready to fly", common.MavSeverity.WARNING)
         vehicle.send_statustext(long, common.MavSeverity.CRITICAL)
         assert await texts.wait_for(lambda heard: heard["type"] == "CRITICAL") == {

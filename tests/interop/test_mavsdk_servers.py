@@ -28,7 +28,7 @@ async def remote_and_server():
         yield await node.wait_for_autopilot(), server
 
 
-async def test_it_is_found() -> None:
+async def test_the_server_is_found() -> None:
     async with remote_and_server() as (remote, server):
         assert remote.address == (1, 1)
         await server.call("action_server", "set_armable", True, False)
@@ -77,13 +77,13 @@ def plan(number: int, kind: int = PlanType.MISSION) -> Plan:
 
 
 @pytest.mark.parametrize(
-    ("kind", "face"), [(PlanType.MISSION, "mission"), (PlanType.FENCE, "fence"), (PlanType.RALLY, "rally")]
+    ("kind", "part"), [(PlanType.MISSION, "mission"), (PlanType.FENCE, "fence"), (PlanType.RALLY, "rally")]
 )
-async def test_plans(kind: int, face: str) -> None:
+async def test_plans(kind: int, part: str) -> None:
     async with remote_and_server() as (remote, server):
         incoming = await server.stream("mission_raw_server", "subscribe_incoming_mission")
         cleared = await server.stream("mission_raw_server", "subscribe_clear_all")
-        plans, sent = getattr(remote, face), plan(100, kind)
+        plans, sent = getattr(remote, part), plan(100, kind)
         await plans.upload(sent)
         result, heard = await incoming.get()
         assert result == "SUCCESS"

@@ -211,16 +211,16 @@ async def test_telemetry_texts_and_rates() -> None:
             place = connection.location()
             assert (place.lat, place.lng) == pytest.approx((47.3977415, 8.5455941))
             assert receive(connection, "STATUSTEXT").text == "hello there"
-            wanted = mavlink.MAVLINK_MSG_ID_ATTITUDE
+            attitude = mavlink.MAVLINK_MSG_ID_ATTITUDE
             connection.mav.command_long_send(
-                1, 1, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, 0, wanted, 5_000, 0, 0, 0, 0, 0
+                1, 1, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, 0, attitude, 5_000, 0, 0, 0, 0, 0
             )
             assert receive(connection, "COMMAND_ACK").result == mavlink.MAV_RESULT_ACCEPTED
             connection.mav.command_long_send(
-                1, 1, mavlink.MAV_CMD_GET_MESSAGE_INTERVAL, 0, wanted, 0, 0, 0, 0, 0, 0
+                1, 1, mavlink.MAV_CMD_GET_MESSAGE_INTERVAL, 0, attitude, 0, 0, 0, 0, 0, 0
             )
             interval = receive(connection, "MESSAGE_INTERVAL")
-            assert (interval.message_id, interval.interval_us) == (wanted, 5_000)
+            assert (interval.message_id, interval.interval_us) == (attitude, 5_000)
             connection.mav.command_long_send(
                 1,
                 1,

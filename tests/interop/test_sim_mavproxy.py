@@ -19,7 +19,7 @@ pytestmark = [pytest.mark.interop, needs_mavproxy]
 #: MAVProxy reads one datagram at a time and loses some at a higher speed on a busy machine.
 SPEED = 6.0
 WAYPOINT, TURNS, HOLD_TIME, RETURN, LAND, TAKE_OFF, SPEED_CHANGE = 16, 18, 19, 20, 21, 22, 178
-LANDING_BEGINS, INSIDE, OUTSIDE, RALLY = 189, 5001, 5004, 5100
+LAND_START, INSIDE, OUTSIDE, RALLY = 189, 5001, 5004, 5100
 ABOVE_SEA, NO_PLACE, ABOVE_HOME = 0, 2, 3
 
 
@@ -35,10 +35,10 @@ class MavproxyFlight(Flight):
         """The state of the vehicle and the latest console output."""
         return f"{super().state}; MAVProxy: {self.ground.printed[-2000:]}"
 
-    async def send_and_wait(self, line: str, *wanted: str) -> None:
+    async def send_and_wait(self, line: str, *expected: str) -> None:
         """Send a line and wait for its output."""
         self.ground.send_line(line)
-        await self.ground.wait_for_output(*wanted)
+        await self.ground.wait_for_output(*expected)
 
     async def set_mode(self, name: str) -> None:
         """Set a mode by name and wait until the vehicle is in it."""
@@ -61,15 +61,15 @@ class MavproxyFlight(Flight):
             "Detected vehicle 1:1", f"Received {count} parameters (ftp)", "/mav.parm"
         )
 
-    async def load_plan(self, what: str, *items: tuple) -> None:
-        """Write a plan file, upload it, and list it."""
-        path = self.ground.directory / f"{what}.plan"
+    async def load_plan(self, command: str, *items: tuple) -> None:
+        """Write a plan file, upload the plan by a MAVProxy command (wp, fence, rally), and list it."""
+        path = self.ground.directory / f"{command}.plan"
         path.write_text("".join(self._lines(items)))
-        nouns = {"wp": "waypoints", "fence": "fence items", "rally": "rally items"}
-        number = len(items) + (what == "wp" and self.home_first)
-        await self.send_and_wait(f"{what} load {path}", f"Sent all {number} {nouns[what]}", ": ACCEPTED")
+        noun = {"wp": "waypoints", "fence": "fence items", "rally": "rally items"}[command]
+        number = len(items) + (command == "wp" and self.home_first)
+        await self.send_and_wait(f"{command} load {path}", f"Sent all {number} {noun}", ": ACCEPTED")
         await self.ground.send_until_answered(
-            f"{what} list", f"Requesting {number} ", f"Saved {number} {nouns[what]}"
+            f"{command} list", f"Requesting {number} ", f"Saved {number} {noun}"
         )
 
     def _lines(self, items: tuple):
@@ -77,9 +77,9 @@ class MavproxyFlight(Flight):
         yield "QGC WPL 110\n"
         if items[0][0] < INSIDE and self.home_first:
             items = ((WAYPOINT, (), 0, 0, 488, ABOVE_SEA), *items)
-        for seq, (command, given, north, east, height, *frame) in enumerate(items):
+        for seq, (command, leading_params, north, east, height, *frame) in enumerate(items):
             latitude, longitude, _ = self.place(north, east)
-            params = (*given, 0, 0, 0, 0)[:4]
+            params = (*leading_params, 0, 0, 0, 0)[:4]
             values = (seq, 0, *(frame or (ABOVE_HOME,)), command, *params, latitude, longitude, height, 1)
             yield "\t".join(map(str, values)) + "\n"
 
@@ -242,8 +242,8 @@ async def check_maintenance_commands(flight: MavproxyFlight) -> None:
     await flight.send_and_wait("version")
     await flight.fly(3)
     await flight.send_and_wait("status AUTOPILOT_VERSION", "AUTOPILOT_VERSION {capabilities")
-    for what in ("fence", "rally", "wp"):
-        await flight.send_and_wait(f"{what} clear", ": ACCEPTED")
+    for command in ("fence", "rally", "wp"):
+        await flight.send_and_wait(f"{command} clear", ": ACCEPTED")
     assert not any(len(vehicle.mission.plan(kind)) for kind in PlanType)
     for query in ("status", "module list", "bat", "alt", "time", "terrain status", "devid", "arm list"):
         flight.ground.send_line(query)
@@ -265,7 +265,7 @@ async def test_a_plane(tmp_path) -> None:
             (TAKE_OFF, (10,), 0, 0, 40),
             (WAYPOINT, (), 400, 0, 60),
             (TURNS, (1, 0, 60), 400, 300, 60),
-            (LANDING_BEGINS, (), 0, 0, 0, ABOVE_SEA),
+            (LAND_START, (), 0, 0, 0, ABOVE_SEA),
             (WAYPOINT, (), -450, 0, 25),
             (LAND, (), 0, 0, 0),
         )

@@ -19,7 +19,7 @@ SPEED_WITH_SETPOINTS = 2.0
 #: MAVSDK's name of the guided mode, and its results of refusals.
 GUIDED = {"ardupilot": "OFFBOARD", "px4": "HOLD"}
 NOT_ARMED = {"ardupilot": "FAILED", "px4": "COMMAND_DENIED"}
-WHY_NOT = {"ardupilot": "Arm: ", "px4": "Preflight Fail: "}
+REFUSAL_TEXTS = {"ardupilot": "Arm: ", "px4": "Preflight Fail: "}
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
@@ -45,13 +45,13 @@ async def check_health(flight, firmware: str) -> None:
 
 async def check_arming_refused_without_position(flight, firmware: str) -> None:
     texts = await flight.ground.stream("telemetry", "subscribe_status_text")
-    if firmware == "ardupilot":  # which looks at the position only in a mode that needs it
+    if firmware == "ardupilot":  # ArduPilot checks the position only in a mode that needs it
         await flight.call_fails("FAILED", "action", "takeoff")
         assert flight.vehicle.autopilot.mode.name == "GUIDED"
     flight.vehicle.faults.inject("gps off")
     await flight.wait_until(lambda: not flight.vehicle.autopilot.has_position)
     await flight.call_fails(NOT_ARMED[firmware], "action", "arm")
-    await texts.wait_for(lambda heard: heard["text"].startswith(WHY_NOT[firmware]))
+    await texts.wait_for(lambda heard: heard["text"].startswith(REFUSAL_TEXTS[firmware]))
     await flight.wait_for_telemetry("health_all_ok", False)
     flight.vehicle.faults.inject("gps on")
     await flight.wait_for_telemetry("health_all_ok", True)
@@ -88,7 +88,7 @@ async def fly_to_locations(flight, firmware: str) -> None:
         ),
     )
     assert flight.distance(40, 10) < 6
-    if firmware == "px4":  # ArduPilot does not look at the yaw
+    if firmware == "px4":  # ArduPilot ignores the yaw
         await flight.wait_until(lambda: abs(flight.vehicle.body.truth.yaw - radians(90)) < 0.1)
         await flight.wait_for_telemetry("heading", lambda heard: abs(heard["heading_deg"] - 90) < 6)
 

@@ -18,7 +18,7 @@ SHELL = 10
 async def test_a_shell() -> None:
     async with simulated_flight("copter", "px4") as flight:
         await flight.wait_for_telemetry("health_all_ok", True)
-        for line, wanted in {
+        for line, expected in {
             "ver all": "PX4 version",
             "param show MIS_TAKEOFF_ALT": "MIS_TAKEOFF_ALT",
             "commander status": "isarmed",
@@ -27,7 +27,7 @@ async def test_a_shell() -> None:
             received = await flight.ground.stream("shell", "subscribe_receive")
             await flight.call_ok("shell", "send", line, SHELL)
             output = ""
-            while wanted not in output.replace("_", "").lower() and wanted not in output:
+            while expected not in output.replace("_", "").lower() and expected not in output:
                 output += (await received.get())["data"]
         await flight.wait_for_telemetry("armed", True)
 

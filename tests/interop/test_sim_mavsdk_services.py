@@ -16,8 +16,8 @@ CMD = common.MavCmd
 FIRMWARES = ("ardupilot", "px4")
 
 
-def near(name: str, wanted: float, within: float):
-    return lambda heard: heard[name] == pytest.approx(wanted, abs=within)
+def near(name: str, expected: float, tolerance: float):
+    return lambda heard: heard[name] == pytest.approx(expected, abs=tolerance)
 
 
 def at_rest(imu: dict, gravity: float = 9.81) -> bool:
@@ -71,12 +71,12 @@ RANGEFINDER_PARAMETERS = {"ardupilot": {"RNGFND1_TYPE": 100}, "px4": {}}
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
 async def test_telemetry(firmware: str) -> None:
-    wanted = COMMON_TELEMETRY | FIRMWARE_TELEMETRY[firmware]
+    expected = COMMON_TELEMETRY | FIRMWARE_TELEMETRY[firmware]
     async with simulated_flight("copter", firmware, **RANGEFINDER_PARAMETERS[firmware]) as flight:
         await flight.wait_for_telemetry("health_all_ok", True)
-        for name in wanted.keys() - WITHOUT_RATE:
+        for name in expected.keys() - WITHOUT_RATE:
             await flight.call_ok("telemetry", f"set_rate_{name}", 5.0)
-        for name, condition in wanted.items():
+        for name, condition in expected.items():
             await flight.wait_for_telemetry(name, condition)
         origin = await flight.call("telemetry", "get_gps_global_origin")
         assert origin["latitude_deg"] == pytest.approx(47.3977418)
@@ -261,21 +261,21 @@ def item(flight, north: float, east: float, height: float, **fields) -> dict:
 
 async def check_logs(flight, local) -> None:
     """The downloaded log equals the log file on the vehicle."""
-    kept = flight.vehicle.storage.logs
+    logs = flight.vehicle.storage.logs
     entries = await flight.call("log_files", "get_entries")
-    assert [entry["size_bytes"] for entry in entries] == [each.size for each in kept.logs()]
-    for entry, each in zip(entries, kept.logs(), strict=True):
-        saved, wanted = local / f"log{entry['id']}", mavsdk_object("log_files.Entry", **entry)
-        steps = await flight.ground.stream("log_files", "download_log_file_async", wanted, str(saved))
+    assert [entry["size_bytes"] for entry in entries] == [each.size for each in logs.logs()]
+    for entry, each in zip(entries, logs.logs(), strict=True):
+        saved, log_entry = local / f"log{entry['id']}", mavsdk_object("log_files.Entry", **entry)
+        steps = await flight.ground.stream("log_files", "download_log_file_async", log_entry, str(saved))
         assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
-        assert saved.read_bytes() == content_of(kept, each.id, each.size)
+        assert saved.read_bytes() == content_of(logs, each.id, each.size)
         assert saved.stat().st_size > 10_000
     await flight.call_ok("log_files", "erase_all_log_files")
-    await flight.wait_until(lambda: not kept.logs())
+    await flight.wait_until(lambda: not logs.logs())
 
 
-def content_of(kept, number: int, size: int) -> bytes:
+def content_of(logs, number: int, size: int) -> bytes:
     content = b""
     while len(content) < size:
-        content += kept.read(number, len(content), size)
+        content += logs.read(number, len(content), size)
     return content

@@ -75,8 +75,8 @@ def wait_for_altitude(connection, metres: float) -> None:
     receive(connection, "GLOBAL_POSITION_INT", lambda here: abs(here.relative_alt / 1000 - metres) < 1)
 
 
-def wait_for_position(connection, north: float, east: float, within: float = 1.5) -> None:
-    receive(connection, "LOCAL_POSITION_NED", lambda here: hypot(here.x - north, here.y - east) < within)
+def wait_for_position(connection, north: float, east: float, radius: float = 1.5) -> None:
+    receive(connection, "LOCAL_POSITION_NED", lambda here: hypot(here.x - north, here.y - east) < radius)
 
 
 def place(vehicle, north: float, east: float) -> tuple[float, float]:
@@ -174,11 +174,11 @@ def fly_setpoints(vehicle, connection) -> None:
     half = radians(5)  # of ten degrees to the right
     aim = [cos(half), 0.087, 0, 0]
 
-    def leans(attitude) -> bool:
+    def rolls(attitude) -> bool:
         connection.mav.set_attitude_target_send(0, 1, 1, 0b111, aim, 0, 0, 0, 0.5)
         return attitude.roll > radians(8)
 
-    receive(connection, "ATTITUDE", leans)
+    receive(connection, "ATTITUDE", rolls)
     assert vehicle.autopilot.armed
 
 
@@ -208,11 +208,11 @@ def fly_by_rc_override(vehicle, connection) -> None:
     connection.set_mode_loiter()
     receive(connection, "HEARTBEAT", lambda beat: beat.custom_mode == 5)
 
-    def goes_on(here) -> bool:
+    def override_and_check(here) -> bool:
         override(1, 1, 1500, 1300, 1500, 1500, 0, 0, 0, 0)
-        return here.vx < -1.5  # forward, and it looks south
+        return here.vx < -1.5  # forward, while the copter faces south
 
-    receive(connection, "LOCAL_POSITION_NED", goes_on)
+    receive(connection, "LOCAL_POSITION_NED", override_and_check)
     override(1, 1, *release)
     connection.set_servo(9, 1800)
     assert wait_for_ack(connection, mavlink.MAV_CMD_DO_SET_SERVO) == ACCEPTED
@@ -280,9 +280,9 @@ def check_download(connection, loader: mavwp.MAVWPLoader) -> None:
     for seq in range(1, loader.count()):
         connection.waypoint_request_send(seq)
         item = connection.recv_match(type=["MISSION_ITEM"], blocking=True, timeout=TIMEOUT)
-        wanted = loader.wp(seq)
-        assert (item.seq, item.command, item.z) == (seq, wanted.command, wanted.z)
-        assert (item.x, item.y) == pytest.approx((wanted.x, wanted.y), abs=1e-5)
+        expected = loader.wp(seq)
+        assert (item.seq, item.command, item.z) == (seq, expected.command, expected.z)
+        assert (item.x, item.y) == pytest.approx((expected.x, expected.y), abs=1e-5)
 
 
 def download_files(vehicle, connection, directory: Path) -> None:
@@ -353,7 +353,7 @@ def test_a_script_drives_a_rover() -> None:
         connection.motors_armed_wait()
         send = connection.mav.set_position_target_local_ned_send
         send(0, 1, 1, mavlink.MAV_FRAME_LOCAL_NED, POSITIONS, 10, 10, 0, *[0] * 6, 0, 0)
-        wait_for_position(connection, 10, 10, within=2.5)
+        wait_for_position(connection, 10, 10, radius=2.5)
         set_mode(connection, "HOLD")
         connection.arducopter_disarm()
         connection.motors_disarmed_wait()

@@ -33,7 +33,7 @@ def is_in(vehicle, custom_mode: int) -> bool:
     return heartbeat is not None and heartbeat.custom_mode == custom_mode
 
 
-async def test_it_is_found() -> None:
+async def test_the_vehicle_is_found() -> None:
     async with mavsdk_server_vehicle(system=7) as (vehicle, _):
         assert vehicle.address == (7, 1)
         assert vehicle.alive
@@ -121,18 +121,18 @@ async def test_a_denied_command_carries_the_status_text() -> None:
             )
             await served.call("telemetry_server", "publish_status_text", text)
 
-        saying = asyncio.create_task(send_status_text())
+        sending = asyncio.create_task(send_status_text())
         with pytest.raises(CommandDenied, match="the hatch is open") as denied:
             await vehicle.arm()
-        await saying
+        await sending
         assert denied.value.status_texts == ("Arming denied: the hatch is open",)
 
 
 async def test_unanswered_commands_time_out() -> None:
     async with mavsdk_server_vehicle() as (vehicle, _):
         await wait_until(lambda: vehicle.home is not None)
-        asked = (vehicle.land(), vehicle.rtl(), vehicle.hold(), vehicle.mission.start())
-        for outcome in await asyncio.gather(*asked, return_exceptions=True):
+        calls = (vehicle.land(), vehicle.rtl(), vehicle.hold(), vehicle.mission.start())
+        for outcome in await asyncio.gather(*calls, return_exceptions=True):
             assert isinstance(outcome, CommandTimeout)
             assert str(outcome).endswith("no answer")
 

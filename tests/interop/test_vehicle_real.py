@@ -1,4 +1,4 @@
-"""The vehicle API and the commands fly an autopilot: a real one if named, else simulated ones.
+"""The vehicle API and the commands fly an autopilot: a real one if its URL is set, else simulated ones.
 
 The tests run in file order, since the logs are those of the flights before. A real autopilot (see
 `autopilots`) is armed and flown:
@@ -116,7 +116,7 @@ def distance_from(vehicle: Vehicle, north: float, east: float) -> float:
 # Identity and services
 
 
-async def test_it_is_found(autopilot: Autopilot) -> None:
+async def test_the_vehicle_is_found(autopilot: Autopilot) -> None:
     async with connected(autopilot) as vehicle:
         assert vehicle.alive
         assert not vehicle.has_id_conflict
@@ -127,7 +127,7 @@ async def test_it_is_found(autopilot: Autopilot) -> None:
             assert (await vehicle.component.ping(2)).sent == 2
 
 
-async def test_it_becomes_ready(autopilot: Autopilot) -> None:
+async def test_the_vehicle_becomes_ready(autopilot: Autopilot) -> None:
     async with connected(autopilot) as vehicle:
         await wait_until_ready(vehicle)
         assert vehicle.health.ready is not False
@@ -159,18 +159,18 @@ async def test_all_parameters_one_by_one_and_packed(autopilot: Autopilot) -> Non
         fetched = dict(await vehicle.params.download())
         assert len(set(listed) ^ set(fetched)) < 5, set(listed) ^ set(fetched)
         both = set(listed) & set(fetched)
-        moved = [
+        changed = [
             name for name in both if fetched[name].value != pytest.approx(listed[name].value, nan_ok=True)
         ]
-        assert len(moved) < 5, moved  # counters and learned values
+        assert len(changed) < 5, changed  # counters and learned values
 
 
 async def test_a_parameter_is_set_and_restored(autopilot: Autopilot) -> None:
     async with connected(autopilot) as vehicle:
         name, before = await find_test_parameter(vehicle)
-        wanted = before + TEST_PARAMETERS[name]
-        assert (await vehicle.params.set(name, wanted)).value == pytest.approx(wanted)
-        assert (await vehicle.params.get(name)).value == pytest.approx(wanted)
+        changed = before + TEST_PARAMETERS[name]
+        assert (await vehicle.params.set(name, changed)).value == pytest.approx(changed)
+        assert (await vehicle.params.get(name)).value == pytest.approx(changed)
         assert (await vehicle.params.set(name, before)).value == pytest.approx(before)
         with pytest.raises(RemoteError, match="NO_SUCH_NAME"):
             await vehicle.params.get("NO_SUCH_NAME", timeout=3)
@@ -188,10 +188,10 @@ async def find_test_parameter(vehicle: Vehicle) -> tuple[str, float]:
 async def test_modes(autopilot: Autopilot) -> None:
     async with ready(autopilot) as vehicle:
         names = {mode.name.upper() for mode in await vehicle.modes.list()}
-        wanted = {"GUIDED", "AUTO", "MANUAL"} if is_ardupilot(vehicle) else {"MISSION", "RTL", "LAND"}
+        expected = {"GUIDED", "AUTO", "MANUAL"} if is_ardupilot(vehicle) else {"MISSION", "RTL", "LAND"}
         if vehicle.vehicle_type is VehicleType.COPTER and is_ardupilot(vehicle):
-            wanted = {"STABILIZE", "GUIDED", "AUTO", "RTL", "LAND"}
-        assert wanted <= names
+            expected = {"STABILIZE", "GUIDED", "AUTO", "RTL", "LAND"}
+        assert expected <= names
         before = vehicle.mode
         for mode in ("GUIDED", before) if is_ardupilot(vehicle) else ("POSCTL", "LOITER"):
             await vehicle.set_mode(mode)
@@ -297,7 +297,7 @@ async def fly_copter_maneuvers(vehicle: Vehicle, home) -> None:
     if is_ardupilot(vehicle):
         # SITL's transmitter has its throttle low: in CIRCLE a copter would sink and crash.
         await vehicle.wait_for_message(common.RcChannels)
-        with pytest.raises(ActionUnsupported, match="centre the stick"):
+        with pytest.raises(ActionUnsupported, match="center the stick"):
             await vehicle.orbit(*offset_position(home, 0, 0), cruise_altitude(vehicle), radius=15, speed=3)
         return
     await vehicle.orbit(*offset_position(home, 0, 0), cruise_altitude(vehicle), radius=15, speed=3)
@@ -375,11 +375,8 @@ async def test_commands_list(autopilot: Autopilot) -> None:
     assert len(shown) > 300
     assert json.loads(await mav(autopilot, "log", "list", "--json"))
     async with connected(autopilot) as vehicle:
-        if (await vehicle.component.get_version()).can(common.MavProtocolCapability.FTP):
-            has_files = True
-        else:
-            has_files = False
-    if has_files:
+        has_ftp = (await vehicle.component.get_version()).can(common.MavProtocolCapability.FTP)
+    if has_ftp:
         assert json.loads(await mav(autopilot, "ftp", "ls", "--json"))
 
 
@@ -387,12 +384,12 @@ async def test_commands_upload_and_download_a_mission(autopilot: Autopilot, tmp_
     async with ready(autopilot) as vehicle:
         plan = mission(vehicle, await get_home(vehicle))
         await vehicle.mission.upload(plan)
-    there, back = tmp_path / "there.waypoints", tmp_path / "back.plan"
-    await mav(autopilot, "mission", "download", "--mission", str(there))
+    first, second = tmp_path / "first.waypoints", tmp_path / "second.plan"
+    await mav(autopilot, "mission", "download", "--mission", str(first))
     await mav(autopilot, "mission", "clear", "--mission")
-    await mav(autopilot, "mission", "upload", str(there), "--verify")
-    await mav(autopilot, "mission", "download", "--mission", str(back))
+    await mav(autopilot, "mission", "upload", str(first), "--verify")
+    await mav(autopilot, "mission", "download", "--mission", str(second))
     async with connected(autopilot) as vehicle:
         held = await vehicle.mission.download()
     assert [item.command for item in held.items] == [item.command for item in plan.items]
-    assert json.loads(back.read_text())["mission"]["items"]
+    assert json.loads(second.read_text())["mission"]["items"]

@@ -65,7 +65,7 @@ def bytes_of(message, source: Address = VEHICLE, sequence: int = 0) -> bytes:
     return encode(message, system=source.system, component=source.component, sequence=sequence)
 
 
-def test_a_service_gets_the_packets_that_it_handles_and_that_are_addressed_to_it() -> None:
+def test_a_service_gets_packets_by_message_id_and_target() -> None:
     engine, (wire,) = engine_with("wire")
     recorder = engine.add(Recorder(GROUND))
     for message in (

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("clock")
 
 
 class Store(TimestampStore):
-    """A store in memory, which can be made to fail."""
+    """A store in memory; `error` makes `store` fail."""
 
     def __init__(self, start: int = 0) -> None:
         super().__init__("nowhere")

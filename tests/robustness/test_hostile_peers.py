@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from mavstack.services import Operation
     from tests.seeds import Seeds
 
-#: Seconds within which all operations end, whatever the peer sends; a log download has the longest timeout.
+#: Seconds within which all operations end; a log download has the longest timeout.
 DEADLINE = 3700.0
 PLAN = Plan.of([MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47 + n, param6=8, param7=9) for n in range(3)])
 OTHERS = [Address(1, 2), Address(7, 1), GROUND, Address(255, 1), Address(1, 255)]

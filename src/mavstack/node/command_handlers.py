@@ -129,7 +129,7 @@ class CommandHandlers:
         asyncio.get_running_loop().call_exception_handler({"message": message, "exception": error})
 
 
-def _checked(outcome: Any) -> tuple[int, int]:  # noqa: ANN401 (whatever a handler returned)
+def _checked(outcome: Any) -> tuple[int, int]:  # noqa: ANN401 (the value that a handler returned)
     """Return MAV_RESULT and `result_param2`; raise InvalidTypeError if a handler returned neither."""
     result, detail = outcome if isinstance(outcome, tuple) and len(outcome) == 2 else (outcome, 0)
     if type(result) is bool or not isinstance(result, int) or not isinstance(detail, int):

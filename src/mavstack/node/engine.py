@@ -267,7 +267,7 @@ class Engine:
         while self._touched:
             service = next(iter(self._touched))
             del self._touched[service]
-            self._collect_events(service)  # a change of keys applies to what is sent after it
+            self._collect_events(service)  # a change of keys applies to later messages
             try:
                 self._drain(service, now)
             except Exception as error:  # noqa: BLE001 (as above)

@@ -516,7 +516,7 @@ class Params:
         Args:
             known: A snapshot of an earlier download; if the component's hash of its parameters still matches,
                 nothing is downloaded.
-            packed: Download ArduPilot's packed parameter file where there is one, which is much faster.
+            packed: Download ArduPilot's packed parameter file if the component has one, which is much faster.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the parameters (or bytes of the packed file) received and those in total.
 

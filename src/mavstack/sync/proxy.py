@@ -49,7 +49,7 @@ class Blocking:
     _inner: Any
     _portal: BlockingPortal
 
-    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (whatever the object has)
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (any attribute)
         if name.startswith("_"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         inner = self._inner
@@ -80,7 +80,7 @@ class Blocking:
     def __bool__(self) -> bool:
         return bool(self._inner)
 
-    def __getitem__(self, key: Any) -> Any:  # noqa: ANN401 (whatever the mapping has)
+    def __getitem__(self, key: Any) -> Any:  # noqa: ANN401 (any item)
         inner = self._inner
         return self._wrap(self._portal.call(lambda: inner[_unwrap(key)]))
 
