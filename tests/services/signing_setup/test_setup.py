@@ -91,7 +91,7 @@ def test_one_that_takes_the_key_but_cannot_hear_us_goes_back_and_so_do_we():
     operation = pair.install(NEW)
     assert pair.network.run(lambda: pair.server.on_trial, timeout=5.0)
     there, _ = pair.pipes
-    there.cut = True  # it speaks, but hears nothing
+    there.cut = True  # the component sends, but receives nothing
     pair.network.at(12.0, lambda: setattr(there, "cut", False))
     pair.run(operation)
     pair.network.run(timeout=30.0)
