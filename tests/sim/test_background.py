@@ -31,17 +31,17 @@ def test_faults_are_injected_from_outside():
     with BackgroundSimulator() as target:
         target.call(lambda: target.vehicle.faults.inject("gps off"))
         assert target.call(lambda: dict(target.vehicle.faults.active)) == {"gps": "gps off"}
-        with pytest.raises(MavstackError, match="no fault"):
+        with pytest.raises(MavstackError, match="unknown fault"):
             target.call(lambda: target.vehicle.faults.inject("pigs fly"))
 
 
 def test_it_must_run_to_be_called():
     target = BackgroundSimulator()
-    with pytest.raises(MavstackError, match="does not run"):
+    with pytest.raises(MavstackError, match="not running"):
         target.call(lambda: None)
     target.start().stop()
     target.stop()
-    with pytest.raises(MavstackError, match="does not run"):
+    with pytest.raises(MavstackError, match="not running"):
         target.call(lambda: None)
 
 

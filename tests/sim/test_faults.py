@@ -33,8 +33,8 @@ def test_a_fault_is_understood(text) -> None:
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "there are: gps, compass, baro, motor, battery, radio, link, reboot"),
-        ("wings off", "there is no fault 'wings off'"),
+        ("", "faults are: gps, compass, baro, motor, battery, radio, link, reboot"),
+        ("wings off", "unknown fault 'wings off'"),
         ("gps", "gps off|on|spoof NORTH EAST"),
         ("gps maybe", "gps off|on|spoof NORTH EAST"),
         ("gps spoof 1", "gps spoof NORTH EAST"),
@@ -43,15 +43,15 @@ def test_a_fault_is_understood(text) -> None:
         ("compass 1 2", "compass DEGREES"),
         ("baro x", "baro METRES"),
         ("motor off", "motor NUMBER off|on"),
-        ("motor 1.5 off", "1 to 16, not 1.5"),
-        ("motor 17 off", "1 to 16, not 17"),
+        ("motor 1.5 off", "1 to 16, got 1.5"),
+        ("motor 17 off", "1 to 16, got 17"),
         ("motor 1", "motor NUMBER off|on"),
         ("battery", "battery sag VOLTS, or battery PERCENT"),
-        ("battery sag -1", "0 V or more, not by -1"),
-        ("battery 101", "101 is no percentage"),
+        ("battery sag -1", "at least 0 V, got -1"),
+        ("battery 101", "0 to 100 percent, got 101"),
         ("radio", "radio off|on"),
         ("link 3", "link off|on"),
-        ("reboot now", "reboot stands alone"),
+        ("reboot now", "usage: reboot"),
     ],
 )
 def test_a_fault_that_is_none_is_explained(text, reason) -> None:
@@ -76,12 +76,12 @@ def test_a_script_is_sorted_by_time_and_has_comments_and_empty_lines() -> None:
     [
         ("gps off", "line 2: 'gps off' is not SECONDS [SYSTEM:] FAULT"),
         ("10 x: gps off", "line 2: 'x: gps off' is not"),
-        ("-1 gps off", "line 2: -1 is no time"),
-        ("inf gps off", "line 2: inf is no time"),
-        ("nan gps off", "line 2: nan is no time"),
-        ("5 256: gps off", "line 2: there is no system 256"),
-        ("5 gps sideways", "line 2: it is gps off|on|spoof NORTH EAST"),
-        ("5", "line 2: there is no fault ''"),
+        ("-1 gps off", "line 2: -1 is not a time in seconds"),
+        ("inf gps off", "line 2: inf is not a time in seconds"),
+        ("nan gps off", "line 2: nan is not a time in seconds"),
+        ("5 256: gps off", "line 2: system id 256 is outside"),
+        ("5 gps sideways", "line 2: usage: gps off|on|spoof NORTH EAST"),
+        ("5", "line 2: unknown fault ''"),
     ],
 )
 def test_a_line_that_is_none_is_named_by_its_number(line, reason) -> None:

@@ -120,14 +120,14 @@ def test_axes_that_are_not_there_are_centred() -> None:
 
 def test_sticks_fly_a_copter_and_let_go_of_it() -> None:
     copter = airborne(mode="LOITER")
-    copter.repeats = lambda: common.ManualControl(target=1, x=500, y=0, z=500, r=0)
+    copter.repeated_message = lambda: common.ManualControl(target=1, x=500, y=0, z=500, r=0)
     copter.run(4)
     assert copter.vehicle.body.truth.velocity_north > 1, "stick forward"
-    copter.repeats = None
+    copter.repeated_message = None
     copter.autopilot.radio.move(3, 1500)
     copter.run(6)
     assert abs(copter.vehicle.body.truth.velocity_north) < 0.3
-    copter.repeats = lambda: common.ManualControl(target=1, x=0, y=0, z=900, r=0)
+    copter.repeated_message = lambda: common.ManualControl(target=1, x=0, y=0, z=900, r=0)
     before = copter.height
     copter.run(3)
     assert copter.height > before + 1
@@ -135,7 +135,7 @@ def test_sticks_fly_a_copter_and_let_go_of_it() -> None:
 
 def test_channels_drive_a_rover() -> None:
     rover = airborne("rover", mode="MANUAL")
-    rover.repeats = lambda: common.RcChannelsOverride(
+    rover.repeated_message = lambda: common.RcChannelsOverride(
         target_system=1, target_component=1, chan1_raw=1500, chan3_raw=1800,
         **{f"chan{number}_raw": IGNORE for number in (2, 4, 5, 6, 7, 8)},
     )  # fmt: skip
@@ -145,21 +145,21 @@ def test_channels_drive_a_rover() -> None:
 
 def test_sticks_fly_a_px4_in_position_mode() -> None:
     copter = airborne("copter", "px4")
-    copter.repeats = lambda: common.ManualControl(target=1, x=0, y=600, z=500, r=0)
+    copter.repeated_message = lambda: common.ManualControl(target=1, x=0, y=600, z=500, r=0)
     copter.enter("Position").run(4)
     assert copter.vehicle.body.truth.velocity_east > 1
 
 
 def test_when_the_hands_cease_the_radio_failsafe_acts() -> None:
     copter = airborne(mode="ALT_HOLD", FS_THR_ENABLE=1).inject("radio off")
-    copter.repeats = lambda: common.RcChannelsOverride(
+    copter.repeated_message = lambda: common.RcChannelsOverride(
         target_system=1, target_component=1, chan1_raw=1500, chan2_raw=1500, chan3_raw=1500, chan4_raw=1500,
         **{f"chan{number}_raw": IGNORE for number in (5, 6, 7, 8)},
     )  # fmt: skip
     copter.run(2)
     copter.enter("ALT_HOLD").run(3)
     assert copter.mode == "ALT_HOLD"
-    copter.repeats = None
+    copter.repeated_message = None
     copter.run(5)
     assert copter.mode == "RTL"
 
