@@ -81,7 +81,7 @@ class Recorder:
             if not self._logs.writing and self._wanted:
                 self._begin()
         self._logs.armed(self._time_us, armed)
-        if not armed and not self._goes_on:
+        if not armed and not self._continues_after_disarming:
             self._ends_at = self._vehicle.now + LOG_TAIL
 
     def home(self, home: Home | None) -> None:
@@ -110,7 +110,7 @@ class Recorder:
         return self._mode >= 0
 
     @property
-    def _goes_on(self) -> bool:
+    def _continues_after_disarming(self) -> bool:
         return self._mode in _AFTER_DISARMING
 
     def _booted(self) -> None:

@@ -126,7 +126,7 @@ class MissionHarness(AutopilotHarness):
 
     def set_current(self, seq: int, *, reset: bool = False) -> None:
         """As MISSION_SET_CURRENT does."""
-        assert self.server._go_to(seq, GROUND, reset=reset)
+        assert self.server._set_current(seq, GROUND, restart=reset)
         self._settle()
 
     def _settle(self) -> None:

@@ -21,11 +21,11 @@ def route_of(*items: MissionItem, first: int = 1) -> Route:
     return Route(items, first, lambda item: item.command == CMD.NAV_WAYPOINT)
 
 
-def flown(route: Route, most: int = 50) -> list[int | None]:
+def flown(route: Route, limit: int = 50) -> list[int | None]:
     """The items that navigate, in the order in which they are flown."""
     order: list[int | None] = []
     leg = route.leg(route.first)
-    while leg is not None and len(order) < most:
+    while leg is not None and len(order) < limit:
         order.append(leg.navigation)
         leg = route.leg(leg.then)
     return order
@@ -58,7 +58,7 @@ def test_jumps_are_counted_anew_when_they_are_forgotten() -> None:
 
 
 def test_a_jump_without_end() -> None:
-    assert flown(route_of(HOME, WP, WP, jump(2, -1)), most=6) == [1, 2, 2, 2, 2, 2]
+    assert flown(route_of(HOME, WP, WP, jump(2, -1)), limit=6) == [1, 2, 2, 2, 2, 2]
 
 
 def test_a_jump_of_no_repeats_is_passed_over() -> None:
@@ -107,5 +107,5 @@ def test_any_route_is_walked(kinds: list[str], data: some.DataObject) -> None:
     items = [item(commands[kind], data.draw(number), data.draw(number)) for kind in kinds]
     for first in (0, 1):
         route = route_of(*items, first=first)
-        for seq in flown(route, most=40):
+        for seq in flown(route, limit=40):
             assert seq is None or items[seq].command == CMD.NAV_WAYPOINT

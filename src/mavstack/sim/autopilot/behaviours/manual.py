@@ -120,12 +120,12 @@ class StickControl(Behaviour):
 
     def lean(self, sticks: Sticks, thrust: float) -> None:
         """Lean in proportion to the sticks, and turn at a rate."""
-        most = self.flight_parameters.lean_angle
+        limit = self.flight_parameters.lean_angle
         rate = dead_zone(sticks.yaw) * self.flight_parameters.pilot_yaw_rate
         if rate:
-            self.body.hold_attitude(sticks.roll * most, sticks.pitch * most, None, thrust, yaw_rate=rate)
+            self.body.hold_attitude(sticks.roll * limit, sticks.pitch * limit, None, thrust, yaw_rate=rate)
         else:
-            self.body.hold_attitude(sticks.roll * most, sticks.pitch * most, None, thrust)
+            self.body.hold_attitude(sticks.roll * limit, sticks.pitch * limit, None, thrust)
 
     def climb_wanted(self, stick: float) -> float:
         """Return the climb rate for a throttle stick from -1 to 1; a centred stick holds the altitude."""
@@ -136,8 +136,8 @@ class StickControl(Behaviour):
         if self._held_down is None:
             # the vehicle comes to rest a little after the stick
             self._held_down = here + self.body.estimate.velocity_down * 0.5
-        most = self.flight_parameters.pilot_climb_speed
-        return min(max((here - self._held_down) * _ALTITUDE_GAIN, -most), most)
+        limit = self.flight_parameters.pilot_climb_speed
+        return min(max((here - self._held_down) * _ALTITUDE_GAIN, -limit), limit)
 
 
 class Manual(StickControl):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.payload import Payload
 
 _CMD, _RESULT, _ACTIONS = ardupilotmega.MavCmd, common.MavResult, common.GripperActions
-_MOST_REPETITIONS = 10_000
+MAX_REPETITIONS = 10_000
 
 
 class EquipmentCommands(CommandGroup):
@@ -103,4 +103,4 @@ class EquipmentCommands(CommandGroup):
         return _RESULT.ACCEPTED
 
     def _may_repeat(self, count: float, period: float) -> bool:
-        return 0 < count <= _MOST_REPETITIONS and isfinite(period) and period > 0
+        return 0 < count <= MAX_REPETITIONS and isfinite(period) and period > 0

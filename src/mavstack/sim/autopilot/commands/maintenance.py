@@ -18,7 +18,7 @@ _LOAD, _SAVE, _RESET = 0, 1, 2
 FORCE = 20190226.0
 #: Duration of each calibration, in seconds.
 _CALIBRATION_TIME = 2.0
-_LONGEST_MOTOR_TEST = 600.0
+MAX_MOTOR_TEST_TIME = 600.0
 _MOTORS = 8
 
 
@@ -113,7 +113,7 @@ class MaintenanceCommands(CommandGroup):
         motor, seconds = whole(request.command.param1), request.command.param4
         if self.autopilot.armed or not self.autopilot.landed or motor is None or not 1 <= motor <= _MOTORS:
             raise CommandRefusedError(_RESULT.FAILED, self.motor_test_refused())
-        if not 0 < seconds <= _LONGEST_MOTOR_TEST:
+        if not 0 < seconds <= MAX_MOTOR_TEST_TIME:
             return _RESULT.FAILED
         self.autopilot.payload.test_motor(motor, request.command.param3, seconds)
         return _RESULT.ACCEPTED

@@ -97,10 +97,10 @@ def vtol_take_off(step: Step) -> Iterator[None]:
 def _climb(step: Step, *, forward: bool) -> Iterator[None]:
     autopilot = step.autopilot
     kind, here = autopilot.vehicle.vehicle_type, step.maneuvers.place[2]
-    least = _MIN_CLIMB_OF_WING if kind is VehicleType.PLANE else _MIN_CLIMB
+    min_climb = _MIN_CLIMB_OF_WING if kind is VehicleType.PLANE else _MIN_CLIMB
     down = step.place()[2]
     if autopilot.landed:
-        down = min(down, here - least)
+        down = min(down, here - min_climb)
     yaw = step.yaw() if step.mission.rules.yaw_counts else None
     yield from step.behave(Takeoff(autopilot, down=down, yaw=yaw, forward=forward))
 

@@ -68,10 +68,10 @@ class Route:
             at = self._follow(at + 1) if len(actions) < MAX_ACTIONS else None
         return Leg(tuple(actions), None, len(self.items)) if actions else None
 
-    def upcoming(self, seq: int, most: int = 16) -> list[int]:
+    def upcoming(self, seq: int, limit: int = 16) -> list[int]:
         """Return the next NAV items from `seq` on, ignoring jumps."""
         following = range(max(seq, self.first), len(self.items))
-        return [at for at in following if self._navigates(self.items[at])][:most]
+        return [at for at in following if self._navigates(self.items[at])][:limit]
 
     def tagged(self, tag: float) -> int | None:
         """Return the item of a JUMP_TAG."""
