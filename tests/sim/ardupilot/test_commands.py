@@ -117,7 +117,7 @@ def test_disabled_payloads_fail() -> None:
         assert harness.command(command, 0, 1, 1) == RESULT.FAILED
 
 
-def test_invalid_numbers_do_no_harm() -> None:
+def test_invalid_numbers_raise_no_error() -> None:
     harness = ArdupilotHarness("copter")
     take_off(harness)
     excluded = {CMD.DO_FLIGHTTERMINATION, CMD.PREFLIGHT_REBOOT_SHUTDOWN}
@@ -142,7 +142,7 @@ def test_change_speed_in_flight() -> None:
     assert harness.vehicle.body.truth.velocity_north == pytest.approx(4, abs=0.7), "the chosen speed persists"
 
 
-def test_home_that_was_set_survives_arming() -> None:
+def test_commanded_home_survives_arming() -> None:
     harness = ArdupilotHarness("copter")
     harness.accepted(CMD.DO_SET_HOME, 0, 0, 0, 0, *harness.at(100, 0), 500, frame=common.MavFrame.GLOBAL)
     harness.accepted(CMD.COMPONENT_ARM_DISARM, 1)

@@ -41,47 +41,47 @@ class Case:
     armed: bool = True
     texts: tuple[str, ...] = ()
 
-    def prepare(self, one: VehicleHarness) -> None:
+    def prepare(self, harness: VehicleHarness) -> None:
         if self.before is not None:
-            self.before(one)
+            self.before(harness)
         if not self.arms:
             return
         if not self.grounded:
-            one.place_in_air(self.begin)
+            harness.place_in_air(self.begin)
             return
-        assert not one.autopilot.arm(force=True)
+        assert not harness.autopilot.arm(force=True)
         if self.begin is not None:
-            one.enter(self.begin)
+            harness.enter(self.begin)
 
-    def happen(self, one: VehicleHarness) -> None:
-        one.texts.clear_texts()
-        one.modes.clear()
-        one.inject(*self.faults)
+    def trigger(self, harness: VehicleHarness) -> None:
+        harness.texts.clear_texts()
+        harness.modes.clear()
+        harness.inject(*self.faults)
         if self.event is not None:
-            self.event(one)
+            self.event(harness)
 
 
 def run_cases(cases: Iterable[Case], firmware: str, seconds: float = 4.0) -> dict[str, VehicleHarness]:
     """Run all cases side by side."""
     simulation_harness = SimulationHarness()
     results: dict[str, VehicleHarness] = {}
-    known = list(cases)
-    for case in known:
+    all_cases = list(cases)
+    for case in all_cases:
         assert case.name not in results
         results[case.name] = simulation_harness.add(
             case.kind, firmware, **case.parameters
         ).without_telemetry()
         results[case.name].sends_heartbeats = case.sends_heartbeats
     simulation_harness.run(READY)
-    for case in known:
+    for case in all_cases:
         case.prepare(results[case.name])
     simulation_harness.run(SETTLED)
-    for case in known:
-        case.happen(results[case.name])
+    for case in all_cases:
+        case.trigger(results[case.name])
     simulation_harness.run(seconds)
     return results
 
 
-def stop_heartbeats(one: VehicleHarness) -> None:
+def stop_heartbeats(harness: VehicleHarness) -> None:
     """Stop the heartbeats of the ground station."""
-    one.sends_heartbeats = False
+    harness.sends_heartbeats = False

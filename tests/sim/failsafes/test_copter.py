@@ -18,24 +18,24 @@ def waypoint(latitude: float = 47.41) -> MissionItem:
     return MissionItem(CMD.NAV_WAYPOINT, param5=latitude, param6=8.5456, param7=30.0, frame=frame)
 
 
-def with_mission(one: VehicleHarness) -> None:
-    one.load(waypoint(), waypoint(47.42))
+def with_mission(harness: VehicleHarness) -> None:
+    harness.load(waypoint(), waypoint(47.42))
 
 
-def with_landing(one: VehicleHarness) -> None:
-    one.load(waypoint(), MissionItem(CMD.DO_LAND_START), waypoint(47.42))
+def with_landing(harness: VehicleHarness) -> None:
+    harness.load(waypoint(), MissionItem(CMD.DO_LAND_START), waypoint(47.42))
 
 
-def close_throttle(one: VehicleHarness) -> None:
-    one.autopilot.radio.move(3, 1000)
+def close_throttle(harness: VehicleHarness) -> None:
+    harness.autopilot.radio.move(3, 1000)
 
 
-def open_throttle(one: VehicleHarness) -> None:
-    one.autopilot.radio.move(3, 1500)
+def open_throttle(harness: VehicleHarness) -> None:
+    harness.autopilot.radio.move(3, 1500)
 
 
-def close_gripper(one: VehicleHarness) -> None:
-    one.autopilot.payload.grip(closed=True)
+def close_gripper(harness: VehicleHarness) -> None:
+    harness.autopilot.payload.grip(closed=True)
 
 
 def by_radio(value: int, mode: str, *texts: str, name: str = "", **more: object) -> Case:
@@ -92,7 +92,7 @@ CASES = [
     by_radio(9, "LAND", RADIO),
     by_radio(1, "AUTO", "Radio Failsafe - Continuing Auto", name="radio-in-auto", begin="AUTO",
              before=with_mission, parameters={"FS_OPTIONS": 1}),
-    by_radio(1, "RTL", RADIO, name="radio-in-auto-all-the-same", begin="AUTO", before=with_mission),
+    by_radio(1, "RTL", RADIO, name="radio-in-auto-without-option", begin="AUTO", before=with_mission),
     by_radio(1, "GUIDED", "Radio Failsafe - Continuing Guided Mode", name="radio-in-guided",
              parameters={"FS_OPTIONS": 4}),
     by_radio(1, "LAND", "Radio Failsafe - Continuing Landing", name="radio-landing", begin="LAND",
@@ -149,7 +149,7 @@ CASES = [
           faults=("battery sag 4", "radio off"), mode="LAND",
           texts=("Battery Failsafe", "Radio + Battery Failsafe - Continuing Landing")),
 ]  # fmt: skip
-CALM = {"radio-0", "ground-0", "battery-not-watched", "battery-disarmed"}
+WITHOUT_FAILSAFE = {"radio-0", "ground-0", "battery-not-watched", "battery-disarmed"}
 
 
 @pytest.fixture(scope="module")
@@ -158,34 +158,34 @@ def results() -> dict[str, VehicleHarness]:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
-    one = results[case.name]
-    assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)
-    assert set(case.texts) <= set(one.texts), list(one.texts)
-    if case.name in CALM:
-        assert not one.texts
-        assert not one.critical
+def test_failsafe_action_and_status_texts(results, case) -> None:
+    harness = results[case.name]
+    assert (harness.mode, harness.armed) == (case.mode, case.armed), list(harness.texts)
+    assert set(case.texts) <= set(harness.texts), list(harness.texts)
+    if case.name in WITHOUT_FAILSAFE:
+        assert not harness.texts
+        assert not harness.critical
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_the_state_is_critical_while_a_failsafe_is_active_on_an_armed_vehicle(results, case) -> None:
-    one = results[case.name]
-    assert one.critical == (one.armed and case.name not in CALM)
+def test_state_is_critical_while_a_failsafe_is_active_and_the_vehicle_armed(results, case) -> None:
+    harness = results[case.name]
+    assert harness.critical == (harness.armed and case.name not in WITHOUT_FAILSAFE)
 
 
-def test_a_low_battery_tells_what_it_measures(results) -> None:
+def test_low_battery_text_contains_voltage_and_charge(results) -> None:
     battery = results["battery-LOW-2"].texts.first("Battery 1 is low ")
     assert battery.endswith(" mAh")
     assert 11.0 < float(battery.split()[4].removesuffix("V")) < 14.0
     assert results["battery-CRT-2"].texts.first("Battery 1 is critical ")
 
 
-def test_the_gripper_lets_go(results) -> None:
+def test_fs_options_opens_the_gripper(results) -> None:
     assert not results["radio-gripper"].autopilot.payload.gripper_closed
     assert results["radio-no-gripper"].autopilot.payload.gripper_closed
 
 
-def test_where_there_is_no_way_home_it_lands() -> None:
+def test_lands_if_rtl_is_impossible() -> None:
     copter = airborne(mode="ALT_HOLD", FS_EKF_THRESH=0).inject("gps off")
     open_throttle(copter)
     copter.run(6).inject("radio off").run(2)
@@ -193,7 +193,7 @@ def test_where_there_is_no_way_home_it_lands() -> None:
     assert "Mode change to RTL failed: requires position" in copter.texts
 
 
-def test_when_radio_and_ground_are_back_it_says_so_and_goes_on_with_what_it_does() -> None:
+def test_recovery_is_reported_and_keeps_the_mode() -> None:
     copter = airborne(FS_THR_ENABLE=1, FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
     copter.inject("radio off")
     copter.sends_heartbeats = False
@@ -207,7 +207,7 @@ def test_when_radio_and_ground_are_back_it_says_so_and_goes_on_with_what_it_does
     assert not copter.critical
 
 
-def test_a_failsafe_acts_once_so_that_a_pilot_can_go_on() -> None:
+def test_failsafe_acts_once_and_allows_a_mode_change() -> None:
     copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
     copter.sends_heartbeats = False
     copter.run(4)
@@ -217,29 +217,29 @@ def test_a_failsafe_acts_once_so_that_a_pilot_can_go_on() -> None:
     assert copter.texts.count("GCS Failsafe") == 1
 
 
-def test_it_takes_as_long_as_the_parameters_say() -> None:
+def test_delays_follow_their_parameters() -> None:
     copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=4, RC_FS_TIMEOUT=1.5, BATT_FS_LOW_ACT=1)
-    begun = copter.vehicle.now
+    start = copter.vehicle.now
     copter.inject("radio off", "battery sag 4")
     copter.sends_heartbeats = False
     copter.run(11)
-    times = {text: copter.texts.time_of(text) - begun for text in ("Radio Failsafe", "GCS Failsafe")}
+    times = {text: copter.texts.time_of(text) - start for text in ("Radio Failsafe", "GCS Failsafe")}
     assert times["Radio Failsafe"] == pytest.approx(1.5, abs=0.2)
     assert 3 <= times["GCS Failsafe"] <= 4.2
     low = copter.texts.first("Battery 1 is low")
-    assert copter.texts.time_of(low) - begun == pytest.approx(10, abs=0.3)  # BATT_LOW_TIMER
+    assert copter.texts.time_of(low) - start == pytest.approx(10, abs=0.3)  # BATT_LOW_TIMER
 
 
-def test_only_the_station_of_sysid_mygcs_counts() -> None:
+def test_only_the_ground_station_of_sysid_mygcs_is_monitored() -> None:
     copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
     copter.source = Address(254, 190)
     copter.run(4)
     assert "GCS Failsafe" in copter.texts
-    stranger = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2, SYSID_MYGCS=7).run(4)
-    assert "GCS Failsafe" not in stranger.texts, "a station that was never there is not missed"
+    unconnected = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2, SYSID_MYGCS=7).run(4)
+    assert "GCS Failsafe" not in unconnected.texts, "a ground station that never connected is not lost"
 
 
-def test_it_comes_home_and_is_disarmed() -> None:
+def test_returns_home_and_disarms() -> None:
     copter = airborne(FS_THR_ENABLE=1, RTL_ALT=0, RTL_LOIT_TIME=0)
     copter.inject("radio off").run_until(lambda: not copter.armed, timeout=90)
     assert copter.autopilot.landed

@@ -19,15 +19,15 @@ def waypoint(latitude: float = 47.42) -> MissionItem:
     return MissionItem(CMD.NAV_WAYPOINT, param5=latitude, param6=8.5456, param7=150.0, frame=frame)
 
 
-def with_mission(one: VehicleHarness) -> None:
-    one.load(waypoint(), waypoint(47.43))
+def with_mission(harness: VehicleHarness) -> None:
+    harness.load(waypoint(), waypoint(47.43))
 
 
-def with_landing(one: VehicleHarness) -> None:
-    one.load(waypoint(), MissionItem(CMD.DO_LAND_START), waypoint(47.43))
+def with_landing(harness: VehicleHarness) -> None:
+    harness.load(waypoint(), MissionItem(CMD.DO_LAND_START), waypoint(47.43))
 
 
-def lost(name: str, begin: str, mode: str, *texts: str, **more: Any) -> Case:
+def radio_loss(name: str, begin: str, mode: str, *texts: str, **more: Any) -> Case:
     """Lose the radio for longer than both timeouts."""
     parameters = {"RC_FS_TIMEOUT": 0.5, "FS_SHORT_TIMEOUT": 1, "FS_LONG_TIMEOUT": 3}
     parameters |= more.pop("parameters", {})
@@ -35,20 +35,20 @@ def lost(name: str, begin: str, mode: str, *texts: str, **more: Any) -> Case:
     return Case(name, kind, parameters, ("radio off",), begin, mode=mode, texts=texts, **more)
 
 
-def short(name: str, begin: str, mode: str, *texts: str, action: int = 0, **more: Any) -> Case:
+def short_loss(name: str, begin: str, mode: str, *texts: str, action: int = 0, **more: Any) -> Case:
     """Lose the radio for longer than the short timeout only."""
     parameters = {"FS_LONG_TIMEOUT": 60, "FS_SHORT_ACTN": action, **more.pop("parameters", {})}
-    return lost(name, begin, mode, *texts, parameters=parameters, **more)
+    return radio_loss(name, begin, mode, *texts, parameters=parameters, **more)
 
 
-def long(name: str, begin: str, mode: str, *texts: str, action: int = 0, **more: Any) -> Case:
+def long_loss(name: str, begin: str, mode: str, *texts: str, action: int = 0, **more: Any) -> Case:
     parameters = {"FS_LONG_ACTN": action, **more.pop("parameters", {})}
-    return lost(
+    return radio_loss(
         name, begin, mode, f"RC Long Failsafe On: switched to {mode}", *texts, parameters=parameters, **more
     )
 
 
-def ground(
+def ground_loss(
     name: str, begin: str, mode: str, *texts: str, action: int = 0, enabled: int = 1, **more: Any
 ) -> Case:
     parameters = {"FS_GCS_ENABL": enabled, "FS_LONG_TIMEOUT": 2, "FS_LONG_ACTN": action}
@@ -82,38 +82,38 @@ def battery(name: str, mode: str, *texts: str, action: int, kind: str = "plane",
 
 TO_CIRCLE = "RC Short Failsafe: switched to CIRCLE"
 CASES = [
-    short("short-0", "FBWA", "CIRCLE", TO_CIRCLE, "Throttle failsafe on"),
-    short("short-1", "CRUISE", "CIRCLE", TO_CIRCLE, action=1),
-    short("short-2", "STABILIZE", "FBWA", "RC Short Failsafe: switched to FBWA", action=2),
-    short("short-3", "FBWA", "FBWA", "Throttle failsafe on", action=3),
-    short("short-4", "FBWA", "FBWB", "RC Short Failsafe: switched to FBWB", action=4),
-    short("short-guided-0", "GUIDED", "GUIDED", ON),
-    short("short-guided-1", "GUIDED", "CIRCLE", TO_CIRCLE, action=1),
-    short("short-auto-0", "AUTO", "AUTO", ON, before=with_mission),
-    short("short-auto-1", "AUTO", "CIRCLE", TO_CIRCLE, action=1, before=with_mission),
-    short("short-rtl", "RTL", "RTL", ON, action=1),
-    short("short-hovering", "QHOVER", "QLAND", "RC Short Failsafe: switched to QLAND", kind="vtol"),
-    short("short-hovering-qrtl", "QHOVER", "QRTL", kind="vtol", parameters={"Q_OPTIONS": 32}),
-    short("short-hovering-rtl", "QHOVER", "RTL", kind="vtol", parameters={"Q_OPTIONS": 1 << 20}),
-    long("long-0", "FBWA", "RTL"),
-    long("long-1", "MANUAL", "RTL", action=1),
-    long("long-2", "CRUISE", "FBWA", action=2),
-    long("long-4", "FBWB", "AUTO", action=4, before=with_mission),
-    long("long-guided-0", "GUIDED", "GUIDED"),
-    long("long-guided-1", "GUIDED", "RTL", action=1),
-    long("long-guided-2", "GUIDED", "FBWA", action=2),
-    long("long-auto-0", "AUTO", "AUTO", before=with_mission),
-    long("long-auto-1", "AUTO", "RTL", action=1, before=with_mission),
-    long("long-loiter", "LOITER", "RTL"),
-    long("long-hovering", "QHOVER", "QLAND", kind="vtol"),
-    lost("off", "FBWA", "FBWA", parameters={"THR_FAILSAFE": 0}),
-    lost("on-without-action", "FBWA", "FBWA", parameters={"THR_FAILSAFE": 2}),
-    ground("ground-0", "FBWA", "FBWA", enabled=0),
-    ground("ground-1", "FBWA", "RTL", "GCS Failsafe On: switched to RTL"),
-    ground("ground-guided", "GUIDED", "GUIDED", "GCS Failsafe On: switched to GUIDED"),
-    ground("ground-guided-1", "GUIDED", "RTL", "GCS Failsafe On: switched to RTL", action=1),
-    ground("ground-only-auto", "FBWA", "FBWA", enabled=3),
-    ground("ground-auto", "AUTO", "RTL", "GCS Failsafe On: switched to RTL", action=1, enabled=3,
+    short_loss("short-0", "FBWA", "CIRCLE", TO_CIRCLE, "Throttle failsafe on"),
+    short_loss("short-1", "CRUISE", "CIRCLE", TO_CIRCLE, action=1),
+    short_loss("short-2", "STABILIZE", "FBWA", "RC Short Failsafe: switched to FBWA", action=2),
+    short_loss("short-3", "FBWA", "FBWA", "Throttle failsafe on", action=3),
+    short_loss("short-4", "FBWA", "FBWB", "RC Short Failsafe: switched to FBWB", action=4),
+    short_loss("short-guided-0", "GUIDED", "GUIDED", ON),
+    short_loss("short-guided-1", "GUIDED", "CIRCLE", TO_CIRCLE, action=1),
+    short_loss("short-auto-0", "AUTO", "AUTO", ON, before=with_mission),
+    short_loss("short-auto-1", "AUTO", "CIRCLE", TO_CIRCLE, action=1, before=with_mission),
+    short_loss("short-rtl", "RTL", "RTL", ON, action=1),
+    short_loss("short-hovering", "QHOVER", "QLAND", "RC Short Failsafe: switched to QLAND", kind="vtol"),
+    short_loss("short-hovering-qrtl", "QHOVER", "QRTL", kind="vtol", parameters={"Q_OPTIONS": 32}),
+    short_loss("short-hovering-rtl", "QHOVER", "RTL", kind="vtol", parameters={"Q_OPTIONS": 1 << 20}),
+    long_loss("long-0", "FBWA", "RTL"),
+    long_loss("long-1", "MANUAL", "RTL", action=1),
+    long_loss("long-2", "CRUISE", "FBWA", action=2),
+    long_loss("long-4", "FBWB", "AUTO", action=4, before=with_mission),
+    long_loss("long-guided-0", "GUIDED", "GUIDED"),
+    long_loss("long-guided-1", "GUIDED", "RTL", action=1),
+    long_loss("long-guided-2", "GUIDED", "FBWA", action=2),
+    long_loss("long-auto-0", "AUTO", "AUTO", before=with_mission),
+    long_loss("long-auto-1", "AUTO", "RTL", action=1, before=with_mission),
+    long_loss("long-loiter", "LOITER", "RTL"),
+    long_loss("long-hovering", "QHOVER", "QLAND", kind="vtol"),
+    radio_loss("off", "FBWA", "FBWA", parameters={"THR_FAILSAFE": 0}),
+    radio_loss("on-without-action", "FBWA", "FBWA", parameters={"THR_FAILSAFE": 2}),
+    ground_loss("ground-0", "FBWA", "FBWA", enabled=0),
+    ground_loss("ground-1", "FBWA", "RTL", "GCS Failsafe On: switched to RTL"),
+    ground_loss("ground-guided", "GUIDED", "GUIDED", "GCS Failsafe On: switched to GUIDED"),
+    ground_loss("ground-guided-1", "GUIDED", "RTL", "GCS Failsafe On: switched to RTL", action=1),
+    ground_loss("ground-only-auto", "FBWA", "FBWA", enabled=3),
+    ground_loss("ground-auto", "AUTO", "RTL", "GCS Failsafe On: switched to RTL", action=1, enabled=3,
            before=with_mission),
     battery("battery-0", "GUIDED", action=0),
     battery("battery-1", "RTL", action=1),
@@ -126,7 +126,7 @@ CASES = [
     battery("battery-7", "RTL", action=7),
     battery("battery-landing", "QLAND", action=1, kind="vtol", begin="QLAND"),
 ]  # fmt: skip
-SILENT = {"off", "on-without-action", "ground-0", "ground-only-auto"}
+WITHOUT_TEXTS = {"off", "on-without-action", "ground-0", "ground-only-auto"}
 
 
 @pytest.fixture(scope="module")
@@ -135,16 +135,16 @@ def results() -> dict[str, VehicleHarness]:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
-    one = results[case.name]
-    assert one.mode == case.mode, list(one.texts)
-    assert one.armed
-    assert set(case.texts) <= set(one.texts), list(one.texts)
-    assert bool(one.texts) == (case.name not in SILENT), list(one.texts)
-    assert one.critical == (case.name not in SILENT)
+def test_failsafe_action_and_status_texts(results, case) -> None:
+    harness = results[case.name]
+    assert harness.mode == case.mode, list(harness.texts)
+    assert harness.armed
+    assert set(case.texts) <= set(harness.texts), list(harness.texts)
+    assert bool(harness.texts) == (case.name not in WITHOUT_TEXTS), list(harness.texts)
+    assert harness.critical == (case.name not in WITHOUT_TEXTS)
 
 
-def test_the_mode_before_is_restored_when_the_radio_is_back() -> None:
+def test_short_failsafe_restores_the_mode() -> None:
     plane = airborne("plane", mode="CRUISE", FS_SHORT_TIMEOUT=1).inject("radio off").run(2)
     assert plane.mode == "CIRCLE"
     plane.inject("radio on").run(0.5)
@@ -152,14 +152,14 @@ def test_the_mode_before_is_restored_when_the_radio_is_back() -> None:
     assert {"Throttle failsafe off", CLEARED, "Flight mode CRUISE restored"} <= set(plane.texts)
 
 
-def test_a_mode_that_somebody_chose_meanwhile_stays() -> None:
+def test_mode_chosen_during_a_short_failsafe_is_kept() -> None:
     plane = airborne("plane", mode="CRUISE", FS_SHORT_TIMEOUT=1).inject("radio off").run(2)
     plane.enter("LOITER").inject("radio on").run(0.5)
     assert plane.mode == "LOITER"
     assert CLEARED in plane.texts
 
 
-def test_after_the_long_failsafe_it_stays_on_its_way_home() -> None:
+def test_long_failsafe_keeps_rtl_after_recovery() -> None:
     plane = airborne("plane", mode="FBWA", FS_SHORT_TIMEOUT=1, FS_LONG_TIMEOUT=2).inject("radio off").run(3)
     plane.inject("radio on").run(0.5)
     assert plane.mode == "RTL"
@@ -167,7 +167,7 @@ def test_after_the_long_failsafe_it_stays_on_its_way_home() -> None:
     assert not plane.critical
 
 
-def test_the_ground_station_is_back() -> None:
+def test_ground_station_recovery_is_reported() -> None:
     plane = airborne("plane", mode="FBWA", FS_GCS_ENABL=1, FS_LONG_TIMEOUT=2)
     plane.sends_heartbeats = False
     plane.run(4)
@@ -177,7 +177,7 @@ def test_the_ground_station_is_back() -> None:
     assert plane.texts[-1] == "GCS Failsafe Cleared"
 
 
-def test_flight_termination_by_the_battery_where_it_is_enabled() -> None:
+def test_critical_battery_terminates_the_flight_with_afs_enable() -> None:
     plane = airborne("plane", BATT_FS_CRT_ACT=3, BATT_LOW_TIMER=1, BATT_CRT_VOLT=14, AFS_ENABLE=1)
     plane.inject("battery sag 6").run(2)
     assert "Terminating due to critical battery" in plane.texts

@@ -17,11 +17,11 @@ DESCEND = "Failsafe activated: Autopilot disengaged, switching to Descend"
 OFF = ("gps off",)
 
 
-def open_throttle(one: VehicleHarness) -> None:
-    one.autopilot.radio.move(3, 1500)
+def open_throttle(harness: VehicleHarness) -> None:
+    harness.autopilot.radio.move(3, 1500)
 
 
-def lost(
+def gps_loss(
     name: str,
     kind: str,
     mode: str,
@@ -44,42 +44,42 @@ def lost(
 
 
 ARDUPILOT = [
-    lost("copter-land", "copter", "LAND", GLITCH, VARIANCE, TO_LAND, "EKF3 IMU0 stopped aiding"),
-    lost("copter-land-1", "copter", "LAND", VARIANCE, TO_LAND, action=1, begin="RTL"),
-    lost("copter-alt-hold", "copter", "ALT_HOLD", VARIANCE, TO_ALT_HOLD, action=2, before=open_throttle),
-    lost("copter-alt-hold-without-radio", "copter", "LAND", VARIANCE, TO_LAND, action=2,
+    gps_loss("copter-land", "copter", "LAND", GLITCH, VARIANCE, TO_LAND, "EKF3 IMU0 stopped aiding"),
+    gps_loss("copter-land-1", "copter", "LAND", VARIANCE, TO_LAND, action=1, begin="RTL"),
+    gps_loss("copter-alt-hold", "copter", "ALT_HOLD", VARIANCE, TO_ALT_HOLD, action=2, before=open_throttle),
+    gps_loss("copter-alt-hold-without-radio", "copter", "LAND", VARIANCE, TO_LAND, action=2,
          faults=("gps off", "radio off"), parameters={"FS_THR_ENABLE": 1, "RC_FS_TIMEOUT": 1}),
-    lost("copter-by-hand", "copter", "STABILIZE", VARIANCE, begin="STABILIZE", before=open_throttle),
-    lost("copter-land-even-by-hand", "copter", "LAND", VARIANCE, TO_LAND, begin="STABILIZE", action=3,
+    gps_loss("copter-by-hand", "copter", "STABILIZE", VARIANCE, begin="STABILIZE", before=open_throttle),
+    gps_loss("copter-land-even-by-hand", "copter", "LAND", VARIANCE, TO_LAND, begin="STABILIZE", action=3,
          before=open_throttle),
-    lost("copter-disabled", "copter", "GUIDED", GLITCH, parameters={"FS_EKF_THRESH": 0}),
-    lost("copter-disarmed", "copter", "STABILIZE", GLITCH, VARIANCE, arms=False, armed=False),
-    lost("copter-compass", "copter", "LAND", GLITCH, VARIANCE, TO_LAND, faults=("compass 120",)),
-    lost("copter-compass-a-little", "copter", "GUIDED", faults=("compass 20",)),
-    lost("rover-hold", "rover", "HOLD", VARIANCE, FAILSAFE),
-    lost("rover-0", "rover", "GUIDED", VARIANCE, action=0),
-    lost("rover-report", "rover", "GUIDED", VARIANCE, FAILSAFE, action=2),
-    lost("rover-by-hand", "rover", "MANUAL", VARIANCE, begin="MANUAL"),
-    lost("rover-disarmed", "rover", "HOLD", begin="HOLD", arms=False, armed=False),
-    lost("boat-hold", "boat", "HOLD", VARIANCE, FAILSAFE),
-    lost("vtol-hovering", "vtol", "QHOVER", VARIANCE, begin="QLOITER", before=open_throttle),
-    lost("plane", "plane", "LOITER", "EKF3 IMU0 stopped aiding", begin="LOITER"),
+    gps_loss("copter-disabled", "copter", "GUIDED", GLITCH, parameters={"FS_EKF_THRESH": 0}),
+    gps_loss("copter-disarmed", "copter", "STABILIZE", GLITCH, VARIANCE, arms=False, armed=False),
+    gps_loss("copter-compass", "copter", "LAND", GLITCH, VARIANCE, TO_LAND, faults=("compass 120",)),
+    gps_loss("copter-compass-a-little", "copter", "GUIDED", faults=("compass 20",)),
+    gps_loss("rover-hold", "rover", "HOLD", VARIANCE, FAILSAFE),
+    gps_loss("rover-0", "rover", "GUIDED", VARIANCE, action=0),
+    gps_loss("rover-report", "rover", "GUIDED", VARIANCE, FAILSAFE, action=2),
+    gps_loss("rover-by-hand", "rover", "MANUAL", VARIANCE, begin="MANUAL"),
+    gps_loss("rover-disarmed", "rover", "HOLD", begin="HOLD", arms=False, armed=False),
+    gps_loss("boat-hold", "boat", "HOLD", VARIANCE, FAILSAFE),
+    gps_loss("vtol-hovering", "vtol", "QHOVER", VARIANCE, begin="QLOITER", before=open_throttle),
+    gps_loss("plane", "plane", "LOITER", "EKF3 IMU0 stopped aiding", begin="LOITER"),
 ]  # fmt: skip
-for _scene in ARDUPILOT:
-    if _scene.name == "rover-disarmed":
-        _scene.mode = "MANUAL"
+for _case in ARDUPILOT:
+    if _case.name == "rover-disarmed":
+        _case.mode = "MANUAL"
 PX4 = [
-    lost("copter", "copter", "Descend", DESCEND, "Failsafe activated"),
-    lost("copter-return", "copter", "Descend", DESCEND, begin="Return"),
-    lost("copter-land", "copter", "Descend", DESCEND, begin="Land"),
-    lost("copter-terminate", "copter", "Termination", "Failsafe activated", armed=False,
+    gps_loss("copter", "copter", "Descend", DESCEND, "Failsafe activated"),
+    gps_loss("copter-return", "copter", "Descend", DESCEND, begin="Return"),
+    gps_loss("copter-land", "copter", "Descend", DESCEND, begin="Land"),
+    gps_loss("copter-terminate", "copter", "Termination", "Failsafe activated", armed=False,
          parameters={"COM_POS_FS_ACT": 1}),
-    lost("copter-disarmed", "copter", "Hold", arms=False, armed=False),
-    lost("plane", "plane", "Descend", DESCEND),
-    lost("vtol", "vtol", "Descend", DESCEND),
-    lost("rover", "rover", "Descend", DESCEND),
-    lost("boat", "boat", "Descend", DESCEND),
-    lost("sub", "sub", "Descend", DESCEND),
+    gps_loss("copter-disarmed", "copter", "Hold", arms=False, armed=False),
+    gps_loss("plane", "plane", "Descend", DESCEND),
+    gps_loss("vtol", "vtol", "Descend", DESCEND),
+    gps_loss("rover", "rover", "Descend", DESCEND),
+    gps_loss("boat", "boat", "Descend", DESCEND),
+    gps_loss("sub", "sub", "Descend", DESCEND),
 ]  # fmt: skip
 
 
@@ -93,45 +93,45 @@ def px4() -> dict[str, VehicleHarness]:
     return run_cases(PX4, "px4", 7.0)
 
 
-def check(one: VehicleHarness, case: Case) -> None:
-    assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)
-    assert set(case.texts) <= set(one.texts), list(one.texts)
+def check(harness: VehicleHarness, case: Case) -> None:
+    assert (harness.mode, harness.armed) == (case.mode, case.armed), list(harness.texts)
+    assert set(case.texts) <= set(harness.texts), list(harness.texts)
 
 
 @pytest.mark.parametrize("case", ARDUPILOT, ids=lambda case: case.name)
-def test_without_a_position_an_ardupilot_does_what_fs_ekf_action_says(ardupilot, case) -> None:
-    one = ardupilot[case.name]
-    check(one, case)
-    watched = {"copter-disabled", "copter-compass-a-little", "plane"}
-    assert one.critical == (one.armed and case.name not in watched)
+def test_ardupilot_executes_fs_ekf_action(ardupilot, case) -> None:
+    harness = ardupilot[case.name]
+    check(harness, case)
+    without_failsafe = {"copter-disabled", "copter-compass-a-little", "plane"}
+    assert harness.critical == (harness.armed and case.name not in without_failsafe)
 
 
 @pytest.mark.parametrize("case", PX4, ids=lambda case: case.name)
-def test_without_a_position_a_px4_descends(px4, case) -> None:
+def test_px4_descends_without_a_position(px4, case) -> None:
     check(px4[case.name], case)
     assert px4[case.name].critical == case.armed
 
 
 def test_ardupilot_acts_six_seconds_after_the_last_fix() -> None:
     copter = airborne()
-    begun = copter.vehicle.now
+    start = copter.vehicle.now
     copter.inject("gps off").run(7)
-    assert copter.texts.time_of(VARIANCE) - begun == pytest.approx(6.0, abs=0.3)
+    assert copter.texts.time_of(VARIANCE) - start == pytest.approx(6.0, abs=0.3)
     assert copter.texts.time_of(GLITCH) < copter.texts.time_of(VARIANCE)
 
 
-def test_when_the_position_is_back_ardupilot_says_so_and_goes_on_landing() -> None:
+def test_ardupilot_reports_recovery_and_keeps_the_mode() -> None:
     copter, rover = airborne(), airborne("rover")
-    for one in (copter, rover):
-        one.inject("gps off").run(7).inject("gps on").run(2.5)
-        assert not one.critical
+    for harness in (copter, rover):
+        harness.inject("gps off").run(7).inject("gps on").run(2.5)
+        assert not harness.critical
     assert {"EKF Failsafe Cleared", CLEARED, "EKF3 IMU0 is using GPS"} <= set(copter.texts)
     assert copter.mode == "LAND"
     assert rover.texts[-1] == "EKF failsafe cleared"
     assert rover.mode == "HOLD"
 
 
-def test_when_the_position_is_back_px4_goes_on_with_what_it_was_to_do() -> None:
+def test_px4_resumes_the_chosen_mode_after_recovery() -> None:
     copter = airborne("copter", "px4").inject("gps off").run(6)
     assert copter.mode == "Descend"
     copter.inject("gps on").run(1)
@@ -139,7 +139,7 @@ def test_when_the_position_is_back_px4_goes_on_with_what_it_was_to_do() -> None:
     assert not copter.critical
 
 
-def test_a_px4_with_a_pilot_is_given_into_his_hands() -> None:
+def test_px4_with_manual_control_enters_altitude_mode() -> None:
     from mavstack.dialects import common
 
     copter = airborne("copter", "px4")
@@ -149,33 +149,35 @@ def test_a_px4_with_a_pilot_is_given_into_his_hands() -> None:
     assert "Failsafe activated: Autopilot disengaged, switching to Altitude mode" in copter.texts
 
 
-def test_what_lands_without_a_position_comes_down_and_is_disarmed() -> None:
+def test_copter_lands_and_disarms_without_a_position() -> None:
     copter = airborne().inject("gps off")
     copter.run_until(lambda: not copter.armed, timeout=90)
     assert copter.autopilot.landed
 
 
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
-def test_a_vehicle_follows_a_receiver_that_is_led_astray(firmware) -> None:
+def test_vehicle_follows_a_spoofed_gps(firmware) -> None:
     copter = airborne("copter", firmware)
-    believed = copter.vehicle.body.estimate
+    before = copter.vehicle.body.estimate
     copter.inject("gps spoof 60 -30").run(25)
     truth, estimate = copter.vehicle.body.truth, copter.vehicle.body.estimate
-    assert hypot(truth.north + 60, truth.east - 30) < 8, "it flies away"
-    assert hypot(estimate.north - believed.north, estimate.east - believed.east) < 8, "and does not know it"
+    assert hypot(truth.north + 60, truth.east - 30) < 8, "the vehicle follows the offset"
+    assert hypot(estimate.north - before.north, estimate.east - before.east) < 8, (
+        "the estimate does not change"
+    )
     assert copter.mode == ("GUIDED" if firmware == "ardupilot" else "Hold")
     if firmware == "ardupilot":
         assert copter.texts.index(GLITCH) < copter.texts.index(CLEARED)
 
 
-def test_while_it_jumps_the_estimate_does_not_fit() -> None:
+def test_gps_jump_raises_the_position_variance() -> None:
     copter = airborne()
     assert copter.vehicle.body.health.position_variance < 0.5
     copter.inject("gps spoof 60 0").run(0.2)
     assert copter.vehicle.body.health.position_variance > 5
 
 
-def test_a_quad_that_loses_a_motor_comes_down_and_a_copter_notices() -> None:
+def test_motor_failure_is_detected_as_thrust_loss_and_crash() -> None:
     copter = airborne().inject("motor 2 off")
     copter.run_until(lambda: not copter.armed, timeout=30)
     assert copter.texts.index("Potential Thrust Loss (2)") < copter.texts.index(copter.texts.first("Crash: "))
@@ -184,21 +186,21 @@ def test_a_quad_that_loses_a_motor_comes_down_and_a_copter_notices() -> None:
     assert copter.vehicle.body.on_ground
 
 
-def test_without_the_crash_check_it_stays_armed() -> None:
+def test_stays_armed_without_fs_crash_check() -> None:
     copter = airborne(FS_CRASH_CHECK=0).inject("motor 2 off").run(14)
     assert copter.vehicle.body.on_ground
     assert copter.armed
     assert not copter.texts.first("Crash")
 
 
-def test_a_gentle_landing_is_no_crash() -> None:
+def test_gentle_landing_is_no_crash() -> None:
     copter = airborne(mode="LAND", LAND_SPEED=150)
     copter.run_until(lambda: not copter.armed, timeout=60)
     assert not copter.texts.first("Crash")
     assert not copter.texts.first("Potential")
 
 
-def test_on_the_ground_without_gps_arming_is_refused() -> None:
+def test_arming_without_gps_is_refused() -> None:
     copter = grounded("copter", "ardupilot")
     copter.enter("GUIDED").inject("gps off").run(7)
     assert "Arm: Need Position Estimate" in copter.autopilot.arm()

@@ -16,36 +16,43 @@ STATION, STATION_BACK = "Connection to ground station lost", "GCS connection reg
 DELAYED = "Failsafe activated: entering Hold for 2 seconds"
 
 
-def with_mission(one: VehicleHarness) -> None:
+def with_mission(harness: VehicleHarness) -> None:
     frame = common.MavFrame.GLOBAL_RELATIVE_ALT
     home = MissionItem(CMD.NAV_WAYPOINT, param5=47.41, param6=8.5456, param7=50.0, frame=frame)
-    one.load(home, MissionItem(CMD.NAV_WAYPOINT, param5=47.42, param6=8.5456, param7=50.0, frame=frame))
+    harness.load(home, MissionItem(CMD.NAV_WAYPOINT, param5=47.42, param6=8.5456, param7=50.0, frame=frame))
 
 
-def hold_sticks(one: VehicleHarness) -> None:
-    one.repeated_message = lambda: common.ManualControl(
-        target=one.vehicle.address.system, x=0, y=0, z=500, r=0
+def hold_sticks(harness: VehicleHarness) -> None:
+    harness.repeated_message = lambda: common.ManualControl(
+        target=harness.vehicle.address.system, x=0, y=0, z=500, r=0
     )
 
 
-def let_go(one: VehicleHarness) -> None:
-    one.repeated_message = None
+def release_sticks(harness: VehicleHarness) -> None:
+    harness.repeated_message = None
 
 
-def sticks(name: str, mode: str, *texts: str, act: int = 2, **more: Any) -> Case:
-    """Hold the sticks, and let go."""
-    parameters = {"NAV_RCL_ACT": act, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
+def stick_loss(name: str, mode: str, *texts: str, action: int = 2, **more: Any) -> Case:
+    """Return a case in which stick input stops."""
+    parameters = {"NAV_RCL_ACT": action, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
     more = {"before": hold_sticks, "begin": "Position", **more}
-    return Case(name, more.pop("kind", "copter"), parameters, event=let_go, mode=mode, texts=texts, **more)
+    return Case(
+        name, more.pop("kind", "copter"), parameters, event=release_sticks, mode=mode, texts=texts, **more
+    )
 
 
-def both(one: VehicleHarness) -> None:
-    with_mission(one)
-    hold_sticks(one)
+def with_mission_and_sticks(harness: VehicleHarness) -> None:
+    with_mission(harness)
+    hold_sticks(harness)
 
 
-def station(name: str, mode: str, *texts: str, act: int, **more: Any) -> Case:
-    parameters = {"NAV_DLL_ACT": act, "COM_DL_LOSS_T": 1, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
+def station_loss(name: str, mode: str, *texts: str, action: int, **more: Any) -> Case:
+    parameters = {
+        "NAV_DLL_ACT": action,
+        "COM_DL_LOSS_T": 1,
+        "COM_FAIL_ACT_T": 0,
+        **more.pop("parameters", {}),
+    }
     kind = more.pop("kind", "copter")
     return Case(
         name,
@@ -59,8 +66,8 @@ def station(name: str, mode: str, *texts: str, act: int, **more: Any) -> Case:
     )
 
 
-def battery(name: str, mode: str, percent: float, *texts: str, act: int = 3, **more: Any) -> Case:
-    parameters = {"COM_LOW_BAT_ACT": act, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
+def battery(name: str, mode: str, percent: float, *texts: str, action: int = 3, **more: Any) -> Case:
+    parameters = {"COM_LOW_BAT_ACT": action, "COM_FAIL_ACT_T": 0, **more.pop("parameters", {})}
     kind = more.pop("kind", "copter")
     return Case(
         name,
@@ -74,87 +81,77 @@ def battery(name: str, mode: str, percent: float, *texts: str, act: int = 3, **m
     )
 
 
-def no_position(name: str, mode: str, *texts: str, **more: Any) -> Case:
-    return Case(
-        name,
-        more.pop("kind", "copter"),
-        more.pop("parameters", {}),
-        ("gps off",),
-        mode=mode,
-        texts=texts,
-        **more,
-    )
-
-
 LOW, LAND_NOW = "Low battery level, return advised", "Critical battery level, land now"
 AT_ONCE = "Emergency battery level, land immediately"
 TERMINATED = common.MavState.FLIGHT_TERMINATION
 CASES = [
-    sticks("sticks-0", "Position", "Manual control lost", act=0),
-    sticks("sticks-1", "Hold", ACTIVATED, "Manual control loss: switching to Hold", act=1),
-    sticks("sticks-2", "Return", ACTIVATED, "Manual control loss: switching to RTL", act=2),
-    sticks("sticks-3", "Land", ACTIVATED, "Manual control loss: switching to Land", act=3),
-    sticks("sticks-5", "Termination", ACTIVATED, "Manual control loss: switching to terminate", act=5,
+    stick_loss("sticks-0", "Position", "Manual control lost", action=0),
+    stick_loss("sticks-1", "Hold", ACTIVATED, "Manual control loss: switching to Hold", action=1),
+    stick_loss("sticks-2", "Return", ACTIVATED, "Manual control loss: switching to RTL", action=2),
+    stick_loss("sticks-3", "Land", ACTIVATED, "Manual control loss: switching to Land", action=3),
+    stick_loss("sticks-5", "Termination", ACTIVATED, "Manual control loss: switching to terminate", action=5,
            armed=False),
-    sticks("sticks-6", "Position", "Disarmed by failsafe", "Manual control loss: switching to disarm", act=6,
-           armed=False),
-    sticks("sticks-plane", "Return", ACTIVATED, kind="plane"),
-    sticks("sticks-vtol", "Return", ACTIVATED, kind="vtol"),
-    sticks("sticks-rover", "Return", ACTIVATED, kind="rover"),
-    sticks("sticks-sub", "Hold", ACTIVATED, act=1, kind="sub"),
-    sticks("sticks-mission", "Return", ACTIVATED, begin="Mission", before=both),
-    sticks("sticks-mission-excepted", "Mission", begin="Mission", before=both,
+    stick_loss("sticks-6", "Position", "Disarmed by failsafe",
+               "Manual control loss: switching to disarm", action=6, armed=False),
+    stick_loss("sticks-plane", "Return", ACTIVATED, kind="plane"),
+    stick_loss("sticks-vtol", "Return", ACTIVATED, kind="vtol"),
+    stick_loss("sticks-rover", "Return", ACTIVATED, kind="rover"),
+    stick_loss("sticks-sub", "Hold", ACTIVATED, action=1, kind="sub"),
+    stick_loss("sticks-mission", "Return", ACTIVATED, begin="Mission", before=with_mission_and_sticks),
+    stick_loss("sticks-mission-excepted", "Mission", begin="Mission", before=with_mission_and_sticks,
            parameters={"COM_RCL_EXCEPT": 1}),
-    sticks("sticks-hold-excepted", "Hold", begin="Hold", parameters={"COM_RCL_EXCEPT": 2}),
-    sticks("sticks-not-looked-at", "Hold", begin="Hold", parameters={"COM_RC_IN_MODE": 4}),
-    sticks("sticks-patience", "Position", parameters={"COM_RC_LOSS_T": 30}),
-    sticks("sticks-disarmed", "Hold", arms=False, armed=False),
-    sticks("sticks-lost-before", "Hold", begin="Hold", before=None),
-    sticks("sticks-later", "Return", "Manual control loss: switching to RTL in 2 seconds", DELAYED, ACTIVATED,
-           parameters={"COM_FAIL_ACT_T": 2}),
-    sticks("sticks-now-holds", "Hold", "Failsafe activated: entering Hold for 30 seconds",
+    stick_loss("sticks-hold-excepted", "Hold", begin="Hold", parameters={"COM_RCL_EXCEPT": 2}),
+    stick_loss("sticks-not-monitored", "Hold", begin="Hold", parameters={"COM_RC_IN_MODE": 4}),
+    stick_loss("sticks-long-timeout", "Position", parameters={"COM_RC_LOSS_T": 30}),
+    stick_loss("sticks-disarmed", "Hold", arms=False, armed=False),
+    stick_loss("sticks-never-received", "Hold", begin="Hold", before=None),
+    stick_loss("sticks-later", "Return", "Manual control loss: switching to RTL in 2 seconds", DELAYED,
+               ACTIVATED, parameters={"COM_FAIL_ACT_T": 2}),
+    stick_loss("sticks-delayed", "Hold", "Failsafe activated: entering Hold for 30 seconds",
            parameters={"COM_FAIL_ACT_T": 30}),
-    station("station-0", "Hold", act=0),
-    station("station-1", "Hold", ACTIVATED, "GCS connection loss: switching to Hold", act=1, begin="Return"),
-    station("station-2", "Return", ACTIVATED, "GCS connection loss: switching to RTL", act=2),
-    station("station-3", "Land", ACTIVATED, "GCS connection loss: switching to Land", act=3),
-    station("station-5", "Termination", ACTIVATED, act=5, armed=False),
-    station("station-6", "Hold", ACTIVATED, "Disarmed by failsafe", act=6, armed=False),
-    station("station-plane", "Return", ACTIVATED, act=2, kind="plane"),
-    station("station-rover", "Return", ACTIVATED, act=2, kind="rover"),
-    station("station-landing", "Land", act=2, begin="Land"),
-    station("station-returning", "Return", "Failsafe warning: GCS connection loss", act=2, begin="Return"),
-    station("station-mission", "Return", ACTIVATED, act=2, begin="Mission", before=with_mission),
-    station("station-mission-excepted", "Mission", act=2, begin="Mission", before=with_mission,
+    station_loss("station-0", "Hold", action=0),
+    station_loss("station-1", "Hold", ACTIVATED, "GCS connection loss: switching to Hold", action=1,
+                 begin="Return"),
+    station_loss("station-2", "Return", ACTIVATED, "GCS connection loss: switching to RTL", action=2),
+    station_loss("station-3", "Land", ACTIVATED, "GCS connection loss: switching to Land", action=3),
+    station_loss("station-5", "Termination", ACTIVATED, action=5, armed=False),
+    station_loss("station-6", "Hold", ACTIVATED, "Disarmed by failsafe", action=6, armed=False),
+    station_loss("station-plane", "Return", ACTIVATED, action=2, kind="plane"),
+    station_loss("station-rover", "Return", ACTIVATED, action=2, kind="rover"),
+    station_loss("station-landing", "Land", action=2, begin="Land"),
+    station_loss("station-returning", "Return", "Failsafe warning: GCS connection loss", action=2,
+                 begin="Return"),
+    station_loss("station-mission", "Return", ACTIVATED, action=2, begin="Mission", before=with_mission),
+    station_loss("station-mission-excepted", "Mission", action=2, begin="Mission", before=with_mission,
             parameters={"COM_DLL_EXCEPT": 1}),
-    station("station-disarmed", "Hold", act=2, arms=False, armed=False),
-    station("station-later", "Return", DELAYED, ACTIVATED, act=2, parameters={"COM_FAIL_ACT_T": 2}),
+    station_loss("station-disarmed", "Hold", action=2, arms=False, armed=False),
+    station_loss("station-later", "Return", DELAYED, ACTIVATED, action=2, parameters={"COM_FAIL_ACT_T": 2}),
     battery("battery-low", "Hold", 12, LOW),
-    battery("critical-0", "Hold", 6.5, LAND_NOW, act=0),
-    battery("critical-1", "Return", 6.5, "Critical battery level: switching to RTL", act=1),
-    battery("critical-2", "Land", 6.5, "Critical battery level: switching to Land", act=2),
-    battery("critical-3", "Return", 6.5, ACTIVATED, act=3),
-    battery("critical-4", "Return", 6.5, ACTIVATED, act=4),
-    battery("emergency-0", "Hold", 4, AT_ONCE, act=0),
-    battery("emergency-1", "Return", 4, "Emergency battery level: switching to RTL", act=1),
-    battery("emergency-2", "Land", 4, "Emergency battery level: switching to Land", act=2),
-    battery("emergency-3", "Land", 4, ACTIVATED, act=3),
-    battery("emergency-4", "Termination", 4, "Emergency battery level: switching to terminate", act=4,
+    battery("critical-0", "Hold", 6.5, LAND_NOW, action=0),
+    battery("critical-1", "Return", 6.5, "Critical battery level: switching to RTL", action=1),
+    battery("critical-2", "Land", 6.5, "Critical battery level: switching to Land", action=2),
+    battery("critical-3", "Return", 6.5, ACTIVATED, action=3),
+    battery("critical-4", "Return", 6.5, ACTIVATED, action=4),
+    battery("emergency-0", "Hold", 4, AT_ONCE, action=0),
+    battery("emergency-1", "Return", 4, "Emergency battery level: switching to RTL", action=1),
+    battery("emergency-2", "Land", 4, "Emergency battery level: switching to Land", action=2),
+    battery("emergency-3", "Land", 4, ACTIVATED, action=3),
+    battery("emergency-4", "Termination", 4, "Emergency battery level: switching to terminate", action=4,
             armed=False),
     battery("critical-plane", "Return", 6.5, ACTIVATED, kind="plane"),
     battery("critical-landing", "Land", 6.5, LAND_NOW, begin="Land"),
     battery("battery-disarmed", "Hold", 4, arms=False, armed=False),
     battery("battery-threshold", "Return", 40, ACTIVATED, parameters={"BAT_CRIT_THR": 0.5,
             "BAT_LOW_THR": 0.6}),
-    Case("motor-not-looked-at", faults=("motor 1 off",), mode="Hold"),
+    Case("motor-not-monitored", faults=("motor 1 off",), mode="Hold"),
     Case("motor-1", parameters={"FD_ACT_EN": 1, "COM_ACT_FAIL_ACT": 2, "COM_FAIL_ACT_T": 0},
           faults=("motor 1 off",), mode="Land", texts=(ACTIVATED,)),
 ]  # fmt: skip
-CALM = {
-    "sticks-0", "sticks-mission-excepted", "sticks-hold-excepted", "sticks-not-looked-at", "sticks-patience",
-    "sticks-disarmed", "sticks-lost-before", "station-0", "station-landing", "station-returning",
-    "station-mission-excepted", "station-disarmed", "battery-low", "critical-0", "emergency-0",
-    "critical-landing", "battery-disarmed", "motor-not-looked-at",
+WITHOUT_FAILSAFE = {
+    "sticks-0", "sticks-mission-excepted", "sticks-hold-excepted", "sticks-not-monitored",
+    "sticks-long-timeout", "sticks-disarmed", "sticks-never-received", "station-0", "station-landing",
+    "station-returning", "station-mission-excepted", "station-disarmed", "battery-low", "critical-0",
+    "emergency-0", "critical-landing", "battery-disarmed", "motor-not-monitored",
 }  # fmt: skip
 
 
@@ -164,23 +161,23 @@ def results() -> dict[str, VehicleHarness]:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_a_failsafe_does_what_its_parameter_says_and_says_so(results, case) -> None:
-    one = results[case.name]
-    assert (one.mode, one.armed) == (case.mode, case.armed), list(one.texts)
-    assert set(case.texts) <= set(one.texts), list(one.texts)
-    if case.name in CALM:
-        assert not any(text.startswith(ACTIVATED) for text in one.texts)
-    assert one.critical == (case.armed and case.name not in CALM), one.autopilot.failsafes
+def test_failsafe_action_and_status_texts(results, case) -> None:
+    harness = results[case.name]
+    assert (harness.mode, harness.armed) == (case.mode, case.armed), list(harness.texts)
+    assert set(case.texts) <= set(harness.texts), list(harness.texts)
+    if case.name in WITHOUT_FAILSAFE:
+        assert not any(text.startswith(ACTIVATED) for text in harness.texts)
+    assert harness.critical == (case.armed and case.name not in WITHOUT_FAILSAFE), harness.autopilot.failsafes
 
 
 @pytest.mark.parametrize("name", ["sticks-5", "station-5", "emergency-4"])
-def test_a_terminated_flight_stays_terminated(results, name) -> None:
-    one = results[name]
-    assert one.autopilot.system_status == TERMINATED
-    assert one.autopilot.arm()
+def test_termination_is_final(results, name) -> None:
+    harness = results[name]
+    assert harness.autopilot.system_status == TERMINATED
+    assert harness.autopilot.arm()
 
 
-def test_before_it_acts_it_holds_so_that_a_pilot_may_take_over() -> None:
+def test_mode_change_during_the_delay_cancels_the_action() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=3)
     copter.sends_heartbeats = False
     copter.run(3)
@@ -192,7 +189,7 @@ def test_before_it_acts_it_holds_so_that_a_pilot_may_take_over() -> None:
     assert ACTIVATED not in copter.texts
 
 
-def test_a_pilot_may_choose_another_mode_later_too_and_keeps_it() -> None:
+def test_mode_change_after_the_action_is_kept_until_the_next_loss() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
     copter.sends_heartbeats = False
     copter.run(3)
@@ -204,10 +201,10 @@ def test_a_pilot_may_choose_another_mode_later_too_and_keeps_it() -> None:
     assert STATION_BACK in copter.texts
     copter.sends_heartbeats = False
     copter.run(3)
-    assert copter.mode == "Return", "each loss acts anew"
+    assert copter.mode == "Return", "each loss triggers the action"
 
 
-def test_a_link_that_is_back_does_not_end_what_its_loss_began() -> None:
+def test_link_recovery_does_not_end_the_action() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
     copter.sends_heartbeats = False
     copter.run(3)
@@ -217,7 +214,7 @@ def test_a_link_that_is_back_does_not_end_what_its_loss_began() -> None:
     assert copter.texts[-1] == STATION_BACK
 
 
-def test_the_sticks_are_back() -> None:
+def test_manual_control_recovery_is_reported() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0)
     hold_sticks(copter)
     copter.enter("Position").run(1)
@@ -230,7 +227,7 @@ def test_the_sticks_are_back() -> None:
     assert copter.mode == "Return"
 
 
-def test_the_more_urgent_action_wins() -> None:
+def test_more_urgent_action_replaces_the_first() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
     copter.sends_heartbeats = False
     copter.run(3)
@@ -240,7 +237,7 @@ def test_the_more_urgent_action_wins() -> None:
     assert "Emergency battery level: switching to Land" in copter.texts
 
 
-def test_a_battery_that_was_low_when_it_was_armed_is_only_warned_of() -> None:
+def test_battery_that_was_low_at_arming_gives_a_warning_only() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0)
     copter.autopilot.disarm("test")
     copter.inject("battery 6.5").run(0.2)
@@ -250,7 +247,7 @@ def test_a_battery_that_was_low_when_it_was_armed_is_only_warned_of() -> None:
     assert copter.mode == "Land"
 
 
-def test_the_body_lands_and_is_disarmed() -> None:
+def test_emergency_battery_level_lands_and_disarms() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0).inject("battery 4")
     copter.run_until(lambda: not copter.armed, timeout=60)
     assert copter.autopilot.landed

@@ -49,12 +49,12 @@ def record(world: World, body: Body, seconds: float) -> list[Motion]:
 
 def record_all(world: World, bodies: list[Body], seconds: float) -> list[list[Motion]]:
     """Step for some seconds; return each body's true motion of every step."""
-    seen: list[list[Motion]] = [[] for _ in bodies]
+    motions: list[list[Motion]] = [[] for _ in bodies]
     for _ in range(round(seconds * world.rate)):
         world.step()
-        for own, body in zip(seen, bodies, strict=True):
-            own.append(body.truth)
-    return seen
+        for motion_list, body in zip(motions, bodies, strict=True):
+            motion_list.append(body.truth)
+    return motions
 
 
 def horizontal_distance(motion: Motion, north: float, east: float) -> float:

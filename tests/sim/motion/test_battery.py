@@ -14,12 +14,12 @@ def test_hover_current_voltage_and_consumption():
     body.place(0, 0, -20, 0)
     body.go_to(0, 0, -20)
     step_for(world, 30)
-    used = body.battery
-    assert 8 < used.current < 16
-    assert 15.5 < used.voltage < 16.7
-    assert used.consumed == pytest.approx(used.current * 30 / 3.6, rel=0.15)
-    assert used.remaining == pytest.approx(1 - used.consumed / 5200)
-    assert used.temperature > full.temperature
+    after = body.battery
+    assert 8 < after.current < 16
+    assert 15.5 < after.voltage < 16.7
+    assert after.consumed == pytest.approx(after.current * 30 / 3.6, rel=0.15)
+    assert after.remaining == pytest.approx(1 - after.consumed / 5200)
+    assert after.temperature > full.temperature
 
 
 def test_climbing_draws_more_than_hovering_and_stopped_almost_nothing():
@@ -35,7 +35,7 @@ def test_climbing_draws_more_than_hovering_and_stopped_almost_nothing():
     assert climbing.voltage < body.battery.voltage
 
 
-def test_empty_battery_brings_it_down():
+def test_empty_battery_makes_the_copter_land():
     world, body = single_body(VehicleType.COPTER)
     body.place(0, 0, -20, 0)
     body.go_to(0, 0, -20)

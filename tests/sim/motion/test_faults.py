@@ -49,9 +49,9 @@ def test_position_becomes_invalid_after_gps_loss():
 def test_spoofed_gps_moves_the_vehicle():
     world, body = hovering()
     body.spoof_gps(30, 0)
-    seen = record(world, body, 30)
+    motions = record(world, body, 30)
     assert horizontal_distance(body.estimate, 0, 0) < 1.5
-    assert horizontal_distance(seen[-1], -30, 0) < 2.5
+    assert horizontal_distance(motions[-1], -30, 0) < 2.5
     assert body.sensors.gps_latitude > body.frame.to_global(*body.truth[:3])[0] + 0.0002
 
 

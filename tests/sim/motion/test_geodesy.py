@@ -13,7 +13,7 @@ LONGITUDES = st.floats(-180, 180)
 METRES = st.floats(-50_000, 50_000)
 
 
-def earth(latitude: float, longitude: float, height: float = 0.0) -> tuple[float, float, float]:
+def earth_centred(latitude: float, longitude: float, height: float = 0.0) -> tuple[float, float, float]:
     """Return Earth-centred coordinates, computed independently of the code under test."""
     axis, squared = 6378137.0, 6.69437999014e-3
     sine, cosine = math.sin(math.radians(latitude)), math.cos(math.radians(latitude))
@@ -35,8 +35,8 @@ def test_global_and_local_round_trip(latitude, longitude, north, east, down):
 @given(LATITUDES, LONGITUDES, METRES, METRES)
 def test_distances_match_the_ellipsoid(latitude, longitude, north, east):
     frame = LocalFrame(latitude, longitude, 0)
-    there = frame.to_global(north, east, 0)
-    chord = math.dist(earth(latitude, longitude), earth(there[0], there[1]))
+    position = frame.to_global(north, east, 0)
+    chord = math.dist(earth_centred(latitude, longitude), earth_centred(position[0], position[1]))
     flat = math.hypot(north, east)
     assert chord == pytest.approx(flat, rel=1e-3, abs=0.01)
 

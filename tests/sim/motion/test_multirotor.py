@@ -31,20 +31,20 @@ def test_takes_off_and_climbs_at_the_demanded_rate():
     world, body = single_body(VehicleType.COPTER)
     assert body.on_ground
     body.go_to(0, 0, -20, climb=3.0)
-    seen = record(world, body, 15)
+    motions = record(world, body, 15)
     assert not body.on_ground
-    assert -3.4 < min(m.velocity_down for m in seen) < -2.7
-    assert abs(seen[-1].down + 20) < 0.6
-    assert max(horizontal_distance(m, 0, 0) for m in seen) < 1.0
+    assert -3.4 < min(m.velocity_down for m in motions) < -2.7
+    assert abs(motions[-1].down + 20) < 0.6
+    assert max(horizontal_distance(m, 0, 0) for m in motions) < 1.0
 
 
 @pytest.mark.parametrize("wind", [0.0, 8.0])
 def test_goes_to_a_point_and_holds_there(wind):
     world, body = hovering(wind=wind)
     body.go_to(80, -40, -30, speed=8)
-    seen = record(world, body, 26)
-    assert max(math.hypot(m.velocity_north, m.velocity_east) for m in seen) < 9.5
-    assert max(absolute_angle(m.roll) for m in seen) < 0.7
+    motions = record(world, body, 26)
+    assert max(math.hypot(m.velocity_north, m.velocity_east) for m in motions) < 9.5
+    assert max(absolute_angle(m.roll) for m in motions) < 0.7
     held = record(world, body, 6)
     assert max(distance_to(m, (80, -40, -30)) for m in held) < 1.6
     assert max(speed(m) for m in held) < 1.2
@@ -59,9 +59,9 @@ def test_follows_the_line_in_wind():
 def test_joins_a_parallel_line():
     world, body = hovering()
     body.go_to(100, 20, -20, start=(0, 20, -20), speed=6)
-    seen = record(world, body, 25)
-    assert abs(seen[500].east - 20) < 1.0
-    assert distance_to(seen[-1], (100, 20, -20)) < 1.5
+    motions = record(world, body, 25)
+    assert abs(motions[500].east - 20) < 1.0
+    assert distance_to(motions[-1], (100, 20, -20)) < 1.5
 
 
 def test_circles_in_both_directions():
@@ -70,19 +70,19 @@ def test_circles_in_both_directions():
         body.place(0, 0, -20, 0)
         body.circle(0, 0, -20, radius, speed=4)
     step_for(world, 15)
-    for seen, way in zip(record_all(world, bodies, 15), (1, -1), strict=True):
-        assert all(abs(horizontal_distance(m, 0, 0) - 15) < 1.8 for m in seen)
-        assert all(way * (m.north * m.velocity_east - m.east * m.velocity_north) > 0 for m in seen)
-        assert all(absolute_angle(math.atan2(-m.east, -m.north) - m.yaw) < 0.3 for m in seen)
+    for motions, direction in zip(record_all(world, bodies, 15), (1, -1), strict=True):
+        assert all(abs(horizontal_distance(m, 0, 0) - 15) < 1.8 for m in motions)
+        assert all(direction * (m.north * m.velocity_east - m.east * m.velocity_north) > 0 for m in motions)
+        assert all(absolute_angle(math.atan2(-m.east, -m.north) - m.yaw) < 0.3 for m in motions)
 
 
 def test_flies_a_velocity_and_keeps_its_heading():
     world, body = hovering()
     body.fly_velocity(0, 5, -1, yaw=1.0)
     step_for(world, 6)
-    seen = record(world, body, 4)
-    assert all(abs(m.velocity_east - 5) < 0.6 and abs(m.velocity_down + 1) < 0.4 for m in seen)
-    assert all(absolute_angle(m.yaw - 1.0) < 0.08 for m in seen)
+    motions = record(world, body, 4)
+    assert all(abs(m.velocity_east - 5) < 0.6 and abs(m.velocity_down + 1) < 0.4 for m in motions)
+    assert all(absolute_angle(m.yaw - 1.0) < 0.08 for m in motions)
 
 
 def test_turns_at_a_yaw_rate():
@@ -132,7 +132,7 @@ def test_flips_through_the_vertical():
     assert absolute_angle(body.truth.roll) < 0.7
 
 
-def test_sticks_tilt_it():
+def test_sticks_tilt_the_copter():
     world, body = hovering(50)
     body.sticks(1.0, 0, 0.55, 0)
     step_for(world, 1)

@@ -15,20 +15,21 @@ from tests.sim.motion.flights import HOME, speed, step_for
 TYPES = list(VehicleType)
 #: Maximum speed (m/s) of each type in still air, dives and falls included.
 MAX_SPEED = {"copter": 45, "plane": 75, "vtol": 80, "rover": 9, "boat": 6, "sub": 2.5}
-ANY = st.floats(allow_nan=True, allow_infinity=True)
-METRES = st.one_of(st.floats(-300, 300), ANY)
-SMALL = st.one_of(st.floats(-3, 3), ANY)
-MAYBE = st.one_of(st.none(), SMALL)
+ANY_FLOAT = st.floats(allow_nan=True, allow_infinity=True)
+METRES = st.one_of(st.floats(-300, 300), ANY_FLOAT)
+SMALL = st.one_of(st.floats(-3, 3), ANY_FLOAT)
+OPTIONAL = st.one_of(st.none(), SMALL)
 POINT = st.tuples(METRES, METRES, METRES)
 
 DEMANDS = st.one_of(
-    st.tuples(st.just("go_to"), POINT, st.fixed_dictionaries({"start": st.none() | POINT, "speed": MAYBE,
-              "climb": MAYBE, "sink": MAYBE, "yaw": MAYBE})),
-    st.tuples(st.just("fly_velocity"), st.tuples(METRES, METRES, SMALL), st.fixed_dictionaries({"yaw": MAYBE,
-              "yaw_rate": MAYBE})),
+    st.tuples(st.just("go_to"), POINT, st.fixed_dictionaries({"start": st.none() | POINT, "speed": OPTIONAL,
+              "climb": OPTIONAL, "sink": OPTIONAL, "yaw": OPTIONAL})),
+    st.tuples(st.just("fly_velocity"), st.tuples(METRES, METRES, SMALL), st.fixed_dictionaries({
+              "yaw": OPTIONAL,
+              "yaw_rate": OPTIONAL})),
     st.tuples(st.just("circle"), st.tuples(METRES, METRES, METRES, METRES), st.fixed_dictionaries({
-              "speed": MAYBE, "yaw": MAYBE})),
-    st.tuples(st.just("hold_attitude"), st.tuples(SMALL, SMALL, MAYBE, SMALL), st.just({})),
+              "speed": OPTIONAL, "yaw": OPTIONAL})),
+    st.tuples(st.just("hold_attitude"), st.tuples(SMALL, SMALL, OPTIONAL, SMALL), st.just({})),
     st.tuples(st.just("hold_rates"), st.tuples(SMALL, SMALL, SMALL, SMALL), st.just({})),
     st.tuples(st.just("sticks"), st.tuples(SMALL, SMALL, SMALL, SMALL), st.just({})),
     st.tuples(st.sampled_from(["stop", "idle", "roll_out"]), st.just(()), st.just({})),
@@ -42,7 +43,7 @@ DEMANDS = st.one_of(
 )  # fmt: skip
 PLANS = st.lists(st.tuples(st.integers(0, len(TYPES) - 1), DEMANDS), min_size=1, max_size=10)
 PLACES = st.lists(st.floats(0, 100), min_size=len(TYPES), max_size=len(TYPES))
-WINDS = st.tuples(st.one_of(st.floats(0, 15), ANY), ANY, ANY)
+WINDS = st.tuples(st.one_of(st.floats(0, 15), ANY_FLOAT), ANY_FLOAT, ANY_FLOAT)
 
 
 def all_types(seed: int = 1) -> tuple[World, list[Body]]:
@@ -80,15 +81,15 @@ def test_random_demands_keep_the_state_physical(plan, heights, wind):
     max_gust = 2.5 * min(wind[0], 60.0) if wind[0] > 0 else 0.0
     for body, height in zip(bodies, heights, strict=True):
         body.place(0, 0, -height, 0)
-    for which, (name, arguments, options) in plan:
-        body = bodies[which]
+    for index, (name, arguments, options) in plan:
+        body = bodies[index]
         getattr(body, name)(*arguments, **options)
         charges = [b.battery.consumed for b in bodies]
         for _ in range(15):
             world.step()
-        for each, charge in zip(bodies, charges, strict=True):
-            assert_physical(each, max_gust)
-            assert each.battery.consumed >= charge
+        for other_body, charge in zip(bodies, charges, strict=True):
+            assert_physical(other_body, max_gust)
+            assert other_body.battery.consumed >= charge
     assert np.isfinite(world.state.data).all()
 
 

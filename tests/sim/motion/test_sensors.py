@@ -60,16 +60,16 @@ def test_gps_lags_and_reports_at_five_hertz():
 
 
 def test_reading_sensors_does_not_change_the_motion():
-    quiet, silent = single_body(VehicleType.COPTER)
-    loud, watched = single_body(VehicleType.COPTER)
-    for body in (silent, watched):
+    unread_world, unread_body = single_body(VehicleType.COPTER)
+    read_world, read_body = single_body(VehicleType.COPTER)
+    for body in (unread_body, read_body):
         body.go_to(10, 0, -10)
     for _ in range(100):
-        quiet.step()
-        loud.step()
-        assert watched.sensors
-    assert silent.truth == watched.truth
-    assert silent.sensors == watched.sensors
+        unread_world.step()
+        read_world.step()
+        assert read_body.sensors
+    assert unread_body.truth == read_body.truth
+    assert unread_body.sensors == read_body.sensors
 
 
 def test_free_fall_is_weightless():

@@ -31,9 +31,9 @@ def test_goes_to_a_point_and_holds_there():
     world, body = diving()
     body.go_to(10, -5, 12)
     step_for(world, 25)
-    seen = record(world, body, 8)
-    assert all(distance_to(m, (10, -5, 12)) < 1.2 for m in seen)
-    assert all(absolute_angle(m.roll) < 0.1 and absolute_angle(m.pitch) < 0.1 for m in seen)
+    motions = record(world, body, 8)
+    assert all(distance_to(m, (10, -5, 12)) < 1.2 for m in motions)
+    assert all(absolute_angle(m.roll) < 0.1 and absolute_angle(m.pitch) < 0.1 for m in motions)
 
 
 def test_circles():

@@ -32,9 +32,9 @@ def test_go_to_a_point_and_hold_there(pair):
     for body in bodies:
         body.go_to(30, 20, 0)
     step_for(world, 35)
-    for seen, bound in zip(record_all(world, bodies, 15), (1.6, 3.2), strict=True):
-        assert all(horizontal_distance(m, 30, 20) < bound for m in seen)
-        assert all(m.down == 0.0 for m in seen)
+    for motions, bound in zip(record_all(world, bodies, 15), (1.6, 3.2), strict=True):
+        assert all(horizontal_distance(m, 30, 20) < bound for m in motions)
+        assert all(m.down == 0.0 for m in motions)
 
 
 def test_follow_a_line(pair):
@@ -42,8 +42,8 @@ def test_follow_a_line(pair):
     for body in bodies:
         body.go_to(60, 5, 0, start=(0, 5, 0))
     step_for(world, 12)
-    for seen in record_all(world, bodies, 15):
-        assert all(abs(m.east - 5) < 1.8 for m in seen if m.north < 58)
+    for motions in record_all(world, bodies, 15):
+        assert all(abs(m.east - 5) < 1.8 for m in motions if m.north < 58)
 
 
 def test_circle(pair):
@@ -51,9 +51,9 @@ def test_circle(pair):
     for body in bodies:
         body.circle(0, 0, 0, -10)
     step_for(world, 35)
-    for seen in record_all(world, bodies, 15):
-        assert all(abs(horizontal_distance(m, 0, 0) - 10) < 3 for m in seen)
-        assert all(m.north * m.velocity_east < m.east * m.velocity_north for m in seen)
+    for motions in record_all(world, bodies, 15):
+        assert all(abs(horizontal_distance(m, 0, 0) - 10) < 3 for m in motions)
+        assert all(m.north * m.velocity_east < m.east * m.velocity_north for m in motions)
 
 
 def test_speed_and_heading_of_a_velocity(pair):
@@ -66,8 +66,8 @@ def test_speed_and_heading_of_a_velocity(pair):
         assert absolute_angle(body.truth.yaw - math.pi / 2) < 0.2
         body.fly_velocity(0, 100, 0)
     step_for(world, 10)
-    for body, most in zip(bodies, (5.2, 3.3), strict=True):
-        assert 0.75 * most < speed(body.truth) < most
+    for body, max_speed in zip(bodies, (5.2, 3.3), strict=True):
+        assert 0.75 * max_speed < speed(body.truth) < max_speed
 
 
 def test_rover_stops():
@@ -128,5 +128,5 @@ def test_speed_stays_near_the_demand_while_accelerating(pair):
     world, bodies = pair
     for body in bodies:
         body.go_to(60, 0, 0, speed=2.4)
-    for seen in record_all(world, bodies, 15):
-        assert 2.2 < max(speed(m) for m in seen) < 2.8
+    for motions in record_all(world, bodies, 15):
+        assert 2.2 < max(speed(m) for m in motions) < 2.8

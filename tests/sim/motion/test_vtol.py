@@ -36,19 +36,19 @@ def test_transitions_both_ways_and_keeps_its_altitude(wind):
     body.go_to(0, -2000, -50)
     body.transition_to(True)
     assert body.flies_forward
-    seen = record(world, body, 18)
+    motions = record(world, body, 18)
     assert body.transition == 1.0
     assert body.airspeed > 15
-    assert all(abs(m.down + 50) < 4 for m in seen)
-    assert all(abs(m.north) < 8 for m in seen)
+    assert all(abs(m.down + 50) < 4 for m in motions)
+    assert all(abs(m.north) < 8 for m in motions)
     body.transition_to(False)
     here = body.estimate
     body.go_to(here.north, here.east, -50)
-    seen = record(world, body, 34)
+    motions = record(world, body, 34)
     assert body.transition == 0.0
-    assert all(abs(m.down + 50) < 4 for m in seen)
-    assert all(absolute_angle(m.roll) < 0.8 for m in seen)
-    assert horizontal_distance(seen[-1], here.north, here.east) < 4
+    assert all(abs(m.down + 50) < 4 for m in motions)
+    assert all(absolute_angle(m.roll) < 0.8 for m in motions)
+    assert horizontal_distance(motions[-1], here.north, here.east) < 4
 
 
 def test_lift_motors_stop_in_forward_flight():

@@ -28,10 +28,10 @@ def cruising(height: float = 80.0, *, wind: float = 0.0):
 def test_takes_off_from_the_ground():
     world, body = single_body(VehicleType.PLANE)
     body.go_to(0, 600, -60)
-    seen = record(world, body, 40)
+    motions = record(world, body, 40)
     assert not body.on_ground
-    assert seen[-1].down < -50
-    assert max(abs(m.north) for m in seen) < 5
+    assert motions[-1].down < -50
+    assert max(abs(m.north) for m in motions) < 5
 
 
 def test_follows_a_line_with_its_slope_and_flies_on():
@@ -39,11 +39,11 @@ def test_follows_a_line_with_its_slope_and_flies_on():
     start = (body.truth.north, body.truth.east + 30, -80.0)
     body.go_to(start[0] + 500, start[1], -110, start=start)
     step_for(world, 18)
-    seen = record(world, body, 25)
-    assert all(abs(m.east - start[1]) < 4 for m in seen)
-    slope = [-80 - 30 * min((m.north - start[0]) / 500, 1.0) for m in seen]
-    assert all(abs(m.down - height) < 4 for m, height in zip(seen, slope, strict=True))
-    assert seen[-1].north > start[0] + 520
+    motions = record(world, body, 25)
+    assert all(abs(m.east - start[1]) < 4 for m in motions)
+    slope = [-80 - 30 * min((m.north - start[0]) / 500, 1.0) for m in motions]
+    assert all(abs(m.down - height) < 4 for m, height in zip(motions, slope, strict=True))
+    assert motions[-1].north > start[0] + 520
 
 
 @pytest.mark.parametrize("wind", [0.0, 8.0])
@@ -53,10 +53,12 @@ def test_circles_in_both_directions(wind):
         body.place(0, 0, -85, 0)
         body.circle(0, 100, -90, radius)
     step_for(world, 25)
-    for seen, way in zip(record_all(world, bodies, 25), (1, -1), strict=True):
-        assert all(abs(horizontal_distance(m, 0, 100) - 80) < 8 for m in seen)
-        assert all(abs(m.down + 90) < 4 for m in seen)
-        assert all(way * (m.north * m.velocity_east - (m.east - 100) * m.velocity_north) > 0 for m in seen)
+    for motions, direction in zip(record_all(world, bodies, 25), (1, -1), strict=True):
+        assert all(abs(horizontal_distance(m, 0, 100) - 80) < 8 for m in motions)
+        assert all(abs(m.down + 90) < 4 for m in motions)
+        assert all(
+            direction * (m.north * m.velocity_east - (m.east - 100) * m.velocity_north) > 0 for m in motions
+        )
 
 
 def test_keeps_its_airspeed_and_bank():
@@ -74,25 +76,25 @@ def test_velocity_sets_course_airspeed_and_climb():
     world, body = cruising()
     body.fly_velocity(0, 15, -2)
     step_for(world, 10)
-    seen = record(world, body, 5)
+    motions = record(world, body, 5)
     assert all(
-        absolute_angle(math.atan2(m.velocity_east, m.velocity_north) - math.pi / 2) < 0.1 for m in seen
+        absolute_angle(math.atan2(m.velocity_east, m.velocity_north) - math.pi / 2) < 0.1 for m in motions
     )
-    assert all(abs(m.velocity_down + 2) < 0.8 for m in seen)
+    assert all(abs(m.velocity_down + 2) < 0.8 for m in motions)
     assert abs(body.airspeed - 15) < 1.5
 
 
 def test_stalls_when_held_nose_up_without_power_and_recovers():
     world, body = cruising(200)
     body.hold_attitude(0, 0.5, None, 0.0, yaw_rate=0.0)
-    seen, slowest = [], 99.0
+    motions, slowest = [], 99.0
     for _ in range(400):
         world.step()
-        seen.append(body.truth)
+        motions.append(body.truth)
         slowest = min(slowest, body.airspeed)
     assert slowest < 10.5
-    assert max(m.velocity_down for m in seen) > 4
-    assert min(m.pitch for m in seen) < 0.0
+    assert max(m.velocity_down for m in motions) > 4
+    assert min(m.pitch for m in motions) < 0.0
     body.fly_velocity(18, 0, 0)
     step_for(world, 8)
     assert abs(body.truth.velocity_down) < 1.5
@@ -104,12 +106,12 @@ def test_glides_without_its_motor():
     body.fail_motor(1, True)
     body.go_to(5000, 0, -200)
     step_for(world, 10)
-    seen = record(world, body, 20)
+    motions = record(world, body, 20)
     assert body.throttle < 0.01
     assert body.airspeed > 10.5
-    sunk = seen[-1].down - seen[0].down
-    assert 6 < (seen[-1].north - seen[0].north) / sunk < 16
-    assert max(m.velocity_down for m in seen) < 4
+    sunk = motions[-1].down - motions[0].down
+    assert 6 < (motions[-1].north - motions[0].north) / sunk < 16
+    assert max(m.velocity_down for m in motions) < 4
 
 
 def test_lands_and_rolls_out():

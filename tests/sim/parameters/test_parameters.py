@@ -17,7 +17,7 @@ from tests.services.network import GROUND, VEHICLE, Network
 COPTER = (Firmware.ARDUPILOT, VehicleType.COPTER)
 
 
-class Flight:
+class ParameterNetwork:
     """A vehicle that has only parameters, and a ground station."""
 
     def __init__(self, firmware=Firmware.ARDUPILOT, vehicle_type=VehicleType.COPTER) -> None:
@@ -31,15 +31,15 @@ class Flight:
     def _boot(self, engine) -> None:
         self.server = engine.add(self.parameters.new_server(VEHICLE, engine.touch))
 
-    def run(self, operation, limit=60.0):
+    def run(self, operation, timeout=60.0):
         self.ground.engine.touch(self.client)
-        assert self.network.run(lambda: operation.done, timeout=limit)
+        assert self.network.run(lambda: operation.done, timeout=timeout)
         for event in self.vehicle.events_of(ParameterWritten):
             self.parameters.written(event)
         self.vehicle.events.clear()
         return operation.result()
 
-    def heard(self) -> list[tuple[str, float]]:
+    def received_values(self) -> list[tuple[str, float]]:
         self.network.run(timeout=1.0)
         messages = [packet.message for packet in self.ground.heard]
         return [(m.param_id, m.param_value) for m in messages if isinstance(m, common.ParamValue)]
@@ -59,13 +59,13 @@ def test_value_has_its_type() -> None:
 
 def test_unknown_name_raises_key_error() -> None:
     parameters = Parameters(*COPTER)
-    for use in (
+    for access in (
         lambda: parameters["MPC_XY_CRUISE"],
         lambda: parameters.set("MPC_XY_CRUISE", 1.0),
         lambda: parameters.on_change("MPC_XY_CRUISE", print),
     ):
         with pytest.raises(KeyError, match="MPC_XY_CRUISE"):
-            use()
+            access()
 
 
 def test_value_out_of_range_of_its_type_is_refused() -> None:
@@ -94,11 +94,11 @@ def test_vehicles_have_independent_values() -> None:
 
 @pytest.mark.parametrize(("firmware", "vehicle_type"), list(product(Firmware, VehicleType)))
 def test_client_lists_the_whole_table(firmware, vehicle_type) -> None:
-    flight = Flight(firmware, vehicle_type)
-    flight.run(flight.client.download(flight.network.now))
-    assert flight.client.complete
-    listed = flight.client.parameters
-    table = flight.parameters.table
+    setup = ParameterNetwork(firmware, vehicle_type)
+    setup.run(setup.client.download(setup.network.now))
+    assert setup.client.complete
+    listed = setup.client.parameters
+    table = setup.parameters.table
     assert set(listed) == {definition.name for definition in table}
     for definition in table:
         found = listed[definition.name]
@@ -108,33 +108,33 @@ def test_client_lists_the_whole_table(firmware, vehicle_type) -> None:
 
 @pytest.mark.parametrize("firmware", Firmware)
 def test_server_uses_the_encoding_of_the_firmware(firmware) -> None:
-    flight = Flight(firmware)
+    setup = ParameterNetwork(firmware)
     encoding = Encoding.C_CAST if firmware is Firmware.ARDUPILOT else Encoding.BYTEWISE
-    assert isinstance(flight.server, ParameterServer)
-    assert flight.server.encoding is encoding
-    flight.run(flight.client.download(flight.network.now))
-    assert ("_HASH_CHECK" in dict(flight.heard())) is (firmware is Firmware.PX4)
+    assert isinstance(setup.server, ParameterServer)
+    assert setup.server.encoding is encoding
+    setup.run(setup.client.download(setup.network.now))
+    assert ("_HASH_CHECK" in dict(setup.received_values())) is (firmware is Firmware.PX4)
 
 
 def test_client_write_takes_effect_and_calls_callbacks() -> None:
-    flight = Flight()
+    setup = ParameterNetwork()
     changes, all_changes = [], []
-    flight.parameters.on_change("RTL_ALT", changes.append)
-    flight.parameters.on_any_change(lambda name, value: all_changes.append((name, value)))
+    setup.parameters.on_change("RTL_ALT", changes.append)
+    setup.parameters.on_any_change(lambda name, value: all_changes.append((name, value)))
     for name, value in (("RTL_ALT", 3000), ("RTL_ALT", 3000), ("WPNAV_SPEED", 750.0)):
-        assert flight.run(flight.client.set(name, value, flight.network.now)).value == value
-    assert (flight.parameters["RTL_ALT"], flight.parameters["WPNAV_SPEED"]) == (3000, 750.0)
+        assert setup.run(setup.client.set(name, value, setup.network.now)).value == value
+    assert (setup.parameters["RTL_ALT"], setup.parameters["WPNAV_SPEED"]) == (3000, 750.0)
     assert changes == [3000]
     assert all_changes == [("RTL_ALT", 3000), ("WPNAV_SPEED", 750.0)]
 
 
 def test_vehicle_write_is_broadcast_once() -> None:
-    flight = Flight()
+    setup = ParameterNetwork()
     changes = []
-    flight.parameters.on_change("STAT_BOOTCNT", changes.append)
-    flight.parameters.set("STAT_BOOTCNT", 5)
-    flight.parameters.set("STAT_BOOTCNT", 5)
-    assert flight.heard() == [("STAT_BOOTCNT", 5.0)]
+    setup.parameters.on_change("STAT_BOOTCNT", changes.append)
+    setup.parameters.set("STAT_BOOTCNT", 5)
+    setup.parameters.set("STAT_BOOTCNT", 5)
+    assert setup.received_values() == [("STAT_BOOTCNT", 5.0)]
     assert changes == [5]
 
 
@@ -146,32 +146,32 @@ def test_callback_may_set_another_parameter() -> None:
 
 
 def test_values_survive_a_reboot_and_callbacks_do_not() -> None:
-    flight = Flight()
+    setup = ParameterNetwork()
     changes = []
-    flight.parameters.on_change("RTL_ALT", changes.append)
-    flight.parameters.on_any_change(lambda *change: changes.append(change))
-    flight.parameters.set("RTL_ALT", 3000)
-    before, changes[:] = flight.server, []
-    flight.vehicle.restart()
-    assert flight.server is not before
-    assert flight.run(flight.client.get("RTL_ALT", flight.network.now)).value == 3000
-    flight.run(flight.client.set("RTL_ALT", 4000, flight.network.now))
-    assert flight.parameters["RTL_ALT"] == 4000
+    setup.parameters.on_change("RTL_ALT", changes.append)
+    setup.parameters.on_any_change(lambda *change: changes.append(change))
+    setup.parameters.set("RTL_ALT", 3000)
+    before, changes[:] = setup.server, []
+    setup.vehicle.restart()
+    assert setup.server is not before
+    assert setup.run(setup.client.get("RTL_ALT", setup.network.now)).value == 3000
+    setup.run(setup.client.set("RTL_ALT", 4000, setup.network.now))
+    assert setup.parameters["RTL_ALT"] == 4000
     assert not changes
 
 
 def test_reset_restores_defaults_but_keeps_counters() -> None:
-    flight = Flight()
+    setup = ParameterNetwork()
     changes = []
-    flight.parameters.set("STAT_BOOTCNT", 9)
-    flight.parameters.set("RTL_ALT", 3000)
-    flight.run(flight.client.set("WPNAV_SPEED", 750.0, flight.network.now))
-    flight.parameters.on_any_change(lambda *change: changes.append(change))
-    flight.ground.heard.clear()
-    flight.parameters.reset()
+    setup.parameters.set("STAT_BOOTCNT", 9)
+    setup.parameters.set("RTL_ALT", 3000)
+    setup.run(setup.client.set("WPNAV_SPEED", 750.0, setup.network.now))
+    setup.parameters.on_any_change(lambda *change: changes.append(change))
+    setup.ground.heard.clear()
+    setup.parameters.reset()
     assert sorted(changes) == [("RTL_ALT", 1500), ("WPNAV_SPEED", 1000.0)]
-    assert sorted(flight.heard()) == sorted(changes)
-    assert flight.parameters["STAT_BOOTCNT"] == 9
+    assert sorted(setup.received_values()) == sorted(changes)
+    assert setup.parameters["STAT_BOOTCNT"] == 9
 
 
 @pytest.mark.parametrize(
@@ -186,12 +186,12 @@ def test_reset_restores_defaults_but_keeps_counters() -> None:
     ],
 )
 def test_invalid_write_is_refused(firmware, name, value, error) -> None:
-    flight = Flight(Firmware(firmware))
-    before = flight.parameters[name]
+    setup = ParameterNetwork(Firmware(firmware))
+    before = setup.parameters[name]
     with pytest.raises(ParameterDenied) as refused:
-        flight.run(flight.client.set(name, value, flight.network.now))
+        setup.run(setup.client.set(name, value, setup.network.now))
     assert refused.value.code == error
-    assert flight.parameters[name] == before
+    assert setup.parameters[name] == before
 
 
 def test_px4_hash_excludes_volatile_parameters() -> None:

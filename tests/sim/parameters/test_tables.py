@@ -26,10 +26,10 @@ FILES = sorted(file.name for file in (files("mavstack.sim.parameters") / "tables
 
 
 def table(firmware, vehicle) -> ParameterTable:
-    made = ParameterTable()
+    result = ParameterTable()
     for definition in definitions(firmware, vehicle):
-        made.add(definition)
-    return made
+        result.add(definition)
+    return result
 
 
 @pytest.mark.parametrize(("firmware", "vehicle"), ALL)
@@ -84,11 +84,11 @@ def test_order_of_parameters() -> None:
 
 @pytest.mark.parametrize(("firmware", "vehicle"), ALL)
 def test_packed_file_round_trip(firmware, vehicle) -> None:
-    whole = table(firmware, vehicle)
-    packed = unpack(whole.packed(with_defaults=True))
+    complete = table(firmware, vehicle)
+    packed = unpack(complete.packed(with_defaults=True))
     assert packed is not None
     assert packed.complete
-    assert packed.parameters == tuple(whole.parameters())
+    assert packed.parameters == tuple(complete.parameters())
     assert [same(packed.defaults[row.name], row.definition().value) for row in rows(firmware, vehicle)].count(
         False
     ) == 0

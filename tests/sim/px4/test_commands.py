@@ -14,7 +14,7 @@ from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.px4.harness import CMD, FIELD_ALTITUDE, RESULT, Px4Harness
 
 LATITUDE, LONGITUDE = 47.3977418, 8.5455939
-F = common.MavFrame
+FRAME = common.MavFrame
 #: Parameters of a command, and a check of its effect.
 Case: TypeAlias = tuple[tuple[float, ...], Callable[[Px4Harness], bool]]
 
@@ -41,12 +41,12 @@ def compass_is_calibrated(harness: Px4Harness) -> bool:
     return harness.texts[-1] == "[cal] calibration done: mag"
 
 
-def rebooted(harness: Px4Harness) -> bool:
+def has_rebooted(harness: Px4Harness) -> bool:
     harness.run(2.0)
     return harness.vehicle.boots == 2
 
 
-def grabbed(harness: Px4Harness) -> bool:
+def gripper_has_closed(harness: Px4Harness) -> bool:
     harness.run(2.0)
     return (
         bool(harness.autopilot.payload.gripper_closed)
@@ -86,7 +86,7 @@ ON_GROUND: dict[int, Case] = {
     CMD.DO_SET_ROI_NONE: ((), lambda harness: harness.autopilot.payload.region_of_interest is None),
     CMD.PREFLIGHT_CALIBRATION: ((0, 1), compass_is_calibrated),
     CMD.PREFLIGHT_STORAGE: ((2,), lambda harness: harness.vehicle.parameters["MPC_XY_CRUISE"] == 5.0),
-    CMD.PREFLIGHT_REBOOT_SHUTDOWN: ((1,), rebooted),
+    CMD.PREFLIGHT_REBOOT_SHUTDOWN: ((1,), has_rebooted),
     CMD.COMPONENT_ARM_DISARM: ((1,), lambda harness: harness.autopilot.armed),
     CMD.RUN_PREARM_CHECKS: ((), lambda harness: "Preflight Fail: heading estimate invalid" in harness.texts),
     CMD.INJECT_FAILURE: (
@@ -126,7 +126,7 @@ IN_THE_AIR: dict[int, Case] = {
     ),
     CMD.DO_FLIGHTTERMINATION: ((1,), lambda harness: harness.autopilot.terminated),
 }
-DELAYED: dict[int, Case] = {CMD.DO_GRIPPER: ((1, common.GripperActions.GRAB), grabbed)}
+DELAYED: dict[int, Case] = {CMD.DO_GRIPPER: ((1, common.GripperActions.GRAB), gripper_has_closed)}
 
 
 def prepare(harness: Px4Harness, command: int) -> None:
@@ -147,11 +147,11 @@ def prepare(harness: Px4Harness, command: int) -> None:
         harness.received.clear()
 
 
-POSITION: dict[str, Any] = {"frame": F.GLOBAL_RELATIVE_ALT, "param5": LATITUDE, "param6": LONGITUDE}
+POSITION: dict[str, Any] = {"frame": FRAME.GLOBAL_RELATIVE_ALT, "param5": LATITUDE, "param6": LONGITUDE}
 MISSION = [
     MissionItem(CMD.NAV_TAKEOFF, param7=10.0, **POSITION),
     MissionItem(CMD.NAV_WAYPOINT, param7=12.0, **POSITION),
-    MissionItem(CMD.DO_LAND_START, frame=F.MISSION),
+    MissionItem(CMD.DO_LAND_START, frame=FRAME.MISSION),
     MissionItem(CMD.NAV_LAND, param7=0.0, **POSITION),
 ]
 
@@ -160,28 +160,28 @@ MISSION = [
 def test_command_on_the_ground_acts(command: int) -> None:
     harness = Px4Harness()
     prepare(harness, command)
-    params, acted = ON_GROUND[command]
+    params, has_effect = ON_GROUND[command]
     assert harness.command(command, *params) == RESULT.ACCEPTED, harness.texts
     harness.run(0.4)
-    assert acted(harness)
+    assert has_effect(harness)
 
 
 @pytest.mark.parametrize("command", sorted(IN_THE_AIR), ids=lambda command: CMD(command).name)
 def test_command_in_the_air_acts(command: int) -> None:
     harness = Px4Harness().take_off()
     prepare(harness, command)
-    params, acted = IN_THE_AIR[command]
+    params, has_effect = IN_THE_AIR[command]
     assert harness.command(command, *params) == RESULT.ACCEPTED, harness.texts
     harness.run(0.4)
-    assert acted(harness)
+    assert has_effect(harness)
 
 
 @pytest.mark.parametrize("command", sorted(DELAYED), ids=lambda command: CMD(command).name)
 def test_command_in_progress_acts(command: int) -> None:
     harness = Px4Harness()
-    params, acted = DELAYED[command]
+    params, has_effect = DELAYED[command]
     assert harness.command(command, *params) == RESULT.IN_PROGRESS
-    assert acted(harness)
+    assert has_effect(harness)
 
 
 def test_go_around() -> None:
@@ -239,7 +239,7 @@ def test_all_other_commands_are_unsupported(vehicle_type: VehicleType) -> None:
 
 @pytest.mark.parametrize("value", [nan, float("inf"), -1.0, 1e30, 70000.0])
 @pytest.mark.parametrize("vehicle_type", ["copter", "vtol", "rover"])
-def test_invalid_numbers_do_no_harm(vehicle_type: str, value: float) -> None:
+def test_invalid_numbers_raise_no_error(vehicle_type: str, value: float) -> None:
     harness = Px4Harness(vehicle_type)
     for command in sorted(harness.vehicle.commands.supported):
         harness.command(command, *[value] * 7)

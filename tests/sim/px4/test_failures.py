@@ -35,7 +35,7 @@ def test_failure_is_a_fault_until_cleared(unit: int, failure_type: int) -> None:
     else:
         assert all(fault.startswith(FAULTS[UNIT(unit)]) for fault in harness.vehicle.faults.active)
         assert harness.vehicle.faults.active
-    if unit != UNIT.SYSTEM_MAVLINK_SIGNAL:  # the command that ends it is not received any more
+    if unit != UNIT.SYSTEM_MAVLINK_SIGNAL:  # the command that clears the failure is not received
         assert harness.command(CMD.INJECT_FAILURE, unit, TYPE.OK, 0) == RESULT.ACCEPTED
         assert not harness.vehicle.faults.active
         assert harness.texts[-1].startswith("Cleared: ")

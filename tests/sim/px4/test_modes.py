@@ -10,7 +10,7 @@ from mavstack.services.modes.names import px4_modes_of
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.px4.harness import CMD, RESULT, Px4Harness
 
-STANDARD, PROPERTY = common.MavStandardMode, common.MavModeProperty
+STANDARD_MODE, PROPERTY = common.MavStandardMode, common.MavModeProperty
 #: Main and sub mode to name, in the order of PX4's SITL; "" for standard modes.
 LISTED_MODES = {
     (1, 0): "Manual",
@@ -43,11 +43,11 @@ def test_available_modes_are_listed_as_px4_lists_them(copter: Px4Harness) -> Non
     assert [px4_modes_of(mode.custom_mode) for mode in listed] == list(LISTED_MODES)
     hold = next(mode for mode in listed if mode.mode_name == "Hold")
     assert hold.properties == PROPERTY.ADVANCED
-    orbit = next(mode for mode in listed if mode.standard_mode == STANDARD.ORBIT)
+    orbit = next(mode for mode in listed if mode.standard_mode == STANDARD_MODE.ORBIT)
     assert orbit.properties == PROPERTY.ADVANCED
     descend = next(mode for mode in listed if mode.mode_name == "Descend")
     assert descend.properties & PROPERTY.NOT_USER_SELECTABLE
-    position = next(mode for mode in listed if mode.standard_mode == STANDARD.POSITION_HOLD)
+    position = next(mode for mode in listed if mode.standard_mode == STANDARD_MODE.POSITION_HOLD)
     assert position.properties == 0
 
 
@@ -64,10 +64,10 @@ def test_modes_of_each_type(vehicle_type: VehicleType) -> None:
 @pytest.mark.parametrize(
     ("vehicle_type", "standard"),
     [
-        ("copter", STANDARD.POSITION_HOLD),
-        ("plane", STANDARD.CRUISE),
-        ("vtol", STANDARD.NON_STANDARD),
-        ("rover", STANDARD.NON_STANDARD),
+        ("copter", STANDARD_MODE.POSITION_HOLD),
+        ("plane", STANDARD_MODE.CRUISE),
+        ("vtol", STANDARD_MODE.NON_STANDARD),
+        ("rover", STANDARD_MODE.NON_STANDARD),
     ],
 )
 def test_standard_mode_of_position_by_type(vehicle_type: str, standard: int) -> None:
@@ -156,11 +156,11 @@ def test_modes_by_flags(copter: Px4Harness, flags: int, name: str) -> None:
 
 
 def test_standard_modes(copter: Px4Harness) -> None:
-    assert copter.command(CMD.DO_SET_STANDARD_MODE, STANDARD.SAFE_RECOVERY) == RESULT.ACCEPTED
+    assert copter.command(CMD.DO_SET_STANDARD_MODE, STANDARD_MODE.SAFE_RECOVERY) == RESULT.ACCEPTED
     (current,) = copter.request(common.CurrentMode)[:1]
     assert px4_modes_of(current.custom_mode) == px4_modes_of(current.intended_custom_mode) == (4, 5)
-    assert current.standard_mode == STANDARD.SAFE_RECOVERY
-    assert copter.command(CMD.DO_SET_STANDARD_MODE, STANDARD.CRUISE) == RESULT.FAILED
+    assert current.standard_mode == STANDARD_MODE.SAFE_RECOVERY
+    assert copter.command(CMD.DO_SET_STANDARD_MODE, STANDARD_MODE.CRUISE) == RESULT.FAILED
     assert copter.command(CMD.DO_SET_STANDARD_MODE, 200) == RESULT.FAILED
 
 

@@ -12,7 +12,7 @@ from mavstack.services.mission import MissionItem
 from tests.sim.px4.harness import CMD, FIELD_ALTITUDE, RESULT, Px4Harness
 
 LATITUDE, LONGITUDE = 47.3977418, 8.5455939
-F = common.MavFrame
+FRAME = common.MavFrame
 
 
 def position(harness: Px4Harness, north: float, east: float) -> tuple[float, float]:
@@ -106,7 +106,7 @@ def test_reposition_needs_hold_or_the_change_mode_flag() -> None:
     assert harness.mode == "Hold"
 
 
-@pytest.mark.parametrize("frame", [F.GLOBAL, F.GLOBAL_RELATIVE_ALT, F.GLOBAL_INT])
+@pytest.mark.parametrize("frame", [FRAME.GLOBAL, FRAME.GLOBAL_RELATIVE_ALT, FRAME.GLOBAL_INT])
 def test_reposition_altitude_is_above_mean_sea_level_in_any_frame(frame: int) -> None:
     harness = Px4Harness().take_off()
     harness.command(CMD.DO_REPOSITION, -1, 1, 0, nan, LATITUDE, LONGITUDE, FIELD_ALTITUDE + 22, frame=frame)
@@ -183,7 +183,7 @@ def items(*commands: tuple[int, float, float, float]) -> list[MissionItem]:
             param5=LATITUDE + north / 111_120,
             param6=LONGITUDE + east / 75_400,
             param7=altitude,
-            frame=F.GLOBAL_RELATIVE_ALT,
+            frame=FRAME.GLOBAL_RELATIVE_ALT,
         )
         for command, north, east, altitude in commands
     ]

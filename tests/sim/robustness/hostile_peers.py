@@ -1,4 +1,4 @@
-"""Hostile peers of a simulated vehicle, and the invariants that hold whatever they send."""
+"""Hostile peers of a simulated vehicle, and the invariants that must hold for any input."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from mavstack.sim.vehicle import SimulatedVehicle
 
 ALL = Dialect.load("all")
-EVERY_KIND = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
+ALL_VEHICLES = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
 GROUND = Address(255, common.MavComponent.MISSIONPLANNER)
-#: Values that break careless arithmetic.
-ODD = (
+#: Values that break arithmetic without range checks.
+UNUSUAL_NUMBERS = (
     nan,
     inf,
     -inf,
@@ -44,7 +44,7 @@ ODD = (
     16777217.0,
 )
 #: Fields that hold indices: small values refer to existing entries.
-NUMBERS = {
+INDEX_FIELDS = {
     "seq",
     "count",
     "start_index",
@@ -55,13 +55,17 @@ NUMBERS = {
     "session",
     "opcode",
 }
-_STEPS_IN_A_SECOND = 50
 
 
-def odd(random: Random) -> float:
-    """Return an odd number, an ordinary one, or a position."""
+def unusual_number(random: Random) -> float:
+    """Return an unusual number, a small one, or an angle in degrees."""
     return random.choice(
-        [random.choice(ODD), random.uniform(-10, 10), random.randint(0, 5), random.uniform(-180, 180)]
+        [
+            random.choice(UNUSUAL_NUMBERS),
+            random.uniform(-10, 10),
+            random.randint(0, 5),
+            random.uniform(-180, 180),
+        ]
     )
 
 
@@ -76,7 +80,7 @@ def state_of(vehicle: SimulatedVehicle) -> Iterator[tuple[str, float]]:
         yield f"servo {number}", value
 
 
-class Victim:
+class TargetVehicle:
     """One vehicle, and a peer that sends arbitrary messages to it."""
 
     def __init__(self, simulation: Simulation, vehicle: SimulatedVehicle, random: Random) -> None:
@@ -101,7 +105,7 @@ class Victim:
         autopilot.enter(self.vehicle.profile.hold, "test", commanded=True)
         autopilot.landed = False
 
-    def anything(self) -> Message:
+    def random_message(self) -> Message:
         """Return a random message, often addressed and numbered so that it is accepted."""
         random = self.random
         kind: Any = ALL[random.choice(ALL.names)]
@@ -113,12 +117,12 @@ class Victim:
             elif name == "target_component":
                 message.target_component = random.choice([1, 1, 1, 0, value])
             elif isinstance(value, float) and random.random() < 0.7:
-                setattr(message, name, odd(random))
-            elif isinstance(value, int) and name in NUMBERS and random.random() < 0.7:
+                setattr(message, name, unusual_number(random))
+            elif isinstance(value, int) and name in INDEX_FIELDS and random.random() < 0.7:
                 setattr(message, name, random.randint(0, 9))
         return message
 
-    def anybody(self) -> Address:
+    def random_source(self) -> Address:
         random = self.random
         return random.choice(
             [
@@ -140,19 +144,19 @@ class Victim:
                     packet.message for packet in self._parser.feed(data) if packet.message is not None
                 ]
 
-    def take_heard(self) -> list[Message]:
+    def drain_received(self) -> list[Message]:
         received, self.received = self.received, []
         return received
 
 
-def victims(
+def target_vehicles(
     random: Random, *, seconds: float = 3.0, home: Home = DEFAULT_HOME, kinds: Any = None, **options: Any
-) -> list[Victim]:
+) -> list[TargetVehicle]:
     """Return one vehicle of each kind in one simulation, some of them in the air."""
     simulation = Simulation(seed=random.randrange(1 << 30), **options)
-    made = [
-        Victim(simulation, simulation.add(kind, firmware, home=home), random)
-        for kind, firmware in kinds or EVERY_KIND
+    targets = [
+        TargetVehicle(simulation, simulation.add(kind, firmware, home=home), random)
+        for kind, firmware in kinds or ALL_VEHICLES
     ]
     simulation.advance(simulation.now + seconds)
-    return made
+    return targets

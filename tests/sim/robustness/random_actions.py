@@ -1,4 +1,4 @@
-"""Random actions on one vehicle, in any order: each step of an `Abuser` is one action."""
+"""Random actions on one vehicle, in any order: each step of a `RandomActor` is one action."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, Plan, PlanType
-from tests.sim.robustness.hostile_peers import ALL, GROUND, ODD, Victim, odd
+from tests.sim.robustness.hostile_peers import ALL, GROUND, UNUSUAL_NUMBERS, TargetVehicle, unusual_number
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -96,59 +96,65 @@ def whole_payload(vehicle_system: int, payload: bytes) -> common.FileTransferPro
     )
 
 
-class Abuser(Victim):
-    """A vehicle with all actions on it."""
+class RandomActor(TargetVehicle):
+    """A vehicle with methods that execute random actions on it."""
 
-    def do_something(self) -> None:
-        ways: list[Callable[[], None]] = [
-            *(self.say_anything, self.say_anything, self.command, self.command, self.set_parameters),
+    def run_random_action(self) -> None:
+        actions: list[Callable[[], None]] = [
+            *(
+                self.send_random_message,
+                self.send_random_message,
+                self.command,
+                self.command,
+                self.set_random_parameters,
+            ),
             *(
                 self.change_mode,
-                self.go_wrong,
+                self.inject_fault,
                 self.upload,
                 self.write_shell,
                 self.use_files,
                 self.move_sticks,
             ),
-            *(self.guide, self.arm_somehow, self.change_ports, self.ask_for_logs),
+            *(self.send_setpoints, self.arm_or_place_in_air, self.change_ports, self.request_logs),
         ]
-        self.random.choice(ways)()
+        self.random.choice(actions)()
 
     @property
     def system(self) -> int:
         return self.vehicle.address.system
 
-    def say_anything(self) -> None:
-        self.send(self.anything(), self.anybody())
+    def send_random_message(self) -> None:
+        self.send(self.random_message(), self.random_source())
 
     def command(self) -> None:
-        self.send(self.any_command())
+        self.send(self.random_command())
 
-    def any_command(self) -> Message:
+    def random_command(self) -> Message:
         """Send a random COMMAND_LONG or COMMAND_INT, which the vehicle must answer."""
         random = self.random
-        params = {f"param{index}": odd(random) for index in range(1, 8)}
-        known = {"target_system": self.system, "target_component": 1}
+        params = {f"param{index}": unusual_number(random) for index in range(1, 8)}
+        header_fields = {"target_system": self.system, "target_component": 1}
         command = random.choice(COMMANDS)
         if command == _CMD.PREFLIGHT_REBOOT_SHUTDOWN and random.random() < 0.9:
             command = _CMD.DO_REPOSITION
         if random.random() < 0.5:
             return common.CommandLong(
-                **known, command=command, confirmation=random.choice([0, 1, 255]), **params
+                **header_fields, command=command, confirmation=random.choice([0, 1, 255]), **params
             )
         del params["param5"], params["param6"]
         latitude, longitude = (random.choice([0, 474000000, random.randrange(-(2**31), 2**31)]) for _ in "xy")
         height = params.pop("param7")
         frame = random.choice([0, 3, 6, random.randrange(22), random.randrange(256)])
         return common.CommandInt(
-            **known, command=command, frame=frame, x=latitude, y=longitude, z=height, **params
+            **header_fields, command=command, frame=frame, x=latitude, y=longitude, z=height, **params
         )
 
-    def set_parameters(self) -> None:
+    def set_random_parameters(self) -> None:
         """Set parameters by PARAM_SET in the firmware's encoding, so that they are accepted."""
         random, table = self.random, list(self.vehicle.parameters.table)
         for definition in random.sample(table, random.choice([1, 5, 40])):
-            value = random.choice((*ODD, 127, -128, 32767, -32768, 2147483520.0, 255))
+            value = random.choice((*UNUSUAL_NUMBERS, 127, -128, 32767, -32768, 2147483520.0, 255))
             self.set_parameter(definition.name, value)
 
     def set_parameter(self, name: str, value: float) -> None:
@@ -156,17 +162,17 @@ class Abuser(Victim):
         if self.vehicle.firmware == "px4" and kind != common.MavParamType.REAL32:
             whole = int(min(max(value, -(2.0**31)), 2.0**31 - 1)) if value == value else 2**31 - 1
             value = struct.unpack("<f", struct.pack("<i", whole))[0]
-        known = {"target_system": self.system, "target_component": 1}
-        self.send(common.ParamSet(**known, param_id=name, param_type=kind, param_value=value))
+        header_fields = {"target_system": self.system, "target_component": 1}
+        self.send(common.ParamSet(**header_fields, param_id=name, param_type=kind, param_value=value))
 
     def change_mode(self) -> None:
         mode = self.random.choice(self.vehicle.profile.modes)
         self.vehicle.autopilot.enter(mode.number, "test", commanded=True)
 
-    def go_wrong(self) -> None:
+    def inject_fault(self) -> None:
         self.vehicle.faults.inject(self.random.choice(FAULTS))
 
-    def arm_somehow(self) -> None:
+    def arm_or_place_in_air(self) -> None:
         if self.random.random() < 0.5:
             self.place_in_air()
         else:
@@ -181,30 +187,42 @@ class Abuser(Victim):
         axes = {axis: random.choice([-32768, -1000, 0, 500, 1000, 32767]) for axis in "xyzr"}
         self.send(common.ManualControl(target=system, buttons=random.randrange(65536), **axes))
 
-    def guide(self) -> None:
+    def send_setpoints(self) -> None:
         random = self.random
         if random.random() < 0.5:
             self.vehicle.autopilot.enter(self.vehicle.profile.guided, "test", commanded=True)
-        known = {
+        header_fields = {
             "target_system": self.system,
             "target_component": 1,
             "type_mask": random.choice([0, 0xDF8, 0xDC7, 0xE3F, random.randrange(65536)]),
         }
-        motion = {name: odd(random) for name in ("vx", "vy", "vz", "afx", "afy", "afz", "yaw", "yaw_rate")}
+        motion = {
+            name: unusual_number(random)
+            for name in ("vx", "vy", "vz", "afx", "afy", "afz", "yaw", "yaw_rate")
+        }
         frame = random.choice([1, 7, 8, 9, 12, 20, 21])
-        local = {axis: odd(random) for axis in "xyz"}
-        self.send(common.SetPositionTargetLocalNed(**known, coordinate_frame=frame, **local, **motion))
+        local = {axis: unusual_number(random) for axis in "xyz"}
+        self.send(
+            common.SetPositionTargetLocalNed(**header_fields, coordinate_frame=frame, **local, **motion)
+        )
         places = {name: random.randrange(-(2**31), 2**31) for name in ("lat_int", "lon_int")}
         self.send(
             common.SetPositionTargetGlobalInt(
-                **known, coordinate_frame=random.choice([0, 3, 6, 10]), alt=odd(random), **places, **motion
+                **header_fields,
+                coordinate_frame=random.choice([0, 3, 6, 10]),
+                alt=unusual_number(random),
+                **places,
+                **motion,
             )
         )
         turn = {
-            name: odd(random) for name in ("body_roll_rate", "body_pitch_rate", "body_yaw_rate", "thrust")
+            name: unusual_number(random)
+            for name in ("body_roll_rate", "body_pitch_rate", "body_yaw_rate", "thrust")
         }
-        known["type_mask"] = random.choice([0, 7, 128, random.randrange(256)])
-        self.send(common.SetAttitudeTarget(**known, q=[odd(random) for _ in range(4)], **turn))
+        header_fields["type_mask"] = random.choice([0, 7, 128, random.randrange(256)])
+        self.send(
+            common.SetAttitudeTarget(**header_fields, q=[unusual_number(random) for _ in range(4)], **turn)
+        )
 
     def write_shell(self) -> None:
         line = self.random.choice(LINES).encode()[:69] + b"\n"
@@ -251,13 +269,13 @@ class Abuser(Victim):
             )
             self.send(whole_payload(self.system, header + data))
 
-    def ask_for_logs(self) -> None:
-        random, known = self.random, {"target_system": self.system, "target_component": 1}
-        self.send(common.LogRequestList(**known, start=0, end=65535))
-        where = {"ofs": random.choice([0, 500, 2**32 - 1]), "count": random.choice([0, 90, 2**32 - 1])}
-        self.send(common.LogRequestData(**known, id=random.randrange(4), **where))
+    def request_logs(self) -> None:
+        random, header_fields = self.random, {"target_system": self.system, "target_component": 1}
+        self.send(common.LogRequestList(**header_fields, start=0, end=65535))
+        range_fields = {"ofs": random.choice([0, 500, 2**32 - 1]), "count": random.choice([0, 90, 2**32 - 1])}
+        self.send(common.LogRequestData(**header_fields, id=random.randrange(4), **range_fields))
         if random.random() < 0.2:
-            self.send(common.LogErase(**known))
+            self.send(common.LogErase(**header_fields))
 
     def change_ports(self) -> None:
         vehicle, random = self.vehicle, self.random
@@ -279,11 +297,11 @@ class Abuser(Victim):
             PlanType.FENCE: [5001, 5002, 5003, 5004],
         }
         command = random.choice(choices.get(PlanType(kind), [_CMD.NAV_RALLY_POINT]))
-        params = [random.choice([odd(random), 0, random.randint(-1, count)]) for _ in range(4)]
+        params = [random.choice([unusual_number(random), 0, random.randint(-1, count)]) for _ in range(4)]
         if command == _CMD.DO_JUMP:
             params[:2] = random.randint(0, count), random.choice([-1, 1e9, 5])
-        place = random.choice([*PLACES, (47.4, 8.5), (odd(random), odd(random))])
-        height = random.choice([0, 10, 50, -10, 1e6, -1e6, odd(random)])
+        place = random.choice([*PLACES, (47.4, 8.5), (unusual_number(random), unusual_number(random))])
+        height = random.choice([0, 10, 50, -10, 1e6, -1e6, unusual_number(random)])
         frame = random.choice([0, 3, 3, 3, 2, 6, 10, random.randrange(22)])
         return MissionItem(command, *params, *place, height, frame=frame)
 

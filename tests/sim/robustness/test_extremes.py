@@ -15,8 +15,8 @@ from mavstack.sim.autopilot.mission.route import Route
 from mavstack.sim.scenarios import take_off
 from mavstack.sim.simulation import MAX_SYSTEMS, Simulation
 from mavstack.sim.vehicle_types import Firmware, Home, VehicleType
-from tests.sim.robustness.hostile_peers import EVERY_KIND, GROUND, Victim, state_of, victims
-from tests.sim.robustness.random_actions import Abuser
+from tests.sim.robustness.hostile_peers import ALL_VEHICLES, GROUND, TargetVehicle, state_of, target_vehicles
+from tests.sim.robustness.random_actions import RandomActor
 
 _CMD = common.MavCmd
 HOMES = [
@@ -27,7 +27,7 @@ HOMES = [
 
 @pytest.mark.parametrize("firmware", Firmware)
 @pytest.mark.parametrize("home", HOMES, ids=str)
-def test_flights_begin_anywhere_on_earth(home, firmware):
+def test_flights_start_anywhere_on_earth(home, firmware):
     simulation = Simulation(rate=10)
     vehicle = simulation.add(VehicleType.COPTER, firmware, home=home)
     take_off(simulation, vehicle)
@@ -50,10 +50,10 @@ def test_flights_at_any_rate(rate):
     assert vehicle.autopilot.altitude == pytest.approx(10, abs=1.5)
 
 
-def test_a_full_house():
+def test_maximum_number_of_vehicles():
     simulation = Simulation(rate=10)
     while len(simulation.vehicles) < MAX_SYSTEMS:
-        simulation.add(*EVERY_KIND[len(simulation.vehicles) % len(EVERY_KIND)])
+        simulation.add(*ALL_VEHICLES[len(simulation.vehicles) % len(ALL_VEHICLES)])
     vehicles = simulation.vehicles
     assert sorted(vehicle.address.system for vehicle in vehicles) == list(range(1, MAX_SYSTEMS + 1))
     for vehicle in vehicles:
@@ -65,11 +65,11 @@ def test_a_full_house():
     )
 
 
-def test_who_comes_later_disturbs_nobody():
+def test_added_vehicle_does_not_change_others():
     simulation = Simulation(rate=10)
     first = simulation.add()
     take_off(simulation, first)
-    for kind, firmware in EVERY_KIND:
+    for kind, firmware in ALL_VEHICLES:
         before = first.body.truth
         simulation.add(kind, firmware)
         assert first.body.truth == before
@@ -78,28 +78,28 @@ def test_who_comes_later_disturbs_nobody():
 
 
 @pytest.mark.parametrize("firmware", Firmware)
-def test_reboots_within_reboots(firmware):
+def test_repeated_reboots(firmware):
     random = Random(3)
     simulation = Simulation(rate=10)
-    victim = Victim(simulation, simulation.add(VehicleType.COPTER, firmware), random)
+    target = TargetVehicle(simulation, simulation.add(VehicleType.COPTER, firmware), random)
     for _ in range(25):
         for _ in range(random.choice([1, 1, 2, 3])):
-            victim.vehicle.reboot()
+            target.vehicle.reboot()
         for _ in range(random.choice([0, 1, 3, 12, 25])):
             simulation.step()
-        victim.check()
-        victim.place_in_air()
-    victim.vehicle.reboot()
-    victim.take_heard()
+        target.check()
+        target.place_in_air()
+    target.vehicle.reboot()
+    target.drain_received()
     simulation.advance(simulation.now + 10)
-    victim.check()
-    assert not victim.vehicle.autopilot.armed
-    assert victim.vehicle.body.on_ground
-    assert {message.autopilot for message in victim.received if isinstance(message, common.Heartbeat)}
-    assert len(victim.vehicle.ports) == 1
+    target.check()
+    assert not target.vehicle.autopilot.armed
+    assert target.vehicle.body.on_ground
+    assert {message.autopilot for message in target.received if isinstance(message, common.Heartbeat)}
+    assert len(target.vehicle.ports) == 1
 
 
-CIRCLES = [
+ENDLESS_MISSIONS = [
     [MissionItem(_CMD.NAV_WAYPOINT), MissionItem(_CMD.DO_JUMP, 1, -1)],
     [MissionItem(_CMD.DO_JUMP, 1, -1)],
     [MissionItem(_CMD.DO_SET_ROI_NONE, frame=2), MissionItem(_CMD.DO_JUMP, 1, -1)],
@@ -108,91 +108,91 @@ CIRCLES = [
 ]
 
 
-@pytest.mark.parametrize(("kind", "firmware"), EVERY_KIND)
-@pytest.mark.parametrize("circle", range(len(CIRCLES)))
-def test_a_mission_that_goes_in_a_circle_hangs_no_tick(circle, kind, firmware, monkeypatch):
-    """Items at the current position take no time, and the mission jumps back without end."""
+@pytest.mark.parametrize(("kind", "firmware"), ALL_VEHICLES)
+@pytest.mark.parametrize("number", range(len(ENDLESS_MISSIONS)))
+def test_endless_mission_does_not_block_a_tick(number, kind, firmware, monkeypatch):
+    """The items at the current position take no time, and DO_JUMP repeats them without a limit."""
     simulation = Simulation(rate=10)
-    victim = Victim(simulation, simulation.add(kind, firmware), Random(1))
+    target = TargetVehicle(simulation, simulation.add(kind, firmware), Random(1))
     simulation.advance(simulation.now + 2.1)
-    victim.place_in_air()
+    target.place_in_air()
     legs = 0
-    taken = Route.leg
+    original_leg = Route.leg
 
-    def counted(route: Route, seq: int) -> object:
+    def counted_leg(route: Route, seq: int) -> object:
         nonlocal legs
         legs += 1
-        assert legs < 40, "a tick that does not end"
-        return taken(route, seq)
+        assert legs < 40, "too many legs in one tick"
+        return original_leg(route, seq)
 
-    monkeypatch.setattr(Route, "leg", counted)
+    monkeypatch.setattr(Route, "leg", counted_leg)
     home = [MissionItem(_CMD.NAV_WAYPOINT)] if firmware is Firmware.ARDUPILOT else []
     first = len(home)
     items = [
         MissionItem(item.command, item.param1 - 1 + first, item.param2, frame=item.frame)
         if item.command == _CMD.DO_JUMP
         else item
-        for item in CIRCLES[circle]
+        for item in ENDLESS_MISSIONS[number]
     ]
-    victim.vehicle.mission.accept(Plan.of([*home, *items]), GROUND)
-    victim.vehicle.engine.touch(victim.vehicle.mission)
-    victim.vehicle.autopilot.enter(victim.vehicle.profile.mission, "test", commanded=True)
+    target.vehicle.mission.accept(Plan.of([*home, *items]), GROUND)
+    target.vehicle.engine.touch(target.vehicle.mission)
+    target.vehicle.autopilot.enter(target.vehicle.profile.mission, "test", commanded=True)
     for _ in range(10):
         legs = 0
         simulation.step()
-        victim.check()
+        target.check()
 
 
-def kept_memory() -> int:
-    """Return the bytes in use, without the bounded caches of enum values and the test's own."""
+def used_memory() -> int:
+    """Return the bytes in use, without the bounded caches of enum values and the tests' own objects."""
     gc.collect()
-    names = ("*/enums.py", "*/enum.py", "*/hostile.py", __file__)
+    names = ("*/enums.py", "*/enum.py", "*/hostile_peers.py", __file__)
     others = [tracemalloc.Filter(False, name) for name in names]
     statistics = tracemalloc.take_snapshot().filter_traces(others).statistics("filename")
     return sum(statistic.size for statistic in statistics)
 
 
-def test_a_flood_leaves_nothing_behind(monkeypatch):
-    """Messages of all kinds from everywhere: the memory that they leave is bounded."""
+def test_memory_is_bounded_under_a_flood(monkeypatch):
+    """Send random messages from many sources; the memory that stays allocated is bounded."""
     monkeypatch.setattr("mavstack.node.routes.MAX_ADDRESSES", 64)
     random = Random(5)
     simulation = Simulation(rate=10)
-    victim = Victim(simulation, simulation.add(), random)
+    target = TargetVehicle(simulation, simulation.add(), random)
     simulation.advance(simulation.now + 2.1)
 
     def flood() -> None:
         for _ in range(120):
             for _ in range(20):
-                victim.send(victim.anything(), victim.anybody())
+                target.send(target.random_message(), target.random_source())
             simulation.step()
-            victim.check()
-            victim.take_heard()
-        victim._encoders.clear()
+            target.check()
+            target.drain_received()
+        target._encoders.clear()
 
     flood()
     tracemalloc.start()
     try:
         flood()
-        before = kept_memory()
+        before = used_memory()
         flood()
-        assert kept_memory() - before < 100_000
+        assert used_memory() - before < 100_000
     finally:
         tracemalloc.stop()
 
 
-def bytes_of(seed: int, *, watched: bool) -> dict[str, bytes]:
-    """Return the data of vehicles of all kinds during many events; `watched` reads their state as well."""
+def sent_bytes(seed: int, *, watched: bool) -> dict[str, bytes]:
+    """Return the data that all vehicles send under random actions; `watched` also reads their state."""
     random, other = Random(seed), Random(9)
-    made = victims(random, rate=10, seconds=2.1)
-    abusers = [Abuser(victim.simulation, victim.vehicle, random) for victim in made]
-    said: dict[str, bytes] = {}
-    for abuser in abusers:
-        abuser.place_in_air()
+    targets = target_vehicles(random, rate=10, seconds=2.1)
+    actors = [RandomActor(target.simulation, target.vehicle, random) for target in targets]
+    sent: dict[str, bytes] = {}
+    for actor in actors:
+        actor.place_in_air()
     for _ in range(40):
-        for abuser in abusers:
-            vehicle = abuser.vehicle
+        for actor in actors:
+            vehicle = actor.vehicle
             if random.random() < 0.2:
-                abuser.do_something()
+                actor.run_random_action()
             if watched and other.random() < 0.5:
                 autopilot = vehicle.autopilot
                 print(dict(state_of(vehicle)), vehicle.body.sensors, vehicle.body.health, autopilot.altitude)
@@ -207,15 +207,15 @@ def bytes_of(seed: int, *, watched: bool) -> dict[str, bytes]:
                     vehicle.storage.logs.logs(),
                     list(vehicle.profile.arming_problems(autopilot)),
                 )
-        abusers[0].simulation.step()
-        for vehicle, port, data in abusers[0].simulation.data_to_send():
+        actors[0].simulation.step()
+        for vehicle, port, data in actors[0].simulation.data_to_send():
             name = f"{vehicle.vehicle_type} {vehicle.firmware} {vehicle.ports.index(port)}"
-            said[name] = said.get(name, b"") + data
-    return said
+            sent[name] = sent.get(name, b"") + data
+    return sent
 
 
-def test_the_same_bytes_whoever_looks_on():
-    first = bytes_of(4, watched=False)
-    assert len(first) >= len(EVERY_KIND)
-    assert bytes_of(4, watched=False) == first
-    assert bytes_of(4, watched=True) == first
+def test_reading_state_does_not_change_the_sent_bytes():
+    first = sent_bytes(4, watched=False)
+    assert len(first) >= len(ALL_VEHICLES)
+    assert sent_bytes(4, watched=False) == first
+    assert sent_bytes(4, watched=True) == first

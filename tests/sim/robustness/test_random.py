@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Home
-from tests.sim.robustness.hostile_peers import EVERY_KIND
-from tests.sim.robustness.random_actions import Abuser
+from tests.sim.robustness.hostile_peers import ALL_VEHICLES
+from tests.sim.robustness.random_actions import RandomActor
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -24,72 +24,72 @@ HOMES = [
 ]
 
 
-def abused(seed: int) -> Abuser:
+def new_actor(seed: int) -> RandomActor:
     """Return one vehicle of some kind that can be armed."""
     random = Random(seed)
     simulation = Simulation(seed=seed, rate=random.choice([10.0, 10.0, 10.0, 25.0]))
-    vehicle = simulation.add(*random.choice(EVERY_KIND), home=random.choice(HOMES))
+    vehicle = simulation.add(*random.choice(ALL_VEHICLES), home=random.choice(HOMES))
     simulation.advance(simulation.now + 2.1)
-    return Abuser(simulation, vehicle, random)
+    return RandomActor(simulation, vehicle, random)
 
 
-def resume(victim: Abuser, steps: int) -> None:
+def step_and_check(target: RandomActor, steps: int) -> None:
     for _ in range(steps):
-        victim.simulation.step()
-    victim.check()
+        target.simulation.step()
+    target.check()
 
 
-def anything_at_all(victim: Abuser) -> None:
+def random_actions(target: RandomActor) -> None:
     for _ in range(25):
-        victim.do_something()
-        resume(victim, victim.random.choice([0, 1, 3]))
+        target.run_random_action()
+        step_and_check(target, target.random.choice([0, 1, 3]))
 
 
-def any_command(victim: Abuser) -> None:
+def random_command(target: RandomActor) -> None:
     """Expect one answer to each command, or an answer in progress and a final one."""
     for _ in range(15):
-        if victim.random.random() < 0.3:
-            victim.random.choice([victim.change_mode, victim.arm_somehow])()
-        resume(victim, 1)
-        victim.take_heard()
-        asked = victim.any_command()
-        victim.send(asked)
-        resume(victim, 2)
-        acks = [ack for ack in victim.take_heard() if isinstance(ack, common.CommandAck)]
-        results = [ack.result for ack in acks if ack.command == asked.command]
-        assert results, asked
-        assert sum(result != common.MavResult.IN_PROGRESS for result in results) <= 1, (asked, results)
-        resume(victim, 15 if victim.vehicle.boots > 1 else 0)
+        if target.random.random() < 0.3:
+            target.random.choice([target.change_mode, target.arm_or_place_in_air])()
+        step_and_check(target, 1)
+        target.drain_received()
+        command = target.random_command()
+        target.send(command)
+        step_and_check(target, 2)
+        acks = [ack for ack in target.drain_received() if isinstance(ack, common.CommandAck)]
+        results = [ack.result for ack in acks if ack.command == command.command]
+        assert results, command
+        assert sum(result != common.MavResult.IN_PROGRESS for result in results) <= 1, (command, results)
+        step_and_check(target, 15 if target.vehicle.boots > 1 else 0)
 
 
-def any_parameter(victim: Abuser) -> None:
-    victim.arm_somehow()
+def random_parameters(target: RandomActor) -> None:
+    target.arm_or_place_in_air()
     for _ in range(10):
-        victim.set_parameters()
-        victim.random.choice(
-            [victim.change_mode, victim.change_mode, victim.place_in_air, victim.vehicle.reboot]
+        target.set_random_parameters()
+        target.random.choice(
+            [target.change_mode, target.change_mode, target.place_in_air, target.vehicle.reboot]
         )()
-        resume(victim, 4)
+        step_and_check(target, 4)
 
 
-def any_plan(victim: Abuser) -> None:
+def random_plans(target: RandomActor) -> None:
     for kind in (1, 2, 0):
-        victim.upload(kind)
+        target.upload(kind)
         for name in ("FENCE_ENABLE", "FENCE_TYPE", "GF_ACTION"):
-            if name in victim.vehicle.parameters:
-                victim.vehicle.parameters.set(name, victim.random.randint(0, 5))
+            if name in target.vehicle.parameters:
+                target.vehicle.parameters.set(name, target.random.randint(0, 5))
     for _ in range(6):
-        count = len(victim.vehicle.autopilot.mission.items)
-        victim.vehicle.autopilot.mission.go_to_item(victim.random.randint(0, count))
-        resume(victim, 4)
+        count = len(target.vehicle.autopilot.mission.items)
+        target.vehicle.autopilot.mission.go_to_item(target.random.randint(0, count))
+        step_and_check(target, 4)
 
 
-SCENARIOS = (anything_at_all, any_command, any_parameter, any_plan)
+SCENARIOS = (random_actions, random_command, random_parameters, random_plans)
 
 
 def scenario(seed: int) -> None:
-    SCENARIOS[seed % len(SCENARIOS)](abused(seed))
+    SCENARIOS[seed % len(SCENARIOS)](new_actor(seed))
 
 
-def test_nothing_throws_a_vehicle_off(seeds: Seeds) -> None:
+def test_invariants_hold_under_random_input(seeds: Seeds) -> None:
     seeds.check(scenario)

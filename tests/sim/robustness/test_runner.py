@@ -25,16 +25,16 @@ def one_vehicle(**options: int) -> Simulation:
     return simulation
 
 
-def ports_of(simulation: Simulation) -> int:
+def port_count(simulation: Simulation) -> int:
     return sum(len(vehicle.ports) for vehicle in simulation.vehicles)
 
 
-def test_a_speed_may_become_infinite_and_finite_again():
+def test_speed_changes_to_infinite_and_back():
     simulation = one_vehicle()
 
     async def work() -> None:
         runner = Runner(simulation)
-        running = asyncio.ensure_future(runner.run(200))
+        run_task = asyncio.ensure_future(runner.run(200))
         await asyncio.sleep(1)
         runner.speed = inf
         for _ in range(100):
@@ -44,32 +44,32 @@ def test_a_speed_may_become_infinite_and_finite_again():
         await asyncio.sleep(10)
         assert simulation.elapsed - before == pytest.approx(20, abs=1)
         runner.speed = inf
-        await running
+        await run_task
 
     began = simulation.now
     run_virtually(work())
     assert simulation.now - began == pytest.approx(200)
 
 
-def test_an_error_in_the_background_is_told_at_the_end():
+def test_background_error_is_raised_on_exit():
     simulation = one_vehicle()
 
-    def break_down(elapsed: float) -> None:
+    def fail(elapsed: float) -> None:
         if elapsed > 2:
-            raise ZeroDivisionError("as a test wants it")
+            raise ZeroDivisionError("raised by the test")
 
-    simulation.before_step.append(break_down)
+    simulation.before_step.append(fail)
 
     async def work() -> None:
         async with Runner(simulation) as runner:
             runner.start()
             await asyncio.sleep(5)
 
-    with pytest.raises(ZeroDivisionError, match="as a test wants"):
+    with pytest.raises(ZeroDivisionError, match="raised by the test"):
         run_virtually(work())
 
 
-def test_an_error_that_ends_a_link_is_told_at_the_end(monkeypatch):
+def test_error_of_a_link_is_raised_on_exit(monkeypatch):
     simulation = one_vehicle()
     monkeypatch.setattr(simulation.vehicles[0], "receive", lambda port, data: 1 / 0)
 
@@ -85,7 +85,7 @@ def test_an_error_that_ends_a_link_is_told_at_the_end(monkeypatch):
         run_virtually(work())
 
 
-def test_a_runner_that_is_closed_leaves_no_ports():
+def test_closed_runner_leaves_no_ports():
     simulation = one_vehicle()
     simulation.add()
 
@@ -97,14 +97,14 @@ def test_a_runner_that_is_closed_leaves_no_ports():
                 runner.start()
                 async with Node(network.link()) as ground:
                     await ground.wait_for_autopilot(system=1)
-                    assert ports_of(simulation) == 2
-            assert ports_of(simulation) == 0
+                    assert port_count(simulation) == 2
+            assert port_count(simulation) == 0
 
     run_virtually(work())
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_cancelled_at_any_moment(seed):
+def test_cancellation_at_any_moment(seed):
     """Cancel at any moment, as Ctrl-C does."""
     random, simulation = Random(seed), one_vehicle()
     speed = random.choice([1.0, 10.0, inf])  # with an infinite speed, virtual time stands still
@@ -119,7 +119,7 @@ def test_cancelled_at_any_moment(seed):
                 ground.send(common.Heartbeat())
                 await runner.run()
 
-    async def interrupted() -> None:
+    async def cancel_work() -> None:
         task = asyncio.ensure_future(work())
         for _ in range(random.randrange(60)):
             await asyncio.sleep(0 if speed == inf else random.choice([0, 0, 0.01]))
@@ -128,8 +128,8 @@ def test_cancelled_at_any_moment(seed):
             await task
         assert asyncio.all_tasks() == {asyncio.current_task()}
 
-    run_virtually(interrupted())
-    assert ports_of(simulation) == 0
+    run_virtually(cancel_work())
+    assert port_count(simulation) == 0
 
 
 def test_two_runners_on_one_port():
@@ -146,8 +146,8 @@ def test_two_runners_on_one_port():
     run(work())
 
 
-def test_a_flood_of_garbage_stops_nobody():
-    """Garbage of every kind; then a command is answered as usual."""
+def test_vehicles_answer_after_a_flood_of_invalid_data():
+    """Invalid data of several forms; a command is answered afterwards."""
     simulation, random = one_vehicle(), Random(1)
     simulation.add()
 
@@ -174,7 +174,7 @@ def test_a_flood_of_garbage_stops_nobody():
     run(work())
 
 
-def test_a_peer_that_never_reads():
+def test_peer_that_never_reads():
     """Data for a peer that never reads is dropped, and other peers receive everything."""
     simulation = one_vehicle()
 
@@ -182,17 +182,17 @@ def test_a_peer_that_never_reads():
         network = MemoryNetwork()
         async with Runner(simulation) as runner:
             link = await runner.connect(network.link(), simulation.vehicles)
-            deaf = network.link("memory://pair?receive_queue=10000")
-            await deaf.open()
+            silent_link = network.link("memory://pair?receive_queue=10000")
+            await silent_link.open()
             runner.start()
             await asyncio.sleep(20)
             assert link.counters.dropped_out > 100
             async with Node(network.link()) as ground:
                 vehicle = await ground.wait_for_autopilot()
                 await vehicle.command(common.MavCmd.DO_SET_ROI_NONE)
-            await deaf.close()
+            await silent_link.close()
             await asyncio.sleep(1)
-            assert ports_of(simulation) == 0
+            assert port_count(simulation) == 0
 
     run_virtually(work())
 

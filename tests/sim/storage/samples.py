@@ -1,4 +1,4 @@
-"""Samples of a flight, and readers of its logs by pymavlink and pyulog."""
+"""Samples of a flight, logs written from these samples, and readers of logs by pymavlink and pyulog."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from mavstack.services.mission import MissionItem
 from mavstack.sim.storage import FlightSample, LoggedParameter, LogStart
 
 BOOT = 1_700_000_000.0
+#: Microseconds.
+SECOND = 1_000_000
 HOME = (47.3977418, 8.5455939, 488.0)
 
 
@@ -199,3 +201,24 @@ def any_sample() -> st.SearchStrategy[FlightSample]:
         desired_yaw=any_float(),
         health=st.none() | record(Health),
     )
+
+
+def fly(logs, begin_us: int, samples: int = 20) -> None:
+    """Write one flight of `samples` tenths of a second."""
+    logs.begin(begin_us)
+    for step in range(samples):
+        logs.write(sample(begin_us + step * 100_000))
+    logs.end()
+
+
+def content(logs, number: int) -> bytes:
+    size = next(log.size for log in logs.logs() if log.id == number)
+    return logs.read(number, 0, size)
+
+
+def paths(store, path: str = "") -> list[str]:
+    found = []
+    for entry in store.list_directory(path or "/"):
+        inside = f"{path}/{entry.name}"
+        found += paths(store, inside) if entry.is_directory else [inside]
+    return found

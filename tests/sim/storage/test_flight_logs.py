@@ -1,25 +1,27 @@
-"""Onboard logs: start and end, listing, download, capacity, failures, recovery."""
+"""Onboard logs: start and end, listing, capacity, failures, recovery."""
 
 from __future__ import annotations
 
 from errno import ENOSPC
-from random import Random
-from typing import TYPE_CHECKING
 
 import pytest
 
-from mavstack.errors import LocalProtocolError, LogTimeout, RemoteDenied
-from mavstack.services.ftp import FtpClient, FtpServer, MemoryStore
-from mavstack.services.log import LogClient, LogEntry, LogServer
+from mavstack.errors import LocalProtocolError
+from mavstack.services.ftp import MemoryStore
 from mavstack.sim.storage import DataflashLogs, UlogLogs, file_store
 from mavstack.sim.storage.flight_logs import FLUSH_SIZE, MIN_LOG_CAPACITY
-from tests.services.network import GROUND, VEHICLE, Network, random_impairment
-from tests.sim.storage.samples import BOOT, log_start, read_dataflash, read_ulog, sample, values_of
-
-if TYPE_CHECKING:
-    from tests.seeds import Seeds
-
-SECOND = 1_000_000
+from tests.sim.storage.samples import (
+    BOOT,
+    SECOND,
+    content,
+    fly,
+    log_start,
+    paths,
+    read_dataflash,
+    read_ulog,
+    sample,
+    values_of,
+)
 
 
 @pytest.fixture(params=[DataflashLogs, UlogLogs], ids=["ardupilot", "px4"])
@@ -37,27 +39,6 @@ def logs(log_class, store):
     logs = log_class(store, log_start)
     yield logs
     logs.end()
-
-
-def fly(logs, begin_us: int, samples: int = 20) -> None:
-    """Write one flight of `samples` tenths of a second."""
-    logs.begin(begin_us)
-    for step in range(samples):
-        logs.write(sample(begin_us + step * 100_000))
-    logs.end()
-
-
-def content(logs, number: int) -> bytes:
-    size = next(log.size for log in logs.logs() if log.id == number)
-    return logs.read(number, 0, size)
-
-
-def paths(store, path: str = "") -> list[str]:
-    found = []
-    for entry in store.list_directory(path or "/"):
-        inside = f"{path}/{entry.name}"
-        found += paths(store, inside) if entry.is_directory else [inside]
-    return found
 
 
 class TestFlights:
@@ -95,17 +76,17 @@ class TestFlights:
         logs.begin(0)
         logs.write(sample(0))
         (early,) = logs.logs()
-        begun = logs.read(early.id, 0, early.size)
+        early_content = logs.read(early.id, 0, early.size)
         for step in range(1, 50):
             logs.write(sample(step * 100_000))
         (later,) = logs.logs()
         assert later.size > early.size
         assert later.may_be(early)
-        grown = logs.read(later.id, 0, later.size)
-        assert grown.startswith(begun)
-        assert len(grown) == later.size
+        later_content = logs.read(later.id, 0, later.size)
+        assert later_content.startswith(early_content)
+        assert len(later_content) == later.size
         if log_class is DataflashLogs:
-            assert len(read_dataflash(grown, tmp_path)["ATT"]) == 50
+            assert len(read_dataflash(later_content, tmp_path)["ATT"]) == 50
         assert logs.writing
 
     def test_status_text_is_logged(self, logs, log_class, tmp_path) -> None:
@@ -127,11 +108,11 @@ class TestFlights:
         logs.begin(0)
         for step in range(100):
             logs.write(sample(step * 100_000))
-        held = next(path for path in paths(store) if path.upper().endswith(("BIN", "ULG")))
-        file = store.open_file(held)
-        lagging = file.size()
+        log_path = next(path for path in paths(store) if path.upper().endswith(("BIN", "ULG")))
+        file = store.open_file(log_path)
+        stored_size = file.size()
         file.close()
-        assert 0 <= logs.logs()[0].size - lagging < 2 * FLUSH_SIZE
+        assert 0 <= logs.logs()[0].size - stored_size < 2 * FLUSH_SIZE
 
     def test_reading_a_range(self, logs) -> None:
         fly(logs, 0)
@@ -322,7 +303,7 @@ class TestFailures:
         fly(logs, 20 * SECOND)
         assert [log.id for log in logs.logs()] == [1 if log_class is DataflashLogs else 0]
 
-    def test_erase_with_an_open_log_starts_another(self, logs) -> None:
+    def test_erase_with_an_open_log_starts_a_new_one(self, logs) -> None:
         logs.begin(0)
         logs.write(sample(30 * SECOND))
         logs.erase()
@@ -351,72 +332,3 @@ class TestFolder:
         again = log_class(file_store(tmp_path), log_start)
         assert [log.size for log in again.logs()] == [size]
         logs.end()
-
-
-class LogNetwork:
-    """A vehicle that serves logs and files, and a client, over a simulated network."""
-
-    def __init__(self, seed: int, logs, store, weather=None) -> None:
-        self.network = Network(seed)
-        self.vehicle = self.network.node(VEHICLE)
-        self.vehicle.engine.add(LogServer(VEHICLE, logs))
-        self.vehicle.engine.add(FtpServer(VEHICLE, store))
-        self.ground = self.network.node(GROUND)
-        self.logs = self.ground.engine.add(LogClient(GROUND, VEHICLE))
-        self.files = self.ground.engine.add(FtpClient(GROUND, VEHICLE))
-        self.network.connect(self.ground, self.vehicle, weather)
-
-    @property
-    def now(self) -> float:
-        return self.network.now
-
-    def run(self, client, operation):
-        self.ground.engine.touch(client)
-        assert self.network.run(lambda: operation.done, timeout=2000)
-        return operation
-
-
-def test_over_the_network(log_class) -> None:
-    store = MemoryStore()
-    logs = log_class(store, log_start)
-    fly(logs, 0, samples=40)
-    fly(logs, 10 * SECOND, samples=3)
-    network = LogNetwork(1, logs, store)
-    listed = network.run(network.logs, network.logs.list_logs(network.now)).result()
-    assert list(listed) == list(logs.logs())
-    for entry in listed:
-        data = network.run(network.logs, network.logs.download(entry, network.now)).result()
-        assert data == content(logs, entry.id)
-    for path in paths(store):
-        data = network.run(network.files, network.files.download(path, network.now)).result()
-        assert data == store[path]
-    network.run(network.logs, network.logs.erase(network.now)).result()
-    assert logs.logs() == []
-
-
-def scenario(seed: int) -> None:
-    """Download a log while it is written, over a random network: a part, the whole, or a typed error."""
-    random = Random(seed)
-    store = MemoryStore()
-    logs = random.choice([DataflashLogs, UlogLogs])(store, log_start)
-    fly(logs, 0, samples=random.randrange(9))
-    logs.begin(10 * SECOND)
-    network = LogNetwork(seed, logs, store, random_impairment(random))
-
-    def resume(step: int) -> None:
-        logs.write(sample(10 * SECOND + step * 100_000))
-
-    for step in range(20):
-        network.network.at(step / 10, lambda step=step: resume(step))
-    entry: LogEntry = random.choice(logs.logs())
-    operation = network.run(network.logs, network.logs.download(entry, network.now, timeout=900.0))
-    if operation.error is None:
-        data = operation.result()
-        assert len(data) >= entry.size
-        assert content(logs, entry.id).startswith(data)
-    else:
-        assert isinstance(operation.error, LogTimeout | RemoteDenied)
-
-
-def test_download_while_writing(seeds: Seeds) -> None:
-    seeds.check(scenario)

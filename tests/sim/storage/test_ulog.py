@@ -57,8 +57,8 @@ def log(capfd):
     return found
 
 
-def close(values, place=0, **wanted) -> None:
-    for name, value in wanted.items():
+def close(values, place=0, **expected) -> None:
+    for name, value in expected.items():
         assert values[name][place] == pytest.approx(value, rel=1e-6, abs=1e-6), name
 
 

@@ -95,28 +95,32 @@ def _producers(flight: Flight):
 
 def _send_all(flight: Flight) -> set[type[Message]]:
     """Build and encode every message that the vehicle can send; return the types of those that exist."""
-    encoder, made = Encoder(1, 1), set()
+    encoder, types = Encoder(1, 1), set()
     for message_type, produce in _producers(flight).items():
         message = produce(flight.now)
         if message is not None:
             assert type(message).__mavlink_row__[0] == message_type.__mavlink_row__[0]
             assert encoder.encode(message, flight.now)
-            made.add(message_type)
-    return made
+            types.add(message_type)
+    return types
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(body=BODIES, which=st.sampled_from(VEHICLES), target=st.none() | st.tuples(NUMBER, NUMBER, NUMBER))
-def test_random_bodies(body, which, target):
-    flight = _flight(*which)
+@given(
+    body=BODIES,
+    vehicle_and_firmware=st.sampled_from(VEHICLES),
+    target=st.none() | st.tuples(NUMBER, NUMBER, NUMBER),
+)
+def test_random_bodies(body, vehicle_and_firmware, target):
+    flight = _flight(*vehicle_and_firmware)
     vehicle, autopilot = flight.vehicle, flight.vehicle.autopilot
-    real, vehicle.body = vehicle.body, body
+    original_body, vehicle.body = vehicle.body, body
     autopilot.target, before = target, autopilot.target
     try:
-        made = _send_all(flight)
+        types = _send_all(flight)
     finally:
-        vehicle.body, autopilot.target = real, before
-    assert len(made) >= 25
+        vehicle.body, autopilot.target = original_body, before
+    assert len(types) >= 25
 
 
 @pytest.mark.parametrize(("vehicle_type", "firmware"), VEHICLES, ids=VEHICLE_IDS)
@@ -136,13 +140,13 @@ def test_every_state_of_a_flight(vehicle_type, firmware):
         lambda: flight.vehicle.autopilot.disarm("test"),
         flight.vehicle.reboot,
     ]
-    every = set()
+    sent_types = set()
     for begin in states:
         begin()
         flight.step()
-        every |= _send_all(flight)
+        sent_types |= _send_all(flight)
         flight.run(2.0)
-        every |= _send_all(flight)
+        sent_types |= _send_all(flight)
     assert flight.port.state.unsendable == 0
     rare = {
         "OrbitExecutionStatus",
@@ -161,7 +165,7 @@ def test_every_state_of_a_flight(vehicle_type, firmware):
     }
     missing = {
         message_type.__name__
-        for message_type in _producers(flight).keys() - every
+        for message_type in _producers(flight).keys() - sent_types
         if flight.vehicle.vehicle_type in TYPES_SENDING.get(message_type, VehicleType)
     }
     assert missing <= rare

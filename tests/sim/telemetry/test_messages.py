@@ -92,13 +92,13 @@ def test_inertial_readings(flying):
     assert scaled.zacc / 1000 * 9.80665 == pytest.approx(readings.acceleration_z, abs=0.01)
     assert scaled.xmag / 1000 == pytest.approx(readings.magnetic_x, abs=0.001)
     assert scaled.zacc < -500
-    fine = _request(flying, common.HighresImu)
-    assert (fine.xacc, fine.zgyro, fine.ymag) == pytest.approx(
+    highres = _request(flying, common.HighresImu)
+    assert (highres.xacc, highres.zgyro, highres.ymag) == pytest.approx(
         (readings.acceleration_x, readings.gyro_z, readings.magnetic_y), abs=1e-4
     )
-    assert fine.abs_pressure == pytest.approx(readings.pressure, abs=0.01)
+    assert highres.abs_pressure == pytest.approx(readings.pressure, abs=0.01)
     ground = flying.body.frame.altitude
-    assert fine.pressure_alt == pytest.approx(ground - flying.body.truth.down, abs=25.0)
+    assert highres.pressure_alt == pytest.approx(ground - flying.body.truth.down, abs=25.0)
 
 
 def test_gps_raw(flying):
@@ -210,9 +210,9 @@ def test_px4_stops_global_position_without_gps():
     flight = Flight(VehicleType.COPTER, PX4).fly(8.0)
     flight.body.fail_gps(True)
     flight.run(20.0)
-    heard = flight.rates(2.0)
-    assert heard["GlobalPositionInt"] == 0
-    assert heard["LocalPositionNed"] > 0
+    counts = flight.rates(2.0)
+    assert counts["GlobalPositionInt"] == 0
+    assert counts["LocalPositionNed"] > 0
     assert not _request(flight, common.EstimatorStatus).flags & EKF.POS_HORIZ_ABS
 
 

@@ -25,10 +25,10 @@ SENT_BY_PX4 = {"EstimatorStatus", "ExtendedSysState", "HomePosition", "AttitudeQ
 def test_every_type_sends_the_common_messages(vehicle_type, firmware):
     flight = Flight(vehicle_type, firmware)
     flight.run(3.0)
-    heard = set(flight.rates(11.0))
-    assert heard >= SENT_BY_ALL | (SENT_BY_PX4 if firmware is PX4 else SENT_BY_ARDUPILOT)
+    counts = set(flight.rates(11.0))
+    assert counts >= SENT_BY_ALL | (SENT_BY_PX4 if firmware is PX4 else SENT_BY_ARDUPILOT)
     if vehicle_type in (VehicleType.PLANE, VehicleType.VTOL):
-        assert ("WindCov" if firmware is PX4 else "Wind") in heard
+        assert ("WindCov" if firmware is PX4 else "Wind") in counts
     assert flight.port.state.unsendable == 0
 
 
@@ -44,8 +44,8 @@ def test_ardupilot_groups_follow_their_rate_parameters():
     }
     flight = Flight(VehicleType.COPTER, ARDUPILOT, **{f"SR0_{name}": rate for name, rate in rates.items()})
     flight.run(3.0)
-    heard = flight.rates(_SECONDS)
-    silent = {
+    counts = flight.rates(_SECONDS)
+    not_sent = {
         dialect.FenceStatus,
         dialect.PositionTargetGlobalInt,
         dialect.DistanceSensor,
@@ -55,9 +55,9 @@ def test_ardupilot_groups_follow_their_rate_parameters():
         for message_type in message_types:
             if (
                 VehicleType.COPTER in TYPES_SENDING.get(message_type, VehicleType)
-                and message_type not in silent
+                and message_type not in not_sent
             ):
-                assert heard[message_type.__name__] == pytest.approx(rates[name] * _SECONDS, abs=1), (
+                assert counts[message_type.__name__] == pytest.approx(rates[name] * _SECONDS, abs=1), (
                     message_type
                 )
 
@@ -66,8 +66,8 @@ def test_ardupilot_groups_follow_their_rate_parameters():
 def test_ardupilot_default_rate_is_four_hertz(vehicle_type):
     flight = Flight(vehicle_type, ARDUPILOT)
     flight.run(3.0)
-    heard = flight.rates(5.0)
-    assert heard["Attitude"] == heard["RawImu"] == heard["SysStatus"] == pytest.approx(20, abs=1)
+    counts = flight.rates(5.0)
+    assert counts["Attitude"] == counts["RawImu"] == counts["SysStatus"] == pytest.approx(20, abs=1)
 
 
 def test_parameter_change_in_flight_changes_the_rate():
@@ -83,9 +83,9 @@ def test_parameter_change_in_flight_changes_the_rate():
         )
     )
     flight.run(0.2)
-    heard = flight.rates(10.0)
-    assert heard["Attitude"] == pytest.approx(100, abs=2)
-    assert heard["VfrHud"] == pytest.approx(40, abs=2)
+    counts = flight.rates(10.0)
+    assert counts["Attitude"] == pytest.approx(100, abs=2)
+    assert counts["VfrHud"] == pytest.approx(40, abs=2)
     flight.vehicle.parameters.set("SR0_EXTRA1", 0)
     assert flight.rates(5.0)["Attitude"] <= 1
 
@@ -98,15 +98,15 @@ def test_ardupilot_follows_request_data_stream():
     flight.send(
         common.RequestDataStream(**request, req_stream_id=dialect.MavDataStream.EXTRA1, req_message_rate=5)
     )
-    heard = flight.rates(10.0)
-    assert heard["Attitude"] == heard["Ahrs2"] == pytest.approx(50, abs=1)
-    assert heard["VfrHud"] == 0
+    counts = flight.rates(10.0)
+    assert counts["Attitude"] == counts["Ahrs2"] == pytest.approx(50, abs=1)
+    assert counts["VfrHud"] == 0
     flight.send(
         common.RequestDataStream(**request, req_stream_id=dialect.MavDataStream.ALL, req_message_rate=4)
     )
-    heard = flight.rates(10.0)
-    assert heard["Attitude"] == heard["VfrHud"] == heard["SysStatus"] == pytest.approx(40, abs=1)
-    assert heard["AttitudeQuaternion"] == 0
+    counts = flight.rates(10.0)
+    assert counts["Attitude"] == counts["VfrHud"] == counts["SysStatus"] == pytest.approx(40, abs=1)
+    assert counts["AttitudeQuaternion"] == 0
 
 
 @pytest.mark.parametrize("link", LinkMode)
@@ -116,7 +116,7 @@ def test_px4_rates_follow_the_link_mode(vehicle_type, link):
     flight.run(3.0)
     set_link_mode(flight.vehicle, link)
     flight.run(1.0)
-    heard = flight.rates(_SECONDS)
+    counts = flight.rates(_SECONDS)
     missing = {common.NavControllerOutput, common.OrbitExecutionStatus, common.PositionTargetGlobalInt}
     missing |= {common.RcChannels}
     copter = vehicle_type is VehicleType.COPTER
@@ -124,7 +124,7 @@ def test_px4_rates_follow_the_link_mode(vehicle_type, link):
     for row in RATES:
         expected = 0.0 if row[0] in missing else row[1 + tuple(LinkMode).index(link)]
         expected = min(expected, 50.0) * _SECONDS
-        assert heard[row[0].__name__] == pytest.approx(expected, abs=max(1.0, 0.02 * expected)), row[0]
+        assert counts[row[0].__name__] == pytest.approx(expected, abs=max(1.0, 0.02 * expected)), row[0]
 
 
 def test_px4_total_rates_match_sitl():
@@ -143,17 +143,17 @@ def test_px4_ignores_request_data_stream():
     flight.send(
         common.RequestDataStream(target_system=1, target_component=1, req_message_rate=1, start_stop=1)
     )
-    heard = flight.rates(4.0)
-    assert heard["Attitude"] == pytest.approx(200, abs=4)
-    assert heard["DataStream"] == 0
+    counts = flight.rates(4.0)
+    assert counts["Attitude"] == pytest.approx(200, abs=4)
+    assert counts["DataStream"] == 0
 
 
 @pytest.mark.parametrize("firmware", Firmware)
 def test_message_interval_can_be_set_and_reset(firmware):
     flight = Flight(VehicleType.COPTER, firmware)
     flight.run(3.0)
-    usual = flight.rates(5.0)["Attitude"]
-    for interval, count in ((100_000, 50), (-1, 0), (0, usual)):
+    default_count = flight.rates(5.0)["Attitude"]
+    for interval, count in ((100_000, 50), (-1, 0), (0, default_count)):
         flight.command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, interval)
         flight.run(0.1)
         assert flight.rates(5.0)["Attitude"] == pytest.approx(count, abs=2)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mavstack.sim.telemetry import scaling
 
-ANY = st.floats(allow_nan=True, allow_infinity=True)
+ANY_FLOAT = st.floats(allow_nan=True, allow_infinity=True)
 RANGES = [
     (scaling.uint8, 0, 255),
     (scaling.int16, -32768, 32767),
@@ -24,7 +24,7 @@ RANGES = [
 
 
 @pytest.mark.parametrize(("scale", "low", "high"), RANGES, ids=lambda value: getattr(value, "__name__", ""))
-@given(value=ANY)
+@given(value=ANY_FLOAT)
 def test_result_is_in_range(scale, low, high, value):
     result = scale(value)
     assert isinstance(result, int)
@@ -64,5 +64,5 @@ def test_whole_degrees_match_the_direction(value):
     assert abs((scaling.whole_degrees(value) * pi / 180 - value + pi) % (2 * pi) - pi) < 0.02
 
 
-def test_given_unknown_marker():
+def test_unknown_marker_argument():
     assert scaling.int16(nan, 32767) == 32767

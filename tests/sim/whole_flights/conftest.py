@@ -1,4 +1,4 @@
-"""The flights that these tests share, also between the processes of one test run."""
+"""Flights that the tests of this folder share, also between the processes of one test run."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 
 COPTERS = [(VehicleType.COPTER, firmware) for firmware in Firmware]
 #: Every type once, with the firmwares in turn.
-WINDY = [(kind, list(Firmware)[number % 2]) for number, kind in enumerate(VehicleType)]
+WINDY_FLIGHTS = [(kind, list(Firmware)[number % 2]) for number, kind in enumerate(VehicleType)]
 
 
-def shared(factory: pytest.TempPathFactory, worker: str, name: str, fly: Callable[[], Flights]) -> Flights:
+def fly_once(factory: pytest.TempPathFactory, worker: str, name: str, fly: Callable[[], Flights]) -> Flights:
     """Fly in the first process of the test run; the other processes wait for its result."""
     if worker == "master":
         return fly()
     folder = factory.getbasetemp().parent
-    mine, result, failed = folder / f"{name}.mine", folder / f"{name}.pickle", folder / f"{name}.failed"
+    lock, result, failed = folder / f"{name}.mine", folder / f"{name}.pickle", folder / f"{name}.failed"
     try:
-        mine.touch(exist_ok=False)
+        lock.touch(exist_ok=False)
     except FileExistsError:
         while not result.exists():
             if failed.exists():
@@ -56,19 +56,21 @@ def worker(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture(scope="session")
-def calm(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
-    """Fly everything with every type and firmware, in still air."""
-    return shared(tmp_path_factory, worker, "calm", lambda: fly_all(whole_mission, logs=COPTERS))
+def still_air(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
+    """Fly the whole mission with every type and firmware, in still air."""
+    return fly_once(tmp_path_factory, worker, "still_air", lambda: fly_all(whole_mission, logs=COPTERS))
 
 
 @pytest.fixture(scope="session")
 def windy(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
     """Fly a triangle with every type, in 6 m/s of wind with gusts, with a coarser step."""
-    return shared(tmp_path_factory, worker, "windy", lambda: fly_all(triangle, WINDY, wind=6, rate=25))
+    return fly_once(
+        tmp_path_factory, worker, "windy", lambda: fly_all(triangle, WINDY_FLIGHTS, wind=6, rate=25)
+    )
 
 
 @pytest.fixture(scope="session")
 def far_away(tmp_path_factory: pytest.TempPathFactory, worker: str) -> Flights:
     """Fly copters over a radio with loss and latency."""
-    weather = {"loss": 0.1, "latency": 0.2, "jitter": 0.05, "seed": 3}
-    return shared(tmp_path_factory, worker, "far_away", lambda: fly_all(triangle, COPTERS, **weather))
+    impairment = {"loss": 0.1, "latency": 0.2, "jitter": 0.05, "seed": 3}
+    return fly_once(tmp_path_factory, worker, "far_away", lambda: fly_all(triangle, COPTERS, **impairment))

@@ -28,23 +28,23 @@ ALL = [(kind, firmware) for kind in VehicleType for firmware in Firmware]
 #: Speed below which a vehicle that does not disarm by itself is at rest, in m/s.
 AT_REST = 0.2
 #: Time until a vehicle at rest moves after an item began, in seconds.
-SETTING_OUT = 6.0
+START_DELAY = 6.0
 
 
 @asynccontextmanager
-async def station(simulation: Simulation, **weather: float) -> AsyncIterator[Station]:
+async def station(simulation: Simulation, **impairment: float) -> AsyncIterator[Station]:
     """Provide a ground station with the vehicles of a simulation on one link."""
     network = MemoryNetwork()
     async with (
         running(simulation, network.link()) as simulated,
-        Node(impaired_link(network, **weather)) as node,
+        Node(impaired_link(network, **impairment)) as node,
     ):
-        here = Station(simulation, node)
-        listening = [asyncio.create_task(here.listen()), asyncio.create_task(here.listen_to_texts())]
+        ground = Station(simulation, node)
+        tasks = [asyncio.create_task(ground.listen()), asyncio.create_task(ground.listen_to_texts())]
         try:
-            yield here
+            yield ground
         finally:
-            for task in listening:
+            for task in tasks:
                 task.cancel()
             simulated.raise_error()
 
@@ -53,14 +53,14 @@ def record(simulation: Simulation, flights: dict[int, Flight]) -> None:
     """Record the true motion of all vehicles."""
     steps, every = 0, round(1.0 / (SAMPLES * simulation.step_length))
 
-    def look(elapsed: float) -> None:
+    def sample_all(elapsed: float) -> None:
         nonlocal steps
         steps += 1
         if steps % every == 0:
             for vehicle in simulation.vehicles:
                 flights[vehicle.address.system].track.append(sample(vehicle, elapsed))
 
-    simulation.before_step.append(look)
+    simulation.before_step.append(sample_all)
 
 
 def sample(vehicle: SimulatedVehicle, elapsed: float) -> Sample:
@@ -84,7 +84,7 @@ def fly_all(
     wind: float = 0.0,
     rate: float = RATE,
     logs: Sequence[tuple[VehicleType, Firmware]] = (),
-    **weather: float,
+    **impairment: float,
 ) -> dict[tuple[VehicleType, Firmware], Flight]:
     """Fly all vehicles side by side; return the flight of each."""
     simulation = Simulation(seed=7, rate=rate)
@@ -96,38 +96,38 @@ def fly_all(
         flights[vehicle.address.system] = Flight(plan_of(kind, firmware))
     record(simulation, flights)
 
-    async def everything() -> None:
-        async with station(simulation, **weather) as here, asyncio.TaskGroup() as group:
+    async def fly_fleet() -> None:
+        async with station(simulation, **impairment) as ground, asyncio.TaskGroup() as group:
             for system, flight in flights.items():
-                flight.journal = here.journal(system)
-                wanted = (flight.kind, flight.plan.firmware) in logs
-                group.create_task(fly(here, system, flight, wanted))
+                flight.journal = ground.journal(system)
+                with_log = (flight.kind, flight.plan.firmware) in logs
+                group.create_task(fly(ground, system, flight, with_log))
 
-    run_virtually(everything())
+    run_virtually(fly_fleet())
     return {(flight.kind, flight.plan.firmware): flight for flight in flights.values()}
 
 
-async def fly(here: Station, system: int, flight: Flight, with_log: bool) -> None:
+async def fly(ground: Station, system: int, flight: Flight, with_log: bool) -> None:
     """Run one flight, from the first heartbeat to the last log."""
-    remote, journal = await here.node.wait_for_autopilot(system), flight.journal
+    remote, journal = await ground.node.wait_for_autopilot(system), flight.journal
     name = f"{flight.kind} of {flight.plan.firmware}"
-    await here.wait_until(lambda: journal.ready, f"{name} ready", timeout=60)
+    await ground.wait_until(lambda: journal.ready, f"{name} ready", timeout=60)
     await remote.mission.upload(flight.plan.items)
     flight.downloaded = (await remote.mission.download()).items
     await start(remote, flight)
-    flight.began = here.now
+    flight.began = ground.now
     if flight.kind.flies:
-        await here.wait_until(lambda: journal.armed, f"{name} armed", timeout=5)
-        await here.wait_until(lambda: not journal.armed, f"{name} landed")
+        await ground.wait_until(lambda: journal.armed, f"{name} armed", timeout=5)
+        await ground.wait_until(lambda: not journal.armed, f"{name} landed")
     else:
         last = flight.plan.order[-1]
-        await here.wait_until(
+        await ground.wait_until(
             lambda: any(seq == last for _, seq in journal.current), f"{name} at its last item"
         )
-        await asyncio.sleep(SETTING_OUT)
-        await here.wait_until(lambda: at_rest(flight), f"{name} at rest", timeout=120)
+        await asyncio.sleep(START_DELAY)
+        await ground.wait_until(lambda: at_rest(flight), f"{name} at rest", timeout=120)
         await remote.command(CMD.COMPONENT_ARM_DISARM, 0)
-    flight.ended = here.now
+    flight.ended = ground.now
     await asyncio.sleep(2.5)
     flight.logs = await remote.logs.list()
     if with_log:

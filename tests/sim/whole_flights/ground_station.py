@@ -1,7 +1,7 @@
 """The ground station of whole flights, with the records of the station and of the simulation.
 
 The station knows the vehicles by MAVLink alone. A `Journal` holds the messages of each vehicle; `Sample`
-holds the true state, which no station could know.
+holds the true state, which is not visible over MAVLink.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 CMD = common.MavCmd
 #: Samples of the true state per second.
 SAMPLES = 5
-LONGEST = 600.0
+DEFAULT_TIMEOUT = 600.0
 _ARMED = common.MavModeFlag.SAFETY_ARMED
 _PREARM = common.MavSysStatusSensor.PREARM_CHECK
-_HEARD = (
+_MESSAGE_TYPES = (
     common.Heartbeat,
     common.SysStatus,
     common.MissionCurrent,
@@ -67,18 +67,18 @@ class Journal:
     landed_state: int = 0
     latest: dict[type, Message] = field(default_factory=dict)
 
-    def hear(self, message: Message, now: float) -> None:
+    def update(self, message: Message, now: float) -> None:
         self.latest[type(message)] = message
         match message:
             case common.Heartbeat(base_mode=flags, custom_mode=mode):
                 self.armed = bool(flags & _ARMED)
-                _note(self.modes, mode)
+                _append_change(self.modes, mode)
             case common.SysStatus():
                 self.ready = bool(message.onboard_control_sensors_health & _PREARM)
             case common.MissionCurrent(seq=seq):
                 if not self.current or self.current[-1][1] != seq:
                     self.current.append((now, seq))
-                _note(self.states, int(message.mission_state))
+                _append_change(self.states, int(message.mission_state))
             case common.MissionItemReached(seq=seq):  # PX4 repeats it
                 if not self.reached or self.reached[-1][1] != seq:
                     self.reached.append((now, seq))
@@ -86,7 +86,7 @@ class Journal:
                 self.landed_state = int(message.landed_state)
 
 
-def _note(seen: list[int], value: int) -> None:
+def _append_change(seen: list[int], value: int) -> None:
     if not seen or seen[-1] != value:
         seen.append(value)
 
@@ -129,15 +129,17 @@ class Station:
         return self.journals.setdefault(system, Journal())
 
     async def listen(self) -> None:
-        async with self.node.packets(*_HEARD) as packets:
+        async with self.node.packets(*_MESSAGE_TYPES) as packets:
             async for packet in packets:
                 if packet.component == common.MavComponent.AUTOPILOT1:
-                    self.journal(packet.system).hear(packet.message, self.now)
+                    self.journal(packet.system).update(packet.message, self.now)
 
     async def listen_to_texts(self) -> None:
         async with self.node.events(StatusText) as texts:
             async for text in texts:
                 self.journal(text.source.system).texts.append(text.text)
 
-    async def wait_until(self, holds: Callable[[], bool], what: str, timeout: float = LONGEST) -> None:  # noqa: ASYNC109 (the failure names it)
-        await wait_until(holds, what, timeout=timeout, interval=0.1, now=lambda: self.now)
+    async def wait_until(
+        self, condition: Callable[[], bool], description: str, timeout: float = DEFAULT_TIMEOUT
+    ) -> None:
+        await wait_until(condition, description, timeout=timeout, interval=0.1, now=lambda: self.now)

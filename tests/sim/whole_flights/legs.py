@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 Flat = tuple[float, float]
 WINGS = (VehicleType.PLANE, VehicleType.VTOL)
-#: A wing's takeoff ends wherever it is high enough.
-_TAKE_OFF_ENDS_ANYWHERE = (VehicleType.PLANE,)
+#: Types whose take-off ends at the altitude, wherever that is.
+_TAKEOFF_WITHOUT_END_POINT = (VehicleType.PLANE,)
 HOME = (0.0, 0.0, 0.0)
 #: Deviation at which a circle counts as joined, as a share of its radius.
 _JOINED = 0.1
@@ -34,35 +34,35 @@ class Leg:
     #: The previous leg, whose line the vehicle may still be leaving.
     before: Leg | None = None
 
-    def off(self, place: Flat) -> float:
-        """Return the distance of a point from this leg or the previous one; circles are joined at the side."""
-        own = max(from_line(place, self.begin, self.end[:2]) - self.circle, 0.0)
+    def cross_track_error(self, place: Flat) -> float:
+        """Return the distance of a point from this leg or the previous one, in metres."""
+        own = max(distance_from_line(place, self.begin, self.end[:2]) - self.circle, 0.0)
         if self.before is None:
             return own
-        return min(own, from_line(place, self.before.begin, self.before.end[:2]))
+        return min(own, distance_from_line(place, self.before.begin, self.before.end[:2]))
 
     @property
-    def worst(self) -> float:
+    def max_cross_track_error(self) -> float:
         """The greatest cross-track error of the leg."""
-        return max((self.off(flat(sample)) for sample in self.track), default=0.0)
+        return max((self.cross_track_error(horizontal(sample)) for sample in self.track), default=0.0)
 
     @property
-    def out_of_round(self) -> float:
+    def max_radius_error(self) -> float:
         """The greatest error of the radius on the circle."""
-        errors = [abs(dist(flat(sample), self.end[:2]) - self.circle) for sample in self.track]
+        errors = [abs(dist(horizontal(sample), self.end[:2]) - self.circle) for sample in self.track]
         joined = next((at for at, error in enumerate(errors) if error < _JOINED * self.circle), len(errors))
         return max(errors[joined:], default=0.0)
 
-    def heights(self) -> list[float]:
+    def altitude_errors(self) -> list[float]:
         """Return the altitude errors along the leg."""
         return [-sample.motion.down - self.end[2] for sample in self.track]
 
 
-def flat(sample: Sample) -> Flat:
+def horizontal(sample: Sample) -> Flat:
     return sample.motion.north, sample.motion.east
 
 
-def from_line(place: Flat, begin: Flat, end: Flat) -> float:
+def distance_from_line(place: Flat, begin: Flat, end: Flat) -> float:
     """Return the distance of a point from the line through two others."""
     along = end[0] - begin[0], end[1] - begin[1]
     size = along[0] ** 2 + along[1] ** 2
@@ -92,8 +92,8 @@ def legs_of(flight: Flight) -> list[Leg]:
         circle = plan.circles.get(seq, 0.0)
         if not (legs == [] and flight.kind.flies and seq == plan.order[0]):
             legs.append(Leg(seq, begin, end, circle, track, legs[-1] if legs else None))
-        anywhere = circle or (seq == plan.order[0] and flight.kind in _TAKE_OFF_ENDS_ANYWHERE)
-        begin = flat(track[-1]) if anywhere else end[:2]
+        without_end_point = circle or (seq == plan.order[0] and flight.kind in _TAKEOFF_WITHOUT_END_POINT)
+        begin = horizontal(track[-1]) if without_end_point else end[:2]
         since = time
     if flight.kind not in WINGS:
         track = [sample for sample in flight.track if since < sample.time <= flight.ended]

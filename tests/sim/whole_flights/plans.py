@@ -86,7 +86,7 @@ class FlightPlan:
         self.order.append(seq)
         return seq
 
-    def stay(self, command: int, *params: float) -> int:
+    def go_without_position(self, command: int, *params: float) -> int:
         """Add a NAV item without a position."""
         seq = self.do(command, *params)
         self.order.append(seq)
@@ -103,8 +103,8 @@ class FlightPlan:
     def jump_back(self, seq: int) -> None:
         """Jump from an item to here twice."""
         self.do(CMD.DO_JUMP, seq, ROUNDS - 1)
-        again = [each for each in self.order if each >= seq]
-        self.order += again * (ROUNDS - 1)
+        repeated = [each for each in self.order if each >= seq]
+        self.order += repeated * (ROUNDS - 1)
 
 
 def whole_mission(kind: VehicleType, firmware: Firmware) -> FlightPlan:
@@ -115,14 +115,14 @@ def whole_mission(kind: VehicleType, firmware: Firmware) -> FlightPlan:
     first = plan.go(CMD.NAV_WAYPOINT, (side, 0, height), 0 if kind in (_PLANE, _VTOL) else 2)
     plan.do(CMD.DO_CHANGE_SPEED, 0 if kind is _PLANE else 1, plan.size.speed, -1)
     plan.go(CMD.NAV_WAYPOINT, (side, side, height), 0, 0, 0, nan)
-    _turn_the_nose(plan)
+    _set_yaw(plan)
     plan.go(CMD.NAV_WAYPOINT, (0, side, height), 0, 0, 0, 90 if kind is _COPTER else nan)
     plan.jump_back(first)
-    _use_the_payload(plan)
+    _use_payload(plan)
     plan.go(CMD.NAV_WAYPOINT, (-side / 2, side, height), 0, 0, 0, nan)
     plan.do(CMD.DO_SET_ROI_NONE)
     _loiter(plan)
-    _come_home(plan)
+    _return_home(plan)
     return plan
 
 
@@ -133,7 +133,7 @@ def triangle(kind: VehicleType, firmware: Firmware) -> FlightPlan:
     _take_off(plan)
     plan.go(CMD.NAV_WAYPOINT, (side, 0, height))
     plan.go(CMD.NAV_WAYPOINT, (side / 2, side, height), 0, 0, 0, nan)
-    _come_home(plan)
+    _return_home(plan)
     return plan
 
 
@@ -144,16 +144,16 @@ def _take_off(plan: FlightPlan) -> None:
     at = (plan.size.side / 3, 0.0) if plan.kind is not _COPTER else (0.0, 0.0)
     height = plan.size.height / 2 if plan.kind is _PLANE else plan.size.height  # a wing climbs on its way
     plan.go(command, (*at, height), 0, 0, 0, nan)
-    if plan.ardupilot or plan.kind is _COPTER:  # other firmwares end at different positions
+    if plan.ardupilot or plan.kind is _COPTER:  # the take-offs of other types end at different positions
         plan.places[plan.order[-1]] = (0.0, 0.0, height)
 
 
-def _turn_the_nose(plan: FlightPlan) -> None:
+def _set_yaw(plan: FlightPlan) -> None:
     if plan.ardupilot and plan.kind in (_COPTER, _SUB):
         plan.do(CMD.CONDITION_YAW, 180, 0, 1, 0)
 
 
-def _use_the_payload(plan: FlightPlan) -> None:
+def _use_payload(plan: FlightPlan) -> None:
     plan.look_at((0.0, 0.0, 0.0))
     if plan.ardupilot:
         plan.do(CMD.DO_SET_SERVO, 9, 1700)
@@ -170,10 +170,10 @@ def _loiter(plan: FlightPlan) -> None:
     circles = radius if plan.kind in (_PLANE, _VTOL) else 0.0
     plan.go(CMD.NAV_LOITER_TIME, around, 6, 0, radius, nan if not plan.ardupilot else 0, circle=circles)
     if plan.kind not in (_PLANE, _VTOL):
-        plan.stay(CMD.NAV_DELAY, 3, *((-1, -1, -1) if plan.ardupilot else ()))
+        plan.go_without_position(CMD.NAV_DELAY, 3, *((-1, -1, -1) if plan.ardupilot else ()))
 
 
-def _come_home(plan: FlightPlan) -> None:
+def _return_home(plan: FlightPlan) -> None:
     match plan.kind:
         case VehicleType.PLANE:
             plan.do(CMD.DO_LAND_START)
@@ -182,4 +182,4 @@ def _come_home(plan: FlightPlan) -> None:
         case VehicleType.VTOL:
             plan.go(CMD.NAV_VTOL_LAND, (0.0, 0.0, 0.0), 0, 0, 0, nan)
         case _:
-            plan.stay(CMD.NAV_RETURN_TO_LAUNCH)
+            plan.go_without_position(CMD.NAV_RETURN_TO_LAUNCH)

@@ -1,7 +1,7 @@
 """Scripts of flights without a mission, run side by side with a vehicle each.
 
     @script("copter")
-    async def it_returns(pilot: Pilot) -> None:
+    async def copter_returns(pilot: Pilot) -> None:
         await pilot.take_off(10)
         ...
 
@@ -23,7 +23,8 @@ from mavstack.sim.motion import LocalFrame
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, VehicleType
 from mavstack.sim.virtual import run_virtually
-from tests.sim.harness import reduce_telemetry, station
+from tests.sim.harness import reduce_telemetry
+from tests.sim.whole_flights.fleet import station
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -44,9 +45,9 @@ PX4, ARDUPILOT = Firmware.PX4, Firmware.ARDUPILOT
 class Pilot:
     """The pilot of one vehicle, by MAVLink."""
 
-    def __init__(self, here: Station, remote: RemoteComponent, vehicle: SimulatedVehicle) -> None:
-        self.here, self.remote, self.vehicle = here, remote, vehicle
-        self.journal: Journal = here.journal(vehicle.address.system)
+    def __init__(self, ground: Station, remote: RemoteComponent, vehicle: SimulatedVehicle) -> None:
+        self.ground, self.remote, self.vehicle = ground, remote, vehicle
+        self.journal: Journal = ground.journal(vehicle.address.system)
 
     # State: the journal holds the messages, `truth` the true motion
 
@@ -66,18 +67,22 @@ class Pilot:
     def height(self) -> float:
         return -self.truth.down
 
-    def away(self, north: float = 0.0, east: float = 0.0) -> float:
+    def distance_from(self, north: float = 0.0, east: float = 0.0) -> float:
         return hypot(self.truth.north - north, self.truth.east - east)
 
     @property
     def speed(self) -> float:
         return dist(self.truth[3:6], (0, 0, 0))
 
-    def said(self, start: str) -> bool:
+    def has_text(self, start: str) -> bool:
         return any(text.startswith(start) for text in self.journal.texts)
 
-    async def wait_until(self, holds: Callable[[], bool], what: str, timeout: float = 60.0) -> None:  # noqa: ASYNC109 (the failure names it)
-        await self.here.wait_until(holds, f"{what}; it is in {self.mode} at {self.truth[:3]}", timeout)
+    async def wait_until(
+        self, condition: Callable[[], bool], description: str, timeout: float = 60.0
+    ) -> None:
+        await self.ground.wait_until(
+            condition, f"{description}; mode {self.mode} at {self.truth[:3]}", timeout
+        )
 
     async def wait(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
@@ -105,7 +110,9 @@ class Pilot:
             await self.command(CMD.COMPONENT_ARM_DISARM, 1)
             await self.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, height)
         slow = inf if self.vehicle.vehicle_type is VehicleType.PLANE else 0.5
-        await self.wait_until(lambda: self.height > 0.9 * height and self.speed < slow, "up")
+        await self.wait_until(
+            lambda: self.height > 0.9 * height and self.speed < slow, "at take-off altitude"
+        )
 
     async def go_to(self, north: float, east: float, height: float) -> None:
         """Go to a point by DO_REPOSITION."""
@@ -155,18 +162,18 @@ def fly_scripts() -> dict[str, str]:
     for vehicle in vehicles:
         reduce_telemetry(vehicle)
 
-    async def fly(here: Station, each: Script, vehicle: SimulatedVehicle) -> None:
+    async def fly(ground: Station, each: Script, vehicle: SimulatedVehicle) -> None:
         try:
-            remote = await here.node.wait_for_autopilot(vehicle.address.system)
-            await each.fly(Pilot(here, remote, vehicle))
+            remote = await ground.node.wait_for_autopilot(vehicle.address.system)
+            await each.fly(Pilot(ground, remote, vehicle))
             outcomes[each.name] = ""
-        except (Exception, pytest.fail.Exception):  # noqa: BLE001 (the test tells)
+        except (Exception, pytest.fail.Exception):  # noqa: BLE001 (reported by its test)
             outcomes[each.name] = traceback.format_exc(limit=-4)
 
-    async def all_of_them() -> None:
-        async with station(simulation) as here, asyncio.TaskGroup() as group:
+    async def run_all() -> None:
+        async with station(simulation) as ground, asyncio.TaskGroup() as group:
             for each, vehicle in zip(SCRIPTS, vehicles, strict=True):
-                group.create_task(fly(here, each, vehicle))
+                group.create_task(fly(ground, each, vehicle))
 
-    run_virtually(all_of_them())
+    run_virtually(run_all())
     return outcomes

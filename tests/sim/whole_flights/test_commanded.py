@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-import tests.sim.whole_flights.scripts  # noqa: F401 (it fills the list)
-from tests.sim.whole_flights.conftest import shared
+import tests.sim.whole_flights.scripts  # noqa: F401 (registers the scripts)
+from tests.sim.whole_flights.conftest import fly_once
 from tests.sim.whole_flights.script_runner import SCRIPTS, fly_scripts
 
 
 @pytest.fixture(scope="session")
 def outcomes(tmp_path_factory, worker):
-    return shared(tmp_path_factory, worker, "commanded", fly_scripts)
+    return fly_once(tmp_path_factory, worker, "commanded", fly_scripts)
 
 
 @pytest.mark.parametrize("name", [each.name for each in SCRIPTS])

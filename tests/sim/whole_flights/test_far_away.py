@@ -10,19 +10,19 @@ from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.whole_flights.legs import legs_of, reached_in_order
 
 COPTER = VehicleType.COPTER
-BOUND = 5.0
-bad_link = pytest.mark.parametrize("firmware", list(Firmware), ids=str)
+MAX_CROSS_TRACK_ERROR = 5.0
+each_firmware = pytest.mark.parametrize("firmware", list(Firmware), ids=str)
 
 
-@bad_link
-def test_the_whole_mission_arrives(far_away, firmware) -> None:
+@each_firmware
+def test_mission_is_uploaded_completely(far_away, firmware) -> None:
     flight = far_away[COPTER, firmware]
     first = 1 if flight.plan.ardupilot else 0
     assert list(flight.downloaded)[first:] == flight.plan.items[first:]
 
 
-@bad_link
-def test_it_is_flown_to_its_end(far_away, firmware) -> None:
+@each_firmware
+def test_mission_is_flown_to_its_end(far_away, firmware) -> None:
     flight = far_away[COPTER, firmware]
     end = flight.track[-1]
     assert hypot(end.motion.north, end.motion.east) < 1.5
@@ -31,15 +31,17 @@ def test_it_is_flown_to_its_end(far_away, firmware) -> None:
     # each MISSION_ITEM_REACHED is sent once and may be lost
     reached = reached_in_order(flight)
     assert reached == [seq for seq in flight.plan.order if seq in reached]
-    told = [seq for _, seq in flight.journal.current]
-    assert [seq for seq in flight.plan.order if seq in told] == flight.plan.order
+    current_items = [seq for _, seq in flight.journal.current]
+    assert [seq for seq in flight.plan.order if seq in current_items] == flight.plan.order
 
 
-@bad_link
-def test_it_keeps_to_its_legs(far_away, firmware) -> None:
-    assert all(leg.worst < BOUND for leg in legs_of(far_away[COPTER, firmware]))
+@each_firmware
+def test_cross_track_error_is_small(far_away, firmware) -> None:
+    assert all(
+        leg.max_cross_track_error < MAX_CROSS_TRACK_ERROR for leg in legs_of(far_away[COPTER, firmware])
+    )
 
 
-@bad_link
-def test_its_log_is_listed(far_away, firmware) -> None:
+@each_firmware
+def test_log_is_listed(far_away, firmware) -> None:
     assert far_away[COPTER, firmware].logs[-1].size > 100_000

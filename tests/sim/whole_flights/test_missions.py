@@ -26,51 +26,51 @@ HOME_WITHIN = {
 every_flight = pytest.mark.parametrize(("kind", "firmware"), ALL, ids=str)
 
 
-def last_counts(flight) -> bool:
-    """Return whether the last item is reported as reached: some leave it for another mode before."""
+def reports_last_item(flight) -> bool:
+    """Return whether the last item is reported as reached; some types change to another mode before."""
     return not flight.plan.ardupilot or flight.kind in (VehicleType.COPTER, VehicleType.SUB, VTOL)
 
 
 @every_flight
-def test_the_mission_on_board_is_the_one_sent(calm, kind, firmware) -> None:
-    flight = calm[kind, firmware]
+def test_downloaded_mission_equals_the_uploaded_one(still_air, kind, firmware) -> None:
+    flight = still_air[kind, firmware]
     first = 1 if flight.plan.ardupilot else 0  # ArduPilot's own home
     assert list(flight.downloaded)[first:] == flight.plan.items[first:]
 
 
 @every_flight
-def test_items_are_reached_in_their_order_with_two_jumps_back(calm, kind, firmware) -> None:
-    flight = calm[kind, firmware]
-    expected = flight.plan.order if last_counts(flight) else flight.plan.order[:-1]
+def test_items_are_reached_in_order_with_two_jumps(still_air, kind, firmware) -> None:
+    flight = still_air[kind, firmware]
+    expected = flight.plan.order if reports_last_item(flight) else flight.plan.order[:-1]
     assert reached_in_order(flight) == expected
 
 
 @every_flight
-def test_what_the_middle_does_is_done_in_each_round(calm, kind, firmware) -> None:
-    flight = calm[kind, firmware]
+def test_do_items_are_executed_in_each_round(still_air, kind, firmware) -> None:
+    flight = still_air[kind, firmware]
     changes = [seq for seq, item in enumerate(flight.plan.items) if item.command == CMD.DO_CHANGE_SPEED]
     assert [seq for _, seq in flight.journal.reached if seq in changes] == changes * ROUNDS
 
 
 @every_flight
-def test_the_current_item_is_told_before_it_is_reached(calm, kind, firmware) -> None:
-    journal = calm[kind, firmware].journal
-    order = reached_in_order(calm[kind, firmware])
-    told = iter(seq for _, seq in journal.current)
-    assert all(seq in told for seq in order)  # a subsequence
+def test_mission_current_precedes_item_reached(still_air, kind, firmware) -> None:
+    journal = still_air[kind, firmware].journal
+    order = reached_in_order(still_air[kind, firmware])
+    current_items = iter(seq for _, seq in journal.current)
+    assert all(seq in current_items for seq in order)  # a subsequence
 
 
 @every_flight
-def test_the_state_of_the_mission_is_told(calm, kind, firmware) -> None:
-    flight = calm[kind, firmware]
+def test_mission_states(still_air, kind, firmware) -> None:
+    flight = still_air[kind, firmware]
     states = flight.journal.states
     assert states[:3] == [STATE.NO_MISSION, STATE.NOT_STARTED, STATE.ACTIVE]
     assert states[3] in (STATE.COMPLETE, STATE.PAUSED)
 
 
 @every_flight
-def test_it_is_home_and_disarmed_in_the_end(calm, kind, firmware) -> None:
-    flight = calm[kind, firmware]
+def test_vehicle_ends_at_home_and_disarmed(still_air, kind, firmware) -> None:
+    flight = still_air[kind, firmware]
     end = next(sample for sample in flight.track if sample.time >= flight.ended)
     assert hypot(end.motion.north, end.motion.east) < HOME_WITHIN[kind]
     assert abs(end.motion.down) < 0.3
@@ -81,34 +81,34 @@ def test_it_is_home_and_disarmed_in_the_end(calm, kind, firmware) -> None:
 
 
 @pytest.mark.parametrize("kind", list(VehicleType))
-def test_ardupilot_says_each_item_as_it_begins(calm, kind) -> None:
-    flight = calm[kind, Firmware.ARDUPILOT]
+def test_ardupilot_reports_each_item_when_it_starts(still_air, kind) -> None:
+    flight = still_air[kind, Firmware.ARDUPILOT]
     begun = [int(text.split()[1]) for text in flight.journal.texts if text.startswith("Mission: ")]
     assert [seq for seq in begun if seq in flight.plan.order] == flight.plan.order
 
 
 @pytest.mark.parametrize("kind", [kind for kind in VehicleType if kind.flies])
-def test_px4_says_that_it_took_off_and_landed(calm, kind) -> None:
-    texts = calm[kind, Firmware.PX4].journal.texts
-    wanted = ["Armed by external command", "Executing Mission", "Takeoff detected", "Landing detected"]
-    assert [text for text in texts if text in wanted] == wanted
+def test_px4_reports_takeoff_and_landing(still_air, kind) -> None:
+    texts = still_air[kind, Firmware.PX4].journal.texts
+    expected = ["Armed by external command", "Executing Mission", "Takeoff detected", "Landing detected"]
+    assert [text for text in texts if text in expected] == expected
     assert texts[-1] == "Disarmed by landing"
 
 
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.SUB])
-def test_the_nose_looks_at_the_region_of_interest(calm, kind) -> None:
+def test_vehicle_faces_the_region_of_interest(still_air, kind) -> None:
     """On the way to D the vehicle faces home, the region of interest."""
-    flight = calm[kind, Firmware.ARDUPILOT]
+    flight = still_air[kind, Firmware.ARDUPILOT]
     region = next(n for n, item in enumerate(flight.plan.items) if item.command == CMD.DO_SET_ROI_LOCATION)
     after = next(seq for seq in flight.plan.order if seq > region)
     reached = next(time for time, seq in flight.journal.reached if seq == after)
     motion = next(sample.motion for sample in flight.track if sample.time >= reached - 0.5)
-    towards = atan2(-motion.east, -motion.north)
-    assert abs(degrees(remainder(motion.yaw - towards, tau))) < 15
+    bearing = atan2(-motion.east, -motion.north)
+    assert abs(degrees(remainder(motion.yaw - bearing, tau))) < 15
 
 
-def test_a_px4_copter_turns_to_the_heading_of_an_item(calm) -> None:
-    flight = calm[VehicleType.COPTER, Firmware.PX4]
+def test_px4_copter_turns_to_the_heading_of_an_item(still_air) -> None:
+    flight = still_air[VehicleType.COPTER, Firmware.PX4]
     item = next(seq for seq, item in enumerate(flight.plan.items) if item.param4 == 90)
     for time, seq in flight.journal.reached:
         if seq == item:
@@ -117,9 +117,9 @@ def test_a_px4_copter_turns_to_the_heading_of_an_item(calm) -> None:
 
 
 @every_flight
-def test_it_waits_where_it_is_told_to(calm, kind, firmware) -> None:
+def test_loiter_time_and_delay(still_air, kind, firmware) -> None:
     """LOITER_TIME waits six seconds, NAV_DELAY three."""
-    flight = calm[kind, firmware]
+    flight = still_air[kind, firmware]
     times = {seq: time for time, seq in flight.journal.reached}
     loiter = next(n for n, item in enumerate(flight.plan.items) if item.command == CMD.NAV_LOITER_TIME)
     began = next(time for time, seq in reversed(flight.journal.current) if seq == loiter)

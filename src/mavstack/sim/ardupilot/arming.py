@@ -67,7 +67,7 @@ def _problems_of(autopilot: Autopilot, checks: tuple[tuple[int | None, Check], .
 
 
 def _position(autopilot: Autopilot) -> Iterator[str]:
-    """Check the requirements of the mode, whatever ARMING_CHECK says."""
+    """Check the requirements of the mode, regardless of ARMING_CHECK."""
     if not autopilot.body.health.attitude:
         yield "EKF attitude is bad"
     fenced = int(_number(autopilot.vehicle.parameters, "FENCE_ENABLE")) and (
@@ -194,12 +194,12 @@ def _fence(autopilot: Autopilot) -> Iterator[str]:
 
 def _mission(autopilot: Autopilot) -> Iterator[str]:
     """Check the items that ARMING_MIS_ITEMS requires."""
-    wanted = int(_number(autopilot.vehicle.parameters, "ARMING_MIS_ITEMS"))
-    if not wanted:
+    required = int(_number(autopilot.vehicle.parameters, "ARMING_MIS_ITEMS"))
+    if not required:
         return
     present = {int(item.command) for item in autopilot.vehicle.mission.plan(0).items}
     for bit, (command, name) in enumerate(_REQUIRED_ITEMS):
-        if wanted >> bit & 1 and command not in present:
+        if required >> bit & 1 and command not in present:
             yield f"Missing mission item: {name}"
 
 

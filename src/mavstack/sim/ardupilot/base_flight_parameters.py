@@ -99,8 +99,8 @@ class ArdupilotFlightParameters(FlightParameters):
     @property
     def circle_speed(self) -> float:
         turning = abs(self.number("CIRCLE_RATE", radians(1.0), default=radians(20.0)))
-        wanted = turning * abs(self.circle_radius)
-        return min(max(wanted, 0.2), self.cruise_speed)
+        speed = turning * abs(self.circle_radius)
+        return min(max(speed, 0.2), self.cruise_speed)
 
     @property
     def setpoint_timeout(self) -> float:

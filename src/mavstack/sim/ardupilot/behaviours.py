@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from mavstack.sim.autopilot.interfaces import Autopilot
     from mavstack.sim.autopilot.maneuvers import Point
 
-#: RTL_AUTOLAND: landing sequence at home, or at once.
-_AT_HOME, _AT_ONCE = 1, 2
+#: RTL_AUTOLAND: landing sequence at home, or immediately.
+_AT_HOME, _IMMEDIATELY = 1, 2
 #: Q_RTL_MODE: land on the lifting motors at home.
 _HOVER_AT_HOME: Final = 1
 _QRTL: Final = int(ardupilotmega.PlaneMode.QRTL)
@@ -57,9 +57,11 @@ class ReturnPath:
 
     def _add(self, here: Point, spacing: float) -> None:
         """Add a point, and remove the loop that it closes."""
-        known = next((index for index, point in enumerate(self.points) if dist(point, here) < spacing), None)
-        if known is not None:
-            del self.points[known + 1 :]
+        loop_start = next(
+            (index for index, point in enumerate(self.points) if dist(point, here) < spacing), None
+        )
+        if loop_start is not None:
+            del self.points[loop_start + 1 :]
         self.points.append(here)
         max_points = min(max(int(self._autopilot.vehicle.parameters.get("SRTL_POINTS", 300)), 0), _MAX_POINTS)
         if len(self.points) > max_points:
@@ -75,19 +77,19 @@ class RegionOfInterestYaw:
         self._active = False
 
     def tick(self, now: float) -> None:
-        """Turn the nose if due; in missions the mission does it."""
+        """Turn the nose if due; in missions the mission sets the yaw."""
         autopilot, region = self._autopilot, self._autopilot.payload.region_of_interest
         guided = autopilot.armed and autopilot.mode.number == autopilot.profile.guided
         if region is None or not guided:
             if self._active:
                 self._active, autopilot.maneuvers.yaw = False, None
             return
-        wanted = autopilot.maneuvers.bearing(region)
+        bearing_to_region = autopilot.maneuvers.bearing(region)
         if (
             not self._active
-            or abs(remainder(wanted - (autopilot.maneuvers.yaw or 0.0), tau)) > _MIN_YAW_CHANGE
+            or abs(remainder(bearing_to_region - (autopilot.maneuvers.yaw or 0.0), tau)) > _MIN_YAW_CHANGE
         ):
-            self._active, autopilot.maneuvers.yaw = True, wanted
+            self._active, autopilot.maneuvers.yaw = True, bearing_to_region
             autopilot.maneuvers.reissue()
 
 
@@ -109,7 +111,7 @@ class SmartReturn(Behaviour):
     """SMART_RTL: back along the return path, then land or stop."""
 
     def fly(self) -> Iterator[None]:
-        """Fly home, then stay for ever."""
+        """Fly home, then hold until the mode changes."""
         autopilot = self.autopilot
         path = return_path_of(autopilot)
         points = path.points if path is not None else []
@@ -140,15 +142,15 @@ class LandingSequence(Behaviour):
 
 
 class PlaneReturn(Behaviour):
-    """RTL of a plane: circle home, or fly the mission's landing sequence if RTL_AUTOLAND says so."""
+    """RTL of a plane: circle home, or fly the mission's landing sequence if RTL_AUTOLAND selects it."""
 
     def fly(self) -> Iterator[None]:
-        """Return and stay for ever."""
+        """Return, then hold until the mode changes."""
         autopilot = self.autopilot
         option = int(autopilot.vehicle.parameters.get("RTL_AUTOLAND", 0))
-        sequence = autopilot.mission.landing_start() if option in (_AT_HOME, _AT_ONCE) else None
+        sequence = autopilot.mission.landing_start() if option in (_AT_HOME, _IMMEDIATELY) else None
         for _ in ReturnToLaunch(autopilot, forward=True).fly():
-            if sequence is not None and (option == _AT_ONCE or self._is_home()):
+            if sequence is not None and (option == _IMMEDIATELY or self._is_home()):
                 yield from self._land_by_mission(sequence)
             if self._hovers_at_home() and self._is_home():
                 yield from autopilot.mission.leave(_QRTL, reason="home is reached")
@@ -184,7 +186,7 @@ class PlaneTakeoff(Behaviour):
     """TAKEOFF: climb to TKOFF_ALT and circle there."""
 
     def fly(self) -> Iterator[None]:
-        """Take off, then circle for ever."""
+        """Take off, then circle until the mode changes."""
         autopilot = self.autopilot
         if not autopilot.landed:
             autopilot.maneuvers.hold()

@@ -228,13 +228,13 @@ class ArdupilotSystem(CommandGroup):
 
     def enable_fence(self, request: CommandRequest) -> common.MavResult:
         """Answer DO_FENCE_ENABLE: 0 off, 1 on, 2 disables the floor only."""
-        wanted, parameters = whole(request.command.param1), self.vehicle.parameters
-        if wanted not in (0, 1, 2):
+        requested, parameters = whole(request.command.param1), self.vehicle.parameters
+        if requested not in (0, 1, 2):
             return _RESULT.FAILED
-        if wanted == 2:
+        if requested == 2:
             parameters.set("FENCE_TYPE", int(parameters["FENCE_TYPE"]) & ~8)
         else:
-            parameters.set("FENCE_ENABLE", wanted)
+            parameters.set("FENCE_ENABLE", requested)
         return _RESULT.ACCEPTED
 
     def use_switch(self, request: CommandRequest) -> common.MavResult:
@@ -260,10 +260,10 @@ class ArdupilotSystem(CommandGroup):
 
     def select_sources(self, request: CommandRequest) -> common.MavResult:
         """Answer SET_EKF_SOURCE_SET: 1 to 3."""
-        wanted = whole(request.command.param1)
-        if wanted is None or not 1 <= wanted <= _MAX_SOURCES:
+        requested = whole(request.command.param1)
+        if requested is None or not 1 <= requested <= _MAX_SOURCES:
             return _RESULT.DENIED
-        self.vehicle.send_statustext(f"Using EKF Source Set {wanted}", _INFO)
+        self.vehicle.send_statustext(f"Using EKF Source Set {requested}", _INFO)
         return _RESULT.ACCEPTED
 
 

@@ -1,4 +1,4 @@
-"""ArduPilot's flight commands, and what each firmware refuses.
+"""ArduPilot's flight commands, and the refusals of each firmware.
 
 An unknown frame is DENIED, and so is DO_REPOSITION outside GUIDED without its flag; as COMMAND_LONG, which
 has no frame, it is UNSUPPORTED. Copter takes off in GUIDED, armed and landed; Plane only on its lifting
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _CMD, _RESULT = ardupilotmega.MavCmd, common.MavResult
 _VTOL = common.MavVtolState
 _MAX_ALTITUDE: Final = 83_000.0
+#: Distance in metres of the point that a guided heading flies to.
 _FAR_AHEAD: Final = 100_000.0
 #: HEADING_TYPE_DEFAULT.
 _HEADING_DEFAULT: Final = 2
@@ -203,12 +204,12 @@ class QuadplaneMovement(PlaneMovement):
 
     def transition(self, request: CommandRequest) -> common.MavResult:
         """Answer DO_VTOL_TRANSITION: to hover or forward flight, in the air."""
-        wanted = whole(request.command.param1)
+        requested = whole(request.command.param1)
         profile = self.autopilot.profile
         controlled = self.autopilot.mode.number in (profile.guided, profile.mission)
-        if wanted not in (_VTOL.MC, _VTOL.FW) or not controlled or self.autopilot.landed:
+        if requested not in (_VTOL.MC, _VTOL.FW) or not controlled or self.autopilot.landed:
             return _RESULT.FAILED
-        self._start_transition(forward=wanted == _VTOL.FW)
+        self._start_transition(forward=requested == _VTOL.FW)
         return _RESULT.ACCEPTED
 
     def go_to(self, point: Point, command: Command) -> None:

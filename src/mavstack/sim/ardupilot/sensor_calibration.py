@@ -1,4 +1,4 @@
-"""Calibrations that need the pilot's hands: accelerometers in six positions, compasses by rotation.
+"""Calibrations by hand: accelerometers in six positions, compasses by rotation.
 
 The accelerometer calibration requests six positions, as a status text and every second as COMMAND_LONG with
 MAV_CMD_ACCELCAL_VEHICLE_POS; the ground station answers with the same command, or any COMMAND_ACK, when the

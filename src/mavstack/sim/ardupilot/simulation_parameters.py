@@ -8,7 +8,7 @@
     SIM_MAG_ERROR, SIM_BARO_GLITCH       degrees, metres
     SIM_WIND_SPD, SIM_WIND_DIR, SIM_WIND_TURB    m/s, degrees of origin, m/s of gusts: for the whole world
 
-They survive a reboot, as other parameters do.
+The values survive a reboot, as those of other parameters do.
 """
 
 from __future__ import annotations

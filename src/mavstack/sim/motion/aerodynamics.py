@@ -4,7 +4,7 @@ With u, v, w the airspeed along the body axes, the angle of attack is atan2(w, u
 coefficient is linear in the angle of attack; beyond the stall it changes over to that of a flat plate, sin(2
 alpha), and the drag gains 1.2 sin(alpha)^2. A sideslip is pushed back sideways and turns the body into the
 wind. The authority of control surfaces is proportional to the dynamic pressure: below the stall speed the
-nose falls into the airflow, whatever is commanded.
+nose falls into the airflow, regardless of the command.
 """
 
 from __future__ import annotations
@@ -77,9 +77,9 @@ def _apply_air_moments(state: StateArray, attack: Array, stalled: Array, slip: A
     state.rate_disturbance[2] = WEATHERCOCK * slip * flow * (state.on_ground == 0.0)
 
 
-def apply_drive(state: StateArray, wanted: Array) -> None:
+def apply_drive(state: StateArray, throttle: Array) -> None:
     """Bring the driving motor towards the demanded share of thrust, and add its force."""
-    command = clip(wanted, 0.0, 1.0) * thrust_factor(state) * state.drive_left
+    command = clip(throttle, 0.0, 1.0) * thrust_factor(state) * state.drive_left
     state.drive_thrust += (command - state.drive_thrust) * state.drive_response
     fade = clip(1.0 - state.airspeed / state.drive_speed, 0.0, 1.0)
     state.force += state.forward * (state.drive * fade * state.drive_thrust)

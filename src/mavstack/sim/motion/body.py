@@ -42,7 +42,7 @@ class Body(BodyReader):
     def __init__(self, world: BodyWorld, vehicle_type: VehicleType, home: Home, number: int) -> None:
         super().__init__(world, vehicle_type, home, number)
         self._heading: float | None = None
-        self._given_speeds = (False, False, False, False)
+        self._has_requested_speed = (False, False, False, False)
         self._failed_motors: set[int] = set()
 
     # --- limits
@@ -61,8 +61,8 @@ class Body(BodyReader):
             values = values._replace(airspeed_cruise=values.speed)
         state = self._world.state
         state.data[_LIMITS, self.column] = values
-        for row, own in enumerate(self._given_speeds):
-            if not own:
+        for row, is_requested in enumerate(self._has_requested_speed):
+            if not is_requested:
                 state.speeds[row, self.column] = getattr(values, _SPEED_LIMITS[row])
         self._invalidate()
 
@@ -71,13 +71,18 @@ class Body(BodyReader):
     ) -> tuple[float, float, float, float]:
         """Clip the requested speeds to the airframe's maxima; the limits replace those that are None."""
         limits, airframe = self.limits, AIRFRAMES[self.vehicle_type]
-        asked = (speed, climb, sink, speed)
-        self._given_speeds = (speed is not None, climb is not None, sink is not None, speed is not None)
+        requested = (speed, climb, sink, speed)
+        self._has_requested_speed = (
+            speed is not None,
+            climb is not None,
+            sink is not None,
+            speed is not None,
+        )
         maxima = (airframe.top_speed, airframe.top_climb, airframe.top_climb, limits.airspeed_max)
         defaults = (limits.speed, limits.climb, limits.sink, limits.airspeed_cruise)
         north, up, down, air = (
             finite(value, default, 0.05, max(maximum, 0.05))
-            for value, default, maximum in zip(asked, defaults, maxima, strict=True)
+            for value, default, maximum in zip(requested, defaults, maxima, strict=True)
         )
         return north, up, down, air
 
@@ -193,7 +198,7 @@ class Body(BodyReader):
         velocity = (north * shrink, east * shrink, vertical)
         demanded = self._yaw_demand(yaw, yaw_rate)
         self._apply(Demand(Mode.VELOCITY, target=velocity, speeds=maxima, yaw=demanded))
-        self._given_speeds = (True, True, True, False)
+        self._has_requested_speed = (True, True, True, False)
         self._world.state.speeds[3, self.column] = self.limits.airspeed_cruise
 
     def circle(
@@ -216,13 +221,13 @@ class Body(BodyReader):
             speed: m/s; None for the limit.
             yaw: Heading in radians; None to look at the centre.
         """
-        around = finite(radius, 0.0, -MAX_DISTANCE, MAX_DISTANCE)
-        if around == 0.0 and self.vehicle_type is VehicleType.PLANE:
-            around = self.limits.loiter_radius
+        bounded_radius = finite(radius, 0.0, -MAX_DISTANCE, MAX_DISTANCE)
+        if bounded_radius == 0.0 and self.vehicle_type is VehicleType.PLANE:
+            bounded_radius = self.limits.loiter_radius
         yaws = (YawMode.CENTRE, 0.0) if yaw is None else (YawMode.HOLD, angle(yaw, self.estimate.yaw))
         centre = self._place(north, east, down)
         speeds = self._bounded_speeds(speed)
-        self._apply(Demand(Mode.CIRCLE, target=centre, speeds=speeds, radius=around, yaw=yaws))
+        self._apply(Demand(Mode.CIRCLE, target=centre, speeds=speeds, radius=bounded_radius, yaw=yaws))
 
     def hold_attitude(
         self, roll: float, pitch: float, yaw: float | None, thrust: float, *, yaw_rate: float | None = None
@@ -322,8 +327,8 @@ class Body(BodyReader):
 
     def place(self, north: float, east: float, down: float, yaw: float) -> None:
         """Move the body to a position, at rest and level."""
-        where = self._place(north, east, down)
-        self._world.place(self.column, where, angle(yaw, 0.0))
+        position = self._place(north, east, down)
+        self._world.place(self.column, position, angle(yaw, 0.0))
         self._heading = None
         self._invalidate()
 

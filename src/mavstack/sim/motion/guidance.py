@@ -34,17 +34,17 @@ MAX_DISTANCE = 1e5
 def update_velocity_command(state: StateArray, step: float) -> None:
     """Compute each body's velocity setpoint, and move its velocity command towards it."""
     free = (state.mode < Mode.LINE) | (state.mode > Mode.CIRCLE) | (state.transition >= 1.0)
-    wanted = state.velocity_setpoint
-    for mode, find in (
+    setpoint = state.velocity_setpoint
+    for mode, velocity_of in (
         (Mode.LINE, _line_velocity),
         (Mode.VELOCITY, _demanded_velocity),
         (Mode.CIRCLE, _circle_velocity),
     ):
-        asked = state.mode == mode
-        if asked.any():
-            np.copyto(wanted, find(state), where=asked)
-    np.copyto(wanted, state.velocity_estimate, where=free)
-    change = wanted - state.velocity_command
+        selected = state.mode == mode
+        if selected.any():
+            np.copyto(setpoint, velocity_of(state), where=selected)
+    np.copyto(setpoint, state.velocity_estimate, where=free)
+    change = setpoint - state.velocity_command
     maximum = state.acceleration_limit * step
     change[:2] = limit_length(change[:2], maximum)
     change[2] = clip(change[2], -maximum, maximum)
@@ -66,9 +66,9 @@ def _line_velocity(state: StateArray) -> Array:
     vertical_pace = np.where(along[2] < 0.0, climb, sink)
     pace = np.minimum(speed / np.maximum(flat, 1e-6), vertical_pace / np.maximum(np.abs(along[2]), 1e-6))
     gain = state.position_gain
-    wanted: Array = along * np.minimum(approach_speed(state.line_length - done, gain, deceleration), pace)
-    wanted += _correction(off, state, deceleration)
-    return _limit_speed(wanted, state)
+    setpoint: Array = along * np.minimum(approach_speed(state.line_length - done, gain, deceleration), pace)
+    setpoint += _correction(off, state, deceleration)
+    return _limit_speed(setpoint, state)
 
 
 def _correction(off: Array, state: StateArray, deceleration: Array) -> Array:
@@ -107,15 +107,15 @@ def _circle_velocity(state: StateArray) -> Array:
     # tangentially only as fast as the circle can be held, and slower while the circle is still far away
     tangential = np.minimum(state.speeds[0], np.sqrt(deceleration * radius)) / (1.0 + np.abs(error) * 0.2)
     tangential = np.copysign(tangential, state.radius)
-    wanted = _correction(-spoke, state, deceleration)
-    wanted[0] = outward[0] * inward - outward[1] * tangential
-    wanted[1] = outward[1] * inward + outward[0] * tangential
-    return _limit_speed(wanted, state)
+    setpoint = _correction(-spoke, state, deceleration)
+    setpoint[0] = outward[0] * inward - outward[1] * tangential
+    setpoint[1] = outward[1] * inward + outward[0] * tangential
+    return _limit_speed(setpoint, state)
 
 
-def _limit_speed(wanted: Array, state: StateArray) -> Array:
+def _limit_speed(setpoint: Array, state: StateArray) -> Array:
     """Limit the sum of tracking and correction to the demanded speeds."""
     speed, climb, sink, _ = state.speeds
-    wanted[:2] = limit_length(wanted[:2], speed)
-    wanted[2] = clip(wanted[2], -climb, sink)
-    return wanted
+    setpoint[:2] = limit_length(setpoint[:2], speed)
+    setpoint[2] = clip(setpoint[2], -climb, sink)
+    return setpoint

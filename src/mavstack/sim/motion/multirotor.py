@@ -54,14 +54,14 @@ def acceleration_setpoint(state: StateArray, step: float) -> Array:
 
 def control(state: StateArray, step: float) -> AttitudeCommand:
     """Return the attitude and lift that the demand needs."""
-    wanted = acceleration_setpoint(state, step)
-    upward = np.maximum(GRAVITY - wanted[2], MIN_UPWARD)
+    acceleration = acceleration_setpoint(state, step)
+    upward = np.maximum(GRAVITY - acceleration[2], MIN_UPWARD)
     tilt = state.tilt * (1.0 - 0.8 * state.transition)
-    wanted[:2] = limit_length(wanted[:2], np.minimum(upward, GRAVITY) * np.tan(tilt))
+    acceleration[:2] = limit_length(acceleration[:2], np.minimum(upward, GRAVITY) * np.tan(tilt))
     yaw = state.attitude_estimate[2]
     cosine, sine = np.cos(yaw), np.sin(yaw)
-    ahead = wanted[0] * cosine + wanted[1] * sine
-    aside = wanted[1] * cosine - wanted[0] * sine
+    ahead = acceleration[0] * cosine + acceleration[1] * sine
+    aside = acceleration[1] * cosine - acceleration[0] * sine
     slant = np.sqrt(upward * upward + ahead * ahead)
     roll, pitch = np.arctan2(aside, slant), -np.arctan2(ahead, upward)
     lift = np.minimum(np.sqrt(slant * slant + aside * aside), state.lift * MAX_LIFT_SHARE)
@@ -94,9 +94,9 @@ def apply_motor_failures(state: StateArray) -> None:
     state.rate_disturbance[2] += state.spin * flying
 
 
-def apply_lift(state: StateArray, wanted: Array) -> None:
+def apply_lift(state: StateArray, acceleration: Array) -> None:
     """Bring the lifting motors towards the demanded lift, and add their force."""
     maximum = state.lift * state.lift_left * thrust_factor(state)
-    command = np.minimum(clip(wanted, 0.0, state.lift) * thrust_factor(state), maximum)
+    command = np.minimum(clip(acceleration, 0.0, state.lift) * thrust_factor(state), maximum)
     state.lift_thrust += (command - state.lift_thrust) * state.lift_response
     state.force -= state.below * state.lift_thrust

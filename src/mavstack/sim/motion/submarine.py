@@ -29,17 +29,17 @@ MAX_LEAN = 0.8
 
 def control(state: StateArray, step: float) -> tuple[AttitudeCommand, Array]:
     """Return the attitude command, and the acceleration that the thrusters should produce."""
-    wanted = acceleration_setpoint(state, step)
-    wanted[:2] = limit_length(wanted[:2], state.lift)
-    wanted[2] += BUOYANCY
+    acceleration = acceleration_setpoint(state, step)
+    acceleration[:2] = limit_length(acceleration[:2], state.lift)
+    acceleration[2] += BUOYANCY
     mode, stick = state.mode, state.stick
     guided = (mode >= Mode.LINE) & (mode <= Mode.CIRCLE)
     leaned = mode == Mode.ATTITUDE
     roll = np.where(leaned, clip(stick[0], -MAX_LEAN, MAX_LEAN), 0.0)
     pitch = np.where(leaned, clip(stick[1], -MAX_LEAN, MAX_LEAN), 0.0)
     if not guided.all():
-        wanted = np.where(guided, wanted, _apply_direct_demands(state))
-    return AttitudeCommand(roll, pitch, yaw_rate_command(state), wanted[2]), wanted
+        acceleration = np.where(guided, acceleration, _apply_direct_demands(state))
+    return AttitudeCommand(roll, pitch, yaw_rate_command(state), acceleration[2]), acceleration
 
 
 def _apply_direct_demands(state: StateArray) -> Array:
@@ -53,10 +53,12 @@ def _apply_direct_demands(state: StateArray) -> Array:
     return pull
 
 
-def apply_forces(state: StateArray, wanted: Array) -> None:
+def apply_forces(state: StateArray, acceleration: Array) -> None:
     """Add the forces of thrusters, water and buoyancy."""
     maximum = state.lift
-    command = np.minimum(np.maximum(wanted, -maximum), maximum) * (thrust_factor(state) * state.lift_left)
+    command = np.minimum(np.maximum(acceleration, -maximum), maximum) * (
+        thrust_factor(state) * state.lift_left
+    )
     state.thrust += (command - state.thrust) * state.lift_response
     state.lift_thrust[:] = length(state.thrust)
     drag = DRAG + DRAG_SQUARED * length(state.velocity)

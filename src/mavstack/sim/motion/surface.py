@@ -31,14 +31,14 @@ WHEEL_DRAG, HULL_DRAG = 12.0, 1.0
 
 def control(state: StateArray, step: float) -> tuple[Array, Array]:
     """Return the demanded yaw rate (rad/s) and throttle (-1 to 1)."""
-    wanted, yaw = state.velocity_setpoint, state.attitude_estimate[2]
-    size = np.sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1])
+    setpoint, yaw = state.velocity_setpoint, state.attitude_estimate[2]
+    size = np.sqrt(setpoint[0] * setpoint[0] + setpoint[1] * setpoint[1])
     off = state.target[:2] - state.position_estimate[:2]
     near = np.where(state.speed_command > STANDSTILL, ARRIVAL_TIME, RETURN_TIME) / state.position_gain
-    there = (state.mode == Mode.LINE) & (off[0] * off[0] + off[1] * off[1] < near * near)
-    size = np.where(there | (size < STANDSTILL), 0.0, size)
+    arrived = (state.mode == Mode.LINE) & (off[0] * off[0] + off[1] * off[1] < near * near)
+    size = np.where(arrived | (size < STANDSTILL), 0.0, size)
     moving = (size > 0.0) & (state.mode >= Mode.LINE) & (state.mode <= Mode.CIRCLE)
-    heading = np.where(moving, np.arctan2(wanted[1], wanted[0]), state.yaw_demand)
+    heading = np.where(moving, np.arctan2(setpoint[1], setpoint[0]), state.yaw_demand)
     demanded = state.yaw_mode == YawMode.RATE
     ahead = (wrap_angle(heading - yaw)) * (moving | (state.yaw_mode == YawMode.HOLD))
     turn = np.where(demanded, state.yaw_demand, state.attitude_gain * ahead)
@@ -59,9 +59,11 @@ def _throttle(state: StateArray, speed: Array, step: float) -> Array:
     np.copyto(command, now, where=~guided)
     error = command - now
     moving = guided & (command > STANDSTILL)
-    # a saturated motor, or one that still accelerates, says nothing about drag and slope
-    learnt = error * (0.4 * step) * ((np.abs(change) < maximum) & (np.abs(state.drive_thrust) < SATURATED))
-    state.speed_integral[:] = clip(state.speed_integral + learnt, -0.5, 0.5) * moving
+    # a saturated motor, or one that still accelerates, gives no information about drag and slope
+    correction = (
+        error * (0.4 * step) * ((np.abs(change) < maximum) & (np.abs(state.drive_thrust) < SATURATED))
+    )
+    state.speed_integral[:] = clip(state.speed_integral + correction, -0.5, 0.5) * moving
     ahead = (SPEED_GAIN * error + clip(change, -maximum, maximum) / step * guided) / state.drive
     return command / state.drive_speed + ahead + state.speed_integral
 

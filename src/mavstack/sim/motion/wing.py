@@ -112,21 +112,23 @@ def _circle_course(state: StateArray, ground_speed: Array, joining: Array) -> tu
 def _climb_control(state: StateArray, climb: Array, airspeed: Array, step: float) -> tuple[Array, Array]:
     """Return pitch and throttle for a climb rate and an airspeed."""
     speed = np.maximum(state.airspeed, 3.0)
-    wanted = clip(climb / speed, -MAX_CLIMB_ANGLE, MAX_CLIMB_ANGLE)
-    angle = np.minimum(wanted, GLIDE_ANGLE + ANGLE_PER_SPEED * (speed - state.airspeed_min + AIRSPEED_MARGIN))
+    climb_angle = clip(climb / speed, -MAX_CLIMB_ANGLE, MAX_CLIMB_ANGLE)
+    angle = np.minimum(
+        climb_angle, GLIDE_ANGLE + ANGLE_PER_SPEED * (speed - state.airspeed_min + AIRSPEED_MARGIN)
+    )
     angle = np.maximum(angle, ANGLE_PER_SPEED * (speed - state.airspeed_max - 2.0))
     flown = -state.velocity_estimate[2] / speed
-    miss = angle - flown
+    climb_error = angle - flown
     flying = (state.on_ground == 0.0) & (state.mode >= Mode.LINE) & (state.mode <= Mode.CIRCLE)
-    state.climb_integral[:] = clip(state.climb_integral + miss * (0.4 * step), -0.12, 0.12) * flying
+    state.climb_integral[:] = clip(state.climb_integral + climb_error * (0.4 * step), -0.12, 0.12) * flying
     pressure = state.wing * speed * speed
     lift = np.minimum(GRAVITY / (pressure * np.maximum(np.cos(state.attitude_estimate[0]), 0.5)), MAX_LIFT)
     attack = (lift - LIFT_AT_ZERO) * (1 / LIFT_SLOPE)
-    pitch = angle + attack + 0.5 * miss + state.climb_integral
+    pitch = angle + attack + 0.5 * climb_error + state.climb_integral
     drag = pressure * (DRAG_AT_ZERO + INDUCED_DRAG * lift * lift)
-    slow = airspeed - state.airspeed
-    pull = drag + GRAVITY * np.maximum(wanted, angle) + clip(0.7 * slow, -3.0, 3.0)
-    state.speed_integral[:] = clip(state.speed_integral + slow * (0.05 * step), -0.3, 0.3) * flying
+    airspeed_error = airspeed - state.airspeed
+    pull = drag + GRAVITY * np.maximum(climb_angle, angle) + clip(0.7 * airspeed_error, -3.0, 3.0)
+    state.speed_integral[:] = clip(state.speed_integral + airspeed_error * (0.05 * step), -0.3, 0.3) * flying
     full = state.drive * clip(1.0 - state.airspeed / state.drive_speed, 0.1, 1.0)
     return clip(pitch, -0.5, 0.55), clip(pull / full + state.speed_integral, 0.0, 1.0)
 

@@ -169,9 +169,9 @@ class World:
             guidance.update_velocity_command(self._hoverers, step)
         self._fly(step)
         if self._subs.count:
-            command, wanted = submarine.control(self._subs, step)
+            command, acceleration = submarine.control(self._subs, step)
             _store_command(self._subs, command)
-            submarine.apply_forces(self._subs, wanted)
+            submarine.apply_forces(self._subs, acceleration)
         if self._surface.count:
             self._drive(step)
         if self._tilting.count:

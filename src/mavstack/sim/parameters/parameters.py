@@ -1,7 +1,7 @@
 """The parameters of one simulated vehicle, as its firmware uses them.
 
 The values are in one ParameterTable, which survives reboots; each boot creates a ParameterServer that serves
-this table. A value set by a client takes effect at once, and a value set by the vehicle is broadcast.
+this table. A value set by a client takes effect immediately, and a value set by the vehicle is broadcast.
 
     parameters = Parameters(Firmware.ARDUPILOT, VehicleType.COPTER, system=7)
     server = engine.add(parameters.new_server(local, engine.touch))
@@ -123,7 +123,7 @@ class Parameters:
 
         Args:
             local: The address of the server.
-            touch: Tells the engine that the service has something to send.
+            touch: Callback that notifies the engine when the service has something to send, or None.
         """
         self._clear_callbacks()
         self._server, self._touch = ParameterServer(local, self.encoding), touch

@@ -55,12 +55,12 @@ class Px4Arming(ArmingCommands):
 
     def arm_or_disarm(self, request: CommandRequest) -> common.MavResult:
         """Answer COMPONENT_ARM_DISARM."""
-        wanted, force = request.command.param1, number(request.command.param2)
-        if not isfinite(wanted) or round(wanted) not in (0, 1):
-            self.vehicle.send_statustext(f"Unsupported ARM_DISARM param: {wanted:.3f}", _CRITICAL)
+        requested, force = request.command.param1, number(request.command.param2)
+        if not isfinite(requested) or round(requested) not in (0, 1):
+            self.vehicle.send_statustext(f"Unsupported ARM_DISARM param: {requested:.3f}", _CRITICAL)
             return _RESULT.UNSUPPORTED
         forced = round(force) == _FORCE
-        return self.arm(force=False) if round(wanted) else self.disarm(force=forced)
+        return self.arm(force=False) if round(requested) else self.disarm(force=forced)
 
     def arm(self, *, force: bool) -> common.MavResult:
         """Arm; external commands cannot skip the checks."""
@@ -99,8 +99,8 @@ class ModeCommands(CommandGroup):
             whole(number(value)) or 0 for value in (command.param1, command.param2, command.param3)
         )
         if not flags & _FLAGS.CUSTOM_MODE_ENABLED:
-            wanted = mode_of_flags(flags)
-            return self._unsupported("base") if wanted is None else self._choose(wanted, request)
+            requested = mode_of_flags(flags)
+            return self._unsupported("base") if requested is None else self._choose(requested, request)
         mode = self.autopilot.find_mode(custom_mode_of(main, sub))
         if mode is None or mode.number in NOT_SELECTABLE:
             return self._unsupported("auto" if main == AUTO else "main")
@@ -109,14 +109,14 @@ class ModeCommands(CommandGroup):
     def set_standard_mode(self, request: CommandRequest) -> common.MavResult:
         """Answer DO_SET_STANDARD_MODE."""
         names = STANDARD_MODES_OF_WINGS if self.autopilot.maneuvers.circles else STANDARD_MODES
-        wanted = names.get(whole(request.command.param1) or 0)
-        if wanted is None or self.autopilot.find_mode(wanted) is None:
+        requested = names.get(whole(request.command.param1) or 0)
+        if requested is None or self.autopilot.find_mode(requested) is None:
             return _RESULT.FAILED
-        return self._choose(wanted, request)
+        return self._choose(requested, request)
 
-    def _choose(self, wanted: int, request: CommandRequest) -> common.MavResult:
+    def _choose(self, requested: int, request: CommandRequest) -> common.MavResult:
         """Enter a mode; explain a refusal to mission planners only."""
-        refused = choose_mode(self.vehicle, wanted)
+        refused = choose_mode(self.vehicle, requested)
         if refused is None:
             return _RESULT.ACCEPTED
         if request.source.component == _PLANNER:

@@ -54,7 +54,7 @@ class FailsafeChecks:
         self._parameters = autopilot.vehicle.parameters
         self._manual_control_lost = True
         self._manual_control_lost_at_arming = True
-        self._last_heard: float | None = None
+        self._last_received_at: float | None = None
         self._station_lost = False
         self._links_due = autopilot.now
         self._warning = self._warning_at_arming = 0
@@ -147,10 +147,10 @@ class FailsafeChecks:
             return
         self._manual_control_lost = lost
         if lost:
-            self._last_heard = received_at
+            self._last_received_at = received_at
             self._send_statustext("Manual control lost")
-        elif self._last_heard is not None:
-            self._send_statustext(f"Manual control regained after {now - self._last_heard:.1f} s")
+        elif self._last_received_at is not None:
+            self._send_statustext(f"Manual control regained after {now - self._last_received_at:.1f} s")
 
     def _manual_control_failed(self, intended: int) -> bool:
         """Return whether the loss of manual control counts in a mode."""

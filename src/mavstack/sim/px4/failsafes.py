@@ -241,9 +241,9 @@ def setpoints_lost(autopilot: Autopilot) -> None:
         _enter_first(autopilot, _OFFBOARD_ACTIONS.get(action, modes.POSITION))
 
 
-def _enter_first(autopilot: Autopilot, wanted: int) -> None:
+def _enter_first(autopilot: Autopilot, preferred: int) -> None:
     """Enter the first mode that is possible."""
-    for number in (wanted, *_OFFBOARD_FALLBACKS):
+    for number in (preferred, *_OFFBOARD_FALLBACKS):
         mode = autopilot.find_mode(number)
         if mode is None or (mode.manual_control and not autopilot.radio.present):
             continue

@@ -57,13 +57,13 @@ class Px4MaintenanceCommands(MaintenanceCommands):
 
     def store(self, request: CommandRequest) -> common.MavResult:
         """Answer PREFLIGHT_STORAGE: parameters are always saved; they can be reset."""
-        wanted = whole(request.command.param1)
+        requested = whole(request.command.param1)
         if self.autopilot.armed:
             return _RESULT.TEMPORARILY_REJECTED
-        if wanted in (_RESET_CONFIGURATION, _RESET_SENSORS, _RESET_ALL):
+        if requested in (_RESET_CONFIGURATION, _RESET_SENSORS, _RESET_ALL):
             self.vehicle.parameters.reset()
             return _RESULT.ACCEPTED
-        return _RESULT.ACCEPTED if wanted in (_LOAD, _SAVE) else _RESULT.UNSUPPORTED
+        return _RESULT.ACCEPTED if requested in (_LOAD, _SAVE) else _RESULT.UNSUPPORTED
 
     # Calibration
 
@@ -71,11 +71,11 @@ class Px4MaintenanceCommands(MaintenanceCommands):
         """Answer PREFLIGHT_CALIBRATION: one sensor at a time."""
         if self.autopilot.armed or self._state.calibrating:
             return _RESULT.TEMPORARILY_REJECTED
-        wanted = self.requested_calibrations(request)
-        if not wanted:
+        requested = self.requested_calibrations(request)
+        if not requested:
             return _RESULT.UNSUPPORTED
-        self._state.calibrating = wanted[0]
-        self.autopilot.tasks.run(self.calibrating(wanted))
+        self._state.calibrating = requested[0]
+        self.autopilot.tasks.run(self.calibrating(requested))
         return _RESULT.ACCEPTED
 
     def requested_calibrations(self, request: CommandRequest) -> list[str]:
@@ -89,11 +89,11 @@ class Px4MaintenanceCommands(MaintenanceCommands):
             "accel": command.param5 in (1, 4),
             "airspeed": command.param6 in (1, 2),
         }
-        return [name for name, wanted in first.items() if wanted][:1]
+        return [name for name, requested in first.items() if requested][:1]
 
-    def calibrating(self, wanted: list[str]) -> Script:
+    def calibrating(self, requested: list[str]) -> Script:
         """Calibrate and report progress; a barometer has none."""
-        for name in wanted:
+        for name in requested:
             self.vehicle.send_statustext(f"[cal] calibration started: 2 {name}")
             for percent in range(0, 101, 10):
                 if name != "baro":

@@ -75,7 +75,11 @@ STANDARD_MODES: Final[Mapping[int, int]] = MappingProxyType(
 )
 STANDARD_MODES_OF_WINGS: Final[Mapping[int, int]] = MappingProxyType(
     {
-        **{wanted: mode for wanted, mode in STANDARD_MODES.items() if wanted != _STANDARD.POSITION_HOLD},
+        **{
+            standard_mode: mode
+            for standard_mode, mode in STANDARD_MODES.items()
+            if standard_mode != _STANDARD.POSITION_HOLD
+        },
         _STANDARD.CRUISE: POSITION,
         _STANDARD.ORBIT: HOLD,
     }

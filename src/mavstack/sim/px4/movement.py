@@ -92,7 +92,7 @@ class Px4Movement(MovementCommands):
         return result
 
     def land(self, request: CommandRequest) -> common.MavResult:
-        """Answer NAV_LAND: land here, whatever position the command has."""
+        """Answer NAV_LAND: land at the present position; the command's position is ignored."""
         result = self.enter(LAND)
         if result == _RESULT.ACCEPTED:
             self.vehicle.send_statustext("Landing at current position")
@@ -169,17 +169,17 @@ class Px4Movement(MovementCommands):
     def orbit(self, request: CommandRequest) -> common.MavResult:
         """Answer DO_ORBIT: a wing circles in Hold, other types in Orbit."""
         command, autopilot = request.command, self.autopilot
-        wanted = OrbitRequest.read(autopilot, command, self.target_place(command))
+        requested = OrbitRequest.read(autopilot, command, self.target_place(command))
         if autopilot.maneuvers.circles:
             if choose_mode(self.vehicle, HOLD) is not None:
                 return self._refuse_orbit()
-            autopilot.guided.orbit(wanted.centre, wanted.radius)
+            autopilot.guided.orbit(requested.centre, requested.radius)
             return _RESULT.ACCEPTED
         max_radius = float(self.vehicle.parameters["MC_ORBIT_RAD_MAX"])
-        if abs(wanted.radius) > max_radius:
+        if abs(requested.radius) > max_radius:
             self.vehicle.send_statustext("Orbit radius limit exceeded", _CRITICAL)
-            wanted = replace(wanted, radius=copysign(max_radius, wanted.radius))
-        self._state.orbit = wanted
+            requested = replace(requested, radius=copysign(max_radius, requested.radius))
+        self._state.orbit = requested
         return self._refuse_orbit() if choose_mode(self.vehicle, ORBIT) is not None else _RESULT.ACCEPTED
 
     def _refuse_orbit(self) -> common.MavResult:
@@ -204,10 +204,10 @@ class Px4Movement(MovementCommands):
 
     def start_transition(self, request: CommandRequest) -> common.MavResult:
         """Answer DO_VTOL_TRANSITION: between hover and forward flight."""
-        wanted, autopilot = whole(number(request.command.param1)), self.autopilot
-        if wanted not in (_STATE.MC, _STATE.FW):
+        requested, autopilot = whole(number(request.command.param1)), self.autopilot
+        if requested not in (_STATE.MC, _STATE.FW):
             return _RESULT.DENIED
-        changed = start_transition(autopilot.vehicle, wanted == _STATE.FW)
+        changed = start_transition(autopilot.vehicle, requested == _STATE.FW)
         return _RESULT.ACCEPTED if changed else _RESULT.TEMPORARILY_REJECTED
 
 

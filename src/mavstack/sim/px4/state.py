@@ -24,7 +24,6 @@ BY_MISSION: Final = "mission start"
 BY_LANDING: Final = "landing"
 BY_INACTION: Final = "auto preflight disarming"
 BY_FAILSAFE: Final = "failsafe"
-BY_STICKS: Final = "stick gesture"
 
 
 @dataclass(frozen=True, slots=True)

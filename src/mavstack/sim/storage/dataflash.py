@@ -232,11 +232,11 @@ def _formats(time_us: int) -> bytes:
     ]
     units = [_record("UNIT", time_us, ord(letter), name.encode()) for letter, name in UNITS.items()]
     factors = [_record("MULT", time_us, ord(letter), factor) for letter, factor in MULTIPLIERS.items()]
-    meanings = [
+    field_units = [
         _record("FMTU", time_us, kind.type, kind.units.encode(), kind.multipliers.encode())
         for kind in FORMATS.values()
     ]
-    return b"".join((*formats, *units, *factors, *meanings))
+    return b"".join((*formats, *units, *factors, *field_units))
 
 
 def _variances(sample: FlightSample, to_int: Rounding) -> tuple[Scalar, ...]:

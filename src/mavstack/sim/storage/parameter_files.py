@@ -28,8 +28,8 @@ def packed_file(table: ParameterTable, set_all: Callable[[Sequence[Parameter]], 
     """Return `@PARAM/param.pck` of a table; it is read-only if `set_all` is None."""
 
     def read(query: str) -> bytes:
-        asked = {name: int(number or 0) for name, number in map(_query_option, query.split("&")) if name}
-        start, count, defaults = (asked.get(name, 0) for name in ("start", "count", "withdefaults"))
+        options = {name: int(number or 0) for name, number in map(_query_option, query.split("&")) if name}
+        start, count, defaults = (options.get(name, 0) for name in ("start", "count", "withdefaults"))
         if start >= min(_MAX_COUNT, len(table)) or count >= _MAX_COUNT or defaults > 1:
             raise OSError(EINVAL, "no such parameters")
         return table.packed(start=start, count=count or None, with_defaults=defaults == 1)

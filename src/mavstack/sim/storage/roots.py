@@ -86,10 +86,10 @@ def _plan_file(
 
     def write(content: bytes) -> None:
         found = unpack_plan(content)
-        wanted = None if found is None or found.plan.type != kind else found.applied_to(plan(kind))
-        if wanted is None or set_plan is None:
+        new_plan = None if found is None or found.plan.type != kind else found.applied_to(plan(kind))
+        if new_plan is None or set_plan is None:
             raise OSError(EINVAL, "no such plan")
-        set_plan(wanted)
+        set_plan(new_plan)
 
     return VirtualFile(lambda query: pack_plan(plan(kind)), None if set_plan is None else write)
 

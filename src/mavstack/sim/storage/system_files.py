@@ -56,8 +56,8 @@ def _file(make: Callable[[float], list[str]], uptime: Callable[[], float]) -> Vi
 def _uarts(seconds: float) -> list[str]:
     """Return the lines of uarts.txt."""
     ports = [
-        f"{name} TX={int(sent * seconds)} RX={int(taken * seconds)} TXBD={sent * 10} RXBD={taken * 10}"
-        for name, sent, taken in _PORTS
+        f"{name} TX={int(sent * seconds)} RX={int(received * seconds)} TXBD={sent * 10} RXBD={received * 10}"
+        for name, sent, received in _PORTS
     ]
     return ["UARTV1", *ports]
 

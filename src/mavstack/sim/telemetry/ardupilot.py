@@ -1,7 +1,8 @@
 """ArduPilot's streams: groups of messages, each at the rate of a parameter.
 
 A group's rate in hertz is the parameter SR0_ (from 4.7 on MAV1_) plus the group's name; a new value applies
-at once. REQUEST_DATA_STREAM sets the rate of a group by its number, SET_MESSAGE_INTERVAL that of one message.
+immediately. REQUEST_DATA_STREAM sets the rate of a group by its number, SET_MESSAGE_INTERVAL the rate of one
+message.
 Measured on ArduPlane 4.1 in SITL with SR0_* 1: each message of its groups at 1 Hz, 26 messages in total;
 after a request for 4 Hz as MAVProxy makes it, 4.0 of each and 100 in total. On ArduCopter 3.5.7, whose rates
 are 0: nothing but HEARTBEAT until a request, then 4.2 of each and 110 in total, because the interval of a

@@ -54,7 +54,7 @@ class ControlMessages:
         radio = self._autopilot.radio
         return common.RcChannels(self._view.milliseconds(now), _CHANNELS_USED, *(*radio.channels, radio.rssi))
 
-    def channels_if_heard(self, now: float) -> Message | None:
+    def channels_if_received(self, now: float) -> Message | None:
         """Return RC_CHANNELS, only while a radio is received."""
         return self.channels(now) if self._autopilot.radio.present else None
 

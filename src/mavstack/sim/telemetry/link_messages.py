@@ -17,7 +17,7 @@ _UNKNOWN_HEIGHT = -1000.0
 _UNKNOWN_TIME = 65_535.0
 _SECONDS_AN_HOUR = 3600.0
 _FLIGHT = common.UtmFlightState
-_EVERYTHING_VALID = 0x7F
+_ALL_VALID = 0x7F
 _NO_ID = bytes(20)
 #: Unknown time of arrival.
 _NEVER = -1
@@ -43,8 +43,8 @@ class LinkMessages:
     def node_status(self, now: float) -> Message:
         """Return LINK_NODE_STATUS with the packets received on all ports."""
         states = [port.state for port in self._view.vehicle.ports if port.state is not None]
-        heard = sum(state.parser.statistics.packets for state in states)
-        return common.LinkNodeStatus(timestamp=self._view.microseconds(now), messages_received=heard)
+        received = sum(state.parser.statistics.packets for state in states)
+        return common.LinkNodeStatus(timestamp=self._view.microseconds(now), messages_received=received)
 
     def time_estimate(self, now: float) -> Message:
         """Return TIME_ESTIMATE_TO_TARGET: only the time to home, as PX4 does."""
@@ -109,5 +109,5 @@ class LinkMessages:
             h_acc=uint16(readings.gps_eph * 1e3),
             v_acc=uint16(readings.gps_epv * 1e3),
             flight_state=_FLIGHT.GROUND if view.autopilot.landed else _FLIGHT.AIRBORNE,
-            flags=_EVERYTHING_VALID,
+            flags=_ALL_VALID,
         )

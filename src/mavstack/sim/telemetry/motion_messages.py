@@ -136,7 +136,7 @@ class MotionMessages:
             degrees_e7(position.longitude) if known else 0,
         )
 
-    # GlobalPosition and speed
+    # Position and speed
 
     def global_position(self, now: float) -> Message:
         """Return GLOBAL_POSITION_INT as ArduPilot sends it: always, with zeros before the first position."""

@@ -168,7 +168,7 @@ def _state_producers(producers: Producers) -> dict[MessageType, Producer]:
         common.PositionTargetGlobalInt: control.global_target_int,
         common.NavControllerOutput: control.navigation_if_steered,
         common.OrbitExecutionStatus: control.orbit,
-        common.RcChannels: control.channels_if_heard,
+        common.RcChannels: control.channels_if_received,
         common.ServoOutputRaw: control.servos,
         common.ActuatorOutputStatus: control.actuators,
         common.EscInfo: control.esc_information,

@@ -140,9 +140,8 @@ class SensorMessages:
     def _gps_raw(self, time_usec: int) -> Message:
         """Return GPS_RAW_INT with a timestamp in microseconds."""
         readings = self._view.sensors
-        if (
-            not self._view.autopilot.booted
-        ):  # a client that waits for a fix before arming must not be refused afterwards
+        # a client that waits for a fix before arming must not be refused afterwards
+        if not self._view.autopilot.booted:
             return common.GpsRawInt(
                 time_usec,
                 common.GpsFixType.NO_FIX,

@@ -137,8 +137,8 @@ class EstimatorCheck:
         """Hover or land."""
         autopilot, firmware = self._autopilot, self._firmware
         if autopilot.mode.needs_position or autopilot.mode.number == _PLANE.GUIDED:
-            wanted = _PLANE.QHOVER if autopilot.radio.present else _PLANE.QLAND
-            firmware.enter(wanted, "EKF")
+            target_mode = _PLANE.QHOVER if autopilot.radio.present else _PLANE.QLAND
+            firmware.enter(target_mode, "EKF")
         return True
 
     def _act_rover(self) -> bool:

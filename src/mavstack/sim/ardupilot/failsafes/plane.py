@@ -2,7 +2,7 @@
 
 THR_FAILSAFE enables the radio failsafes. The short one enters a mode that keeps the position (FS_SHORT_ACTN)
 until the radio is back; the long one returns home (FS_LONG_ACTN). Automatic modes take neither action unless
-these parameters say so.
+these parameters select one.
 """
 
 from __future__ import annotations
@@ -104,9 +104,9 @@ class PlaneFailsafes(FirmwareFailsafes):
     def _begin_short(self) -> None:
         """Begin the short failsafe."""
         before = self.autopilot.mode.number
-        wanted = self._short_mode(before)
-        if wanted is not None and wanted != before and self.enter(wanted, "Radio"):
-            self._before = before, wanted
+        target_mode = self._short_mode(before)
+        if target_mode is not None and target_mode != before and self.enter(target_mode, "Radio"):
+            self._before = before, target_mode
             self.send_statustext(f"RC Short Failsafe: switched to {self.autopilot.mode.name}")
         else:
             self.send_statustext("RC Short Failsafe On")
@@ -134,9 +134,9 @@ class PlaneFailsafes(FirmwareFailsafes):
         """Begin a long failsafe."""
         self.clear_overrides()
         self._before = None
-        wanted = self._long_mode(self.autopilot.mode.number)
-        if wanted is not None:
-            self.enter(wanted, cause)
+        target_mode = self._long_mode(self.autopilot.mode.number)
+        if target_mode is not None:
+            self.enter(target_mode, cause)
         self.send_statustext(f"{cause} Failsafe On: switched to {self.autopilot.mode.name}")
 
     def _long_mode(self, mode: int) -> int | None:

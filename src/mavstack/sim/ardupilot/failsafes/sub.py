@@ -56,8 +56,8 @@ class SubFailsafes(FirmwareFailsafes):
     def _on_ground_loss(self) -> None:
         """Execute FS_GCS_ENABLE."""
         action = int(self.number("FS_GCS_ENABLE"))
-        wanted = {_HOLD: _MODE.ALT_HOLD, _SURFACE: _MODE.SURFACE}.get(action)
-        if action == _DISARM or (wanted is not None and not self.enter(wanted, "GCS")):
+        target_mode = {_HOLD: _MODE.ALT_HOLD, _SURFACE: _MODE.SURFACE}.get(action)
+        if action == _DISARM or (target_mode is not None and not self.enter(target_mode, "GCS")):
             self.disarm("GCS")
 
     def _on_pilot_loss(self) -> None:

@@ -29,7 +29,7 @@ class Console:
 
     def __init__(self, vehicle: Vehicle, state: Px4State, message_log: MessageLog) -> None:
         self._vehicle = vehicle
-        self._machine = ShellContext(vehicle, state, message_log)
+        self._context = ShellContext(vehicle, state, message_log)
         self._line = ""
         self._escaping = False
         self._last = ""
@@ -86,4 +86,4 @@ class Console:
         program = PROGRAMS.get(name)
         if program is None:
             return f"nsh: {name}: command not found\n"
-        return "".join(f"{printed}\n" for printed in program(self._machine, words))
+        return "".join(f"{printed}\n" for printed in program(self._context, words))

@@ -53,10 +53,10 @@ def ver(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
         "type": f"Vehicle: {context.vehicle.vehicle_type}",
         "px4guid": f"PX4GUID: {serial}",
     }
-    wanted = words[0] if words else ""
-    if wanted != "all" and wanted not in lines:
+    selected = words[0] if words else ""
+    if selected != "all" and selected not in lines:
         yield f"usage: ver all|{'|'.join(lines)}"
-    yield from (line for name, line in lines.items() if wanted in (name, "all"))
+    yield from (line for name, line in lines.items() if selected in (name, "all"))
 
 
 def uptime(context: ShellContext, words: Sequence[str]) -> Iterator[str]:
