@@ -36,7 +36,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Register the marker."""
     config.addinivalue_line(
         "markers",
-        "vehicle(vehicle_type, firmware, ...): options of the simulated vehicle that the fixtures of mavstack create",
+        "vehicle(vehicle_type, firmware, ...): options of the simulated vehicle of mavstack's fixtures",
     )
 
 

@@ -11,9 +11,9 @@ from math import cos, isfinite, pi, radians, sin
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import ardupilotmega, common
+from mavstack.sim.autopilot.command_positions import ABOVE_HOME, GLOBAL, down_of, place_of
 from mavstack.sim.autopilot.commands import CommandRefusedError, Handlers, MovementCommands, accept, whole
 from mavstack.sim.autopilot.commands.guiding import apply_choices, guide_to
-from mavstack.sim.autopilot.commands.places import ABOVE_HOME, GLOBAL, down_of, place_of
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command, CommandRequest

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionItem
-from mavstack.sim.autopilot.commands.tasks import Tasks
 from mavstack.sim.autopilot.fence import FenceWatch
 from mavstack.sim.autopilot.guided import GuidedFlight
 from mavstack.sim.autopilot.maneuvers import maneuvers_of
@@ -20,6 +19,7 @@ from mavstack.sim.autopilot.mission import MissionRunner
 from mavstack.sim.autopilot.payload import Payload
 from mavstack.sim.autopilot.radio import RadioControl
 from mavstack.sim.autopilot.rally import RallyPoints
+from mavstack.sim.autopilot.tasks import Tasks
 from mavstack.sim.vehicle_types import Home
 
 if TYPE_CHECKING:

@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem, Plan
     from mavstack.services.setpoints import Setpoint
-    from mavstack.sim.autopilot.fence.geometry import Fence
-    from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
+    from mavstack.sim.autopilot.course import Course
+    from mavstack.sim.autopilot.fence_limits import Breach, FenceLimits
+    from mavstack.sim.autopilot.fence_shapes import Fence
     from mavstack.sim.autopilot.maneuvers import Point
-    from mavstack.sim.autopilot.mission.course import Course
 
 
 class RunningBehaviour(Protocol):

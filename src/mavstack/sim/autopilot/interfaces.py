@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem
     from mavstack.services.modes import AvailableMode
-    from mavstack.sim.autopilot.commands.tasks import Tasks
     from mavstack.sim.autopilot.control import FenceControl, GuidedControl, MissionControl, RunningBehaviour
     from mavstack.sim.autopilot.flight_parameters import FlightParameters
     from mavstack.sim.autopilot.payload import Payload
     from mavstack.sim.autopilot.radio import RadioControl
     from mavstack.sim.autopilot.rally import RallyPoints
+    from mavstack.sim.autopilot.tasks import Tasks
     from mavstack.sim.storage import Storage
 
 _FLAGS = common.MavModeFlag

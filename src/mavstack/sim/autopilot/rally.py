@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.services.mission import PlanReplaced, PlanType
-from mavstack.sim.autopilot.mission.item_checks import check_position
-from mavstack.sim.autopilot.mission.places import place_of
+from mavstack.sim.autopilot.item_checks import check_position
+from mavstack.sim.autopilot.item_positions import place_of
 from mavstack.sim.vehicle_types import Firmware
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from mavstack.sim.autopilot.commands import Handlers, MaintenanceCommands, Outco
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.autopilot.commands.tasks import Script
     from mavstack.sim.autopilot.interfaces import Vehicle
+    from mavstack.sim.autopilot.tasks import Script
     from mavstack.sim.px4.state import Px4State
 
 _CMD, _RESULT = common.MavCmd, common.MavResult

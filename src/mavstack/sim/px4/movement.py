@@ -10,6 +10,7 @@ from math import copysign, isfinite
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
+from mavstack.sim.autopilot.command_positions import GLOBAL
 from mavstack.sim.autopilot.commands import (
     CommandRefusedError,
     Handlers,
@@ -21,7 +22,6 @@ from mavstack.sim.autopilot.commands import (
     whole,
 )
 from mavstack.sim.autopilot.commands.guiding import apply_choices
-from mavstack.sim.autopilot.commands.places import GLOBAL
 from mavstack.sim.px4.mode_selection import choose_mode
 from mavstack.sim.px4.modes import HOLD, LAND, ORBIT, RETURN, TAKEOFF, VTOL_TAKEOFF
 from mavstack.sim.px4.state import OrbitRequest

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from mavstack.services.mission import MissionItem, Plan, PlanType
-from mavstack.sim.autopilot.fence.geometry import Circle, Fence, Polygon
 from mavstack.sim.autopilot.fence.plan import check_fence_item, check_fence_plan, read_fence
+from mavstack.sim.autopilot.fence_shapes import Circle, Fence, Polygon
 from mavstack.sim.motion import LocalFrame
 from mavstack.sim.vehicle_types import DEFAULT_HOME
 from tests.sim.autopilot.mission.harness import CMD, FRAME, RESULT, item

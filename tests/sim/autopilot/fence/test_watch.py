@@ -11,7 +11,7 @@ from mavstack.dialects import common
 from mavstack.services.mission import MissionItem, PlanType
 from mavstack.sim.autopilot.behaviour import Behaviour
 from mavstack.sim.autopilot.fence.ardupilot import names_of
-from mavstack.sim.autopilot.fence.limits import Breach
+from mavstack.sim.autopilot.fence_limits import Breach
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.autopilot.harness import GUIDED, HOLD, LAND, OTHER, RETURN, TAKEOFF
 from tests.sim.autopilot.mission.harness import CMD, FRAME, MissionHarness, item

@@ -1,5 +1,6 @@
 """Handlers of the commands of ground stations, shared by all firmwares, in groups."""
 
+from mavstack.sim.autopilot.command_positions import has_place, place_of
 from mavstack.sim.autopilot.commands.arming import ArmingCommands
 from mavstack.sim.autopilot.commands.equipment import EquipmentCommands
 from mavstack.sim.autopilot.commands.home import HomeCommands, home_position
@@ -7,8 +8,6 @@ from mavstack.sim.autopilot.commands.imaging import CameraCommands, GimbalComman
 from mavstack.sim.autopilot.commands.maintenance import MaintenanceCommands
 from mavstack.sim.autopilot.commands.missions import MissionCommands
 from mavstack.sim.autopilot.commands.movement import MovementCommands
-from mavstack.sim.autopilot.commands.places import has_place, place_of
-from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
 from mavstack.sim.autopilot.commands.registration import (
     CommandGroup,
     Handlers,
@@ -19,7 +18,8 @@ from mavstack.sim.autopilot.commands.registration import (
     waiting,
     whole,
 )
-from mavstack.sim.autopilot.commands.tasks import Tasks
+from mavstack.sim.autopilot.refusal import CommandRefusedError
+from mavstack.sim.autopilot.tasks import Tasks
 
 __all__ = [
     "ArmingCommands",

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.commands.places import GLOBAL, has_place, place_of
-from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
+from mavstack.sim.autopilot.command_positions import GLOBAL, has_place, place_of
 from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, number
+from mavstack.sim.autopilot.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest

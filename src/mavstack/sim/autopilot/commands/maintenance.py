@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
 from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, Outcome, waiting, whole
+from mavstack.sim.autopilot.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
-    from mavstack.sim.autopilot.commands.tasks import Script
+    from mavstack.sim.autopilot.tasks import Script
 
 _CMD, _RESULT = common.MavCmd, common.MavResult
 _REBOOT, _SHUT_DOWN, _STAY_IN_BOOTLOADER = 1, 2, 3

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
 from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, number, required_whole, whole
+from mavstack.sim.autopilot.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest

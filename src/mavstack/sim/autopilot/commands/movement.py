@@ -6,10 +6,10 @@ from math import isfinite, radians
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.sim.autopilot.command_positions import GLOBAL, place_of
 from mavstack.sim.autopilot.commands.guiding import apply_choices, guide_to
-from mavstack.sim.autopilot.commands.places import GLOBAL, place_of
-from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
 from mavstack.sim.autopilot.commands.registration import CommandGroup, Handlers, required_whole, whole
+from mavstack.sim.autopilot.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command, CommandRequest

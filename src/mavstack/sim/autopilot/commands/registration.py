@@ -5,7 +5,7 @@ that differ. `handlers` lists the methods by MAV_CMD, and a profile registers th
 
     register_handlers(vehicle, MovementCommands(vehicle).handlers())
 
-A handler returns its MAV_RESULT, or None if it began a long command (`tasks.py`), or it raises
+A handler returns its MAV_RESULT, or None if it began a long command (`autopilot/tasks.py`), or it raises
 `CommandRefusedError`. Params are never trusted: `whole` and `number` validate them.
 """
 
@@ -17,13 +17,13 @@ from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
+from mavstack.sim.autopilot.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest
     from mavstack.services.command.server import Handler
-    from mavstack.sim.autopilot.commands.tasks import Script
     from mavstack.sim.autopilot.interfaces import Autopilot, Vehicle
+    from mavstack.sim.autopilot.tasks import Script
 
 #: The result of a handler; None: a long command has begun.
 Outcome: TypeAlias = "common.MavResult | None"

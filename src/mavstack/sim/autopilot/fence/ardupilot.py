@@ -11,9 +11,9 @@ from math import inf, isnan
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.fence.geometry import Polygon
-from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
 from mavstack.sim.autopilot.fence.rules import FenceRules
+from mavstack.sim.autopilot.fence_limits import Breach, FenceLimits
+from mavstack.sim.autopilot.fence_shapes import Polygon
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.fence.geometry import Circle, Fence, Polygon, Shape
+from mavstack.sim.autopilot.fence_shapes import Circle, Fence, Polygon, Shape
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -11,8 +11,8 @@ from math import inf
 from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
 from mavstack.sim.autopilot.fence.rules import FenceRules
+from mavstack.sim.autopilot.fence_limits import Breach, FenceLimits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavstack.sim.autopilot.control import FenceControl
-    from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
+    from mavstack.sim.autopilot.fence_limits import Breach, FenceLimits
     from mavstack.sim.autopilot.interfaces import Autopilot
 
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.mission import PlanReplaced, PlanType
 from mavstack.sim.autopilot.fence.factory import fence_rules_of
-from mavstack.sim.autopilot.fence.geometry import Fence
-from mavstack.sim.autopilot.fence.limits import Breach, FenceLimits
 from mavstack.sim.autopilot.fence.plan import read_fence
+from mavstack.sim.autopilot.fence_limits import Breach, FenceLimits
+from mavstack.sim.autopilot.fence_shapes import Fence
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.behaviours.steps import transition
+from mavstack.sim.autopilot.item_positions import has_place, place_of
 from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
-from mavstack.sim.autopilot.mission.places import has_place, place_of
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.services.frames import GLOBAL_FRAMES
+from mavstack.sim.autopilot.item_checks import check_numbers, check_position
+from mavstack.sim.autopilot.item_positions import as_global
 from mavstack.sim.autopilot.mission.interfaces import MissionRules
-from mavstack.sim.autopilot.mission.item_checks import check_numbers, check_position
-from mavstack.sim.autopilot.mission.places import as_global
 from mavstack.sim.vehicle_types import VehicleType
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.sim.autopilot.control import MissionControl
-from mavstack.sim.autopilot.mission.places import has_place, place_of
+from mavstack.sim.autopilot.item_positions import has_place, place_of
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem, MissionServer

@@ -10,9 +10,9 @@ from math import isnan
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.sim.autopilot.item_checks import check_numbers, check_position
+from mavstack.sim.autopilot.item_positions import place_of
 from mavstack.sim.autopilot.mission.interfaces import MissionRules
-from mavstack.sim.autopilot.mission.item_checks import check_numbers, check_position
-from mavstack.sim.autopilot.mission.places import place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.mission import CurrentItemSet, Plan, PlanReplaced, PlanType
-from mavstack.sim.autopilot.mission.course import Course
+from mavstack.sim.autopilot.course import Course
 from mavstack.sim.autopilot.mission.factory import rules_of
 from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
 from mavstack.sim.autopilot.mission.interfaces import Step

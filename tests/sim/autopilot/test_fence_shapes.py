@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as some
 
-from mavstack.sim.autopilot.fence.geometry import Circle, Fence, Polygon, segment_distance
+from mavstack.sim.autopilot.fence_shapes import Circle, Fence, Polygon, segment_distance
 
 METRES = some.integers(-1000, 1000).map(float)
 PLACES = some.tuples(METRES, METRES)

@@ -10,7 +10,7 @@ from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.sim.autopilot.commands.refusal import CommandRefusedError
+from mavstack.sim.autopilot.refusal import CommandRefusedError
 
 if TYPE_CHECKING:
     from mavstack.services.command import Command

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.frames import GLOBAL_FRAMES
-from mavstack.sim.autopilot.commands.places import down_of
+from mavstack.sim.autopilot.command_positions import down_of
 
 if TYPE_CHECKING:
     from mavstack.services.mission import MissionItem
