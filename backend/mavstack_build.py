@@ -1,7 +1,7 @@
 """The PEP 517 build backend: maturin, after a check for a Rust toolchain.
 
-Without `cargo`, maturin downloads a toolchain (by the package puccinialin). This backend downloads nothing: the
-build ends with one line that says what to install.
+Without `cargo`, maturin downloads a toolchain (by the package puccinialin). This backend downloads nothing:
+the build ends with one line that says what to install.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ def places(fleet: Fleet) -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 25, 200])
-def test_nobody_stands_on_anybody(count):
+def test_start_positions_are_distinct(count):
     stand = places(Fleet(count=count))
     assert len(stand) == count
     assert stand[0] == pytest.approx((0, 0), abs=0.01)

@@ -66,9 +66,9 @@ def test_a_log_is_sent_no_faster_than_peers_can_read_whatever_the_speed():
             seconds.append(ground.now() - began)
         return seconds
 
-    least = (120_000 / CHUNK - MAX_BULK_BURST) / BULK_RATE
+    fewest = (120_000 / CHUNK - MAX_BULK_BURST) / BULK_RATE
     for seconds in run_virtually(both(simulation, work)):
-        assert least < seconds < 2.5 * least
+        assert fewest < seconds < 2.5 * fewest
 
 
 def test_a_speed_may_change_while_it_runs():

@@ -110,7 +110,7 @@ def test_a_vehicle_without_peers_keeps_nothing_to_send():
     assert "HEARTBEAT" in names
 
 
-def test_a_closed_port_hears_nothing_more():
+def test_a_closed_port_receives_nothing():
     simulation = Simulation()
     vehicle = simulation.add()
     gone, stays = vehicle.open_port("gone"), vehicle.open_port("stays")

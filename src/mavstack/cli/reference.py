@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from argparse import Action, _ArgumentGroup
     from collections.abc import Iterator, Sequence
 
-    from mavstack.cli.shell.console_command import Command
+    from mavstack.cli.shell.session import Command
 
 #: Columns at which usage lines are wrapped.
 WIDTH: Final = 100

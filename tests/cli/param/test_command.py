@@ -87,7 +87,7 @@ def test_set(mav, harness):
     assert harness.vehicle.parameters["RTL_ALT"] == 3000
 
 
-def test_set_goes_on_after_a_refusal(mav, harness):
+def test_set_continues_after_a_refusal(mav, harness):
     result = mav("param", "set", "STAT_BOOTCNT=9", "RTL_ALT=2000")
     assert (result.code, result.out) == (1, "RTL_ALT: 1500 -> 2000\n")
     assert result.err.startswith("mav param: setting parameter STAT_BOOTCNT to 9 on 1/1 failed")

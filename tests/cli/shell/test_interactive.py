@@ -34,7 +34,7 @@ class Typist:
         return nullcontext()
 
 
-def test_failures_are_reported_and_the_shell_goes_on(capsys):
+def test_failures_are_reported_and_the_shell_continues(capsys):
     async def scenario(session):
         await run_interactive(
             session, Typist("bad", KeyboardInterrupt, "", "'", "set timeout 4", "set timeout")
@@ -53,7 +53,7 @@ def test_exit(capsys):
     assert typist.lines == ["set timeout"]
 
 
-def test_unexpected_error_is_reported_and_the_shell_goes_on(capsys):
+def test_unexpected_error_is_reported_and_the_shell_continues(capsys):
     async def scenario(session):
         session.forwarding = None
         await run_interactive(session, Typist("output list", "set timeout"))

@@ -187,7 +187,7 @@ def test_a_count_that_cannot_be_harms_nothing(count) -> None:
     assert isinstance(listing.error, ParameterTimeout)
 
 
-def test_a_restarted_vehicle_goes_on_where_it_was() -> None:
+def test_a_restarted_vehicle_continues_where_it_was() -> None:
     pair = Pair(100, impairment=Impairment(bandwidth=5760.0, queue=1 << 16))
     listing = pair.client.download(pair.network.now)
     pair.network.at(0.3, pair.vehicle.restart)

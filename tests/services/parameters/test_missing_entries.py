@@ -52,7 +52,7 @@ def test_the_last_entry_ends_the_list_at_once() -> None:
     assert wanted(missing, 0.0) == [2, 3]
 
 
-def test_a_list_that_goes_on_is_listened_to_again() -> None:
+def test_a_list_that_continues_is_received_again() -> None:
     missing = listing(100)
     for index in range(10):
         missing.receive(index, 0.001 * index)
@@ -66,7 +66,7 @@ def test_a_list_that_goes_on_is_listened_to_again() -> None:
     assert wanted(missing, 0.52) == []
 
 
-def test_a_list_that_goes_on_after_a_loss_is_requested_what_it_lost() -> None:
+def test_lost_entries_are_requested_after_a_list_that_continues() -> None:
     missing = listing(100)
     for index in range(10):
         missing.receive(index, 0.001 * index)

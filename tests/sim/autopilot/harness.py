@@ -147,7 +147,7 @@ class StubVehicle:
         self.reactions[kind].append(reaction)
 
     def tell(self, event: Event) -> None:
-        """Let an event of a service reach whoever waits for its kind."""
+        """Deliver an event of a service to the handlers of its type."""
         for reaction in self.reactions[type(event)]:
             reaction(event)
 

@@ -173,7 +173,7 @@ def test_a_velocity_is_flown_until_it_is_too_old() -> None:
     assert flight.distance(here[:2]) < 1.0
 
 
-def test_a_velocity_that_is_repeated_goes_on() -> None:
+def test_a_repeated_velocity_stays_in_effect() -> None:
     flight = guided(setpoint_timeout=1.0)
     stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0), yaw_rate=0.3), 8.0)
     assert flight.body.truth.velocity_north == pytest.approx(2.0, abs=0.5)
@@ -300,7 +300,7 @@ def test_on_the_ground_only_a_take_off_is_followed(kind: VehicleType) -> None:
     flight.run_until(lambda: flight.height > 25.0, timeout=60)
 
 
-def test_guided_takes_off_then_goes_on() -> None:
+def test_guided_takes_off_then_follows_the_target() -> None:
     flight = AutopilotHarness()
     flight.arm()
     flight.enter(GUIDED)

@@ -32,7 +32,7 @@ def test_the_transmitter_lies_there_with_its_sticks_centred_and_the_throttle_clo
         assert len(radio.channels) == 18
 
 
-def test_a_px4_has_none_until_somebody_steers() -> None:
+def test_a_px4_has_no_radio_until_manual_control_arrives() -> None:
     one = grounded("copter", "px4", seconds=0.2)
     radio = one.autopilot.radio
     assert not radio.present
@@ -103,7 +103,7 @@ def test_an_ardupilot_listens_only_to_the_station_of_sysid_mygcs() -> None:
     assert one.autopilot.radio.sticks.roll == pytest.approx(0.9)
 
 
-def test_a_px4_listens_to_anybody() -> None:
+def test_a_px4_accepts_manual_control_from_any_source() -> None:
     one = grounded("copter", "px4", seconds=0.2)
     sticks(one, Address(200, 1), y=900)
     assert one.autopilot.radio.sticks.roll == pytest.approx(0.9)

@@ -24,8 +24,7 @@ from mavstack.errors import MavstackError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from mavstack.cli.shell.console_command import Completer
-    from mavstack.cli.shell.session import Session
+    from mavstack.cli.shell.session import Completer, Session
 
 #: Seconds to wait for a directory listing of the vehicle, and seconds to keep it.
 LISTING_TIMEOUT: Final = 2.0

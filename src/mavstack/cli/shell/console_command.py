@@ -1,49 +1,18 @@
-"""A command of the shell: its names, its help, the completion of its words, and the function that runs it."""
+"""Helpers of shell commands: check and parse their words; the error of a failure that was reported."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.errors import MavstackError
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable, Sequence
-
-    from mavstack.cli.shell.session import Session
-
-    Run: TypeAlias = Callable[[Session, list[str]], Awaitable[None]]
-    #: Returns the candidates for a word, from the session, the words before it and its typed beginning.
-    Completer: TypeAlias = Callable[[Session, Sequence[str], str], Awaitable[Iterable[str]]]
+    from collections.abc import Sequence
 
 
 class AlreadyReported(MavstackError):  # noqa: N818 (the name says what happened)
     """A command failed and has printed the reason itself."""
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """One command; `usage` follows its name in help texts, `run` raises a `MavstackError` if it fails."""
-
-    name: str
-    usage: str
-    summary: str
-    run: Run
-    aliases: tuple[str, ...] = ()
-    examples: tuple[str, ...] = ()
-    details: str = ""
-    complete: Completer | None = None
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The name and the aliases."""
-        return (self.name, *self.aliases)
-
-    @property
-    def synopsis(self) -> str:
-        """The name with the usage."""
-        return f"{self.name} {self.usage}".rstrip()
 
 
 def expect_words(words: Sequence[str], minimum: int, maximum: int | None, usage: str) -> None:

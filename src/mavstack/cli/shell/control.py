@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import align_columns
 from mavstack.cli.shell import completion
-from mavstack.cli.shell.console_command import AlreadyReported, Command, expect_words, parse_number
+from mavstack.cli.shell.console_command import AlreadyReported, expect_words, parse_number
 from mavstack.cli.shell.parsing import split_commands
 from mavstack.cli.shell.runner import MAX_DEPTH, run_lines
+from mavstack.cli.shell.session import Command
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Sequence

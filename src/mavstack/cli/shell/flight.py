@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.shell import completion
-from mavstack.cli.shell.console_command import Command, expect_words, parse_number
+from mavstack.cli.shell.console_command import expect_words, parse_number
+from mavstack.cli.shell.session import Command
 from mavstack.cli.vehicle.flight_progress import (
     FlightProgress,
     distance_to_altitude,

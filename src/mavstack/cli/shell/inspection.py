@@ -11,7 +11,8 @@ from mavstack.cli.common.field_values import field_texts
 from mavstack.cli.common.output import align_columns
 from mavstack.cli.common.text import size_text
 from mavstack.cli.shell import completion
-from mavstack.cli.shell.console_command import Command, expect_words, parse_integer, parse_number
+from mavstack.cli.shell.console_command import expect_words, parse_integer, parse_number
+from mavstack.cli.shell.session import Command
 from mavstack.cli.vehicle.info import gather_facts, page
 from mavstack.dialects import Dialect
 from mavstack.errors import MavstackError

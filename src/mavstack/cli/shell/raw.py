@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.text import printable
 from mavstack.cli.shell import completion
-from mavstack.cli.shell.console_command import Command, expect_words, parse_integer, parse_number
+from mavstack.cli.shell.console_command import expect_words, parse_integer, parse_number
+from mavstack.cli.shell.session import Command
 from mavstack.dialects import ardupilotmega, common
 from mavstack.services.frames import GLOBAL_FRAMES
 from mavstack.services.manual_control import RELEASE

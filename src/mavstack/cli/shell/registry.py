@@ -10,7 +10,7 @@ from mavstack.cli.shell import control, flight, inspection, raw, storage
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mavstack.cli.shell.console_command import Command
+    from mavstack.cli.shell.session import Command
 
 COMMANDS: Final[Mapping[str, Command]] = MappingProxyType(
     {

@@ -1,4 +1,4 @@
-"""The session of the shell: the connection, the selected vehicle, settings and aliases.
+"""The session of the shell (connection, selected vehicle, settings, aliases) and the commands that act on it.
 
 A session does not depend on a terminal. It prints the output of commands; `notifications` prints events.
 """
@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import sys
 from contextlib import AsyncExitStack
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.shell.overrides import Overrides
@@ -15,12 +16,39 @@ from mavstack.cli.shell.settings import Settings
 from mavstack.node.forwarding import Forwarding
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Mapping
+    from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
     from types import TracebackType
     from typing import Self
 
-    from mavstack.cli.shell.console_command import Command
     from mavstack.vehicle import Connection, Vehicle
+
+    Run: TypeAlias = Callable[["Session", list[str]], Awaitable[None]]
+    #: Returns the candidates for a word, from the session, the words before it and its typed beginning.
+    Completer: TypeAlias = Callable[["Session", Sequence[str], str], Awaitable[Iterable[str]]]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command; `usage` follows its name in help texts, `run` raises a `MavstackError` if it fails."""
+
+    name: str
+    usage: str
+    summary: str
+    run: Run
+    aliases: tuple[str, ...] = ()
+    examples: tuple[str, ...] = ()
+    details: str = ""
+    complete: Completer | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The name and the aliases."""
+        return (self.name, *self.aliases)
+
+    @property
+    def synopsis(self) -> str:
+        """The name with the usage."""
+        return f"{self.name} {self.usage}".rstrip()
 
 
 class Session:

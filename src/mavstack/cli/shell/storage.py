@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Final
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.shell import completion
-from mavstack.cli.shell.console_command import Command, expect_words, parse_integer
+from mavstack.cli.shell.console_command import expect_words, parse_integer
+from mavstack.cli.shell.session import Command
 from mavstack.cli.shell.subcommands import run_subcommand
 from mavstack.dialects import common
 from mavstack.vehicle.status_text_capture import with_status_texts

@@ -25,7 +25,7 @@ def away(
 
 
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.VTOL])
-def test_it_climbs_comes_home_at_the_return_altitude_and_lands(kind: VehicleType) -> None:
+def test_it_climbs_returns_at_the_return_altitude_and_lands(kind: VehicleType) -> None:
     flight = away(kind, 60.0, 40.0, 10.0, return_altitude=25.0)
     flight.enter(RETURN)
     flight.run_until(lambda: not flight.autopilot.armed, timeout=120)
@@ -35,7 +35,7 @@ def test_it_climbs_comes_home_at_the_return_altitude_and_lands(kind: VehicleType
     assert all(height == pytest.approx(25.0, abs=2.0) for height in between)
 
 
-def test_what_is_higher_comes_home_as_high() -> None:
+def test_a_higher_vehicle_keeps_its_altitude() -> None:
     flight = away(VehicleType.COPTER, 50.0, 0.0, 35.0, return_altitude=20.0)
     flight.enter(RETURN)
     flight.run_until(lambda: flight.distance() < 3, timeout=30)
@@ -120,7 +120,7 @@ def test_a_vtol_can_be_told_to_come_back_hovering() -> None:
 
 
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT])
-def test_what_drives_comes_home_and_stays(kind: VehicleType) -> None:
+def test_a_rover_returns_and_stays(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind)
     flight.arm()
     flight.enter(GUIDED)
@@ -133,7 +133,7 @@ def test_what_drives_comes_home_and_stays(kind: VehicleType) -> None:
     assert flight.autopilot.armed
 
 
-def test_a_sub_comes_home_as_deep_as_it_is_and_surfaces() -> None:
+def test_a_sub_returns_at_its_depth_and_surfaces() -> None:
     flight = AutopilotHarness(VehicleType.SUB)
     flight.arm()
     flight.enter(GUIDED)

@@ -65,7 +65,7 @@ def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:
     assert flight.autopilot.landed_state == LANDED.IN_AIR
 
 
-def test_a_vtol_goes_on_to_fly_on_its_wing() -> None:
+def test_a_vtol_continues_in_forward_flight() -> None:
     flight = AutopilotHarness(VehicleType.VTOL)
     flight.arm()
     flight.fly(lambda autopilot: Takeoff(autopilot, 30.0, forward=True))

@@ -1,4 +1,4 @@
-"""What happens at a fence."""
+"""Fence breaches: detection and the actions at a fence."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def breach(flight: MissionHarness, behaviour: type[Behaviour] = Away, timeout: f
     flight.run(0.3)
 
 
-# What is watched
+# Detection
 
 
 @pytest.mark.parametrize(
@@ -176,7 +176,7 @@ def test_px4s_distances() -> None:
     assert flight.status_texts == ["Geofence: exceeding maximum altitude above Home"]
 
 
-# What is done
+# Actions
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ class MissionHarness(AutopilotHarness):
 
     @property
     def reached(self) -> list[int]:
-        """What MISSION_ITEM_REACHED told, in order; of what PX4 says again and again, the first."""
+        """The numbers of MISSION_ITEM_REACHED in order; of PX4's repetitions, the first."""
         told = [message.seq for message in self.sent if isinstance(message, common.MissionItemReached)]
         again = self.vehicle.firmware is Firmware.PX4
         return [seq for at, seq in enumerate(told) if not again or at == 0 or told[at - 1] != seq]

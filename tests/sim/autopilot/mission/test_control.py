@@ -1,4 +1,4 @@
-"""What comes from outside while a mission is flown."""
+"""External changes to a mission in flight: pauses, other items, new plans, mode changes."""
 
 from __future__ import annotations
 

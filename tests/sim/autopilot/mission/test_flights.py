@@ -237,7 +237,7 @@ def test_a_complete_mission_begins_anew() -> None:
 
 
 @pytest.mark.parametrize(("restart", "expected"), [(0, 3), (1, 2)])
-def test_mis_restart_says_whether_a_mission_goes_on_where_it_was_left(restart: int, expected: int) -> None:
+def test_mis_restart_selects_whether_a_mission_resumes(restart: int, expected: int) -> None:
     flight = MissionHarness()
     flight.vehicle.parameters["MIS_RESTART"] = restart
     flight.load(takeoff(8), waypoint(20, 0, 8), waypoint(60, 0, 8))

@@ -1,4 +1,4 @@
-"""What each item does."""
+"""The effect of each mission item."""
 
 from __future__ import annotations
 
@@ -497,7 +497,7 @@ def test_the_fence_is_switched() -> None:
     assert not do(item(CMD.DO_FENCE_ENABLE, 0)).autopilot.fence.enabled
 
 
-# What it carries
+# Payload
 
 
 def test_servos_and_relays() -> None:

@@ -17,12 +17,12 @@ from mavstack.sim.autopilot.course import Course
 from mavstack.sim.autopilot.mission.factory import rules_of
 from mavstack.sim.autopilot.mission.guided_limits import GuidedLimits
 from mavstack.sim.autopilot.mission.interfaces import Step
+from mavstack.sim.autopilot.mission.leg_flight import ENDED, fly_leg
 from mavstack.sim.autopilot.mission.route import Leg, Route
-from mavstack.sim.autopilot.mission.scripts import script_of
 from mavstack.sim.autopilot.mission.validation import validate_item, validate_plan
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator
 
     from mavstack.services import Address
     from mavstack.services.mission import MissionItem, MissionServer
@@ -190,11 +190,11 @@ class MissionRunner:
     def begin_at(self, seq: int) -> None:
         """Continue at an item, or end the mission if `seq` is past the last one."""
         self._next, self._complete, self._interrupted = seq, False, True
-        self._set_current(seq)
+        self.set_current(seq)
 
     def restore(self, seq: int) -> None:
         """Make an item current again, if the replaced mission has one of that number."""
-        self._set_current(seq)
+        self.set_current(seq)
 
     def landing_start(self) -> int | None:
         """Return the nearest DO_LAND_START, None if the mission has none."""
@@ -233,7 +233,7 @@ class MissionRunner:
         """Complete an item that continues outside the mission; returns whether it was the last one."""
         if self._next is None or self.route.leg(self._next) is None:
             self._end()
-        self._report_reached(seq)
+        self.report_reached(seq)
         return self._complete
 
     def send_statustext(self, text: str, severity: int = common.MavSeverity.INFO) -> None:
@@ -281,7 +281,8 @@ class MissionRunner:
                 if leg is None:
                     yield from self._finish()
                 else:
-                    yield from self._fly_leg(leg)
+                    self.autopilot.maneuvers.yaw = None
+                    yield from fly_leg(self, leg)
                 if legs % _MAX_LEGS == 0:
                     yield
         finally:
@@ -328,62 +329,28 @@ class MissionRunner:
 
     def _finish(self) -> Iterator[None]:
         self._end()
-        yield from self._until_interrupted(self.rules.finish(self))
+        yield from self.until_interrupted(self.rules.finish(self))
         while not self._interrupted:
             yield
         self._set_state(_STATE.ACTIVE)
 
-    def _fly_leg(self, leg: Leg) -> Iterator[None]:
-        items = self.items
-        self.autopilot.maneuvers.yaw = None
-        actions = self._act(leg, items)
-        if not self.rules.actions_meanwhile:
-            yield from self._until_interrupted(actions)
-        if leg.navigation is None:
-            yield from self._until_interrupted(actions)
-            return
-        navigation = self._perform(leg.navigation, items[leg.navigation])
-        yield from self._until_interrupted(self._fly_with_actions(navigation, actions))
-
-    def _fly_with_actions(self, navigation: Iterator[None], actions: Iterator[None]) -> Iterator[None]:
-        """Run the NAV item and the other items of its leg; the end of the NAV item ends all."""
-        while True:
-            next(actions, None)
-            if next(navigation, _ENDED) is _ENDED:
-                return
-            yield
-
-    def _until_interrupted(self, script: Iterator[None]) -> Iterator[None]:
+    def until_interrupted(self, script: Iterator[None]) -> Iterator[None]:
         """Run a script until the mission is interrupted; a pause suspends it."""
         while not self._interrupted:
-            if not self.paused and next(script, _ENDED) is _ENDED:
+            if not self.paused and next(script, ENDED) is ENDED:
                 return
             yield
-
-    def _act(self, leg: Leg, items: Sequence[MissionItem]) -> Iterator[None]:
-        for seq in leg.actions:
-            yield from self._perform(seq, items[seq])
-            if self.rules.actions_meanwhile:
-                yield
-
-    def _perform(self, seq: int, item: MissionItem) -> Iterator[None]:
-        step = Step(self, seq, item)
-        if self.rules.navigates(item) or not self.rules.actions_meanwhile:
-            self._set_current(seq)
-            self.flown = item
-        self.rules.started(step)
-        yield from script_of(item.command)(step)
-        if self.rules.reports(item):
-            self._report_reached(seq)
 
     # Reports
 
-    def _report_reached(self, seq: int) -> None:
+    def report_reached(self, seq: int) -> None:
+        """Send MISSION_ITEM_REACHED."""
         self.server.reached(seq)
         self._touch()
         self.rules.reported(self, seq)
 
-    def _set_current(self, seq: int) -> None:
+    def set_current(self, seq: int) -> None:
+        """Make an item the current one, if the mission has it."""
         if 0 <= seq < len(self.items):
             self._at = seq
             if self.server.current != seq:
@@ -415,6 +382,3 @@ class MissionRunner:
     def _current_set(self, event: CurrentItemSet) -> None:
         self._at = event.seq
         self.go_to_item(event.seq, reset=event.restart)
-
-
-_ENDED = object()
