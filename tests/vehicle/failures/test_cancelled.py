@@ -114,10 +114,10 @@ def test_an_upload_is_cancelled_at_the_other_end():
     async def scenario(made):
         doing = asyncio.create_task(made.vehicle.mission.upload(ITEMS))
         await asyncio.sleep(1.1)
-        assert made.script.mission._uploads.under_way(0) is not None
+        assert made.script.mission._uploads.running(0) is not None
         doing.cancel()
         await asyncio.sleep(0.3)
-        assert made.script.mission._uploads.under_way(0) is None
+        assert made.script.mission._uploads.running(0) is None
         acks = [message for message in made.script.heard if isinstance(message, common.MissionAck)]
         assert acks[-1].type == common.MavMissionResult.OPERATION_CANCELLED
 
