@@ -18,7 +18,7 @@ interop: $(VENV)/installed ## Run the other tests with programs that are not our
 	$(BIN)/pytest -n $(or $(WORKERS),6) --dist loadscope -m "interop and not smoke and not nightly"
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
-	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300
+	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800
 	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200
 
 check: $(VENV)/installed ## Run the Python tests of the fast tier alone

@@ -49,3 +49,11 @@ def test_continuous_integration_runs_all_tiers_but_the_nightly_one() -> None:
 def test_every_test_has_a_time_limit() -> None:
     assert PROJECT["tool"]["pytest"]["ini_options"]["timeout"] == 120
     assert any(line.startswith("pytest-timeout") for line in PROJECT["dependency-groups"]["test"])
+
+
+@pytest.mark.xdist_group("shared fixture")
+def test_a_group_of_tests_runs_in_one_worker(request: pytest.FixtureRequest) -> None:
+    """pytest-xdist adds the group to the test id; without it, each worker sets up the shared fixture."""
+    if not request.config.getoption("loadgroup", default=False):
+        pytest.skip("the tests run in one process, or without --dist loadgroup")
+    assert request.node.nodeid.endswith("@shared fixture")

@@ -13,6 +13,8 @@ from tests.sim.harness import reduce_telemetry
 from tests.sim.whole_flights.plans import triangle, whole_mission
 from tests.vehicle.world import ALL, named, world
 
+pytestmark = pytest.mark.nightly
+
 #: How near home it comes to rest, in metres: a plane rolls out along its course.
 HOME_WITHIN = {VehicleType.PLANE: 80.0}
 NEAR = 4.0

@@ -8,6 +8,8 @@ import tests.sim.whole_flights.scripts  # noqa: F401 (registers the scripts)
 from tests.sim.whole_flights.conftest import fly_once
 from tests.sim.whole_flights.script_runner import SCRIPTS, fly_scripts
 
+pytestmark = pytest.mark.nightly
+
 
 @pytest.fixture(scope="session")
 def outcomes(tmp_path_factory, worker):

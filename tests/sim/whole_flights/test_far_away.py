@@ -9,6 +9,8 @@ import pytest
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.whole_flights.legs import legs_of, reached_in_order
 
+pytestmark = pytest.mark.nightly
+
 COPTER = VehicleType.COPTER
 MAX_CROSS_TRACK_ERROR = 5.0
 each_firmware = pytest.mark.parametrize("firmware", list(Firmware), ids=str)

@@ -12,6 +12,8 @@ from tests.sim.whole_flights.fleet import ALL
 from tests.sim.whole_flights.legs import reached_in_order
 from tests.sim.whole_flights.plans import CMD, ROUNDS
 
+pytestmark = pytest.mark.nightly
+
 STATE = common.MissionState
 PLANE, VTOL = VehicleType.PLANE, VehicleType.VTOL
 #: Distance from home at rest, in metres: a plane rolls out along its course.

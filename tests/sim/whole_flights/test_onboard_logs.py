@@ -18,6 +18,8 @@ from tests.sim.whole_flights.ground_station import SAMPLES
 if TYPE_CHECKING:
     from tests.sim.whole_flights.ground_station import Flight
 
+pytestmark = pytest.mark.nightly
+
 DFReader = pytest.importorskip("pymavlink.DFReader")
 ULog = pytest.importorskip("pyulog").ULog
 COPTER = VehicleType.COPTER

@@ -18,6 +18,8 @@ from tests.sim.whole_flights.legs import WINGS
 if TYPE_CHECKING:
     from tests.sim.whole_flights.ground_station import Sample
 
+pytestmark = pytest.mark.nightly
+
 #: Maximum ground speed in still air, in m/s: the firmware's parameter plus ten percent; rovers overshoot
 #: a little more.
 MAX_GROUND_SPEED = {

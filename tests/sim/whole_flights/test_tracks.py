@@ -9,6 +9,8 @@ from tests.sim.whole_flights.conftest import WINDY_FLIGHTS
 from tests.sim.whole_flights.fleet import ALL
 from tests.sim.whole_flights.legs import WINGS, legs_of
 
+pytestmark = pytest.mark.nightly
+
 #: Cross-track error in metres, in still air and in 6 m/s of wind; wings turn in wide circles.
 MAX_CROSS_TRACK_ERROR = {
     VehicleType.COPTER: (5.0, 5.0),
