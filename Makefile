@@ -5,14 +5,17 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust/core rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
-.PHONY: demo test interop nightly check lint docs format bench fuzz generate clean
+.PHONY: demo test flights interop nightly check lint docs format bench fuzz generate clean
 
 demo: $(VENV)/installed ## Fly seven simulated vehicles and show their live picture
 	@$(BIN)/mav demo
 
 test: lint ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
 	cargo test --release --locked -p mavstack-core
-	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and (not interop or smoke)" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
+
+flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
+	$(BIN)/pytest -n auto --dist loadgroup -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
 
 interop: $(VENV)/installed ## Run the other tests with programs that are not ours, several at a time: they mostly wait
 	$(BIN)/pytest -n $(or $(WORKERS),6) --dist loadscope -m "interop and not smoke and not nightly"
@@ -22,7 +25,7 @@ nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS
 	$(BIN)/pytest -n auto --dist loadgroup -m seeds --seeds $(or $(SEEDS),10000) --timeout 7200
 
 check: $(VENV)/installed ## Run the Python tests of the fast tier alone
-	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not interop" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and not interop" --seeds $(or $(SEEDS),60)
 
 lint: $(VENV)/installed ## Check style, types, layers, vocabulary and generated files
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .

@@ -1,8 +1,8 @@
-"""Shared test configuration: property tests without deadlines, and the seeds of randomised tests."""
+"""Shared test configuration: tiers, property tests without deadlines, and the seeds of randomised tests."""
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 
 import pytest
 from hypothesis import settings
@@ -25,7 +25,13 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    counts: Counter[str] = Counter()
     for item in items:
+        if marker := item.get_closest_marker("fast_cases"):
+            test = item.nodeid.partition("[")[0]
+            counts[test] += 1
+            if counts[test] > marker.args[0]:
+                item.add_marker(pytest.mark.flight)
         if "seeds" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.seeds)
         if item.get_closest_marker("interop"):

@@ -43,7 +43,7 @@ def test_make_targets_that_documents_name_exist() -> None:
 
 def test_continuous_integration_runs_all_tiers_but_the_nightly_one() -> None:
     commands = re.findall(r"^make (\w+)", (ROOT / ".ci" / "run").read_text("utf-8"), re.MULTILINE)
-    assert commands == ["test", "interop", "docs"]
+    assert commands == ["test", "flights", "interop", "docs"]
 
 
 def test_every_test_has_a_time_limit() -> None:
