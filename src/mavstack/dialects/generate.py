@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mavstack.atomic_file import write_file_atomically
 from mavstack.dialects.codec import table_lines
 from mavstack.dialects.dialect import Dialect
 from mavstack.dialects.importer import read_file
@@ -50,7 +51,7 @@ def generate() -> None:
     for step in (tables, modules):
         for path, text in step():
             path.parent.mkdir(exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
+            write_file_atomically(path, text)
 
 
 def main(arguments: list[str]) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mavstack.atomic_file import write_file_atomically
 from mavstack.dialects.includes import file_stem
 from mavstack.dialects.xml_definitions import parse_definition
 from mavstack.dialects.xml_reader import read_bytes
@@ -46,8 +47,9 @@ def import_file(source: str, target: str, descriptions: Mapping[str, str] | None
 
     Raises:
         DialectError: A file cannot be read.
+        OSError: The file cannot be written; an existing one is unchanged.
     """
     definition = read_file(source)
     text = definition_xml(definition, descriptions_in(target) | dict(descriptions or {}))
-    Path(target).write_text(text, encoding="utf-8", newline="\n")
+    write_file_atomically(target, text)
     return definition

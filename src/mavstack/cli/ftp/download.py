@@ -8,11 +8,11 @@ the file is downloaded from its beginning.
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from mavstack.atomic_file import write_file_atomically
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.text import size_text
 from mavstack.errors import FileDenied, RemoteError, RemoteProtocolError, RemoteTimeout
@@ -58,12 +58,7 @@ class Download:
         if self._size <= MIN_PIECE:
             self._part.unlink(missing_ok=True)
             data = await self._ftp.download(self._path, progress=self._progress)
-            try:
-                self._part.write_bytes(data)
-                self._part.replace(self._target)
-            finally:
-                with suppress(OSError):
-                    self._part.unlink(missing_ok=True)
+            write_file_atomically(self._target, data)
             return len(data)
         resumed = self._kept() > 0
         await self._download_pieces()

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentTypeError
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mavstack.atomic_file import write_file_atomically
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError
@@ -205,13 +205,7 @@ async def _download_log_data(vehicle: Vehicle, log: LogEntry, target: Path) -> i
     """Download a log by LOG_REQUEST_DATA."""
     with TransferProgress(f"log {log.id}") as progress:
         data = await vehicle.logs.download(log, progress=progress)
-    part = target.with_name(f".{target.name}.part")
-    try:
-        part.write_bytes(data)
-        part.replace(target)
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
+    write_file_atomically(target, data)
     return len(data)
 
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mavstack.atomic_file import write_file_atomically
 from mavstack.errors import PlanFileError
 from mavstack.files.plans import check, format_of, format_plan, parse_plan, read_plan
 from mavstack.files.plans.model import PLAN_NAMES
@@ -85,7 +86,7 @@ def save(plan: PlanFile, path: str, format: str | None, *, force: bool) -> None:
     if path == STANDARD:
         print(written.text, end="")
     else:
-        Path(path).write_text(written.text, encoding="utf-8", newline="\n")
+        write_file_atomically(path, written.text)
 
 
 def _first_of(texts: Sequence[str], advice: str) -> str:

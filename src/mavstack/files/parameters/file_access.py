@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import codecs
 import os
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
-from uuid import uuid4
 
+from mavstack.atomic_file import write_file_atomically
 from mavstack.errors import ParameterFileError
 from mavstack.files.parameters.format import shown
 from mavstack.files.parameters.parameter_file import is_name
@@ -88,14 +87,7 @@ def write_parameters(
             raise ParameterFileError(
                 f"{shown(each.name)} cannot be a parameter's name in a file", os.fspath(path)
             )
-    target = Path(path)
-    beside = target.with_name(f".{target.name}.{uuid4().hex[:8]}.part")
-    try:
-        beside.write_bytes(chosen.write(file).encode())
-        beside.replace(target)
-    finally:
-        with suppress(OSError):
-            beside.unlink()
+    write_file_atomically(path, chosen.write(file))
 
 
 def _format_to_write(path: str, name: str | None) -> ParameterFormat:

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from mavstack.atomic_file import write_file_atomically
 from mavstack.errors import PlanFileError
 from mavstack.files.plans import fence_list, mavstack_json, qgc, rally_list, waypoints
 from mavstack.files.plans.parsing import MAX_BYTES, Report, decoded
@@ -130,7 +131,7 @@ def write_plan(
     plan: PlanFile,
     format: str | None = None,  # noqa: A002 (its name)
 ) -> Written:
-    """Write a plan file.
+    """Write a plan file atomically.
 
     Args:
         path: The file.
@@ -145,7 +146,7 @@ def write_plan(
     """
     written = format_plan(plan, format or format_of(path))
     try:
-        Path(path).write_text(written.text, encoding="utf-8", newline="\n")
+        write_file_atomically(path, written.text)
     except OSError as error:
         raise PlanFileError(error.strerror or "it cannot be written", os.fspath(path)) from error
     return written
