@@ -47,5 +47,5 @@ def test_a_device_is_written_directly() -> None:
 
 
 def test_a_missing_directory_is_an_error(tmp_path) -> None:
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FileNotFoundError, match=r"No such file or directory: '\S+no/f'$"):
         write_file_atomically(tmp_path / "no" / "f", b"")

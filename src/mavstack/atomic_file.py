@@ -42,6 +42,10 @@ def write_file_atomically(path: str | os.PathLike[str], content: bytes | str) ->
     try:
         _write_new(temporary, data, None if known is None else stat.S_IMODE(known.st_mode))
         temporary.replace(target)
+    except OSError as error:  # names the file of the caller, not the temporary one
+        if error.errno is None:
+            raise
+        raise OSError(error.errno, error.strerror, os.fspath(path)) from None
     finally:
         with suppress(OSError):
             temporary.unlink()
