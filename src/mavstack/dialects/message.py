@@ -14,7 +14,7 @@ from struct import pack, unpack
 
 from mavstack._core import MessageBase
 from mavstack.dialects.enums import EnumReader, MavEnum, MavFlag, enum_reader
-from mavstack.dialects.secrets import secret_fields
+from mavstack.dialects.secrets import HIDDEN, secret_fields
 from mavstack.errors import FieldNameError, FieldTypeError
 
 TYPE_CHECKING = False
@@ -86,24 +86,29 @@ class Message(MessageBase):
     def _text(self, name: str) -> str:
         # Texts of messages are logged, and logs must not contain keys or passwords.
         if name in secret_fields(self.__mavlink_row__[1]):
-            return "…"
+            return "…"  # a shorter form of HIDDEN
         return _format_value(getattr(self, name), self._field_type(name))
 
     @classmethod
     def _field_type(cls, name: str) -> str:
         return str(cls.__mavlink_row__[5][cls.__match_args__.index(name)][1])
 
-    def to_dict(self, *, enums: EnumForm = "member") -> dict[str, Any]:
+    def to_dict(self, *, enums: EnumForm = "member", secrets: bool = False) -> dict[str, Any]:
         """Return the fields as a dictionary.
 
         Args:
             enums: Form of enum values: "member", "value" (an integer) or "name" (of the definition).
+            secrets: Include keys, passwords and PINs; else they are "(hidden)". The attributes have them.
 
         Returns:
             The values by field name.
         """
         names = zip(self.__mavlink_row__[5], self.__match_args__, strict=True)
-        return {row[0]: _enum_form(getattr(self, name), enums) for row, name in names}
+        fields = {row[0]: _enum_form(getattr(self, name), enums) for row, name in names}
+        if not secrets:
+            for name in secret_fields(self.__mavlink_row__[1]) & fields.keys():
+                fields[name] = HIDDEN
+        return fields
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> Self:
@@ -117,9 +122,13 @@ class Message(MessageBase):
 
         Raises:
             FieldNameError: The message has no such field.
-            FieldTypeError: A value has the wrong type, or the enum has no such entry.
+            FieldTypeError: A value has the wrong type or is hidden, or the enum has no such entry.
             FieldRangeError: A value is outside the range of its field.
         """
+        for name in secret_fields(cls.__mavlink_row__[1]) & fields.keys():
+            if fields[name] == HIDDEN:
+                text = f"{cls.__name__}.{name} is hidden: write the message with secrets=True"
+                raise FieldTypeError(text)
         attributes = {
             row[0]: name for row, name in zip(cls.__mavlink_row__[5], cls.__match_args__, strict=True)
         }
@@ -127,16 +136,17 @@ class Message(MessageBase):
             **{attributes.get(name, name): cls._from_name(name, value) for name, value in fields.items()}
         )
 
-    def to_json(self, *, enums: EnumForm = "value") -> str:
+    def to_json(self, *, enums: EnumForm = "value", secrets: bool = False) -> str:
         """Return the fields as a JSON object.
 
         Args:
             enums: Form of enum values: "value" (an integer) or "name" (of the definition).
+            secrets: Include keys, passwords and PINs; else they are "(hidden)".
 
         Returns:
             The JSON text, without NaN or Infinity literals.
         """
-        fields = self.to_dict(enums="value" if enums == "member" else enums)
+        fields = self.to_dict(enums="value" if enums == "member" else enums, secrets=secrets)
         types = {row[0]: row[1] for row in self.__mavlink_row__[5]}
         return json.dumps(
             {name: _jsonable(value, types[name]) for name, value in fields.items()}, allow_nan=False
@@ -154,7 +164,7 @@ class Message(MessageBase):
 
         Raises:
             FieldNameError: The message has no such field.
-            FieldTypeError: The text is no JSON object, or a value has the wrong type.
+            FieldTypeError: The text is no JSON object, or a value has the wrong type or is hidden.
             FieldRangeError: A value is outside the range of its field.
             ValueError: The text is not JSON.
         """

@@ -26,6 +26,11 @@ SECRET_FIELDS: Mapping[str, frozenset[str]] = MappingProxyType(
 SECRET_IDS = frozenset({5, 7, 256, 299, 336, 52000})
 _SECRET_FIELD_NAMES = frozenset({"secret_key"})
 
+#: The id of SETUP_SIGNING, which carries a signing key and must never be forwarded.
+SETUP_SIGNING_ID = 256
+#: The text in place of the value of a secret field.
+HIDDEN = "(hidden)"
+
 
 def secret_fields(message: str) -> frozenset[str]:
     """Return the names of the secret fields of a message."""

@@ -29,6 +29,7 @@ from mavstack.node.duplicates import Duplicates
 from mavstack.node.key_change import apply_key_event
 from mavstack.node.routes import Routes
 from mavstack.node.service_index import ServiceIndex
+from mavstack.security import carries_signing_key
 from mavstack.services import (
     Address,
     Event,
@@ -179,7 +180,12 @@ class Engine:
             self._encode(outgoing, channel, source or self.local, now)
 
     def forward(self, packet: Packet, now: float) -> None:
-        """Send a packet of another component unchanged to its target, or over all channels."""
+        """Send a packet of another component unchanged to its target, or over all channels.
+
+        SETUP_SIGNING is dropped: it carries a signing key and must never be forwarded.
+        """
+        if carries_signing_key(packet):
+            return
         message = packet.message
         for channel in self.routes.channels_to(target_of(message), self.channels):
             channel.pacer.sent(len(packet.raw), now, Priority.STREAM)

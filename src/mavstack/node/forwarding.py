@@ -6,7 +6,8 @@
 Every packet that the node receives is sent unchanged to every output; every packet received from an output is
 sent unchanged to its target. Bytes are split into packets, so that streams and datagrams can be on either
 side and packets never interleave; bytes that are not MAVLink are dropped. Packets from one output reach
-neither the other outputs nor the program's own subscriptions.
+neither the other outputs nor the program's own subscriptions. SETUP_SIGNING is never forwarded, in neither
+direction, because it carries a signing key in the clear.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, Link, open_link
+from mavstack.security import carries_signing_key
 from mavstack.wire import Parser
 
 if TYPE_CHECKING:
@@ -124,6 +126,8 @@ class Forwarding:
         await output.link.close()
 
     def _forward(self, packet: Packet) -> None:
+        if carries_signing_key(packet):
+            return
         for output in self._outputs:
             for channel in tuple(output.parsers):
                 try:

@@ -146,6 +146,8 @@ class Messaging:
     def forward(self, packet: Packet) -> None:
         """Send a packet of another component unchanged to its target; see `Forwarding`.
 
+        A SETUP_SIGNING is dropped, since it carries a signing key.
+
         Args:
             packet: The packet.
 

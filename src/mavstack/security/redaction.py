@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import Dialect
-from mavstack.dialects.secrets import SECRET_FIELDS, SECRET_IDS, secret_fields
+from mavstack.dialects.secrets import SECRET_FIELDS, SECRET_IDS, SETUP_SIGNING_ID, secret_fields
 from mavstack.wire import encode
 
 if TYPE_CHECKING:
@@ -26,6 +26,18 @@ def has_secret_fields(packet: Packet) -> bool:
         True for messages with keys, passwords or PINs, such as SETUP_SIGNING.
     """
     return packet.name in SECRET_FIELDS or (packet.name is None and packet.message_id in SECRET_IDS)
+
+
+def carries_signing_key(packet: Packet) -> bool:
+    """Return whether a packet is a SETUP_SIGNING, which is never forwarded.
+
+    Args:
+        packet: The packet; its dialect need not have the message.
+
+    Returns:
+        True if the packet carries a signing key.
+    """
+    return packet.message_id == SETUP_SIGNING_ID and packet.name in ("SETUP_SIGNING", None)
 
 
 def redact(packet: Packet) -> bytes:

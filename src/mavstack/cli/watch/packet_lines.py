@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from mavstack.cli.common.field_values import HIDDEN, field_texts, raw_hex
-from mavstack.dialects.secrets import secret_fields
+from mavstack.cli.common.field_values import field_texts, raw_hex
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet
@@ -23,12 +21,7 @@ def json_line(packet: Packet, time: float | None) -> str:
     )
     if message is None:
         return f'{head}null, "raw": "{raw_hex(packet)}"}}'
-    fields = message.to_json()
-    secret = secret_fields(packet.name or "")
-    if any(f'"{name}"' in fields for name in secret):
-        found = json.loads(fields)
-        fields = json.dumps({name: HIDDEN if name in secret else value for name, value in found.items()})
-    return f'{head}"{packet.name}", "fields": {fields}}}'
+    return f'{head}"{packet.name}", "fields": {message.to_json()}}}'
 
 
 def text_line(packet: Packet, time: float | None) -> str:
