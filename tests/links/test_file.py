@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import sys
 
 import pytest
@@ -138,6 +139,21 @@ async def test_a_directory_raises(tmp_path):
 async def test_a_device_raises():
     with pytest.raises(LinkError, match="it is a device: use serial:///dev/null"):
         await open_link("file:///dev/null")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs FIFOs")
+@pytest.mark.timeout(10)
+async def test_a_fifo_raises(tmp_path):
+    os.mkfifo(tmp_path / "fifo.tlog")
+    with pytest.raises(LinkError, match="it is not a regular file"):
+        await open_link(f"file://{tmp_path.as_posix()}/fifo.tlog")
+
+
+async def test_a_file_of_another_format_raises(tmp_path):
+    path = tmp_path / "x.ulg"
+    path.write_bytes(b"ULog\x01\x12\x35" + bytes(100))
+    with pytest.raises(LinkError, match="this is a PX4 ULog"):
+        await open_link(f"file://{path.as_posix()}")
 
 
 @pytest.mark.parametrize("speed", ["-1", "fast", "nan", "inf"])

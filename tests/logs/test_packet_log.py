@@ -295,6 +295,18 @@ def test_a_file_truncated_while_open_raises(write):
     assert heartbeats.counts == {"ATTITUDE": 20_000}
 
 
+@pytest.mark.skipif(os.name != "posix", reason="Windows refuses to truncate a mapped file")
+def test_a_file_that_is_written_later_is_decoded_unless_it_changed(write):
+    path = write(stamped(encoded(ATTITUDES)))
+    same, changed = open_log(path), open_log(path)
+    with path.open("r+b") as writer:
+        assert same["ATTITUDE"]["time_boot_ms"].tolist() == list(range(10))
+        writer.write(b"junk" * 10)
+        writer.flush()
+        with pytest.raises(LogError, match="rewritten since it was opened; open it again"):
+            changed["ATTITUDE"]
+
+
 def test_a_file_that_grows_while_open_is_not_read_further(write):
     path = write(stamped(encoded(ATTITUDES)))
     log = open_log(path)

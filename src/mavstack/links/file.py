@@ -20,6 +20,7 @@ from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Data
 from mavstack.links.os_errors import open_error
 from mavstack.links.tlog import TlogScanner, looks_like_tlog
+from mavstack.wire.other_formats import MAX_MAGIC_LENGTH, other_format
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -69,9 +70,17 @@ class FileLink(Link):
             mode = self._path.stat().st_mode
             if stat.S_ISCHR(mode):
                 raise LinkError(f"cannot open {self.url.redacted}: it is a device: use serial://{self._path}")
+            if stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode):
+                raise LinkError(f"cannot open {self.url.redacted}: it is not a regular file")
             file = self._path.open("rb")
+            other = other_format(file.peek(MAX_MAGIC_LENGTH))
         except OSError as error:
             raise open_error(self.url, error) from error
+        if other is not None:
+            file.close()
+            raise LinkError(
+                f"cannot open {self.url.redacted}: this is {other}, not a stream of MAVLink packets"
+            )
         channel = FileChannel(f"file {self._path.name}", str(self._path), self._inbox.remove_channel)
         self._inbox.add_channel(channel)
         self._spawn(self._replay(channel, file))

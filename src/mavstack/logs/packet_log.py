@@ -1,12 +1,11 @@
 """Logs of packets: tlogs (a timestamp before each packet) and raw streams.
 
-The file is mapped into memory. Opening it builds an index of all packets, whose CRC is verified; the table of
-a message is decoded on first access. Junk between packets is skipped and counted.
+Opening a file builds an index of all packets, whose CRC is verified; the table of a message is decoded on first
+access. Junk between packets is skipped and counted.
 """
 
 from __future__ import annotations
 
-import mmap
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -17,9 +16,12 @@ import numpy as np
 from mavstack._core import Index, looks_timestamped
 from mavstack.dialects import Dialect
 from mavstack.errors import LogError, UnknownMessageError
+from mavstack.logs.log_bytes import LogBytes
 from mavstack.logs.tables import table_dtype
+from mavstack.wire.other_formats import other_format
 
 if TYPE_CHECKING:
+    import mmap
     from typing import Self
 
     from mavstack.wire import SourceStatistics, Statistics
@@ -62,13 +64,16 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         self.path = Path(path)
         self.dialect = dialect
         self._threads = threads or os.cpu_count() or 1
-        data = _map_file(self.path)
-        self._data = data
-        self.size = len(data)
-        self.timestamped = (
-            looks_timestamped(data[:_MAX_HEAD], dialect) if timestamped is None else timestamped
-        )
-        self._index = Index(data, dialect, timestamped=self.timestamped, threads=self._threads)
+        self._bytes = LogBytes(self.path)
+        self.size = self._bytes.size
+        with self._bytes.access() as data:
+            head = data[:_MAX_HEAD]
+            other = other_format(head)
+            if other is not None:
+                raise LogError(f"cannot open {self.path}: this is {other}, not a stream of MAVLink packets")
+            self.timestamped = looks_timestamped(head, dialect) if timestamped is None else timestamped
+            self._index = self._indexed(data)
+            self._data = data
         ids = self._index.counts
         self._ids = {dialect.name_of(message_id): message_id for message_id in ids}
         self.counts: dict[str, int] = {name: ids[message_id] for name, message_id in self._ids.items()}
@@ -87,7 +92,7 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
 
         Raises:
             UnknownMessageError: The log has no message of that name.
-            LogError: The file was truncated since it was opened.
+            LogError: The file was truncated or rewritten since it was opened.
         """
         missing = [name for name in dict.fromkeys(names or self) if name not in self._tables]
         dtypes = [self._dtype(name) for name in missing]
@@ -95,11 +100,21 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         rows = [
             (self._ids[name], table.view(np.uint8).data) for name, table in zip(missing, tables, strict=True)
         ]
-        # Reading mapped bytes beyond the end of a truncated file would kill the process.
-        if isinstance(self._data, mmap.mmap) and self._data.size() < self.size:
-            raise LogError(f"cannot read {self.path}: it was truncated since it was opened; open it again")
-        self._index.decode(rows, threads=self._threads)
+        with self._bytes.access() as data:
+            if data is not self._data:
+                self._use_copy(data)
+            self._index.decode(rows, threads=self._threads)
         self._tables.update(zip(missing, tables, strict=True))
+
+    def _indexed(self, data: mmap.mmap | bytes) -> Index:
+        return Index(data, self.dialect, timestamped=self.timestamped, threads=self._threads)
+
+    def _use_copy(self, data: mmap.mmap | bytes) -> None:
+        """Continue with a copy of the file, which another process has opened for writing meanwhile."""
+        index = self._indexed(data)
+        if index.statistics != self._index.statistics or index.counts != self._index.counts:
+            raise LogError(f"cannot read {self.path}: it was rewritten since it was opened; open it again")
+        self._index, self._data = index, data
 
     def _dtype(self, name: str) -> np.dtype[np.void]:
         message_id = self._ids.get(name)
@@ -156,19 +171,6 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
 
     def __repr__(self) -> str:
         return f"<LogFile {self.path.name}: {self.statistics.packets} packets, {len(self)} messages>"
-
-
-def _map_file(path: Path) -> mmap.mmap | bytes:
-    try:
-        with path.open("rb") as file:
-            # An empty file cannot be mapped.
-            if os.fstat(file.fileno()).st_size == 0:
-                return b""
-            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-    except OSError as error:
-        raise LogError(f"cannot open {path}: {error.strerror or error}") from error
-    except ValueError as error:
-        raise LogError(f"cannot open {path}: not a regular file ({error})") from error
 
 
 def open_log(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 from mavstack._core import looks_timestamped
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.errors import LogError
+from mavstack.wire.other_formats import other_format
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -25,14 +26,6 @@ if TYPE_CHECKING:
 #: The path that stands for standard input.
 STDIN: Final = "-"
 CHUNK_SIZE: Final = 1 << 18
-
-_OTHER_FORMATS: Final = (
-    (b"ULog\x01\x12\x35", "a PX4 ULog"),
-    (b"\xa3\x95", "an ArduPilot dataflash log"),
-    (b"\x0a\x0d\x0d\x0a", "a pcapng capture"),
-    (b"\xd4\xc3\xb2\xa1", "a pcap capture"),
-    (b"\xa1\xb2\xc3\xd4", "a pcap capture"),
-)
 
 
 def read_recording(
@@ -83,9 +76,9 @@ def _size(path: str) -> int:
 
 def _head(path: str, file: BinaryIO) -> bytes:
     head = _read(file)
-    for magic, name in _OTHER_FORMATS:
-        if head.startswith(magic):
-            raise LogError(f"{path}: this is {name}, not a stream of MAVLink packets")
+    other = other_format(head)
+    if other is not None:
+        raise LogError(f"{path}: this is {other}, not a stream of MAVLink packets")
     return head
 
 

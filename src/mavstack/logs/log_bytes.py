@@ -1,0 +1,147 @@
+"""The bytes of a log file, which another process may truncate or rewrite at any time.
+
+Reading a mapped byte beyond the end of a truncated file kills the process (SIGBUS), and no check of the size
+before the access prevents it. Therefore the mapping is read only under a read lease: Linux grants one while no
+descriptor is open for writing, and makes a process that wants to truncate or write wait until the lease is
+released. Where no lease is granted (a log that is still being written, a file of another user, a network file
+system, another Unix) the bytes are read into memory. Windows refuses to truncate a mapped file.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import signal
+import stat
+import sys
+import weakref
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Lock
+from typing import TYPE_CHECKING, Final
+
+from mavstack.errors import LogError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: A lease ends 45 s after another process asked for the file: a larger file might take longer to read.
+_MAX_LEASED_SIZE: Final = 1 << 32
+_READ_SIZE: Final = 1 << 26
+#: FIFOs without a writer would block; devices of serial ports would become the controlling terminal.
+_OPEN_FLAGS: Final = (
+    os.O_RDONLY
+    | getattr(os, "O_BINARY", 0)
+    | getattr(os, "O_CLOEXEC", 0)
+    | getattr(os, "O_NOCTTY", 0)
+    | getattr(os, "O_NONBLOCK", 0)
+)
+
+
+class LogBytes:
+    """A regular file, mapped or read into memory.
+
+    Args:
+        path: Path of the file.
+
+    Attributes:
+        size: Size of the file in bytes when it was opened.
+
+    Raises:
+        LogError: The file cannot be opened, or is not a regular file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._lock = Lock()
+        try:
+            self._descriptor = os.open(path, _OPEN_FLAGS)
+        except (OSError, ValueError) as error:
+            raise LogError(f"cannot open {path}: {getattr(error, 'strerror', None) or error}") from error
+        weakref.finalize(self, os.close, self._descriptor)
+        status = os.fstat(self._descriptor)
+        if not stat.S_ISREG(status.st_mode) and not _is_null_device(status):
+            raise LogError(f"cannot open {path}: not a regular file")
+        self.size = status.st_size
+        self._map: mmap.mmap | None = None
+        self._copy: bytes | None = None if self.size else b""
+
+    @contextmanager
+    def access(self) -> Iterator[mmap.mmap | bytes]:
+        """Give access to the bytes for the length of a block, in which they can be read safely.
+
+        Yields:
+            The bytes: the mapped file, or its copy once no lease was granted.
+
+        Raises:
+            LogError: The file was truncated, or cannot be read.
+        """
+        with self._lock:
+            if self._copy is not None:
+                yield self._copy
+            elif self.size <= _MAX_LEASED_SIZE and _take_lease(self._descriptor):
+                try:
+                    yield self._mapped()
+                finally:
+                    _release_lease(self._descriptor)
+            else:
+                self._copy = self._read()
+                yield self._copy
+
+    def _mapped(self) -> mmap.mmap:
+        # Nothing changes the size while the lease is held.
+        if os.fstat(self._descriptor).st_size < self.size:
+            raise self._truncated()
+        if self._map is None:
+            try:
+                self._map = mmap.mmap(self._descriptor, self.size, access=mmap.ACCESS_READ)
+            except (OSError, ValueError) as error:
+                raise LogError(f"cannot map {self._path}: {error}") from error
+        return self._map
+
+    def _read(self) -> bytes:
+        pieces, left = [], self.size
+        try:
+            with open(self._descriptor, "rb", buffering=0, closefd=False) as file:
+                file.seek(0)
+                while left and (piece := file.read(min(left, _READ_SIZE))):
+                    pieces.append(piece)
+                    left -= len(piece)
+            if left:
+                raise self._truncated()
+            return b"".join(pieces)
+        except (OSError, MemoryError) as error:
+            raise LogError(f"cannot read {self._path}: {error or 'not enough memory'}") from error
+
+    def _truncated(self) -> LogError:
+        return LogError(f"cannot read {self._path}: it was truncated since it was opened; open it again")
+
+
+def _is_null_device(status: os.stat_result) -> bool:
+    return stat.S_ISCHR(status.st_mode) and os.path.samestat(status, Path(os.devnull).stat())
+
+
+if sys.platform == "linux":
+    from fcntl import F_RDLCK, F_SETLEASE, F_SETSIG, F_UNLCK, fcntl
+
+    def _take_lease(descriptor: int) -> bool:
+        """Return whether a lease was granted, under which other processes cannot change the file."""
+        try:
+            # Another process that asks for the file causes a signal: SIGIO would end this process, SIGURG is ignored.
+            fcntl(descriptor, F_SETSIG, signal.SIGURG)
+            fcntl(descriptor, F_SETLEASE, F_RDLCK)
+        except OSError:
+            return False
+        return True
+
+    def _release_lease(descriptor: int) -> None:
+        fcntl(descriptor, F_SETLEASE, F_UNLCK)
+
+else:
+
+    def _take_lease(descriptor: int) -> bool:
+        """Return whether a mapping is safe without a lease."""
+        return sys.platform == "win32"
+
+    def _release_lease(descriptor: int) -> None:
+        """Do nothing: no lease was taken."""

@@ -1,0 +1,89 @@
+"""The bytes of a log file: mapped under a lease, or copied, and never read beyond the end of the file."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import sys
+
+import pytest
+
+from mavstack.errors import LogError
+from mavstack.logs.log_bytes import LogBytes
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="Windows refuses to truncate a mapped file")
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "flight.tlog"
+    path.write_bytes(b"packets" * 1000)
+    return path
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="leases are a service of Linux")
+def test_a_file_that_nobody_writes_is_mapped(path):
+    source = LogBytes(path)
+    with source.access() as data:
+        assert isinstance(data, mmap.mmap)
+        assert data[:7] == b"packets"
+    with source.access() as again:
+        assert again is data
+    assert source.size == 7000
+
+
+def test_a_file_that_is_open_for_writing_is_copied(path):
+    with path.open("r+b") as writer:
+        source = LogBytes(path)
+        with source.access() as data:
+            assert data == b"packets" * 1000
+        writer.truncate(0)
+        with source.access() as again:
+            assert again is data
+
+
+def test_a_truncated_file_raises(path):
+    source = LogBytes(path)
+    with source.access():
+        pass
+    os.truncate(path, 100)
+    for _ in range(2):
+        with pytest.raises(LogError, match="truncated since it was opened; open it again"), source.access():
+            pass
+    path.write_bytes(b"packets" * 1000)
+    with source.access() as data:
+        assert len(data) == 7000
+
+
+def test_a_truncated_file_that_is_open_for_writing_raises(path):
+    source = LogBytes(path)
+    with path.open("r+b") as writer:
+        writer.truncate(100)
+        with pytest.raises(LogError, match="truncated since"), source.access():
+            pass
+
+
+def test_an_empty_file_has_no_bytes(tmp_path):
+    path = tmp_path / "empty.tlog"
+    path.touch()
+    with LogBytes(path).access() as data:
+        assert data == b""
+
+
+@pytest.mark.timeout(10)
+def test_a_fifo_or_a_device_is_refused(tmp_path):
+    path = tmp_path / "fifo.tlog"
+    os.mkfifo(path)
+    for name in (path, "/dev/zero", tmp_path):
+        with pytest.raises(LogError, match="not a regular file"):
+            LogBytes(name)
+
+
+def test_no_descriptor_is_left_open(path):
+    before = len(os.listdir("/dev/fd"))
+    for _ in range(3):
+        with LogBytes(path).access():
+            pass
+    with pytest.raises(LogError):
+        LogBytes(path.parent)
+    assert len(os.listdir("/dev/fd")) == before
