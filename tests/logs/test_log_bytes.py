@@ -5,6 +5,7 @@ from __future__ import annotations
 import mmap
 import os
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -19,6 +20,10 @@ def path(tmp_path):
     path = tmp_path / "flight.tlog"
     path.write_bytes(b"packets" * 1000)
     return path
+
+
+def descriptors():
+    return len(list(Path("/dev/fd").iterdir()))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="leases are a service of Linux")
@@ -80,10 +85,10 @@ def test_a_fifo_or_a_device_is_refused(tmp_path):
 
 
 def test_no_descriptor_is_left_open(path):
-    before = len(os.listdir("/dev/fd"))
+    before = descriptors()
     for _ in range(3):
         with LogBytes(path).access():
             pass
     with pytest.raises(LogError):
         LogBytes(path.parent)
-    assert len(os.listdir("/dev/fd")) == before
+    assert descriptors() == before

@@ -7,10 +7,10 @@ problem is a `DialectError` with the file and the line.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 from xml.parsers import expat
 
+from mavstack.bounded_file import read_file_bounded
 from mavstack.errors import DialectError
 
 if TYPE_CHECKING:
@@ -122,8 +122,7 @@ def _syntax_error(error: expat.ExpatError, data: bytes, path: str) -> DialectErr
 def read_bytes(path: str) -> bytes:
     """Read a definition file."""
     try:
-        with Path(path).open("rb") as file:
-            return file.read(MAX_FILE_BYTES + 1)
+        return read_file_bounded(path, MAX_FILE_BYTES + 1)
     except FileNotFoundError:
         raise DialectError("no such file", path) from None
     except (OSError, ValueError) as error:

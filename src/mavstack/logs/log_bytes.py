@@ -1,8 +1,8 @@
 """The bytes of a log file, which another process may truncate or rewrite at any time.
 
 Reading a mapped byte beyond the end of a truncated file kills the process (SIGBUS), and no check of the size
-before the access prevents it. Therefore the mapping is read only under a read lease: Linux grants one while no
-descriptor is open for writing, and makes a process that wants to truncate or write wait until the lease is
+before the access prevents it. Therefore the mapping is read only under a read lease: Linux grants one while
+no descriptor is open for writing, and makes a process that wants to truncate or write wait until the lease is
 released. Where no lease is granted (a log that is still being written, a file of another user, a network file
 system, another Unix) the bytes are read into memory. Windows refuses to truncate a mapped file.
 """
@@ -127,7 +127,8 @@ if sys.platform == "linux":
     def _take_lease(descriptor: int) -> bool:
         """Return whether a lease was granted, under which other processes cannot change the file."""
         try:
-            # Another process that asks for the file causes a signal: SIGIO would end this process, SIGURG is ignored.
+            # Another process that asks for the file causes a signal. SIGIO, the default, would end this
+            # process; SIGURG is ignored.
             fcntl(descriptor, F_SETSIG, signal.SIGURG)
             fcntl(descriptor, F_SETLEASE, F_RDLCK)
         except OSError:

@@ -1,7 +1,7 @@
 """Logs of packets: tlogs (a timestamp before each packet) and raw streams.
 
-Opening a file builds an index of all packets, whose CRC is verified; the table of a message is decoded on first
-access. Junk between packets is skipped and counted.
+Opening a file builds an index of all packets, whose CRC is verified; the table of a message is decoded on
+first access. Junk between packets is skipped and counted.
 """
 
 from __future__ import annotations

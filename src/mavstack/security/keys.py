@@ -10,9 +10,9 @@ import hashlib
 import hmac
 import os
 import secrets
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from mavstack.bounded_file import read_file_bounded
 from mavstack.errors import SigningError
 from mavstack.wire import Signing
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from typing import Self
 
 KEY_LENGTH = 32
+#: A larger file is not a key file.
+MAX_FILE_BYTES = 4096
 
 
 class SigningKey:
@@ -93,7 +95,7 @@ class SigningKey:
             SigningError: The file cannot be read, or contains no key.
         """
         try:
-            text = Path(path).read_text("ascii")
+            text = read_file_bounded(path, MAX_FILE_BYTES).decode("ascii")
         except (OSError, UnicodeDecodeError) as error:
             raise SigningError(f"cannot read the key file {path}: {type(error).__name__}") from None
         try:

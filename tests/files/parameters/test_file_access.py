@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
 import pytest
 
@@ -13,7 +14,6 @@ from mavstack.files.parameters import (
     read_parameters,
     write_parameters,
 )
-from mavstack.files.parameters import file_access as module
 
 FILE = ParameterFile(
     (StoredParameter("RTL_ALT", 1500), StoredParameter("PSC_POSZ_P", 0.1)), comments=("hello",)
@@ -57,7 +57,7 @@ def test_a_file_that_cannot_be_written_stays(tmp_path, monkeypatch):
     def broken(self, target):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(module.Path, "replace", broken)
+    monkeypatch.setattr(Path, "replace", broken)
     with pytest.raises(OSError, match="No space"):
         write_parameters(path, FILE)
     assert path.read_text() == "A,1\n"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import codecs
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.atomic_file import write_file_atomically
+from mavstack.bounded_file import read_file_bounded
 from mavstack.errors import ParameterFileError
 from mavstack.files.parameters.format import shown
 from mavstack.files.parameters.parameter_file import is_name
@@ -36,8 +36,7 @@ def read_parameters(path: str | os.PathLike[str], format: str | None = None) -> 
         ParameterFileError: The content is not valid; the error holds the line.
         OSError: The file cannot be read.
     """
-    with Path(path).open("rb") as file:
-        data = file.read(MAX_BYTES + 1)
+    data = read_file_bounded(path, MAX_BYTES + 1)
     try:
         return parse_parameters(_decoded(data), format)
     except ParameterFileError as error:

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from mavstack.atomic_file import write_file_atomically
+from mavstack.bounded_file import read_file_bounded
 from mavstack.errors import PlanFileError
 from mavstack.files.plans import fence_list, mavstack_json, qgc, rally_list, waypoints
 from mavstack.files.plans.parsing import MAX_BYTES, Report, decoded
@@ -92,8 +93,7 @@ def read_plan(source: str | os.PathLike[str] | bytes) -> PlanFile:
         return parse_plan(source)
     path = os.fspath(source)
     try:
-        with Path(path).open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
+        data = read_file_bounded(path, MAX_BYTES + 1)
     except OSError as error:
         raise PlanFileError(error.strerror or "it cannot be read", str(path)) from error
     except ValueError as error:
