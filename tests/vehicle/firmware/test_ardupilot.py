@@ -179,6 +179,26 @@ def test_a_copter_circles_in_a_mode_of_its_own(radius, speed, rate, older):
     play(scenario, autopilot=ARDUPILOT)
 
 
+@pytest.mark.parametrize("cached", [False, True])
+def test_the_circle_of_copter_4_7_is_set_in_metres(cached):
+    async def scenario(made):
+        parameters = made.script.parameters
+        for name, value in (("CIRCLE_RADIUS_M", 10.0), ("CIRCLE_RATE", 20.0), ("CIRCLE_OPTIONS", 1)):
+            parameters.add(name, value)
+        made.script.latitude, made.script.longitude = THERE
+        made.script.arm()
+        await asyncio.sleep(1)
+        if cached:
+            await made.vehicle.params.download()
+        await made.vehicle.orbit(*THERE, 20, radius=-15, wait=False)
+        assert parameters["CIRCLE_RADIUS_M"] == 15
+        assert parameters["CIRCLE_RATE"] == -20
+        asked = {each[1] for each in asked_of(made) if each[0] == "set"}
+        assert asked == {"CIRCLE_RADIUS_M", "CIRCLE_RATE", "CIRCLE_OPTIONS"}
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
 def test_it_turns_in_guided_as_it_is():
     async def scenario(made):
         await made.vehicle.set_mode("GUIDED")

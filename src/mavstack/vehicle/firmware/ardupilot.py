@@ -39,6 +39,7 @@ _LAND_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
 #: CIRCLE_OPTIONS: the centre of the circle is the position where the mode is entered.
 _CENTER_AT_ENTRY: Final = 4
 _CENTIMETRES: Final = 100.0
+_NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
 #: The throttle channel if RCMAP_THROTTLE is not known, its middle and its dead zone in microseconds.
 _DEFAULT_THROTTLE_CHANNEL: Final = 3
 _THROTTLE_MIDDLE: Final = 1500
@@ -194,7 +195,7 @@ class ArduPilot(Firmware):
     async def _set_circle_parameters(self, radius: float, speed: float | None) -> None:
         params = self.vehicle.params
         clockwise = 1.0 if radius > 0 else -1.0
-        await params.set("CIRCLE_RADIUS", abs(radius) * _CENTIMETRES)
+        await self._set_circle_radius(abs(radius))
         if speed is None:  # keep the rate that is set, in the direction asked for
             rate = abs(float((await params.get("CIRCLE_RATE")).value))
         else:
@@ -205,3 +206,18 @@ class ArduPilot(Firmware):
             await params.set("CIRCLE_OPTIONS", options | _CENTER_AT_ENTRY)
         except (ParameterDenied, ParameterTimeout):
             return  # versions without that parameter always circle the position of entry
+
+    async def _set_circle_radius(self, metres: float) -> None:
+        """Set the radius: Copter 4.7 renamed the parameter and counts in metres.
+
+        The old name goes first, since 4.7 refuses it at once while older versions leave the new one unanswered.
+        """
+        params = self.vehicle.params
+        try:
+            if "CIRCLE_RADIUS_M" not in params.cached:
+                await params.set("CIRCLE_RADIUS", metres * _CENTIMETRES)
+                return
+        except (ParameterDenied, ParameterTimeout) as error:
+            if isinstance(error, ParameterDenied) and error.code != _NO_SUCH_PARAMETER:
+                raise
+        await params.set("CIRCLE_RADIUS_M", metres)
