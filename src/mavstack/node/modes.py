@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mavstack.errors import CommandDenied
+from mavstack.errors import CommandDenied, InvalidTypeError
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.modes import ListModes, ModeSeen, SetMode, SetStandardMode, mode_names, modes_of
 
@@ -41,10 +41,13 @@ class Modes:
             The custom mode number that was set.
 
         Raises:
+            InvalidTypeError: The mode is neither a name nor a number.
             CommandDenied: The component refused the mode.
             CommandTimeout: The component does not answer.
             ModeTimeout: The mode was accepted and not entered, or no heartbeat is received.
         """
+        if not isinstance(mode, str | int):
+            raise InvalidTypeError(f"mode must be a name or a number, got {mode!r}")
         return await self._clients.host.run_operation(self._clients.command, SetMode(mode, timeout=timeout))
 
     async def set_standard(self, standard_mode: int, *, timeout: float | None = None) -> int:

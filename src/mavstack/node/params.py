@@ -8,6 +8,7 @@ from mavstack.errors import RemoteCancelled, RemoteDenied, RemoteError, RemoteTi
 from mavstack.node.firmware import has_packed_params, param_encoding
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
+from mavstack.services.arguments import check_number, check_text
 from mavstack.services.parameters import PACKED_NAME, Encoding, ParameterChanged
 from mavstack.services.version import RequestAutopilotVersion
 
@@ -51,10 +52,12 @@ class Params:
             The parameter with its value and type.
 
         Raises:
+            InvalidTypeError: The name is not a str.
             ParameterDenied: The component has no such parameter (PARAM_ERROR).
             ParameterTimeout: The component does not answer, as most do for an unknown name.
             RemoteCancelled: The node was closed.
         """
+        check_text("name", name)
         host, client, budget = self._start(timeout)
         await self._find_encoding(budget)
         return await host.finish(client, client.get(name, host.now(), timeout=budget.remaining()))
@@ -71,10 +74,13 @@ class Params:
             The parameter with the value that the component holds now.
 
         Raises:
+            InvalidTypeError: The name is not a str, or the value is not a number.
             ParameterDenied: The component refused the value.
             ParameterTimeout: The component does not answer, as most do for an unknown name.
             RemoteCancelled: The node was closed.
         """
+        check_text("name", name)
+        check_number(f"the value of {name}", value, finite=False)
         host, client, budget = self._start(timeout)
         await self._find_encoding(budget)
         operation = client.set(name, value, host.now(), timeout=budget.remaining())

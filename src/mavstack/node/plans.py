@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
-from mavstack.errors import CommandDenied, CommandTimeout
+from mavstack.errors import CommandDenied, CommandTimeout, InvalidTypeError
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
-from mavstack.services.mission import ItemReached, Plan, PlanType, set_current_item
+from mavstack.services.mission import ItemReached, MissionItem, Plan, PlanType, set_current_item
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from mavstack.node.clients import ComponentClients
     from mavstack.node.subscription import Subscription
-    from mavstack.services.mission import MissionItem, MissionProgress
+    from mavstack.services.mission import MissionProgress
 
 #: Seconds to wait for an answer to MAV_CMD_DO_SET_MISSION_CURRENT before MISSION_SET_CURRENT is tried.
 SET_CURRENT_TIMEOUT = 6.0
@@ -65,10 +65,14 @@ class Plans:
             The plan, with the id that the component gave it (0 if it gives none).
 
         Raises:
+            InvalidTypeError: An item is not a `MissionItem`.
             MissionDenied: The component refused the plan.
             MissionTimeout: The component does not answer.
         """
         plan = items if isinstance(items, Plan) else Plan.of(items, self.type)
+        for number, item in enumerate(plan.items):
+            if not isinstance(item, MissionItem):
+                raise InvalidTypeError(f"items[{number}] must be a MissionItem, got {item!r:.60}")
         host, client = self._clients.host, self._clients.mission
         return await host.finish(client, client.upload(plan, host.now(), timeout=timeout), progress)
 

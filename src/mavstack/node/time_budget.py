@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.services.arguments import check_timeout
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -16,6 +18,7 @@ class TimeBudget:
     """The remaining seconds of a call's `timeout`, by the clock `now`."""
 
     def __init__(self, timeout: float | None, now: Callable[[], float]) -> None:
+        check_timeout(timeout)
         self._now = now
         self._deadline = None if timeout is None else now() + timeout
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, ActionTimeout, ContactLost, RemoteCancelled
+from mavstack.services.arguments import check_timeout
 from mavstack.vehicle.status_text_capture import StatusTextCapture
 
 if TYPE_CHECKING:
@@ -78,6 +79,7 @@ class ActionMonitor:
     """
 
     def __init__(self, vehicle: VehicleState, operation: str, timeout: float | None = None) -> None:
+        check_timeout(timeout)
         self._vehicle = vehicle
         self._operation = operation
         self._timeout = timeout

@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from mavstack.errors import ActionTimeout, RemoteError, RemoteTimeout
+from mavstack.services.arguments import check_timeout
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -17,6 +18,7 @@ async def deadline(
     timeout: float | None, operation: str, target: object, error: type[RemoteTimeout] = ActionTimeout
 ) -> AsyncIterator[None]:
     """Cancel the block after `timeout` seconds (None: never), and raise `error` for it."""
+    check_timeout(timeout)
     try:
         async with asyncio.timeout(timeout) as timer:
             yield

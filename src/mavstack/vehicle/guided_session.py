@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, ContactLost, RemoteCancelled, RemoteError
+from mavstack.services.arguments import check_numbers
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
@@ -109,6 +110,7 @@ class GuidedSession:
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
+        check_numbers(finite=False, north=north, east=east, up=up, yaw=yaw)
         self.set(LocalSetpoint(velocity=(north, east, _down(up)), yaw=_radians(yaw)))
 
     def body_velocity(
@@ -127,6 +129,7 @@ class GuidedSession:
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
+        check_numbers(finite=False, forward=forward, right=right, up=up, yaw_rate=yaw_rate)
         velocity = (forward, right, _down(up))
         frame = common.MavFrame.BODY_NED
         self.set(LocalSetpoint(velocity=velocity, yaw_rate=radians(yaw_rate), frame=frame))
@@ -145,6 +148,7 @@ class GuidedSession:
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
+        check_numbers(finite=False, north=north, east=east, up=up, yaw=yaw)
         self.set(LocalSetpoint(position=(north, east, _down(up)), yaw=_radians(yaw)))
 
     def goto(self, latitude: float, longitude: float, altitude: float, *, yaw: float | None = None) -> None:
@@ -161,6 +165,7 @@ class GuidedSession:
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
+        check_numbers(finite=False, latitude=latitude, longitude=longitude, altitude=altitude, yaw=yaw)
         self.set(GlobalSetpoint(latitude, longitude, altitude, yaw=_radians(yaw)))
 
     def attitude(self, roll: float, pitch: float, yaw: float, thrust: float) -> None:
@@ -177,6 +182,7 @@ class GuidedSession:
             ContactLost: No heartbeat of the vehicle arrives.
             RemoteCancelled: The connection was closed.
         """
+        check_numbers(finite=False, roll=roll, pitch=pitch, yaw=yaw, thrust=thrust)
         self.set(AttitudeSetpoint(quaternion(radians(roll), radians(pitch), radians(yaw)), thrust=thrust))
 
     async def __aenter__(self) -> Self:

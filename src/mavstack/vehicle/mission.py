@@ -66,6 +66,7 @@ class VehiclePlan:
             The plan, with the id that the vehicle gave it.
 
         Raises:
+            InvalidTypeError: An item is not a `MissionItem`.
             MissionDenied: The vehicle refused the plan.
             MissionTimeout: The vehicle did not answer, or the transfer stalled.
         """

@@ -92,6 +92,14 @@ class VehicleState(TelemetryProperties):
         """The readiness to arm and the problems that the vehicle reports."""
         return health_of(self.telemetry)
 
+    @property
+    def heading(self) -> float | None:
+        """The direction in which the vehicle points, 0 to 360 degrees (GLOBAL_POSITION_INT or ATTITUDE)."""
+        position, attitude = self.position, self.attitude
+        if position is not None and position.heading is not None:
+            return position.heading
+        return None if attitude is None else attitude.heading
+
     # Services
 
     @property

@@ -18,8 +18,10 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, InvalidArgumentError, RemoteError
+from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.action_monitor import STALL_TIMEOUT, ActionGoal, ActionMonitor
 from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondition
+from mavstack.vehicle.actions.limits import check_takeoff, check_target
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.geography import Location, distance, offset_location
@@ -70,10 +72,11 @@ async def _run(
         request.close()  # if it was never awaited
 
 
-async def takeoff(vehicle: VehicleState, altitude: float, *, wait: bool, timeout: float | None) -> None:
+async def takeoff(
+    vehicle: VehicleState, altitude: float, *, override_limits: bool, wait: bool, timeout: float | None
+) -> None:
     """Take off to an altitude in metres above home."""
-    if not (isfinite(altitude) and altitude > 0):
-        raise InvalidArgumentError(f"takeoff altitude must be positive and finite, got {altitude}")
+    check_takeoff(altitude, override_limits=override_limits)
     firmware = firmware_of(vehicle)
     tolerance = max(1.0, altitude / 20)
 
@@ -147,7 +150,12 @@ async def rtl(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> No
 
 
 async def move(
-    vehicle: VehicleState, offset: tuple[float, float, float], *, wait: bool, timeout: float | None
+    vehicle: VehicleState,
+    offset: tuple[float, float, float],
+    *,
+    override_limits: bool,
+    wait: bool,
+    timeout: float | None,
 ) -> None:
     """Go to the location at an offset in metres (north, east, up) from the vehicle."""
     north, east, up = offset
@@ -157,7 +165,9 @@ async def move(
     altitude = None if not up else (position.relative_altitude or 0.0) + up
     location = Location(*offset_location(position.latitude, position.longitude, north, east), altitude)
     left = None if timeout is None else max(timeout - (vehicle.connection.now() - started), 0.0)
-    await goto(vehicle, location, yaw=None, radius=None, wait=wait, timeout=left)
+    await goto(
+        vehicle, location, yaw=None, radius=None, override_limits=override_limits, wait=wait, timeout=left
+    )
 
 
 async def goto(
@@ -166,11 +176,13 @@ async def goto(
     *,
     yaw: float | None,
     radius: float | None,
+    override_limits: bool,
     wait: bool,
     timeout: float | None,
 ) -> None:
     """Go to a location and stay there."""
-    _check_location(location)
+    check_numbers(yaw=yaw, radius=radius)
+    check_target(vehicle, location, override_limits=override_limits)
     firmware = firmware_of(vehicle)
     wing_radius = WING_ARRIVAL_RADIUS if radius is None else radius * CIRCLE_MARGIN
 
@@ -204,11 +216,14 @@ async def orbit(
     *,
     radius: float,
     speed: float | None,
+    override_limits: bool,
     wait: bool,
     timeout: float | None,
 ) -> None:
     """Circle a location."""
-    _check_location(center)
+    check_target(vehicle, center, override_limits=override_limits)
+    check_numbers(speed=speed)
+    check_number("radius", radius, finite=False)
     if not (isfinite(radius) and radius):
         raise InvalidArgumentError(
             f"orbit radius must be finite and not 0 (negative: counter-clockwise), got {radius}"
@@ -219,7 +234,7 @@ async def orbit(
     async def request() -> None:
         start = await firmware.prepare_orbit(center)
         if start is not None:
-            await goto(vehicle, start, yaw=None, radius=None, wait=True, timeout=None)
+            await goto(vehicle, start, yaw=None, radius=None, override_limits=True, wait=True, timeout=None)
         await firmware.orbit(center, radius=radius, speed=speed)
 
     def remaining() -> float | None:
@@ -238,13 +253,13 @@ async def orbit(
 
 async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: float | None) -> None:
     """Turn to a heading in degrees."""
+    check_number("heading", heading)
+    heading %= 360.0
     firmware = firmware_of(vehicle)
 
     def remaining() -> float | None:
-        position = vehicle.position
-        if position is None or position.heading is None:
-            return None
-        return abs((position.heading - heading + 180.0) % 360.0 - 180.0)
+        now = vehicle.heading
+        return None if now is None else abs((now - heading + 180.0) % 360.0 - 180.0)
 
     goal = ActionGoal(
         lambda: (rest := remaining()) is not None and rest <= _HEADING_TOLERANCE,
@@ -252,7 +267,7 @@ async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: fl
         "degrees",
         modes=firmware.modes_of("turn"),
     )
-    operation = f"turn to {heading % 360:g} degrees of"
+    operation = f"turn to {heading:g} degrees of"
     await _run(vehicle, operation, firmware.turn(heading), lambda: goal, wait=wait, timeout=timeout)
 
 
@@ -279,12 +294,3 @@ def _distance_to(vehicle: VehicleState, latitude: float, longitude: float) -> fl
     if position is None:
         return None
     return distance(position.latitude, position.longitude, latitude, longitude)
-
-
-def _check_location(location: Location) -> None:
-    valid = abs(location.latitude) <= 90.0 and abs(location.longitude) <= 180.0
-    if not (valid and isfinite(location.altitude or 0.0)):
-        raise InvalidArgumentError(
-            "a location needs a latitude in -90..90, a longitude in -180..180 and a finite altitude, "
-            f"got {location.latitude}, {location.longitude}, {location.altitude}"
-        )

@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, RemoteError
+from mavstack.services.arguments import check_numbers
+from mavstack.vehicle.actions.limits import check_location
 from mavstack.vehicle.deadline import deadline
+from mavstack.vehicle.geography import Location
 from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
@@ -23,10 +26,13 @@ async def set_home(
 ) -> None:
     """Set home to a position, or to the vehicle's position; see `Vehicle.set_home`."""
     component = vehicle.component
+    check_numbers(latitude=latitude, longitude=longitude, altitude=altitude)
     if (latitude is None) != (longitude is None):
         raise InvalidArgumentError(
             "home needs both latitude and longitude, or neither for the present position"
         )
+    if latitude is not None and longitude is not None:
+        check_location(Location(latitude, longitude, altitude))
     async with deadline(timeout, "setting the home position of", vehicle.address):
         if latitude is None or longitude is None:
             command = component.command(common.MavCmd.DO_SET_HOME, 1)

@@ -210,7 +210,7 @@ class ArduPilot(Firmware):
     async def _set_circle_radius(self, metres: float) -> None:
         """Set the radius: Copter 4.7 renamed the parameter and counts in metres.
 
-        The old name goes first, since 4.7 refuses it at once while older versions leave the new one unanswered.
+        The old name goes first: 4.7 refuses it at once, while older versions leave the new one unanswered.
         """
         params = self.vehicle.params
         try:

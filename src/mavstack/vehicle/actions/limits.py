@@ -1,0 +1,64 @@
+"""The limits of plausible flights: a target beyond them is more likely a mistake than an intention."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from mavstack.errors import InvalidArgumentError
+from mavstack.services.arguments import check_number, check_numbers
+from mavstack.vehicle.geography import distance
+
+if TYPE_CHECKING:
+    from mavstack.vehicle.geography import Location
+    from mavstack.vehicle.vehicle_state import VehicleState
+
+#: The highest target above home, in metres; below it, a vehicle that does not fly goes as deep.
+MAX_ALTITUDE: Final = 10_000.0
+#: The longest way to a target, in metres.
+MAX_DISTANCE: Final = 100_000.0
+_REMEDY: Final = "override_limits=True sends it all the same"
+
+
+def check_takeoff(altitude: float, *, override_limits: bool) -> None:
+    """Raise unless an altitude is one to take off to."""
+    check_number("takeoff altitude", altitude, finite=False)
+    if not 0 < altitude < float("inf"):
+        raise InvalidArgumentError(f"takeoff altitude must be positive and finite, got {altitude}")
+    if altitude > MAX_ALTITUDE and not override_limits:
+        raise InvalidArgumentError(
+            f"takeoff altitude must be at most {MAX_ALTITUDE:g} m, got {altitude:g} m; {_REMEDY}"
+        )
+
+
+def check_location(location: Location) -> None:
+    """Raise unless a location is one on Earth."""
+    check_numbers(
+        finite=False, latitude=location.latitude, longitude=location.longitude, altitude=location.altitude
+    )
+    valid = abs(location.latitude) <= 90.0 and abs(location.longitude) <= 180.0
+    if not (valid and abs(location.altitude or 0.0) < float("inf")):
+        raise InvalidArgumentError(
+            "a location needs a latitude in -90..90, a longitude in -180..180 and a finite altitude, "
+            f"got {location.latitude}, {location.longitude}, {location.altitude}"
+        )
+
+
+def check_target(vehicle: VehicleState, location: Location, *, override_limits: bool) -> None:
+    """Raise unless a location is a plausible target of a vehicle where it is now."""
+    check_location(location)
+    if override_limits:
+        return
+    altitude, lowest = location.altitude, 0.0 if vehicle.vehicle_type.flies else -MAX_ALTITUDE
+    if altitude is not None and not lowest <= altitude <= MAX_ALTITUDE:
+        raise InvalidArgumentError(
+            f"altitude must be {lowest:g} to {MAX_ALTITUDE:g} m above home, got {altitude:g} m; {_REMEDY}"
+        )
+    position = vehicle.position
+    if position is None:
+        return
+    away = distance(position.latitude, position.longitude, location.latitude, location.longitude)
+    if away > MAX_DISTANCE:
+        raise InvalidArgumentError(
+            f"the target must be within {MAX_DISTANCE / 1000:g} km of the vehicle, "
+            f"got {location.latitude}, {location.longitude}, {away / 1000:,.0f} km away; {_REMEDY}"
+        )
