@@ -228,3 +228,25 @@ def test_an_invalid_rate_is_misuse(rate):
             peer.vehicle.stream(rate=5)
 
     with_peer(scenario)
+
+
+@pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
+def test_a_message_that_is_never_streamed_is_requested(kind):
+    async def scenario(world, vehicle):
+        began = world.node.now()
+        version = await vehicle.wait_for_message(common.AutopilotVersion, timeout=10)
+        assert version.flight_sw_version
+        async with vehicle.stream(common.ProtocolVersion, common.AutopilotVersion) as messages:
+            seen = {type(await asyncio.wait_for(anext(messages), 3)) for _ in range(2)}
+        assert seen == {common.ProtocolVersion, common.AutopilotVersion}
+        assert world.node.now() - began < 2
+
+    fly(kind, scenario, prepare=reduce_telemetry)
+
+
+def test_a_refused_request_for_an_answer_raises_the_refusal():
+    async def scenario(peer):
+        with pytest.raises(CommandDenied, match=r"requesting AUTOPILOT_VERSION from .*UNSUPPORTED"):
+            await peer.vehicle.wait_for_message(common.AutopilotVersion, timeout=10)
+
+    with_peer(scenario)

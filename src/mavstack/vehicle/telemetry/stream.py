@@ -1,8 +1,9 @@
 """A stream of one vehicle's messages, which requests them where the vehicle does not send them by itself.
 
     started ── rate given ────────────────────────────────────► requested
-      └── no rate: REQUEST_DELAY ── some arrived ──► done
-                     └── none arrived ──► requested at DEFAULT_RATE
+      ├── no rate: REQUEST_DELAY ── some arrived ──► done
+      │              └── none arrived ──► requested at DEFAULT_RATE
+      └── a message that is sent only as an answer ───────────► requested once
     requested ── accepted ──► done
       └── refused: REFUSAL_DELAY ── some arrived all the same ──► done
                      └── none arrived ──► the stream raises the refusal
@@ -19,13 +20,13 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from mavstack.dialects import Message
 from mavstack.errors import CommandDenied, InvalidArgumentError, MavstackError, RemoteError
-from mavstack.vehicle.telemetry.periodic import is_periodic
+from mavstack.vehicle.telemetry.periodic import is_answer, is_periodic
 
 if TYPE_CHECKING:
     from types import TracebackType
     from typing import Any, Self
 
-    from mavstack.node import Node
+    from mavstack.node import Node, RemoteComponent
     from mavstack.node.subscription import Subscription
     from mavstack.vehicle.telemetry.rates import RateRequest, Rates
 
@@ -45,6 +46,11 @@ class StreamSource(Protocol):
     @property
     def node(self) -> Node:
         """The node that receives the messages."""
+        ...
+
+    @property
+    def component(self) -> RemoteComponent:
+        """The autopilot."""
         ...
 
     @property
@@ -187,13 +193,13 @@ class _StreamRequest:
 
     async def _ask(self) -> None:
         messages = self._messages
-        if self._rate is None:
+        for message in filter(is_answer, messages if self._rate is None else ()):
+            await self._request_once(message)
+        if self._rate is None and not all(map(is_answer, messages)):
             await asyncio.sleep(REQUEST_DELAY)
-            messages = tuple(
-                message for message in messages if is_periodic(message) and not self._arrived(message)
-            )
         for message in messages:
-            await self._ask_for(message)
+            if self._rate is not None or (is_periodic(message) and not self._arrived(message)):
+                await self._ask_for(message)
         if self.denied:
             await asyncio.sleep(REFUSAL_DELAY)
             if not any(map(self._arrived, self._messages)):
@@ -209,6 +215,14 @@ class _StreamRequest:
             self.denied[message] = error
         except RemoteError:
             return  # not answered: `Rates` goes on asking while the vehicle is alive
+
+    async def _request_once(self, message: type[Message]) -> None:
+        try:
+            await self._source.component.request_message(message)
+        except CommandDenied as error:
+            self.denied[message] = error
+        except RemoteError:
+            return  # not answered: it may still arrive
 
     def _arrived(self, message: type[Message]) -> bool:
         received_at = self._source.received_at(message)
