@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from mavstack._core import HasCoreDialect
 from mavstack.dialects import Message
+from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.links import Channel
 from mavstack.links import Link
@@ -50,8 +51,11 @@ from mavstack.services.timesync import TimesyncClient
 from mavstack.services.version import AutopilotVersion
 from mavstack.services.version import ProtocolVersion
 from mavstack.vehicle.connection import NodeOptions
-from mavstack.vehicle.flight import FlightActions
 from mavstack.vehicle.health import Health
+from mavstack.vehicle.telemetry import values
+from mavstack.vehicle.telemetry.values import HomePosition
+from mavstack.vehicle.telemetry.values import Position
+from mavstack.vehicle.vehicle_type import VehicleType
 from mavstack.wire import Packet
 from types import TracebackType
 from typing import Any
@@ -1000,6 +1004,8 @@ class Node:
     def forward(self, packet: Packet) -> None:
         """Send a packet of another component unchanged to its target; see `Forwarding`.
 
+        A SETUP_SIGNING is dropped, since it carries a signing key.
+
         Args:
             packet: The packet.
 
@@ -1482,8 +1488,487 @@ class Mission(VehiclePlan):
             RemoteCancelled: The connection was closed.
         """
 
-class Vehicle(FlightActions):
+class Vehicle:
     """One vehicle; made by `Connection.wait_for_vehicle` and found in `Connection.vehicles`."""
+
+    def latest(self, message: type[AnyMessage], component: int | None=None) -> AnyMessage | None:
+        """Return the last message of a class.
+
+        Args:
+            message: The message class, such as `common.Attitude`.
+            component: The component id of the sender; None is the autopilot.
+
+        Returns:
+            The message, or None if none was received.
+        """
+
+    def age(self, message: type[Message], component: int | None=None) -> float | None:
+        """Return the seconds since the last message of a class was received.
+
+        Args:
+            message: The message class.
+            component: The component id of the sender; None is the autopilot.
+
+        Returns:
+            Seconds, or None if no message was received.
+        """
+
+    def stream(self, *messages: type[AnyMessage], rate: float | None=None, queue: int=1000) -> MessageStream[AnyMessage]:
+        """Return an iterator of the autopilot's messages of these classes, as they arrive.
+
+        Args:
+            *messages: The message classes; none of them: all messages.
+            rate: The rate to request while the stream is open, in hertz; None requests a default rate, and
+                only for messages that the vehicle does not send by itself.
+            queue: The number of unread messages that are kept; a slow reader loses the oldest.
+
+        Returns:
+            The stream; reading it raises `CommandDenied` if the vehicle refuses the rate and sends nothing.
+
+        Raises:
+            InvalidArgumentError: A rate without message classes.
+        """
+
+    def wait_for_message(self, message: type[AnyMessage], *, timeout: float | None=...) -> AnyMessage:
+        """Return the next message of a class, which is requested if the vehicle does not send it by itself.
+
+        Args:
+            message: The message class.
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            The message.
+
+        Raises:
+            MessageTimeout: No message arrived in time.
+            CommandDenied: The vehicle refused to send the message, and none arrived.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def add_listener(self, message: type[AnyMessage] | tuple[type[AnyMessage], ...], callback: Callable[[AnyMessage], object], *, component: int | None=None) -> Listener:
+        """Call a function with each message of a class as soon as it is received.
+
+        Args:
+            message: The message class, or a tuple of classes.
+            callback: A plain function, which must return quickly. An exception that it raises goes to the
+                event loop's exception handler.
+            component: The component id of the sender; None is the autopilot.
+
+        Returns:
+            The registration; its `close()` unregisters the function.
+        """
+
+    def set_message_rate(self, message: type[Message], rate: float | None, *, timeout: float | None=None) -> None:
+        """Request a message from the autopilot at a rate, for good.
+
+        The rate is requested again after a reboot (SET_MESSAGE_INTERVAL).
+
+        Args:
+            message: The message class.
+            rate: Hertz; None returns to the rate at which the vehicle sends the message by itself.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused the rate.
+            CommandTimeout: The vehicle did not answer in time.
+        """
+
+    @property
+    def position(self) -> values.Position | None:
+        """The global position, in degrees and metres (GLOBAL_POSITION_INT)."""
+
+    @property
+    def local_position(self) -> values.LocalPosition | None:
+        """The position in the local frame, in metres (LOCAL_POSITION_NED)."""
+
+    @property
+    def velocity(self) -> values.Velocity | None:
+        """The velocity over ground, in m/s (LOCAL_POSITION_NED or GLOBAL_POSITION_INT)."""
+
+    @property
+    def attitude(self) -> values.Attitude | None:
+        """The attitude, in degrees and degrees per second (ATTITUDE or ATTITUDE_QUATERNION)."""
+
+    @property
+    def vfr_hud(self) -> values.VfrHud | None:
+        """Airspeed, ground speed and climb rate in m/s, and throttle in percent (VFR_HUD)."""
+
+    @property
+    def home(self) -> values.HomePosition | None:
+        """The home position, in degrees and metres above mean sea level (HOME_POSITION)."""
+
+    @property
+    def wind(self) -> values.Wind | None:
+        """The estimated wind, in m/s (WIND_COV or WIND)."""
+
+    @property
+    def odometry(self) -> values.Odometry | None:
+        """The odometry estimate, in metres, m/s and degrees per second (ODOMETRY)."""
+
+    @property
+    def gps(self) -> values.Gps | None:
+        """The state of the satellite navigation receiver, in degrees, metres and m/s (GPS_RAW_INT)."""
+
+    @property
+    def imu(self) -> values.Imu | None:
+        """The inertial sensors, in m/s², degrees per second and gauss (HIGHRES_IMU or SCALED_IMU)."""
+
+    @property
+    def rc(self) -> values.Rc | None:
+        """The radio control input, in microseconds per channel (RC_CHANNELS)."""
+
+    @property
+    def battery(self) -> values.Battery | None:
+        """The first battery, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS)."""
+
+    @property
+    def batteries(self) -> Mapping[int, values.Battery]:
+        """All batteries by id, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS)."""
+
+    @property
+    def armed(self) -> bool | None:
+        """True if the motors may run (HEARTBEAT)."""
+
+    @property
+    def mode(self) -> str | None:
+        """The name of the flight mode (HEARTBEAT or CURRENT_MODE)."""
+
+    @property
+    def in_air(self) -> bool | None:
+        """True if the vehicle flies (EXTENDED_SYS_STATE or HEARTBEAT)."""
+
+    @property
+    def landed_state(self) -> common.MavLandedState | int | None:
+        """The MAV_LANDED_STATE: on the ground, taking off, in the air or landing (EXTENDED_SYS_STATE)."""
+
+    @property
+    def vtol_state(self) -> common.MavVtolState | int | None:
+        """The MAV_VTOL_STATE: hovering or flying forward; None if it is no VTOL (EXTENDED_SYS_STATE)."""
+
+    @property
+    def system_status(self) -> common.MavState | int | None:
+        """The MAV_STATE of the autopilot (HEARTBEAT)."""
+
+    @property
+    def mav_type(self) -> common.MavType | int | None:
+        """The MAV_TYPE of the vehicle (HEARTBEAT)."""
+
+    @property
+    def status_texts(self) -> list[values.StatusText]:
+        """The last status texts of the vehicle's system, oldest first (STATUSTEXT)."""
+    connection: Node
+    component: RemoteComponent
+
+    @property
+    def address(self) -> Address:
+        """The address of the autopilot: system id and component id."""
+
+    @property
+    def system(self) -> int:
+        """The system id."""
+
+    @property
+    def alive(self) -> bool:
+        """True if heartbeats of the autopilot arrive."""
+
+    @property
+    def components(self) -> Mapping[int, ComponentInfo]:
+        """The other components of the system by component id, such as cameras and gimbals."""
+
+    @property
+    def has_id_conflict(self) -> bool:
+        """True if another vehicle uses the same system id; see `SystemIdConflict`."""
+
+    @property
+    def autopilot(self) -> int:
+        """The MAV_AUTOPILOT of the heartbeat."""
+
+    @property
+    def vehicle_type(self) -> VehicleType:
+        """The way the vehicle moves; `mav_type` is the MAV_TYPE of its heartbeat."""
+
+    @property
+    def health(self) -> Health:
+        """The readiness to arm and the problems that the vehicle reports."""
+
+    @property
+    def heading(self) -> float | None:
+        """The direction in which the vehicle points, 0 to 360 degrees (GLOBAL_POSITION_INT or ATTITUDE)."""
+
+    @property
+    def modes(self) -> Modes:
+        """The flight modes."""
+
+    @property
+    def params(self) -> Params:
+        """The parameters."""
+
+    @property
+    def ftp(self) -> Ftp:
+        """The files on the vehicle (MAVLink FTP)."""
+
+    @property
+    def logs(self) -> Logs:
+        """The logs on the vehicle."""
+
+    def shell(self) -> Shell:
+        """Return a context manager during which the firmware's shell is open (SERIAL_CONTROL).
+
+        Returns:
+            The shell.
+        """
+
+    def rc_pulse(self, channel: int) -> int | None:
+        """Return the pulse of a radio control channel.
+
+        Args:
+            channel: The number of the channel, from 1.
+
+        Returns:
+            Microseconds, or None if the channel is unused or was not received (RC_CHANNELS).
+        """
+
+    def get_home(self, *, timeout: float | None=None) -> HomePosition:
+        """Return the home position; request it if it was not received (HOME_POSITION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The position in degrees and metres above mean sea level.
+
+        Raises:
+            CommandDenied: The vehicle refused the request.
+            MessageTimeout: The vehicle did not answer, or has no home yet.
+        """
+
+    def get_home_altitude(self, *, timeout: float | None=None) -> float:
+        """Return the altitude of home, which follows from the position if home itself is not known.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            Metres above mean sea level.
+
+        Raises:
+            CommandDenied: The vehicle refused the request for its home, and its position is not known.
+            MessageTimeout: The vehicle did not answer, and its position is not known.
+        """
+
+    def get_position(self, *, timeout: float | None=None) -> Position:
+        """Return the position; wait for it if it was not received (GLOBAL_POSITION_INT).
+
+        Args:
+            timeout: Seconds for the whole call; None: until no position has arrived for a while.
+
+        Returns:
+            The position in degrees and metres.
+
+        Raises:
+            MessageTimeout: No position arrived in time, or the vehicle does not know it.
+            CommandDenied: The vehicle refused to send its position.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def get_relative_altitude(self, *, timeout: float | None=None) -> float:
+        """Return the altitude above home; wait for it if it was not received (GLOBAL_POSITION_INT).
+
+        Args:
+            timeout: Seconds for the whole call; None: until no position has arrived for a while.
+
+        Returns:
+            Metres above home.
+
+        Raises:
+            MessageTimeout: No position arrived in time, or the vehicle does not know its altitude.
+            CommandDenied: The vehicle refused to send its position.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def takeoff(self, altitude: float=10.0, *, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+        """Take off to an altitude and stay there; the vehicle must be armed.
+
+        Args:
+            altitude: Metres above home.
+            override_limits: Send an altitude above the limit of plausible flights.
+            wait: Wait until the altitude is reached.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The altitude is not positive, or implausibly high.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def land(self, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Land at the present position; an ArduPilot plane lands where its mission tells it to.
+
+        Args:
+            wait: Wait until the vehicle has landed.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def rtl(self, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Return to home, and land there if the vehicle does that.
+
+        Args:
+            wait: Wait until the vehicle has landed, or has arrived where it does not land.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def hold(self, *, timeout: float | None=None) -> None:
+        """Hold the present position; a wing circles.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The vehicle refused the mode.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted the mode and did not enter it.
+            ActionTimeout: The call did not end within `timeout`.
+        """
+
+    def goto(self, latitude: float, longitude: float, altitude: float | None=None, *, yaw: float | None=None, radius: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+        """Go to a global position and stay there (MAV_CMD_DO_REPOSITION).
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above home; None keeps the present altitude.
+            yaw: Heading in degrees; None leaves it to the vehicle.
+            radius: Metres of the circle that a wing flies around the position; None: the vehicle's default.
+            override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
+            wait: Wait until the vehicle has arrived.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The position is not one on Earth, or implausibly far, high or low.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def move(self, north: float=0.0, east: float=0.0, up: float=0.0, *, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+        """Move by a distance from the present position (MAV_CMD_DO_REPOSITION).
+
+        Args:
+            north: Metres to the north.
+            east: Metres to the east.
+            up: Metres upwards.
+            override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
+            wait: Wait until the vehicle has arrived.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The position is implausibly far, high or low.
+            MessageTimeout: The vehicle did not report its position.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def orbit(self, latitude: float, longitude: float, altitude: float | None=None, *, radius: float=20.0, speed: float | None=None, override_limits: bool=False, wait: bool=True, timeout: float | None=None) -> None:
+        """Circle a global position (MAV_CMD_DO_ORBIT, or the firmware's mode for it).
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above home; None keeps the present altitude.
+            radius: Metres; negative: counter-clockwise.
+            speed: Metres per second; None leaves it to the vehicle.
+            override_limits: Send a position or an altitude that lies beyond the limits of plausible flights.
+            wait: Wait until the vehicle is on the circle.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidTypeError: An argument is not a number.
+            InvalidArgumentError: The position is not one on Earth, or implausible, or the radius is 0.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def set_speed(self, speed: float, speed_type: int=..., *, timeout: float | None=None) -> None:
+        """Set the speed of flight (MAV_CMD_DO_CHANGE_SPEED).
+
+        Args:
+            speed: Metres per second.
+            speed_type: The SPEED_TYPE; the default is the speed over ground.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidTypeError: The speed is not a number.
+            InvalidArgumentError: The speed is not finite.
+            CommandDenied: The vehicle refused.
+            CommandTimeout: The vehicle did not answer.
+        """
+
+    def set_yaw(self, heading: float, *, wait: bool=True, timeout: float | None=None) -> None:
+        """Turn to a heading on the spot.
+
+        Args:
+            heading: Degrees clockwise from north; 500 is the same as 140.
+            wait: Wait until the vehicle has turned.
+            timeout: Seconds for the whole call; None sets no overall limit.
+
+        Raises:
+            InvalidTypeError: The heading is not a number.
+            InvalidArgumentError: The heading is not finite.
+            CommandDenied: The vehicle refused; the text holds its status texts.
+            CommandTimeout: The vehicle did not answer.
+            ModeTimeout: The vehicle accepted a mode and did not enter it.
+            ActionUnsupported: The vehicle type or the firmware does not support it; nothing was sent.
+            ActionTimeout: It was not complete within `timeout`, or its progress stalled.
+            ActionInterrupted: The vehicle changed its mode or was disarmed meanwhile.
+            ContactLost: No heartbeat of the vehicle arrives.
+            RemoteCancelled: The connection was closed.
+        """
 
     def wait_until_ready(self, *, timeout: float | None=...) -> Health:
         """Wait until the vehicle reports that it is ready to arm.

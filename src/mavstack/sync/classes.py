@@ -31,6 +31,7 @@ MIXINS = {
     "Messaging": "node.messaging",
     "Serving": "node.serving",
     "TelemetryProperties": "vehicle.telemetry.properties",
+    "FlightActions": "vehicle.flight",
     "VehicleState": "vehicle.vehicle_state",
 }
 #: Module of the functions of the blocking API.
