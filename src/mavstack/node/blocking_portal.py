@@ -127,7 +127,6 @@ class BlockingPortal:
             ending.result(CLEANUP_TIMEOUT)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
-        self._loop.run_until_complete(self._loop.shutdown_asyncgens())
         self._loop.close()
 
     def _submit(self, work: Coroutine[Any, Any, Result]) -> Future[Result]:
@@ -157,6 +156,8 @@ class BlockingPortal:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+        # Here and not after the loop's end: the caller of `close` may be in an event loop of its own.
+        await self._loop.shutdown_asyncgens()
 
     def _abandon(self, future: Future[Any]) -> None:
         if not future.done():

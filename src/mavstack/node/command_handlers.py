@@ -88,8 +88,11 @@ class CommandHandlers:
         self._host.wake(self.server)
 
     async def stop(self) -> None:
-        """Cancel the tasks of all long commands, and wait until they have ended."""
-        tasks = tuple(self._tasks.values())
+        """Cancel the tasks of all long commands, and wait until they have ended.
+
+        A handler may close its own node: its task is not cancelled.
+        """
+        tasks = [task for task in self._tasks.values() if task is not asyncio.current_task()]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)

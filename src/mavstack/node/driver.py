@@ -59,6 +59,8 @@ class Driver:
         self._by_state: dict[ChannelState, Channel] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._timer: asyncio.TimerHandle | None = None
+        self._receiving = True
+        self._stopped = False
         self._waiting: dict[Operation[Any], asyncio.Future[None]] = {}
         self._progress: dict[Operation[Any], Callable[[int, int], None]] = {}
 
@@ -111,7 +113,7 @@ class Driver:
 
     def step(self) -> None:
         """Write the engine's data, deliver its events, and set the timer."""
-        if self.engine.idle:
+        if self.engine.idle or self._stopped:
             return
         now = self.now()
         while True:
@@ -124,12 +126,18 @@ class Driver:
                 self._deliver(event, service)
         self._set_timer()
 
+    def stop_receiving(self) -> None:
+        """Ignore everything that links report from now on; a batch of datagrams may be under way."""
+        self._receiving = False
+
     async def stop(self) -> None:
-        """Cancel running operations, and stop reading."""
+        """Cancel running operations, and stop reading. Afterwards nothing is sent, and no timer runs."""
+        self.stop_receiving()
         for operation in tuple(self._waiting):
             operation.client.cancel(operation, self.now())
             self.engine.touch(operation.client)
         self.step()
+        self._stopped = True
         if self._timer is not None:
             self._timer.cancel()
         for task in self._tasks:
@@ -175,6 +183,8 @@ class Driver:
             self._on_event(LinkDown(str(error), float("inf")), None)
 
     def _handle_events(self, link: Link, events: Iterable[LinkEvent]) -> None:
+        if not self._receiving:
+            return
         for event in events:
             try:
                 if type(event) is BytesReceived:

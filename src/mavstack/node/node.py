@@ -14,6 +14,7 @@ queue and delays nothing else.
 from __future__ import annotations
 
 import asyncio
+from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import Dialect, Message, common
@@ -166,17 +167,24 @@ class Node(Messaging, Serving):
         return self
 
     async def close(self) -> None:
-        """Cancel running operations on both ends, end all subscriptions and close the links. Idempotent."""
+        """Cancel running operations on both ends, end all subscriptions and close the links. Idempotent.
+
+        Packets that arrive meanwhile are ignored. A step that fails does not keep the others from being done;
+        its error is raised at the end.
+        """
         driver, self._host.open_driver = self._host.open_driver, None
-        if driver is not None:
+        if driver is None:
+            return
+        driver.stop_receiving()
+        async with AsyncExitStack() as steps:  # they run from the last one to the first
+            steps.callback(self._host.event_dispatch.end)
+            steps.callback(self._host.packet_dispatch.end)
+            for link in reversed(self.links):
+                steps.push_async_callback(link.close)
+            steps.push_async_callback(self._keys.close)
+            steps.push_async_callback(driver.stop)
             if "commands" in self.__dict__:
-                await self.commands.stop()
-            await driver.stop()
-            await self._keys.close()
-            for link in self.links:
-                await link.close()
-            self._host.packet_dispatch.end()
-            self._host.event_dispatch.end()
+                steps.push_async_callback(self.commands.stop)
 
     # Remote components
 

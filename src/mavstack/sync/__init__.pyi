@@ -150,7 +150,10 @@ class CommandHandlers:
         """
 
     def stop(self) -> None:
-        """Cancel the tasks of all long commands, and wait until they have ended."""
+        """Cancel the tasks of all long commands, and wait until they have ended.
+
+        A handler may close its own node: its task is not cancelled.
+        """
 
 class ControlStream(Generic[ControlValue]):
     """A stream of one type of value to a remote component; a context manager."""
@@ -1146,7 +1149,11 @@ class Node:
         """
 
     def close(self) -> None:
-        """Cancel running operations on both ends, end all subscriptions and close the links. Idempotent."""
+        """Cancel running operations on both ends, end all subscriptions and close the links. Idempotent.
+
+        Packets that arrive meanwhile are ignored. A step that fails does not keep the others from being done;
+        its error is raised at the end.
+        """
 
     def component(self, system: int, component: int=...) -> RemoteComponent:
         """Return a remote component by its address, whether it was discovered or not.
