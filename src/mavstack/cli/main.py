@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack import __version__
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.log_output import logging_to_outputs
+from mavstack.cli.common.output import echo, echo_text
 from mavstack.cli.registry import COMMANDS, command_parser, load_command
 from mavstack.errors import LinkURLError, MavstackError, UnknownDialectError
 
@@ -77,10 +78,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _dispatch(words: Sequence[str]) -> int:
     first, *rest = words or ("--help",)
     if first in ("-h", "--help", "help"):
-        print(_help_text(), end="")
+        echo_text(_help_text())
         return 0
     if first in ("-V", "--version"):
-        print(f"mavstack {__version__}")
+        echo(f"mavstack {__version__}")
         return 0
     if first not in COMMANDS:
         raise UsageError(_unknown(first))
@@ -113,7 +114,7 @@ def _unknown(name: str) -> str:
 
 def _fail(words: Sequence[str], problem: str, code: int) -> int:
     name = f"mav {words[0]}" if words and words[0] in COMMANDS else "mav"
-    print(f"{name}: {' '.join(problem.split())}", file=sys.stderr)
+    echo(f"{name}: {' '.join(problem.split())}", error=True)
     return code
 
 

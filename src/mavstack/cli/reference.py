@@ -12,6 +12,7 @@ from argparse import SUPPRESS, ArgumentParser, HelpFormatter
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.log_output import LOGGING_GROUP, add_logging_options
+from mavstack.cli.common.output import echo_text
 from mavstack.cli.registry import COMMANDS, actions_of, command_parser
 
 if TYPE_CHECKING:
@@ -174,7 +175,7 @@ def _cell(text: str) -> str:
 
 def main(names: Sequence[str]) -> None:
     """Print the reference of the named commands, or of all."""
-    print("\n\n".join(map(command_reference, names)) if names else cli_reference(), end="\n" if names else "")
+    echo_text("\n\n".join(map(command_reference, names)) + "\n" if names else cli_reference())
 
 
 if __name__ == "__main__":

@@ -135,7 +135,7 @@ def test_erase_asks_on_a_terminal(mav, harness, monkeypatch, answer, left, code)
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: True, readline=lambda: answer))
     result = mav("log", "erase")
     assert result.code == code
-    assert result.out.startswith("erase all 2 logs (92.0 kB) of system 1? [y/N] ")
+    assert result.out.startswith("erase all 2 logs (92.0 kB) of vehicle 1? [y/N] ")
     assert len(json.loads(mav("log", "list", "--json").out)) == left
 
 

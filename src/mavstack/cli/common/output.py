@@ -1,4 +1,10 @@
-"""Output of commands: aligned columns, tables with a header, JSON lines, coloured text."""
+"""The output of commands, and the one place where it is made safe for a terminal.
+
+Texts come from vehicles, files and other programs, and a terminal obeys the control characters in them. Every
+command therefore prints through `echo` and its relatives, which replace all control characters; only they may
+write to the standard streams. Colours and the erasing of a progress line are added after that. Until then a
+colour is a pair of marks, lone surrogates, which no text from a link can contain.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +23,69 @@ if TYPE_CHECKING:
 _CODES: Final[Mapping[str, str]] = MappingProxyType(
     {"bold": "1", "red": "31", "green": "32", "yellow": "33", "cyan": "36", "grey": "90", "alarm": "1;31"}
 )
+_MARKS: Final[Mapping[str, str]] = MappingProxyType(
+    {colour: chr(0xDFF0 + index) for index, colour in enumerate(_CODES)}
+)
+_END_MARK: Final = "\udfff"
+_SEQUENCES: Final[Mapping[str, str]] = MappingProxyType(
+    {**{_MARKS[colour]: f"\x1b[{code}m" for colour, code in _CODES.items()}, _END_MARK: "\x1b[0m"}
+)
+_ERASE: Final = "\r\x1b[K"
 
 
-def print_json(value: object) -> None:
+def echo(*lines: str, error: bool = False, flush: bool = True) -> None:
+    """Print lines without control characters.
+
+    Args:
+        *lines: Lines; a line break inside one of them is replaced like any other control character.
+        error: Print on stderr instead of stdout.
+        flush: Flush the stream.
+    """
+    stream = sys.stderr if error else sys.stdout
+    stream.write("".join(f"{_rendered(line, stream)}\n" for line in lines))
+    if flush:
+        stream.flush()
+
+
+def echo_text(text: str) -> None:
+    """Print the text of a file or a page on stdout as it is, except for control characters in its lines."""
+    lines = text.split("\n")
+    sys.stdout.write(
+        "\n".join("\t".join(_rendered(part, sys.stdout) for part in line.split("\t")) for line in lines)
+    )
+    sys.stdout.flush()
+
+
+def echo_question(question: str) -> None:
+    """Print a question on stdout; the answer is typed on the same line."""
+    sys.stdout.write(_rendered(question, sys.stdout))
+    sys.stdout.flush()
+
+
+def echo_progress(line: str) -> None:
+    """Replace the progress line on stderr, which must be a terminal; an empty line erases it."""
+    sys.stderr.write(_ERASE + _rendered(line, sys.stderr))
+    sys.stderr.flush()
+
+
+def echo_json(value: object) -> None:
     """Print a value as one line of JSON."""
-    print(json.dumps(value, allow_nan=False), flush=True)
+    echo(json.dumps(value, allow_nan=False))
+
+
+def coloured(text: str, colour: str) -> str:
+    """Return a text that `echo` prints in a colour if its stream is a terminal and NO_COLOR is not set."""
+    return f"{_MARKS[colour]}{printable(text)}{_END_MARK}" if colour else text
+
+
+def _rendered(line: str, stream: TextIO) -> str:
+    """Return a line with colours instead of marks, and without control characters."""
+    if line.isprintable():
+        return line
+    sequences = (
+        _SEQUENCES if stream.isatty() and not os.environ.get("NO_COLOR") else dict.fromkeys(_SEQUENCES, "")
+    )
+    return "".join(sequences[each] if each in sequences else printable(each) for each in line)
 
 
 def align_columns(rows: Sequence[Sequence[str]], *, right: frozenset[int] = frozenset()) -> list[str]:
@@ -39,6 +103,7 @@ def align_columns(rows: Sequence[Sequence[str]], *, right: frozenset[int] = froz
 
 def table_lines(head: Sequence[str], rows: Sequence[Sequence[str]], left: Collection[str]) -> Iterator[str]:
     """Yield the lines of a table with a header; the columns named in `left` are aligned to the left."""
+    rows = [[printable(cell) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
     for row in (head, *rows):
         cells = (
@@ -46,11 +111,3 @@ def table_lines(head: Sequence[str], rows: Sequence[Sequence[str]], left: Collec
             for name, cell, width in zip(head, row, widths, strict=True)
         )
         yield "  ".join(cells).rstrip()
-
-
-def coloured(text: str, colour: str, stream: TextIO | None = None) -> str:
-    """Return a text in a colour if the stream (stdout by default) is a terminal and NO_COLOR is not set."""
-    out = sys.stdout if stream is None else stream
-    if not colour or not out.isatty() or os.environ.get("NO_COLOR"):
-        return text
-    return f"\x1b[{_CODES[colour]}m{text}\x1b[0m"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from collections import deque
 from logging import Handler
 from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.output import echo
 
 if TYPE_CHECKING:
     from logging import LogRecord
@@ -26,7 +27,7 @@ class StderrHandler(Handler):
         try:
             line = self.format(record)
             if self._held is None:
-                print(line, file=sys.stderr, flush=True)
+                echo(line, error=True)
             else:
                 self._held.append(line)
         except Exception:  # noqa: BLE001 (as in logging's own handlers)
@@ -39,6 +40,4 @@ class StderrHandler(Handler):
     def print_held_lines(self) -> None:
         """Print the lines that were kept."""
         held, self._held = self._held, None
-        for line in held or ():
-            print(line, file=sys.stderr)
-        sys.stderr.flush()
+        echo(*held or (), error=True)

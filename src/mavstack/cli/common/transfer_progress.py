@@ -10,6 +10,7 @@ import sys
 from time import monotonic
 from typing import TYPE_CHECKING, Final, Self
 
+from mavstack.cli.common.output import echo_progress
 from mavstack.cli.common.text import duration_text, size_text
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 #: Seconds before the first line, and between lines.
 SHOW_DELAY: Final = 0.5
 _SHOW_INTERVAL: Final = 0.2
-_ERASE: Final = "\r\x1b[K"
 _MAX_TIME_LEFT: Final = 360_000.0
 
 
@@ -44,7 +44,7 @@ class TransferProgress:
         if self._enabled and now >= self._next:
             self._next = now + _SHOW_INTERVAL
             self._shown = True
-            print(f"{_ERASE}{self.text(done, total)}", end="", file=sys.stderr, flush=True)
+            echo_progress(self.text(done, total))
 
     def text(self, done: int, total: int) -> str:
         """Return the progress line."""
@@ -68,4 +68,4 @@ class TransferProgress:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._shown:
-            print(_ERASE, end="", file=sys.stderr, flush=True)
+            echo_progress("")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import sys
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.options import seconds
+from mavstack.cli.common.output import echo, echo_json
 from mavstack.errors import MissingExtraError
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def _choose_output(arguments: Namespace) -> None:
     try:
         import mavstack.cli.demo.fleet_display  # noqa: F401
     except MissingExtraError as error:
-        print(f"mav demo: {error}", file=sys.stderr)
+        echo(f"mav demo: {error}", error=True)
         arguments.once = True
 
 
@@ -127,15 +127,15 @@ def _print_summary(fleet: FleetState, arguments: Namespace) -> None:
     vehicles = [_summary(fleet, system) for system in sorted(fleet.vehicles)]
     if arguments.json:
         texts = [{"system": system, "text": text} for _, system, text in fleet.texts]
-        print(json.dumps({"vehicles": vehicles, "texts": texts}))
+        echo_json({"vehicles": vehicles, "texts": texts})
         return
-    print(f"{'ID':>3}  {'VEHICLE':<28}{'MODE':<14}{'HEIGHT':>9}{'SPEED':>10}  {'BATTERY':>7}  ITEM")
+    echo(f"{'ID':>3}  {'VEHICLE':<28}{'MODE':<14}{'HEIGHT':>9}{'SPEED':>10}  {'BATTERY':>7}  ITEM")
     for each in vehicles:
         height, speed = f"{each['height_m']:.1f} m", f"{each['speed_m_s']:.1f} m/s"
         battery = "" if each["battery"] is None else f"{each['battery']} %"
         item = "" if each["item"] is None else each["item"]
         who = f"{each['system']:>3}  {each['vehicle']:<28}{each['mode']:<14}"
-        print(f"{who}{height:>9}{speed:>10}  {battery:>7}  {item}")
+        echo(f"{who}{height:>9}{speed:>10}  {battery:>7}  {item}")
 
 
 def _summary(fleet: FleetState, system: int) -> dict[str, Any]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import load_dialect
+from mavstack.cli.common.output import echo, echo_json, echo_text
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -73,7 +72,7 @@ def _list(arguments: Namespace) -> int:
     from mavstack.dialects.tables import official_names
 
     facts = [dialect_facts(Dialect.load(name)) for name in official_names()]
-    print(json.dumps(facts) if arguments.json else dialects_page(facts))
+    _print(facts, dialects_page(facts), arguments)
     return 0
 
 
@@ -87,10 +86,10 @@ def _show(arguments: Namespace) -> int:
             "message_names": list(dialect.names),
             "enum_names": list(dialect.enums),
         }
-        print(json.dumps(contents) if arguments.json else contents_page(dialect))
+        _print(contents, contents_page(dialect), arguments)
         return 0
     found = find(dialect, arguments.item)
-    print(json.dumps(plain(found.facts)) if arguments.json else found.page)
+    _print(plain(found.facts), found.page, arguments)
     return 0
 
 
@@ -102,14 +101,14 @@ def _check(arguments: Namespace) -> int:
     problems = check_file(arguments.file)
     errors = sum(problem.severity == "error" for problem in problems)
     if arguments.json:
-        print(json.dumps([asdict(problem) for problem in problems]))
+        echo_json([asdict(problem) for problem in problems])
     else:
         for problem in problems:
-            print(problem)
+            echo(str(problem))
     failed = errors or (arguments.strict and problems)
     if failed or not arguments.json:
         summary = f"{arguments.file}: {errors} errors, {len(problems) - errors} warnings"
-        print(f"mav dialect: {summary}" if failed else summary, file=sys.stderr if failed else sys.stdout)
+        echo(f"mav dialect: {summary}" if failed else summary, error=bool(failed))
     return 1 if failed else 0
 
 
@@ -122,12 +121,12 @@ def _diff(arguments: Namespace) -> int:
     changes = compare(old, new, prose=arguments.prose)
     broken = sum(change.breaks_wire for change in changes)
     if arguments.json:
-        print(json.dumps([asdict(change) for change in changes]))
+        echo_json([asdict(change) for change in changes])
     else:
         for change in changes:
-            print(change)
+            echo(str(change))
         summary = f"{len(changes)} differences, {broken} of them break the wire format"
-        print(summary if changes else "no differences")
+        echo(summary if changes else "no differences")
     return 1 if broken and arguments.exit_code else 0
 
 
@@ -138,5 +137,12 @@ def _import(arguments: Namespace) -> int:
     if target.exists() and target.samefile(arguments.file):
         raise UsageError(f"{target} is the input file; name another output file with -o")
     definition = import_file(arguments.file, arguments.output)
-    print(f"{target}: {len(definition.messages)} messages, {len(definition.enums)} enums")
+    echo(f"{target}: {len(definition.messages)} messages, {len(definition.enums)} enums")
     return 0
+
+
+def _print(facts: object, page: str, arguments: Namespace) -> None:
+    if arguments.json:
+        echo_json(facts)
+    else:
+        echo_text(f"{page}\n")

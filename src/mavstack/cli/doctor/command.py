@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Run all checks."""
     from mavstack.cli.common.errors import CommandError
-    from mavstack.cli.common.output import table_lines
+    from mavstack.cli.common.output import echo, echo_json, table_lines
     from mavstack.cli.doctor.checks import Status, run_checks
 
     findings = run_checks()
@@ -36,13 +35,13 @@ def run(arguments: Namespace) -> int:
             {"name": item.name, "status": item.status.value, "detail": item.detail, "remedy": item.remedy}
             for item in findings
         ]
-        print(json.dumps({"ok": not failed, "checks": checks}))
+        echo_json({"ok": not failed, "checks": checks})
     else:
         rows = [
             (item.name, item.status.value, item.detail + (f": {item.remedy}" if item.remedy else ""))
             for item in findings
         ]
-        print("\n".join(table_lines(("CHECK", "STATUS", "DETAIL"), rows, {"CHECK", "STATUS", "DETAIL"})))
+        echo(*table_lines(("CHECK", "STATUS", "DETAIL"), rows, {"CHECK", "STATUS", "DETAIL"}))
     if failed:
         raise CommandError(f"checks failed: {', '.join(item.name for item in failed)}")
     return 0

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError
-from mavstack.cli.common.output import align_columns, print_json
-from mavstack.cli.common.text import printable, size_text
+from mavstack.cli.common.output import align_columns, echo, echo_json
+from mavstack.cli.common.text import size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download, target_for
 from mavstack.cli.ftp.paths import RemotePath, find, is_pattern, join, local_name, look_up, split, walk
@@ -105,7 +104,7 @@ def get(arguments: Namespace) -> int:
                 raise
             except (MavstackError, OSError) as error:
                 failed = True
-                print(f"mav ftp: {printable(str(error))}", file=sys.stderr)
+                echo(f"mav ftp: {error}", error=True)
             else:
                 text = f"{found.path} -> {target} ({size_text(size)})"
                 _report(arguments, {"remote": found.path, "local": str(target), "size": size}, text)
@@ -257,7 +256,7 @@ async def _remove(ftp: Ftp, found: RemotePath, arguments: Namespace) -> None:
 
 def _show(found: list[RemotePath], *, full_path: bool, as_json: bool) -> None:
     if as_json:
-        print_json([_json(each) for each in found])
+        echo_json([_json(each) for each in found])
         return
     rows = [
         (
@@ -267,7 +266,7 @@ def _show(found: list[RemotePath], *, full_path: bool, as_json: bool) -> None:
         for each in found
     ]
     if rows:
-        print(*align_columns(rows, right=frozenset({0})), sep="\n")
+        echo(*align_columns(rows, right=frozenset({0})))
 
 
 def _json(found: RemotePath) -> dict[str, object]:
@@ -278,6 +277,6 @@ def _json(found: RemotePath) -> dict[str, object]:
 
 def _report(arguments: Namespace, for_programs: dict[str, object], text: str) -> None:
     if arguments.json:
-        print_json(for_programs)
+        echo_json(for_programs)
     elif text:
-        print(printable(text), flush=True)
+        echo(text)

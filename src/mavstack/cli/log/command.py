@@ -11,7 +11,7 @@ from mavstack.atomic_file import write_file_atomically
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError
-from mavstack.cli.common.output import align_columns, print_json
+from mavstack.cli.common.output import align_columns, echo, echo_json, echo_question
 from mavstack.cli.common.text import size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download
@@ -75,12 +75,12 @@ def list_logs(arguments: Namespace) -> int:
     async def work(vehicle: Vehicle) -> int:
         logs = await vehicle.logs.list()
         if arguments.json:
-            print_json([{"id": log.id, "time_utc": log.time_utc or None, "size": log.size} for log in logs])
+            echo_json([{"id": log.id, "time_utc": log.time_utc or None, "size": log.size} for log in logs])
         elif logs:
             rows = [(str(log.id), time_text(log), size_text(log.size)) for log in logs]
-            print(*align_columns(rows, right=frozenset({0, 2})), sep="\n")
+            echo(*align_columns(rows, right=frozenset({0, 2})))
         else:
-            print("there are no logs", file=sys.stderr)
+            echo("there are no logs", error=True)
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -103,7 +103,7 @@ def get(arguments: Namespace) -> int:
                 raise
             except (MavstackError, OSError) as error:
                 failed = True
-                print(f"mav log: {error}", file=sys.stderr)
+                echo(f"mav log: {error}", error=True)
         return 1 if failed else 0
 
     return run_on_vehicle(arguments, work)
@@ -117,14 +117,14 @@ def erase(arguments: Namespace) -> int:
     async def work(vehicle: Vehicle) -> int:
         logs = await vehicle.logs.list()
         if not arguments.yes and not _confirmed(vehicle, logs):
-            print("nothing was erased", file=sys.stderr)
+            echo("nothing was erased", error=True)
             return 1
         await vehicle.logs.erase()
         left = await vehicle.logs.list()
         if arguments.json:
-            print_json({"erased": len(logs), "left": len(left)})
+            echo_json({"erased": len(logs), "left": len(left)})
         else:
-            print(f"{len(logs)} logs erased" + (f", {len(left)} left" if left else ""))
+            echo(f"{len(logs)} logs erased" + (f", {len(left)} left" if left else ""))
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -212,15 +212,15 @@ async def _download_log_data(vehicle: Vehicle, log: LogEntry, target: Path) -> i
 def _confirmed(vehicle: Vehicle, logs: Sequence[LogEntry]) -> bool:
     """Ask for confirmation on the terminal."""
     size = size_text(sum(log.size for log in logs))
-    print(f"erase all {len(logs)} logs ({size}) of system {vehicle.system}? [y/N] ", end="", flush=True)
+    echo_question(f"erase all {len(logs)} logs ({size}) of vehicle {vehicle.system}? [y/N] ")
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
 def _report(arguments: Namespace, log: LogEntry, target: Path, note: str, way: str | None = None) -> None:
     if arguments.json:
-        print_json({"id": log.id, "file": str(target), "size": target.stat().st_size, "via": way})
+        echo_json({"id": log.id, "file": str(target), "size": target.stat().st_size, "via": way})
     else:
-        print(f"log {log.id} -> {target} ({note})", flush=True)
+        echo(f"log {log.id} -> {target} ({note})")
 
 
 def _log_number(text: str) -> int | str:

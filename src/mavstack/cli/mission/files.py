@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mavstack.atomic_file import write_file_atomically
+from mavstack.cli.common.output import echo, echo_text
 from mavstack.errors import PlanFileError
 from mavstack.files.plans import check, format_of, format_plan, parse_plan, read_plan
 from mavstack.files.plans.model import PLAN_NAMES
@@ -82,9 +83,9 @@ def save(plan: PlanFile, path: str, format: str | None, *, force: bool) -> None:
         problem = _first_of(written.lost, "--force writes the rest, .json holds everything")
         raise PlanFileError(f"the format {name!r} cannot hold {problem}", where)
     for text in (*plan.notes, *written.notes, *written.lost):
-        print(f"mav mission: note: {text}", file=sys.stderr)
+        echo(f"mav mission: note: {text}", error=True)
     if path == STANDARD:
-        print(written.text, end="")
+        echo_text(written.text)
     else:
         write_file_atomically(path, written.text)
 

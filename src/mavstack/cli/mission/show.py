@@ -7,12 +7,11 @@ one pass.
 
 from __future__ import annotations
 
-import json
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from mavstack.cli.common.connection import run_on_vehicle
-from mavstack.cli.common.output import align_columns
+from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.mission.files import read
 from mavstack.cli.mission.sketch import flown_path, sketch
 from mavstack.cli.mission.text import altitude_text, length_text, number, params_text, place_text
@@ -51,22 +50,22 @@ def show(arguments: Namespace) -> int:
 
 def _print(name: str, plan: PlanFile, arguments: Namespace) -> None:
     if arguments.json:
-        print(json.dumps(_json(plan), allow_nan=False))
+        echo_json(_json(plan))
         return
-    print(f"{name}: {summary(plan)}")
+    echo(f"{name}: {summary(plan)}")
     for lines in (_mission_lines(plan), _fence_lines(plan), _rally_lines(plan)):
         if lines:
-            print("", *lines, sep="\n")
+            echo("", *lines)
     drawn = sketch(plan) if arguments.map else []
     if drawn:
-        print("", *drawn, sep="\n")
+        echo("", *drawn)
     problems = [*plan.problems, *map(str, check(plan))]
     if problems or plan.notes:
-        print()
+        echo("")
     for text in problems:
-        print(f"problem: {text}")
+        echo(f"problem: {text}")
     for text in plan.notes:
-        print(f"note: {text}")
+        echo(f"note: {text}")
 
 
 def summary(plan: PlanFile) -> str:

@@ -7,12 +7,12 @@ sent.
 
 from __future__ import annotations
 
-import sys
 from math import isnan
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.errors import CommandError
+from mavstack.cli.common.output import echo
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.mission.files import STANDARD, read, save, select_plan_types, validate
 from mavstack.dialects import common
@@ -47,7 +47,7 @@ def upload(arguments: Namespace) -> int:
     if not arguments.force:
         validate(plan.only(chosen), name)
     for note in plan.notes:
-        print(f"mav mission: note: {note}", file=sys.stderr)
+        echo(f"mav mission: note: {note}", error=True)
 
     async def work(vehicle: Vehicle) -> int:
         return await _each(
@@ -69,7 +69,7 @@ def download(arguments: Namespace) -> int:
         save(plan, arguments.file, name, force=arguments.force)
         if to_file:
             counts = ", ".join(f"{PLAN_NAMES[each]}: {_count(plan, each)}" for each in plan_types)
-            print(f"{arguments.file}: {counts}")
+            echo(f"{arguments.file}: {counts}")
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -92,10 +92,10 @@ def start(arguments: Namespace) -> int:
         if arguments.wait:
             await _require_mission(vehicle)
             await vehicle.mission.fly()
-            print("mission: complete")
+            echo("mission: complete")
         else:
             await start_mission(vehicle)
-            print("mission: started")
+            echo("mission: started")
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -145,14 +145,14 @@ async def _each(
             del remaining[0]
     except MavstackError:
         for plan_type in remaining[1:]:
-            print(f"{PLAN_NAMES[plan_type]}: {skipped}")
+            echo(f"{PLAN_NAMES[plan_type]}: {skipped}")
         raise
     return 0
 
 
 async def _clear(vehicle: Vehicle, plan_type: PlanType) -> None:
     await _plans(vehicle, plan_type).clear()
-    print(f"{PLAN_NAMES[plan_type]}: cleared")
+    echo(f"{PLAN_NAMES[plan_type]}: cleared")
 
 
 async def _upload(vehicle: Vehicle, plan: PlanFile, plan_type: PlanType, *, verify: bool) -> None:
@@ -164,10 +164,10 @@ async def _upload(vehicle: Vehicle, plan: PlanFile, plan_type: PlanType, *, veri
         try:
             _compare(vehicle, plan_type, wanted, await _download(vehicle, plan_type, strict=True))
         except MavstackError:
-            print(outcome)
+            echo(outcome)
             raise
         outcome += " and verified"
-    print(outcome)
+    echo(outcome)
 
 
 async def _download(vehicle: Vehicle, plan_type: PlanType, *, strict: bool) -> Plan:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import sys
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
 from mavstack.cli.common.options import seconds
-from mavstack.cli.common.output import align_columns, print_json
+from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.diff import diff
 from mavstack.cli.param.load import load
@@ -156,9 +155,9 @@ async def download_parameters(vehicle: Vehicle) -> Mapping[str, Parameter]:
 def show(parameters: list[Parameter], *, as_json: bool) -> None:
     """Print parameters in columns, or as a JSON array."""
     if as_json:
-        print_json([json_parameter(each) for each in parameters])
+        echo_json([json_parameter(each) for each in parameters])
     else:
-        print(*align_columns([parameter_row(each) for each in parameters], right=frozenset({1})), sep="\n")
+        echo(*align_columns([parameter_row(each) for each in parameters], right=frozenset({1})))
 
 
 async def _set(vehicle: Vehicle, name: str, value: Value) -> tuple[Parameter, Parameter]:
@@ -170,27 +169,24 @@ async def _set(vehicle: Vehicle, name: str, value: Value) -> tuple[Parameter, Pa
 def _show_set(before: Parameter, after: Parameter, *, as_json: bool) -> None:
     reboot = needs_reboot(after.name) and before.value != after.value
     if as_json:
-        print_json({**json_parameter(after), "before": json_value(before), "needs_reboot": reboot})
+        echo_json({**json_parameter(after), "before": json_value(before), "needs_reboot": reboot})
         return
     old, new = value_text(before), value_text(after)
     hint = "; takes effect after a reboot" if reboot else ""
-    print(f"{after.name}: {new}, unchanged" if old == new else f"{after.name}: {old} -> {new}{hint}")
+    echo(f"{after.name}: {new}, unchanged" if old == new else f"{after.name}: {old} -> {new}{hint}")
 
 
 def _show_change(before: Parameter | None, after: Parameter, *, as_json: bool) -> None:
     if as_json:
-        print_json({**json_parameter(after), "before": json_value(before)})
+        echo_json({**json_parameter(after), "before": json_value(before)})
     else:
-        print(
-            f"{after.name}: {'?' if before is None else value_text(before)} -> {value_text(after)}",
-            flush=True,
-        )
+        echo(f"{after.name}: {'?' if before is None else value_text(before)} -> {value_text(after)}")
 
 
 def _report_failures(failures: list[RemoteError]) -> int:
     """Print a line for each failure and return the exit code."""
     for error in failures:
-        print(f"mav param: {error}", file=sys.stderr)
+        echo(f"mav param: {error}", error=True)
     return 1 if failures else 0
 
 

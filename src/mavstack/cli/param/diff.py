@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.common.output import align_columns, coloured, print_json
+from mavstack.cli.common.output import align_columns, coloured, echo, echo_json
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.text import json_value, parameters_for
 from mavstack.files.parameters import Owner, compare, owner_of, read_parameters, value_text
@@ -50,10 +50,10 @@ def _show(found: Comparison, heads: tuple[str, str], arguments: Namespace, *, pa
     rows = [row for row in rows if arguments.all or owner_of(row[0]) is not Owner.COUNTER]
     rows.sort(key=itemgetter(0))
     if arguments.json:
-        print_json(_json(found, rows))
+        echo_json(_json(found, rows))
     else:
         _print(rows, heads)
-        print(_summary(found, len(rows), partial=partial))
+        echo(_summary(found, len(rows), partial=partial))
     return 1 if rows and arguments.exit_code else 0
 
 
@@ -64,9 +64,9 @@ def _print(rows: list[Row], heads: tuple[str, str]) -> None:
         (name, *(_NONE if each is None else value_text(each) for each in sides)) for name, *sides in rows
     ]
     head, *lines = align_columns([("", *heads), *cells], right=frozenset({1, 2}))
-    print(head)
+    echo(head)
     for (_, ours, theirs), line in zip(rows, lines, strict=True):
-        print(coloured(line, "red" if theirs is None else "green" if ours is None else "yellow"))
+        echo(coloured(line, "red" if theirs is None else "green" if ours is None else "yellow"))
 
 
 def _summary(found: Comparison, shown: int, *, partial: bool) -> str:

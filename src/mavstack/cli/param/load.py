@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.connection import run_on_vehicle
-from mavstack.cli.common.output import align_columns, coloured, print_json
+from mavstack.cli.common.output import align_columns, coloured, echo, echo_json
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.text import json_value, matching, parameters_for
 from mavstack.files.parameters import Outcome, ParameterLoad, read_parameters, value_text
@@ -42,14 +42,14 @@ def load(arguments: Namespace) -> int:
 
 def _show(results: tuple[AppliedParameter, ...], arguments: Namespace) -> None:
     if arguments.json:
-        print_json({"dry_run": arguments.dry_run, "parameters": [_json(each) for each in results]})
+        echo_json({"dry_run": arguments.dry_run, "parameters": [_json(each) for each in results]})
         return
     rows = [(each, _row(each)) for each in results if each.outcome is not Outcome.UNCHANGED]
     if rows:
         lines = align_columns([row for _, row in rows])
         for (result, _), line in zip(rows, lines, strict=True):
-            print(coloured(line, _COLOURS.get(result.outcome, "red")))
-    print(_summary(results, dry_run=arguments.dry_run))
+            echo(coloured(line, _COLOURS.get(result.outcome, "red")))
+    echo(_summary(results, dry_run=arguments.dry_run))
 
 
 def _row(result: AppliedParameter) -> tuple[str, str, str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.identity import entry_words
-from mavstack.cli.common.output import print_json
+from mavstack.cli.common.output import echo, echo_json, echo_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.text import matching
 from mavstack.dialects import common
@@ -40,13 +40,13 @@ def save(arguments: Namespace) -> int:
             comments=await _comments(vehicle),
         )
         if arguments.file == "-":
-            print(FORMATS[format_name].write(file), end="")
+            echo_text(FORMATS[format_name].write(file))
             return 0
         write_parameters(arguments.file, file, format_name)
         if arguments.json:
-            print_json({"file": arguments.file, "format": format_name, "parameters": len(found)})
+            echo_json({"file": arguments.file, "format": format_name, "parameters": len(found)})
         else:
-            print(f"{len(found)} parameters in {arguments.file}")
+            echo(f"{len(found)} parameters in {arguments.file}")
         return 0
 
     return run_on_vehicle(arguments, work)

@@ -9,7 +9,7 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.output import coloured
+from mavstack.cli.common.output import coloured, echo, echo_progress
 from mavstack.cli.common.text import printable
 from mavstack.links import LinkDown
 from mavstack.services.statustext import StatusText
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 _WARNINGS: Final = (VehicleLost, SystemIdConflict, OwnAddressConflict)
 _EVENTS: Final = (VehicleEvent, GroundStationFound, GroundStationLost, OwnAddressConflict)
-_ERASE: Final = "\r\x1b[K"
 #: Colours of status texts by severity.
 _COLOURS: Final = ("alarm", "alarm", "alarm", "red", "yellow", "cyan", "", "grey")
 
@@ -83,5 +82,6 @@ class Notifications:
 
 def print_notification(text: str, colour: str = "") -> None:
     """Print a line on stderr, over a progress line if there is one."""
-    erase = _ERASE if sys.stderr.isatty() else ""
-    print(f"{erase}{coloured(text, colour, sys.stderr)}", file=sys.stderr, flush=True)
+    if sys.stderr.isatty():
+        echo_progress("")
+    echo(coloured(text, colour), error=True)

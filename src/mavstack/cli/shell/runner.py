@@ -6,12 +6,11 @@ The name of a flight mode is a command too, as in MAVProxy: `loiter` is `mode lo
 from __future__ import annotations
 
 import shlex
-import sys
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import UsageError
-from mavstack.cli.common.output import coloured
+from mavstack.cli.common.output import coloured, echo
 from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.parsing import split_commands
 from mavstack.errors import MavstackError
@@ -96,11 +95,7 @@ def report_failure(error: MavstackError | OSError, location: str = "") -> None:
         text = (
             f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else error
         )
-        print(
-            coloured(f"{location}{' '.join(str(text).split())}", "red", sys.stderr),
-            file=sys.stderr,
-            flush=True,
-        )
+        echo(coloured(f"{location}{' '.join(str(text).split())}", "red"), error=True)
 
 
 def known_modes(session: Session) -> frozenset[str]:

@@ -5,12 +5,12 @@ A session does not depend on a terminal. It prints the output of commands; `noti
 
 from __future__ import annotations
 
-import sys
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.cli.common.errors import CommandError
+from mavstack.cli.common.output import echo
 from mavstack.cli.shell.overrides import Overrides
 from mavstack.cli.shell.settings import Settings
 from mavstack.node.forwarding import Forwarding
@@ -115,9 +115,7 @@ class Session:
 
     def print(self, *lines: str) -> None:
         """Print the output of a command."""
-        for line in lines:
-            print(line)
-        sys.stdout.flush()
+        echo(*lines)
 
     async def __aenter__(self) -> Self:
         await self._stack.enter_async_context(self.forwarding)

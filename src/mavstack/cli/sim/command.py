@@ -7,8 +7,6 @@ immediately (see `mavstack.sim.faults`).
 from __future__ import annotations
 
 import asyncio
-import json
-import sys
 from argparse import ArgumentTypeError
 from dataclasses import replace
 from math import inf
@@ -17,6 +15,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.options import seconds, system_id
+from mavstack.cli.common.output import echo, echo_json
 from mavstack.errors import MavstackError
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Firmware, Home, VehicleType
 
@@ -189,7 +188,7 @@ def _inject(simulation: Simulation, text: str, printer: EventPrinter) -> None:
     try:
         typed = TimedFault.parse(text, simulation.elapsed)
     except FaultError as error:
-        print(f"mav sim: {error}", file=sys.stderr)
+        echo(f"mav sim: {error}", error=True)
         return
     typed.inject(simulation)
     printer.fault(typed, simulation.elapsed)
@@ -216,10 +215,10 @@ class EventPrinter:
             )
             return
         for vehicle in vehicles:
-            print(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}")
+            echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}")
         shown = [str(link.url) for link in links]
-        print("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
-        print("type a fault (gps off, battery 15, link off, reboot …), or Ctrl-C to end", flush=True)
+        echo("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
+        echo("type a fault (gps off, battery 15, link off, reboot …), or Ctrl-C to end")
 
     def event(self, vehicle: SimulatedVehicle, kind: str, text: str) -> None:
         """Print an event of a vehicle."""
@@ -227,7 +226,7 @@ class EventPrinter:
         if self._json:
             self._print(kind, time=round(elapsed, 2), system=system, text=text)
         else:
-            print(f"{elapsed:8.1f}  {system:3}  {text}", flush=True)
+            echo(f"{elapsed:8.1f}  {system:3}  {text}")
 
     def fault(self, injected: TimedFault, elapsed: float) -> None:
         """Print an injected fault."""
@@ -236,14 +235,14 @@ class EventPrinter:
             self._print("fault", time=round(elapsed, 2), **fields)
         else:
             target = injected.system or "all"
-            print(f"{elapsed:8.1f}  {target:3}  FAULT {injected.fault.text}", flush=True)
+            echo(f"{elapsed:8.1f}  {target:3}  FAULT {injected.fault.text}")
 
     def link_down(self, link: Link, reason: str) -> None:
         """Print that a link has no connection."""
-        print(f"mav sim: {link.url}: {reason}", file=sys.stderr)
+        echo(f"mav sim: {link.url.redacted}: {reason}", error=True)
 
     def _print(self, event: str, **fields: object) -> None:
-        print(json.dumps({"event": event, **fields}), flush=True)
+        echo_json({"event": event, **fields})
 
 
 def _impaired(url: str, arguments: Namespace) -> str:

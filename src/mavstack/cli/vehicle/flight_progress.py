@@ -6,6 +6,7 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING
 
+from mavstack.cli.common.output import echo_progress
 from mavstack.vehicle.geography import distance
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 #: Seconds before the first line; an action that ends earlier leaves no trace.
 SHOW_DELAY = 0.5
 SHOW_INTERVAL = 0.25
-_ERASE = "\r\x1b[K"
 
 
 def distance_to_altitude(altitude: float) -> Remaining:
@@ -85,7 +85,7 @@ class FlightProgress:
         await asyncio.sleep(SHOW_DELAY)
         while True:
             self._shown = True
-            print(f"{_ERASE}{self.text()}", end="", file=sys.stderr, flush=True)
+            echo_progress(self.text())
             await asyncio.sleep(SHOW_INTERVAL)
 
     async def __aenter__(self) -> Self:
@@ -100,4 +100,4 @@ class FlightProgress:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
         if self._shown:
-            print(_ERASE, end="", file=sys.stderr, flush=True)
+            echo_progress("")

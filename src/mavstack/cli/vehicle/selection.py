@@ -7,12 +7,11 @@ each outcome is printed when it is known, and the exit code is 0 only if all suc
 from __future__ import annotations
 
 import asyncio
-import json
-import sys
 from argparse import ArgumentTypeError
 from typing import TYPE_CHECKING, Any, Final
 
 from mavstack.cli.common.connection import run_on_connection
+from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.vehicle.flight_progress import FlightProgress
 from mavstack.errors import MavstackError
 from mavstack.vehicle import Group
@@ -101,11 +100,11 @@ def report(arguments: Namespace, vehicle: Vehicle, text: str, error: Exception |
     if arguments.json:
         outcome: dict[str, Any] = {"system": vehicle.system, "action": arguments.action, "ok": error is None}
         outcome["text" if error is None else "error"] = text
-        print(json.dumps(outcome), flush=True)
+        echo_json(outcome)
     elif error is None:
-        print(f"vehicle {vehicle.system}: {text}", flush=True)
+        echo(f"vehicle {vehicle.system}: {text}")
     else:
-        print(f"mav vehicle: vehicle {vehicle.system}: {' '.join(text.split())}", file=sys.stderr, flush=True)
+        echo(f"mav vehicle: vehicle {vehicle.system}: {' '.join(text.split())}", error=True)
 
 
 async def _run_on_one(

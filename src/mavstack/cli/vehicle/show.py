@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.connection import run_on_connection
+from mavstack.cli.common.output import echo, echo_json
 from mavstack.cli.vehicle.info import gather_facts, health_facts, page
 from mavstack.cli.vehicle.selection import selected_vehicles, selects_several
 
@@ -25,14 +25,14 @@ def modes(arguments: Namespace) -> int:
         if arguments.json:
             keys = ("name", "custom_mode", "selectable")
             listed = [dict(zip(keys, row, strict=True)) for row in rows]
-            print(json.dumps({"system": vehicle.system, "mode": vehicle.mode, "modes": listed}))
+            echo_json({"system": vehicle.system, "mode": vehicle.mode, "modes": listed})
             return
         if selects_several(arguments):
-            print(f"vehicle {vehicle.system}:")
+            echo(f"vehicle {vehicle.system}:")
         for name, number, selectable in rows:
             current = "*" if name.lower() == (vehicle.mode or "").lower() else " "
             width = max(len(row[0]) for row in rows)
-            print(f"{current} {name:{width}}  {number}{'' if selectable else '  -'}")
+            echo(f"{current} {name:{width}}  {number}{'' if selectable else '  -'}")
 
     return _show_each(arguments, show)
 
@@ -42,7 +42,10 @@ def info(arguments: Namespace) -> int:
 
     async def show(vehicle: Vehicle) -> None:
         facts = await gather_facts(vehicle)
-        print(*([json.dumps(facts, allow_nan=False)] if arguments.json else page(facts)), sep="\n")
+        if arguments.json:
+            echo_json(facts)
+        else:
+            echo(*page(facts))
 
     return _show_each(arguments, show)
 
@@ -59,12 +62,12 @@ def health(arguments: Namespace) -> int:
             facts = (await gather_facts(vehicle))["health"]
         ready.append(bool(facts["ready"]))
         if arguments.json:
-            print(json.dumps({"system": vehicle.system, **facts}))
+            echo_json({"system": vehicle.system, **facts})
             return
         head = {True: "ready to arm", False: "not ready to arm", None: "readiness to arm unknown"}
-        print(f"vehicle {vehicle.system}: {head[facts['ready']]}")
+        echo(f"vehicle {vehicle.system}: {head[facts['ready']]}")
         for problem in facts["problems"]:
-            print(f"  {problem}")
+            echo(f"  {problem}")
 
     return _show_each(arguments, show) or (0 if all(ready) else 1)
 

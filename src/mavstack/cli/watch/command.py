@@ -10,6 +10,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.options import add_dialect_option, load_dialect, message_ids, seconds, system_id
+from mavstack.cli.common.output import echo
 from mavstack.cli.watch.observer import Observer, Selection
 from mavstack.cli.watch.packet_lines import json_line, text_line
 from mavstack.cli.watch.recording import STDIN, read_recording
@@ -121,7 +122,7 @@ def _watch_file(path: str, observer: Observer, arguments: Namespace) -> int:
         line = json_line if arguments.json else text_line
 
         def show(packets: Sequence[Packet]) -> None:
-            print("\n".join(line(packet, _recorded(packet)) for packet in packets))
+            echo(*(line(packet, _recorded(packet)) for packet in packets), flush=False)
 
         read_recording(path, observer, show, arguments.seconds)
     # The JSON summary itself shows that there are no packets; in all other cases this is a failure.
@@ -197,10 +198,10 @@ def print_summary(
 ) -> None:
     """Print the summary as text or, with `--json`, as JSON."""
     if arguments.json:
-        print(summary_json(observer, duration))
+        echo(summary_json(observer, duration))
         return
     snapshot = take_snapshot(observer, title, monotonic(), duration, note)
-    print(summary_text(snapshot, _terminal_columns()))
+    echo(*summary_text(snapshot, _terminal_columns()).split("\n"))
 
 
 def _terminal_columns() -> int | None:
@@ -216,6 +217,6 @@ def _printer(arguments: Namespace) -> Callable[[Sequence[Packet], float], None]:
     line = json_line if arguments.json else text_line
 
     def show(packets: Sequence[Packet], time: float) -> None:
-        print("\n".join(line(packet, time) for packet in packets))
+        echo(*(line(packet, time) for packet in packets), flush=False)
 
     return show
