@@ -14,6 +14,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from mavstack.cli.common.log_output import stderr_log_held
+from mavstack.cli.common.text import printable
 from mavstack.errors import MissingExtraError
 
 try:
@@ -86,4 +87,11 @@ class LiveDisplay(ABC, Generic[Snapshot]):
                 self._live.update(self._group(snapshot, self._console.height), refresh=True)
 
     def _group(self, snapshot: Snapshot, height: int) -> Group:
-        return Group(*self.lines(snapshot, self._console.width, height))
+        return Group(*map(_printable, self.lines(snapshot, self._console.width, height)))
+
+
+def _printable(line: Text) -> Text:
+    """Return a line without control characters, which rich would pass on to the terminal."""
+    if not line.plain.isprintable():
+        line.plain = printable(line.plain)
+    return line

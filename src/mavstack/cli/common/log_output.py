@@ -10,10 +10,12 @@ from argparse import SUPPRESS
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.text import printable
+
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Iterator
-    from logging import Handler
+    from logging import Formatter, Handler, LogRecord
 
 ROOT_LOGGER: Final = "mavstack"
 #: Title of the options' group in help texts.
@@ -89,6 +91,20 @@ def stderr_log_held() -> Iterator[None]:
             handler.print_held_lines()
 
 
+def _formatter(text_format: str, time_format: str) -> Formatter:
+    """Return a formatter of lines without control characters; a traceback keeps its line breaks."""
+    import logging
+
+    class PrintableFormatter(logging.Formatter):
+        """Formats a record without the control characters of texts from outside."""
+
+        def format(self, record: LogRecord) -> str:
+            """Format a record."""
+            return "\n".join(map(printable, super().format(record).split("\n")))
+
+    return PrintableFormatter(text_format, time_format)
+
+
 def _handlers(verbosity: int, path: str | None) -> list[Handler]:
     import logging
 
@@ -98,11 +114,11 @@ def _handlers(verbosity: int, path: str | None) -> list[Handler]:
     if path is not None:
         file = logging.FileHandler(path, encoding="utf-8")
         file.setLevel(logging.DEBUG)
-        file.setFormatter(logging.Formatter(_FILE_FORMAT, _FILE_TIME))
+        file.setFormatter(_formatter(_FILE_FORMAT, _FILE_TIME))
         handlers.append(file)
     if verbosity:
         shown = StderrHandler()
         shown.setLevel(logging.INFO if verbosity == 1 else logging.DEBUG)
-        shown.setFormatter(logging.Formatter(_STDERR_FORMAT, _STDERR_TIME))
+        shown.setFormatter(_formatter(_STDERR_FORMAT, _STDERR_TIME))
         handlers.append(shown)
     return handlers

@@ -27,7 +27,7 @@ class StderrHandler(Handler):
         try:
             line = self.format(record)
             if self._held is None:
-                echo(line, error=True)
+                echo(*line.split("\n"), error=True)
             else:
                 self._held.append(line)
         except Exception:  # noqa: BLE001 (as in logging's own handlers)
@@ -40,4 +40,4 @@ class StderrHandler(Handler):
     def print_held_lines(self) -> None:
         """Print the lines that were kept."""
         held, self._held = self._held, None
-        echo(*held or (), error=True)
+        echo(*(each for line in held or () for each in line.split("\n")), error=True)

@@ -43,7 +43,7 @@ async def complete(session: Session, text: str) -> tuple[list[str], int]:
         if command is None or command.complete is None:
             return [], 0
         found = await command.complete(session, words[1:], word)
-    matching = {each for each in found if each.lower().startswith(word.lower())}
+    matching = {each for each in found if each.lower().startswith(word.lower()) and each.isprintable()}
     return sorted(matching)[:MAX_CANDIDATES], len(word)
 
 

@@ -1,0 +1,193 @@
+"""Attack: control sequences for the terminal in every text that a vehicle, a file or a packet can carry."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from mavstack import cli
+from mavstack.cli.registry import COMMANDS, actions_of, command_parser
+from mavstack.dialects import Dialect, common
+from mavstack.links.memory import MemoryChannel
+from mavstack.sim.vehicle_types import Firmware, VehicleType
+from mavstack.wire import Parser, encode
+from tests.cli.conftest import stamped
+
+if TYPE_CHECKING:
+    from mavstack.wire import Packet
+
+#: Clears the screen, sets the title, asks for a report, colours, erases the line, turns the text around.
+ATTACK = "\x1b[2J\x1b]0;x\x07\x9b5n\x1b[35m\r\x1b[1K\u202e\x7f"
+#: The sequences that the command line itself sends to a terminal: colours, and the end of a progress line.
+OWN_SEQUENCE = re.compile(r"\x1b\[(0|1|1;31|31|32|33|36|90)m|\r\x1b\[K")
+COPTER, PX4_COPTER = (VehicleType.COPTER, Firmware.ARDUPILOT), (VehicleType.COPTER, Firmware.PX4)
+#: Commands that show an attacked text, so that its replacement is seen.
+REACHED = {
+    "vehicle arm", "vehicle mode NOSUCH", "vehicle modes", "vehicle health", "vehicle info", "param list",
+    "param save - --format mavproxy", "ftp ls /bad", "shell --command modes",
+    "shell --command 'arm throttle'", "shell --command 'ftp list /bad'", "watch hostile.tlog",
+    "watch hostile.tlog --once", "dialect show hostile.xml", "dialect show hostile.xml BAD_MESSAGE",
+}  # fmt: skip
+#: The only modules that may write to the terminal.
+WRITERS = {"common/output.py", "common/live_display.py"}
+
+WITH_VEHICLE = [
+    "vehicle arm", "vehicle disarm", "vehicle takeoff 10", "vehicle land --no-wait", "vehicle rtl --no-wait",
+    "vehicle hold", "vehicle goto 47.3 8.5 10", "vehicle orbit 47.3 8.5 10", "vehicle mode LOITER",
+    "vehicle mode NOSUCH", "vehicle modes", "vehicle speed 5", "vehicle yaw 90 --no-wait", "vehicle home",
+    "vehicle reboot --no-wait", "vehicle info", "vehicle health", "vehicle statustext hello",
+    "param list", "param get RALLY_LIMIT_KM NOSUCH", "param set NOSUCH 1", "param set LOG_BACKEND_TYPE 2",
+    "param save - --format mavproxy", "param load hostile.param", "param diff hostile.param",
+    "param watch --for 2",
+    "mission upload hostile.waypoints", "mission upload hostile.waypoints --force", "mission download",
+    "mission clear", "mission start", "mission show",
+    "ftp ls /", "ftp ls /bad", "ftp get -r /bad here",
+    "ftp put hostile.param /bad/x.param", "ftp mkdir /bad/y",
+    "ftp rename /bad/y /bad/z", "ftp crc /none", "ftp rm /none",
+    "log list", "log get all", "log erase --yes",
+    "shell --command 'arm throttle'", "shell --command 'takeoff 10'", "shell --command modes",
+    "shell --command 'nsh ver all'", "shell --command 'status STATUSTEXT'", "shell --command info",
+    "shell --command 'ftp list /bad'", "shell --command 'watch STATUSTEXT 3'",
+]  # fmt: skip
+WITHOUT_VEHICLE = [
+    "watch hostile.tlog --once", "watch hostile.tlog --json", "watch hostile.tlog",
+    "watch hostile.tlog --once --json",
+    "mission show hostile.waypoints", "mission show hostile.plan", "mission convert hostile.plan -",
+    "mission convert hostile.waypoints - --force", "param diff hostile.param hostile.param",
+    "param diff hostile.param other.param",
+    "dialect list", "dialect show hostile.xml", "dialect show hostile.xml BAD_MESSAGE",
+    "dialect show hostile.xml NOSUCH", "dialect check hostile.xml", "dialect diff common hostile.xml --prose",
+    "dialect import hostile.xml -o facts.xml", "doctor", "sim --for 1 --speed max --out udpout://127.0.0.1:9",
+    "demo --for 1 --once", "completion bash",
+]  # fmt: skip
+
+
+def fitting(text: str, size: int) -> str:
+    """Return as much of a text as fits into a field."""
+    return text.encode()[:size].decode(errors="ignore")
+
+
+def hostile_texts(packet: Packet) -> bytes:
+    """Return a packet of a vehicle with the attack in its texts."""
+    message = packet.message
+    match message:
+        case common.Statustext(text=text):
+            changed = {"text": fitting(f"{text[:10]}{ATTACK}", 50)}
+        case common.AvailableModes(mode_name=name):
+            changed = {"mode_name": fitting(f"{name}{ATTACK}", 35)}
+        case common.ParamValue(param_id=name) if name == "COM_RC_IN_MODE":
+            changed = {"param_id": "COM_\x1b[2J\x9bA"}
+        case common.AutopilotVersion():
+            changed = {"flight_custom_version": b"\x1b[2J\x9b5n!"}
+        case common.SerialControl(data=data) if any(data):
+            return packet.raw.replace(b"ver", b"\x1bc\x9b")
+        case _:
+            return packet.raw
+    values = {name: getattr(message, name) for name in message.__match_args__} | changed
+    return encode(
+        type(message)(**values), system=packet.system, component=packet.component, sequence=packet.sequence
+    )
+
+
+@pytest.fixture
+def hostile_link(monkeypatch):
+    """Rewrite the texts in all packets of vehicles."""
+    send = MemoryChannel._send
+
+    def rewritten(self, data):
+        packets = Parser(Dialect.load("all")).feed(bytes(data))
+        return send(
+            self, b"".join(each.raw if each.system == 255 else hostile_texts(each) for each in packets)
+        )
+
+    monkeypatch.setattr(MemoryChannel, "_send", rewritten)
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch) -> None:
+    """Write hostile files into the current directory."""
+    monkeypatch.chdir(tmp_path)
+    head, name = "QGC WPL 110\n", ATTACK.replace("\r", "")
+    Path("hostile.waypoints").write_text(
+        f"{head}0 1 0 16 0 0 0 0 47 8 488 1\n1 0 3 {name} 0 0 0 0 47 8 10 1\n", "utf-8"
+    )
+    Path("hostile.plan").write_text('{"fileType": "\\u001b[2J", "\\u009b5n": {"\\u001b[2J": 1}}', "utf-8")
+    Path("hostile.param").write_text(f"LOG_{name} 1\nRALLY_LIMIT_KM 3\n", "utf-8")
+    Path("other.param").write_text("RALLY_LIMIT_KM 4\n", "utf-8")
+    escape = "\x9b5n\x7f\u202e&#10;"
+    Path("hostile.xml").write_text(
+        '<mavlink><enums><enum name="E"><entry value="1" name="E_X"/></enum></enums>'
+        f'<messages><message id="150" name="BAD_MESSAGE"><description>{escape}</description>'
+        f'<field type="uint8_t" name="a" units="{escape}" enum="E">{escape}</field>'
+        "</message></messages></mavlink>",
+        "utf-8",
+    )
+    texts = [f"{ATTACK}{number}" for number in range(3)]
+    packets = [encode(common.Statustext(severity=4, text=text), system=1, component=1) for text in texts]
+    packets.append(encode(common.NamedValueFloat(name="\x1b[2J\x9bA", value=1), system=1, component=1))
+    Path("hostile.tlog").write_bytes(stamped(packets))
+
+
+def controls(text: str, *, terminal: bool) -> set[str]:
+    """Return the control characters in the output of a command, but for those of the command line itself."""
+    rest = OWN_SEQUENCE.sub("", text) if terminal else text
+    return {letter for letter in rest if not letter.isprintable() and letter not in "\n\t"}
+
+
+def run(mav, line: str, monkeypatch, *, terminal: bool) -> None:
+    if terminal:
+        for stream in (sys.stdout, sys.stderr):
+            monkeypatch.setattr(stream, "isatty", lambda: True)
+    result = mav(*shlex.split(line))
+    assert result.code in (0, 1, 2)
+    assert controls(result.out + result.err, terminal=terminal) == set()
+    assert "\N{REPLACEMENT CHARACTER}" in result.out + result.err or line not in REACHED
+
+
+@pytest.mark.parametrize("terminal", [False, True], ids=["pipe", "terminal"])
+@pytest.mark.parametrize("line", WITH_VEHICLE)
+def test_texts_of_a_vehicle_do_not_control_the_terminal(
+    mav, simulate, hostile_link, files, monkeypatch, line, terminal
+):
+    px4 = any(word in line for word in ("nsh", "modes", "NOSUCH", "param list", "param save"))
+    vehicles = simulate(PX4_COPTER if px4 else COPTER, ready=False)
+    vehicles.put(f"/bad/{ATTACK.replace('/', '')}", b"content")
+    monkeypatch.setattr("sys.stdin", None)
+    run(mav, line, monkeypatch, terminal=terminal)
+
+
+@pytest.mark.parametrize("line", WITHOUT_VEHICLE)
+def test_texts_of_files_do_not_control_the_terminal(mav, files, monkeypatch, line):
+    run(mav, line, monkeypatch, terminal=False)
+
+
+def test_every_command_is_attacked():
+    attacked = {tuple(line.split()[:2]) for line in WITH_VEHICLE + WITHOUT_VEHICLE}
+    for name in COMMANDS:
+        actions = [action for action, *_ in actions_of(command_parser(name))]
+        assert any(words[0] == name for words in attacked), name
+        assert [action for action in actions if (name, action) not in attacked] == []
+
+
+def test_only_the_output_module_writes_to_the_terminal():
+    top = Path(cli.__file__).parent
+    found = []
+    for path in top.rglob("*.py"):
+        if path.relative_to(top).as_posix() in WRITERS:
+            continue
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            printed = (
+                isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
+            )
+            written = isinstance(node, ast.Attribute) and ast.unparse(node) in (
+                "sys.stdout.write",
+                "sys.stderr.write",
+            )
+            found += [f"{path.name}:{node.lineno}"] if printed or written else []
+    assert found == []
