@@ -382,6 +382,31 @@ def test_home_is_item_0_where_it_is() -> None:
     assert station.service.plan(PlanType.RALLY) == plan_of(3, PlanType.RALLY)
 
 
+def test_home_can_be_read_while_the_mission_is_empty() -> None:
+    station = make(options=MissionServerOptions(home_first=True, float_answers=True))
+    request = common.MissionRequest(seq=0, **to_vehicle())
+    (unknown,) = station.tell(request)
+    assert (unknown.command, unknown.x, unknown.y) == (common.MavCmd.NAV_WAYPOINT, 0.0, 0.0)
+    station.service.home = MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47.0, param6=8.0)
+    (count,) = station.list()
+    assert count.count == 0
+    (item,) = station.tell(request)
+    assert (item.seq, item.x, item.y) == (0, 47.0, 8.0)
+    assert station.request(0)[0].x == 470_000_000
+    assert result_of(station.request(0, PlanType.RALLY)) == Result.ERROR
+
+
+def test_request_beyond_the_mission_is_answered_with_its_count_by_ardupilot() -> None:
+    station = make(options=MissionServerOptions(home_first=True))
+    station.upload(plan_of(3))
+    station.list()
+    answers = station.request(3)
+    assert kinds(answers) == ["MissionCount", "MissionAck"]
+    assert (answers[0].count, answers[1].type) == (3, Result.ERROR)
+    station.list(PlanType.FENCE)
+    assert result_of(station.request(0, PlanType.FENCE)) == Result.INVALID_SEQUENCE
+
+
 def test_plans_and_ids_outlive_a_restart() -> None:
     store = PlanStore()
     station = make(store=store)

@@ -72,7 +72,8 @@ class MissionServerOptions:
 
     Attributes:
         limits: The largest number of items of each supported plan type. plan_ids: Send plan ids. home_first:
-        Item 0 of a mission is the vehicle's home, whatever was uploaded there (ArduPilot). plain_requests:
+        Item 0 of a mission is the vehicle's home, whatever was uploaded there, and can be read while the mission
+        is empty (ArduPilot). plain_requests:
         Request items by MISSION_REQUEST, and accept either form of item (ArduPilot). float_answers: Answer
         MISSION_REQUEST with MISSION_ITEM to all clients. request_interval: The smallest time between two
         requests for an item, seconds: some clients count them.
@@ -142,7 +143,13 @@ class MissionServer(Service):
             plain_requests=self.options.plain_requests,
             request_interval=self.options.request_interval,
         )
-        self._downloads = DownloadServer(self.plan, self._current_of, self._uploads.acknowledge, self._reply)
+        self._downloads = DownloadServer(
+            self.plan,
+            self._current_of,
+            self._uploads.acknowledge,
+            self._reply,
+            home=self._first_item if self.options.home_first else None,
+        )
 
     # Methods for the program
 
@@ -256,6 +263,13 @@ class MissionServer(Service):
         if self.options.home_first and held.type == PlanType.MISSION and self.home is not None and held.items:
             plan = Plan(held.type, (self.home, *held.items[1:]))
         return plan.with_id(held.checksum() if self.options.plan_ids else 0)
+
+    def _first_item(self) -> MissionItem:
+        """Return item 0 of a mission that begins with home; its place is 0, 0 while home is unknown."""
+        uploaded = self.plan(PlanType.MISSION).items
+        if uploaded:
+            return uploaded[0]
+        return self.home or MissionItem(common.MavCmd.NAV_WAYPOINT, frame=common.MavFrame.GLOBAL)
 
     def _supports(self, kind: int, source: Address) -> bool:
         if kind not in self.limits:
