@@ -73,11 +73,12 @@ class MissionServerOptions:
     Attributes:
         limits: The largest number of items of each supported plan type.
         plan_ids: Send plan ids.
-        home_first: Item 0 of a mission is the vehicle's home, whatever was uploaded there, and can be read while
-            the mission is empty (ArduPilot).
+        home_first: Item 0 of a mission is the vehicle's home, whatever was uploaded there, and can be read
+            while the mission is empty (ArduPilot).
         plain_requests: Request items by MISSION_REQUEST, and accept either form of item (ArduPilot).
         float_answers: Answer MISSION_REQUEST with MISSION_ITEM to all clients.
-        request_interval: The smallest time between two requests for an item, seconds: some clients count them.
+        request_interval: The smallest time between two requests for an item, seconds: some clients count
+            them.
     """
 
     limits: Mapping[int, int] = field(default_factory=lambda: DEFAULT_LIMITS)
