@@ -17,6 +17,7 @@ from mavstack._core import Index, looks_timestamped
 from mavstack.dialects import Dialect
 from mavstack.errors import LogError, UnknownMessageError
 from mavstack.logs.log_bytes import LogBytes
+from mavstack.logs.message_table import MessageTable
 from mavstack.logs.tables import table_dtype
 from mavstack.wire.other_formats import other_format
 
@@ -29,10 +30,11 @@ if TYPE_CHECKING:
 _MAX_HEAD = 1 << 18  # bytes examined to detect timestamps
 
 
-class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
+class LogFile(Mapping[str, MessageTable]):
     """A log as a mapping from message names to tables: `log["ATTITUDE"]["roll"]` is a column.
 
-    A table is a numpy structured array with one row per packet. Its columns are `_time` (datetime64 in µs
+    A table is a numpy structured array with one row per packet, which also converts itself to a data frame
+    (`log["BATTERY_STATUS"].to_pandas()`). Its columns are `_time` (datetime64 in µs
     UTC, NaT if not recorded), `_system`, `_component`, `_sequence`, `_version`, and the fields of the message
     with their raw values.
 
@@ -77,9 +79,9 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
         ids = self._index.counts
         self._ids = {dialect.name_of(message_id): message_id for message_id in ids}
         self.counts: dict[str, int] = {name: ids[message_id] for name, message_id in self._ids.items()}
-        self._tables: dict[str, np.ndarray[tuple[int], np.dtype[np.void]]] = {}
+        self._tables: dict[str, MessageTable] = {}
 
-    def __getitem__(self, name: str) -> np.ndarray[tuple[int], np.dtype[np.void]]:
+    def __getitem__(self, name: str) -> MessageTable:
         if name not in self._tables:
             self.load(name)
         return self._tables[name]
@@ -104,7 +106,9 @@ class LogFile(Mapping[str, "np.ndarray[tuple[int], np.dtype[np.void]]"]):
             if data is not self._data:
                 self._use_copy(data)
             self._index.decode(rows, threads=self._threads)
-        self._tables.update(zip(missing, tables, strict=True))
+        self._tables.update(
+            (name, table.view(MessageTable)) for name, table in zip(missing, tables, strict=True)
+        )
 
     def _indexed(self, data: mmap.mmap | bytes) -> Index:
         return Index(data, self.dialect, timestamped=self.timestamped, threads=self._threads)
