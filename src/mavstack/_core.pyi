@@ -225,7 +225,9 @@ class Refusals:
 class Signing:
     """Signing state of one link: signs sent packets and verifies received ones.
 
-    The parser and the encoder of the link share one object. Refused packets are counted in `refusals`.
+    The parser and the encoder of the link share one object. Refused packets are counted in `refusals`. All links of
+    one key must share their clock and their streams (`for_link`), or a packet accepted on one link can be replayed on
+    another.
 
     Args:
         key: The 32 bytes of the key.
@@ -236,7 +238,8 @@ class Signing:
         max_behind: Maximum age in seconds of the first packet of a stream.
         max_ahead: Maximum lead in seconds of a packet over the clock.
         reorder_slack: Maximum lag in seconds of a reordered packet behind the newest of its stream; 0 refuses all.
-        max_streams: Maximum number of streams (link id, system, component).
+        max_streams: Maximum number of streams (link id, system, component); a full table forgets streams whose packets
+            would be refused by `max_behind`.
 
     Raises:
         SigningError: The key does not have 32 bytes, or the timestamp does not fit 48 bits.
@@ -265,7 +268,42 @@ class Signing:
 
     @property
     def streams(self) -> int:
-        """Number of streams (link id, system, component) received so far."""
+        """Number of known streams (link id, system, component) of all links."""
+
+    @property
+    def stream_timestamps(self) -> dict[tuple[int, int, int], int]:
+        """Newest timestamp of each stream (link id, system, component): store them for the next run."""
+
+    def for_link(self, link_id: int) -> Signing:
+        """Create the signing state of another link of the same key, with the same policy, clock and streams.
+
+        Args:
+            link_id: Id of the other link in signatures, 0 to 255.
+
+        Returns:
+            The signing state of the other link; a packet accepted by one of them is a replay for all others.
+        """
+
+    def advance(self, timestamp: int) -> None:
+        """Advance the clock of all links of the key; an older timestamp has no effect.
+
+        Args:
+            timestamp: A trusted timestamp in 10 us since 2015-01-01 UTC, such as the one that came with the key.
+
+        Raises:
+            SigningError: The timestamp does not fit 48 bits.
+        """
+
+    def restore(self, stream_timestamps: dict[tuple[int, int, int], int], *, floor: int = 0) -> None:
+        """Restore the streams of the last run, so that its packets are refused as replays.
+
+        Args:
+            stream_timestamps: Newest timestamp of each stream, as in the attribute of the last run.
+            floor: Timestamp up to which packets of all streams are refused.
+
+        Raises:
+            SigningError: A timestamp does not fit 48 bits.
+        """
 
     @property
     def refusals(self) -> Refusals:
@@ -374,8 +412,8 @@ class Parser:
 
         Args:
             data: The received bytes, in chunks of any size.
-            now: Current Unix time in seconds, used for signing only; None disables the checks against the current
-                time.
+            now: Current Unix time in seconds, used for signing only. With None, the age of a stream's first packet is
+                measured from the signing clock alone, and the maximum lead of a packet from the system's clock.
 
         Returns:
             The packets completed by `data`, in order.
@@ -411,7 +449,7 @@ class Parser:
 
     @property
     def sources(self) -> dict[tuple[int, int], SourceStatistics]:
-        """Statistics of each source, by (system, component)."""
+        """Statistics of each source, by (system, component); of 1,024 sources, those with many packets are kept longest."""
 
     @property
     def pending(self) -> int:

@@ -1,14 +1,14 @@
 //! Bulk decoding of a whole file: an index of its packets, then each message's packets as rows of a table.
 //!
-//! Indexing on several threads gives exactly the result of one thread. Between two packets the scanner's only state is
-//! its position, so if a thread ends exactly at the starting point of the next segment, that segment's result is valid.
+//! Indexing on several threads gives exactly the result of one thread. A segment begins where a packet directly follows
+//! another one, so if a thread ends exactly at the starting point of the next segment, that segment's result is valid.
 //! If not (a false start inside junk), the segment is scanned again from the right position and its first result is
 //! discarded.
 
-use crate::header::Header;
+use crate::header::{Header, SIGNATURE};
 use crate::layout::{Dialect, FieldType, Layout};
 use crate::parser::Packet;
-use crate::scan::{FrameSpan, Scanner, TIMESTAMP, timestamp_microseconds};
+use crate::scan::{FrameSpan, Scanner, State, TIMESTAMP, timestamp_microseconds};
 use crate::sequence::Sources;
 use crate::statistics::Statistics;
 use std::collections::BTreeMap;
@@ -75,8 +75,8 @@ pub fn row_size(layout: &Layout) -> usize {
 struct Segment {
     index: Index,
     start: usize,
-    /// Index at which the scan stopped: at or after the end of the segment.
-    scanned_to: usize,
+    /// State in which the scan stopped, at or after the end of the segment.
+    stopped: State,
 }
 
 impl Index {
@@ -89,20 +89,22 @@ impl Index {
             let running: Vec<_> = starts
                 .iter()
                 .zip(ends)
-                .map(|(&start, end)| scope.spawn(move || scan_segment(data, dialect, timestamped, start, end)))
+                .map(|(&start, end)| {
+                    scope.spawn(move || scan_segment(data, dialect, timestamped, State::at(start), end))
+                })
                 .collect();
             running.into_iter().map(|thread| thread.join().expect("scanning does not panic")).collect()
         });
         let mut whole = Self::default();
-        let mut covered = 0;
+        let mut covered = State::default();
         for segment in segments {
             // A segment that starts inside a packet is scanned again from the end of that packet.
-            let segment = if segment.start == covered {
+            let segment = if segment.start == covered.boundary && covered.position == covered.boundary {
                 segment
             } else {
-                scan_segment(data, dialect, timestamped, covered, segment.scanned_to.max(covered))
+                scan_segment(data, dialect, timestamped, covered, segment.stopped.boundary.max(covered.boundary))
             };
-            covered = segment.scanned_to;
+            covered = segment.stopped;
             whole.append(segment.index);
         }
         whole
@@ -222,7 +224,7 @@ fn split_points(data: &[u8], dialect: &Dialect, timestamped: bool, threads: usiz
     let mut starts = vec![0];
     for nominal in (1..segments).map(|number| data.len() / segments * number) {
         let window = &data[nominal..data.len().min(nominal + MAX_SPLIT_SEARCH)];
-        let mut scanner = Scanner::resume(window, dialect, timestamped, 1, 0);
+        let mut scanner = Scanner::resume(window, dialect, timestamped, State::searching_from(1));
         let mut ignored = Statistics::default();
         while let Some(found) = scanner.next_packet(&mut ignored) {
             let end = found.range().end;
@@ -237,18 +239,21 @@ fn split_points(data: &[u8], dialect: &Dialect, timestamped: bool, threads: usiz
     starts
 }
 
-fn scan_segment(data: &[u8], dialect: &Dialect, timestamped: bool, start: usize, end: usize) -> Segment {
-    let mut index = Index { parts: vec![Part::new(start, dialect.layouts().len())], ..Index::default() };
+fn scan_segment(data: &[u8], dialect: &Dialect, timestamped: bool, state: State, end: usize) -> Segment {
+    let start = state.boundary;
+    // The first packet may begin in the signature before the segment.
+    let part = Part::new(start.saturating_sub(SIGNATURE + TIMESTAMP), dialect.layouts().len());
+    let mut index = Index { parts: vec![part], ..Index::default() };
     let mut statistics = Statistics::default();
-    let mut scanner = Scanner::resume(data, dialect, timestamped, start, start);
-    while scanner.boundary() < end {
+    let mut scanner = Scanner::resume(data, dialect, timestamped, state);
+    while scanner.state().boundary < end {
         let Some(found) = scanner.next_packet_at_end(&mut statistics) else {
             break;
         };
         index.record(data, &found);
     }
     index.statistics = statistics;
-    Segment { index, start, scanned_to: scanner.boundary() }
+    Segment { index, start, stopped: scanner.state() }
 }
 
 fn decode_rows(data: &[u8], layout: &Layout, offsets: &[u32], rows: &mut [u8]) {

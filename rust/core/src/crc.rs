@@ -73,14 +73,65 @@ fn fold(crc: u16, block: &[u8; BLOCK]) -> u16 {
     next
 }
 
+/// Maximum number of zero bytes that [`append_zeros`] appends.
+const MAX_ZEROS: usize = BLOCK * (LONG_TABLES.len() + 1) - 1;
+/// `LONG_TABLES[k]` holds, for each low and high byte of a CRC, that CRC after `16 * (k + 1)` zero bytes.
+static LONG_TABLES: [[[u16; 256]; 2]; 17] = long_tables();
+
+const fn long_tables() -> [[[u16; 256]; 2]; 17] {
+    let mut tables = [[[0u16; 256]; 2]; 17];
+    let mut step = 0;
+    while step < tables.len() {
+        let mut entry = 0;
+        while entry < 512 {
+            let (half, byte) = (entry / 256, entry % 256);
+            let before = if step == 0 { (byte as u16) << (8 * half) } else { tables[step - 1][half][byte] };
+            tables[step][half][byte] =
+                TABLES[BLOCK - 1][(before & 0xFF) as usize] ^ TABLES[BLOCK - 2][(before >> 8) as usize];
+            entry += 1;
+        }
+        step += 1;
+    }
+    tables
+}
+
+/// Continues `crc` over `count` zero bytes, at most 287, in constant time.
+#[inline]
+#[must_use]
+pub fn append_zeros(mut crc: u16, count: usize) -> u16 {
+    debug_assert!(count <= MAX_ZEROS);
+    if let Some(long) = (count / BLOCK).checked_sub(1).and_then(|index| LONG_TABLES.get(index)) {
+        crc = long[0][usize::from(crc as u8)] ^ long[1][usize::from(crc >> 8)];
+    }
+    let [low, high] = crc.to_le_bytes();
+    match count % BLOCK {
+        0 => crc,
+        1 => accumulate(crc, 0),
+        rest => TABLES[rest - 1][usize::from(low)] ^ TABLES[rest - 2][usize::from(high)],
+    }
+}
+
+/// The byte whose entry of `TABLES[0]` has a given high byte; every high byte occurs once.
+static BYTES_BY_HIGH: [u8; 256] = bytes_by_high();
+
+const fn bytes_by_high() -> [u8; 256] {
+    let mut bytes = [0; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        bytes[(TABLES[0][byte] >> 8) as usize] = byte as u8;
+        byte += 1;
+    }
+    bytes
+}
+
 /// Finds the `CRC_EXTRA` that leads from `before` to `after`, or `None` if no byte does.
 ///
 /// A packet of an unknown id cannot be verified completely, but only 1 in 256 damaged packets has a solution.
 #[must_use]
 pub fn solve_extra(before: u16, after: u16) -> Option<u8> {
     let target = after ^ (before >> 8);
-    let index = TABLES[0].iter().position(|&entry| entry == target)?;
-    Some((index as u8) ^ (before as u8))
+    let byte = BYTES_BY_HIGH[usize::from(target >> 8)];
+    (TABLES[0][usize::from(byte)] == target).then_some(byte ^ (before as u8))
 }
 
 #[cfg(test)]
@@ -107,6 +158,17 @@ mod tests {
         #[test]
         fn equals_the_bitwise_implementation(data in prop::collection::vec(any::<u8>(), 0..300), start: u16) {
             prop_assert_eq!(update(start, &data), bitwise(start, &data));
+        }
+
+        #[test]
+        fn append_zeros_equals_an_update(start: u16, count in 0..=MAX_ZEROS) {
+            prop_assert_eq!(append_zeros(start, count), update(start, &vec![0; count]));
+        }
+
+        #[test]
+        fn solve_extra_finds_exactly_the_solutions(before: u16, after: u16) {
+            let exists = (0..=255).any(|extra| accumulate(before, extra) == after);
+            prop_assert_eq!(solve_extra(before, after).is_some(), exists);
         }
 
         #[test]

@@ -11,6 +11,7 @@ pub mod encode;
 pub mod header;
 pub mod layout;
 pub mod parser;
+mod running_crc;
 pub mod scan;
 pub mod sequence;
 pub mod signing;

@@ -2,7 +2,7 @@
 
 use crate::header::Header;
 use crate::layout::Dialect;
-use crate::scan::{FrameSpan, Scanner, TIMESTAMP, timestamp_microseconds};
+use crate::scan::{FrameSpan, Scanner, State, TIMESTAMP, timestamp_microseconds};
 use crate::sequence::Sources;
 use crate::statistics::Statistics;
 
@@ -38,21 +38,40 @@ impl<'a> Packet<'a> {
     }
 }
 
+/// Maximum number of sources with statistics: forged packets of all 65,536 addresses must not fill the memory.
+const MAX_SOURCES: usize = 1024;
+/// Maximum capacity in bytes of the buffer that is kept for pending bytes.
+const MAX_KEPT_CAPACITY: usize = 4096;
+
 /// Parser state: the incomplete packet at the end of the stream, and the statistics.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Parser {
     timestamped: bool,
+    /// The bytes of a possible incomplete packet, or the signature of the last packet.
     pending: Vec<u8>,
-    position: usize,
+    /// State of the scanner in the pending bytes.
+    state: State,
     statistics: Statistics,
     sources: Sources,
+}
+
+impl Default for Parser {
+    fn default() -> Self {
+        Self::new(false)
+    }
 }
 
 impl Parser {
     /// Creates a parser; `timestamped` is for a stream with an 8-byte timestamp before each packet (a tlog).
     #[must_use]
     pub fn new(timestamped: bool) -> Self {
-        Self { timestamped, ..Self::default() }
+        Self {
+            timestamped,
+            pending: Vec::new(),
+            state: State::default(),
+            statistics: Statistics::default(),
+            sources: Sources::bounded(MAX_SOURCES),
+        }
     }
 
     /// Parses the next bytes of the stream and passes each completed packet to `sink`.
@@ -73,7 +92,7 @@ impl Parser {
             joined.extend_from_slice(data);
             &joined
         };
-        let mut scanner = Scanner::resume(stream, dialect, self.timestamped, self.position, 0);
+        let mut scanner = Scanner::resume(stream, dialect, self.timestamped, self.state);
         let statistics = &mut self.statistics;
         while let Some(found) =
             if at_end { scanner.next_packet_at_end(statistics) } else { scanner.next_packet(statistics) }
@@ -82,17 +101,19 @@ impl Parser {
             self.sources.record(system, component, sequence, found.range().len());
             sink(Packet::new(stream, &found));
         }
-        let (position, boundary) = (scanner.position(), scanner.boundary());
-        self.retain(stream, position, boundary);
-    }
-
-    /// Keeps the bytes of a possible incomplete packet, and in a timestamped stream its 8-byte timestamp.
-    fn retain(&mut self, stream: &[u8], position: usize, boundary: usize) {
-        let stamp = if self.timestamped { TIMESTAMP } else { 0 };
-        let kept = boundary.max(position.saturating_sub(stamp));
-        self.statistics.bad_bytes += (kept - boundary) as u64;
-        self.pending = stream[kept..].to_vec();
-        self.position = position - kept;
+        let state = scanner.state();
+        let first_needed = state.first_needed(self.timestamped);
+        self.statistics.bad_bytes += first_needed.saturating_sub(state.boundary) as u64;
+        self.state = state.after_removing(first_needed);
+        if joined.is_empty() {
+            joined.extend_from_slice(&data[first_needed..]);
+        } else {
+            joined.drain(..first_needed);
+        }
+        if joined.capacity() > MAX_KEPT_CAPACITY {
+            joined.shrink_to_fit();
+        }
+        self.pending = joined;
     }
 
     /// Totals of the stream so far.
@@ -110,7 +131,7 @@ impl Parser {
     /// Number of bytes kept until more arrive.
     #[must_use]
     pub fn pending(&self) -> usize {
-        self.pending.len()
+        self.pending.len() - self.state.boundary
     }
 }
 

@@ -10,20 +10,31 @@
 //!   unknown packet does not hide valid packets.
 //! - *unknown incompatibility flag*: rejected immediately, because the length cannot be trusted.
 //!
-//! After a rejection the search continues one byte after the false magic. All decisions depend only on the bytes from
-//! the magic to the end of the packet, so the result does not depend on how the stream is cut into chunks.
+//! After a rejection the search continues one byte after the false magic. All decisions depend only on the bytes of the
+//! stream, so the result does not depend on how it is cut into chunks.
+//!
+//! The checksum of a *signed* packet does not cover its signature. A signature that lacks bytes is filled with the first
+//! bytes of the next packet, whose rest then looks like junk. Therefore, if no packet directly follows a signed one, the
+//! search goes back and starts again at its signature.
+//!
+//! The work per byte is bounded: after a few rejections CRCs come from a [`RunningCrc`], so that bytes full of false
+//! magics do not cost a CRC over a whole packet each.
 //!
 //! A *timestamped* stream (a tlog) has 8 bytes before each packet: big-endian microseconds since 1970. After a packet
 //! the next one is first expected 8 bytes later, then searched for anywhere: junk, missing timestamps and a start in
 //! the middle of a packet cost no other packet.
 
 use crate::crc;
-use crate::header::{CHECKSUM, FLAG_SIGNED, Header, MAGIC_V1, MAGIC_V2};
+use crate::header::{CHECKSUM, FLAG_SIGNED, Header, MAGIC_V1, MAGIC_V2, SIGNATURE};
 use crate::layout::Dialect;
+use crate::running_crc::RunningCrc;
 use crate::statistics::{Reject, Statistics};
 use memchr::memchr2;
 
 pub const TIMESTAMP: usize = 8;
+
+/// Number of rejected checksums in a row after which CRCs are shared by overlapping candidates.
+const MAX_SEPARATE_CHECKSUMS: u32 = 2;
 
 /// Plausible timestamps: the years 2000 to 2099 in microseconds since 1970.
 const PLAUSIBLE_TIMES: std::ops::Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
@@ -56,66 +67,52 @@ enum Verdict {
     Incomplete,
 }
 
-#[inline]
-fn examine(data: &[u8], dialect: &Dialect) -> Verdict {
-    if let [MAGIC_V2, _, flags, ..] = data
-        && flags & !FLAG_SIGNED != 0
-    {
-        return Verdict::Rejected(Reject::IncompatFlags);
-    }
-    let Some(header) = Header::parse(data) else {
-        return Verdict::Incomplete;
-    };
-    let entry = dialect.entry(header.message_id);
-    if let Some(entry) = entry
-        && header.version == 1
-        && header.payload_length < entry.base_length
-    {
-        return Verdict::Rejected(Reject::Length);
-    }
-    let Some(packet) = data.get(..header.packet_length()) else {
-        return Verdict::Incomplete;
-    };
-    let (calculated, received) = checksums(packet, &header);
-    let Some(entry) = entry else {
-        return examine_unknown(packet, header, calculated, received, dialect);
-    };
-    if crc::accumulate(calculated, entry.crc_extra) == received {
-        Verdict::Packet(header, Some(entry.slot))
-    } else {
-        Verdict::Rejected(Reject::Checksum)
-    }
+/// The state of a scanner between two packets, as indices into its bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct State {
+    /// Index at which the search continues.
+    pub position: usize,
+    /// Index of the first byte that is counted neither as packet nor as bad yet.
+    pub boundary: usize,
+    /// Index of the first byte that may belong to a later packet: the boundary, or the signature before it.
+    floor: usize,
+    /// True if the search went back to the signature before the boundary.
+    went_back: bool,
 }
 
-#[inline]
-fn checksums(packet: &[u8], header: &Header) -> (u16, u16) {
-    let end = header.payload().end;
-    let received = u16::from_le_bytes([packet[end], packet[end + CHECKSUM - 1]]);
-    (crc::update(crc::INITIAL, &packet[1..end]), received)
-}
-
-#[cold]
-fn examine_unknown(packet: &[u8], header: Header, calculated: u16, received: u16, dialect: &Dialect) -> Verdict {
-    if crc::solve_extra(calculated, received).is_none() || contains_known_packet(&packet[1..], dialect) {
-        return Verdict::Rejected(Reject::Checksum);
+impl State {
+    /// Creates the state at `boundary`, after anything but a signed packet.
+    #[must_use]
+    pub fn at(boundary: usize) -> Self {
+        Self { position: boundary, boundary, floor: boundary, went_back: false }
     }
-    Verdict::Packet(header, None)
-}
 
-fn contains_known_packet(data: &[u8], dialect: &Dialect) -> bool {
-    memchr::memchr2_iter(MAGIC_V1, MAGIC_V2, data).any(|start| {
-        let Some(header) = Header::parse(&data[start..]) else {
-            return false;
-        };
-        let Some(entry) = dialect.entry(header.message_id) else {
-            return false;
-        };
-        let Some(packet) = data.get(start..start + header.packet_length()) else {
-            return false;
-        };
-        let (calculated, received) = checksums(packet, &header);
-        header.incompat_flags & !FLAG_SIGNED == 0 && crc::accumulate(calculated, entry.crc_extra) == received
-    })
+    /// Creates the state in which the bytes before `position` are searched, and not counted yet.
+    pub(crate) fn searching_from(position: usize) -> Self {
+        Self { position, ..Self::default() }
+    }
+
+    /// True if the search goes back to a signature unless a packet follows directly.
+    #[inline]
+    fn may_go_back(&self) -> bool {
+        self.floor < self.boundary && !self.went_back
+    }
+
+    /// Returns the index of the first byte that later calls need.
+    pub(crate) fn first_needed(&self, timestamped: bool) -> usize {
+        let stamp = if timestamped { TIMESTAMP } else { 0 };
+        if self.may_go_back() { self.floor } else { self.floor.max(self.position.saturating_sub(stamp)) }
+    }
+
+    /// Returns the state in the bytes from `start` on.
+    pub(crate) fn after_removing(self, start: usize) -> Self {
+        Self {
+            position: self.position - start,
+            boundary: self.boundary.saturating_sub(start),
+            floor: self.floor.saturating_sub(start),
+            ..self
+        }
+    }
 }
 
 /// Walks `data` from packet to packet.
@@ -124,44 +121,38 @@ pub struct Scanner<'a> {
     data: &'a [u8],
     dialect: &'a Dialect,
     timestamped: bool,
-    /// Index at which the search continues.
-    position: usize,
-    /// Index of the first byte that is counted neither as packet nor as bad yet.
-    boundary: usize,
+    state: State,
+    /// Number of rejected checksums since the last packet.
+    rejected: u32,
+    running_crc: Option<Box<RunningCrc>>,
 }
 
 impl<'a> Scanner<'a> {
     /// Creates a scanner of `data`.
     #[must_use]
     pub fn new(data: &'a [u8], dialect: &'a Dialect, timestamped: bool) -> Self {
-        Self::resume(data, dialect, timestamped, 0, 0)
+        Self::resume(data, dialect, timestamped, State::default())
     }
 
-    /// Creates a scanner that continues at `position`; the bytes from `boundary` on are not counted yet.
+    /// Creates a scanner that continues in `state`; the bytes from its boundary on are not counted yet.
     #[must_use]
-    pub fn resume(data: &'a [u8], dialect: &'a Dialect, timestamped: bool, position: usize, boundary: usize) -> Self {
-        Self { data, dialect, timestamped, position, boundary }
+    pub fn resume(data: &'a [u8], dialect: &'a Dialect, timestamped: bool, state: State) -> Self {
+        Self { data, dialect, timestamped, state, rejected: 0, running_crc: None }
     }
 
-    /// Index at which the search continues when more bytes arrive.
+    /// The state with which another scanner of the same stream continues.
     #[must_use]
-    pub fn position(&self) -> usize {
-        self.position
-    }
-
-    /// Index of the first byte that is not counted yet.
-    #[must_use]
-    pub fn boundary(&self) -> usize {
-        self.boundary
+    pub fn state(&self) -> State {
+        self.state
     }
 
     /// Returns the next packet, or `None` when more bytes are needed.
     #[inline]
     pub fn next_packet(&mut self, statistics: &mut Statistics) -> Option<FrameSpan> {
-        if self.timestamped && self.position == self.boundary {
+        if self.timestamped && self.state.position == self.state.boundary && !self.state.went_back {
             match self.examine_after_timestamp() {
                 Verdict::Packet(header, slot) => {
-                    return Some(self.accept(self.boundary + TIMESTAMP, header, slot, true, statistics));
+                    return Some(self.accept(self.state.boundary + TIMESTAMP, header, slot, true, statistics));
                 }
                 Verdict::Incomplete => return None,
                 Verdict::Rejected(_) => {}
@@ -179,20 +170,21 @@ impl<'a> Scanner<'a> {
             if let Some(found) = self.search(statistics) {
                 return Some(found);
             }
-            if self.position >= self.data.len() {
-                statistics.bad_bytes += (self.data.len() - self.boundary) as u64;
-                self.boundary = self.data.len();
+            if self.state.position >= self.data.len() {
+                statistics.bad_bytes += (self.data.len() - self.state.boundary) as u64;
+                self.state = State::at(self.data.len());
                 return None;
             }
-            self.position += 1;
+            self.state.position += 1;
         }
     }
 
     #[inline]
-    fn examine_after_timestamp(&self) -> Verdict {
-        match self.data.get(self.boundary + TIMESTAMP..) {
-            None | Some([]) => Verdict::Incomplete,
-            Some(rest @ [MAGIC_V1 | MAGIC_V2, ..]) => examine(rest, self.dialect),
+    fn examine_after_timestamp(&mut self) -> Verdict {
+        let start = self.state.boundary + TIMESTAMP;
+        match self.data.get(start) {
+            None => Verdict::Incomplete,
+            Some(&(MAGIC_V1 | MAGIC_V2)) => self.examine(start),
             Some(_) => Verdict::Rejected(Reject::Checksum),
         }
     }
@@ -200,28 +192,117 @@ impl<'a> Scanner<'a> {
     #[inline]
     fn search(&mut self, statistics: &mut Statistics) -> Option<FrameSpan> {
         loop {
-            let rest = self.data.get(self.position..)?;
+            let rest = self.data.get(self.state.position..)?;
             // Usually the next byte is a magic, and then the search is not worth its call.
             let skipped = if let [MAGIC_V1 | MAGIC_V2, ..] = rest {
                 0
+            } else if self.state.may_go_back() && !rest.is_empty() {
+                self.go_back();
+                continue;
             } else if let Some(skipped) = memchr2(MAGIC_V1, MAGIC_V2, rest) {
                 skipped
             } else {
-                self.position = self.data.len();
+                self.state.position = self.data.len();
                 return None;
             };
-            self.position += skipped;
-            match examine(&rest[skipped..], self.dialect) {
+            self.state.position += skipped;
+            match self.examine(self.state.position) {
                 Verdict::Packet(header, slot) => {
-                    return Some(self.accept(self.position, header, slot, false, statistics));
+                    return Some(self.accept(self.state.position, header, slot, false, statistics));
                 }
                 Verdict::Incomplete => return None,
+                Verdict::Rejected(_) if self.state.may_go_back() => self.go_back(),
                 Verdict::Rejected(reason) => {
                     statistics.reject(reason);
-                    self.position += 1;
+                    self.state.position += 1;
                 }
             }
         }
+    }
+
+    /// Continues the search at the signature of the last packet.
+    #[cold]
+    fn go_back(&mut self) {
+        self.state.position = self.state.floor;
+        self.state.went_back = true;
+    }
+
+    #[inline]
+    fn examine(&mut self, start: usize) -> Verdict {
+        let data = &self.data[start..];
+        if let [MAGIC_V2, _, flags, ..] = data
+            && flags & !FLAG_SIGNED != 0
+        {
+            return Verdict::Rejected(Reject::IncompatFlags);
+        }
+        let Some(header) = Header::parse(data) else {
+            return Verdict::Incomplete;
+        };
+        let entry = self.dialect.entry(header.message_id);
+        if let Some(entry) = entry
+            && header.version == 1
+            && header.payload_length < entry.base_length
+        {
+            return Verdict::Rejected(Reject::Length);
+        }
+        if data.len() < header.packet_length() {
+            return Verdict::Incomplete;
+        }
+        let (calculated, received) = self.checksums(start, &header);
+        let Some(entry) = entry else {
+            return self.examine_unknown(start, header, calculated, received);
+        };
+        if crc::accumulate(calculated, entry.crc_extra) == received {
+            Verdict::Packet(header, Some(entry.slot))
+        } else {
+            self.rejected += 1;
+            Verdict::Rejected(Reject::Checksum)
+        }
+    }
+
+    /// Returns the calculated checksum, without `CRC_EXTRA`, and the received one of a complete packet.
+    #[inline]
+    fn checksums(&mut self, start: usize, header: &Header) -> (u16, u16) {
+        let end = start + header.payload().end;
+        let received = u16::from_le_bytes([self.data[end], self.data[end + CHECKSUM - 1]]);
+        let calculated = if self.rejected < MAX_SEPARATE_CHECKSUMS {
+            crc::update(crc::INITIAL, &self.data[start + 1..end])
+        } else {
+            self.shared_checksum(start + 1, end)
+        };
+        (calculated, received)
+    }
+
+    #[cold]
+    fn shared_checksum(&mut self, start: usize, end: usize) -> u16 {
+        self.running_crc.get_or_insert_with(|| Box::new(RunningCrc::new())).of_range(self.data, start, end)
+    }
+
+    #[cold]
+    fn examine_unknown(&mut self, start: usize, header: Header, calculated: u16, received: u16) -> Verdict {
+        let end = start + header.packet_length();
+        if crc::solve_extra(calculated, received).is_none() || self.contains_known_packet(start + 1, end) {
+            self.rejected += 1;
+            return Verdict::Rejected(Reject::Checksum);
+        }
+        Verdict::Packet(header, None)
+    }
+
+    fn contains_known_packet(&mut self, first: usize, end: usize) -> bool {
+        memchr::memchr2_iter(MAGIC_V1, MAGIC_V2, &self.data[first..end]).any(|offset| {
+            let start = first + offset;
+            let Some(header) = Header::parse(&self.data[start..end]) else {
+                return false;
+            };
+            let Some(entry) = self.dialect.entry(header.message_id) else {
+                return false;
+            };
+            if header.incompat_flags & !FLAG_SIGNED != 0 || end - start < header.packet_length() {
+                return false;
+            }
+            let (calculated, received) = self.checksums(start, &header);
+            crc::accumulate(calculated, entry.crc_extra) == received
+        })
     }
 
     /// Returns whether the 8 bytes before `start` are a plausible time: after junk they may be junk too.
@@ -239,20 +320,28 @@ impl<'a> Scanner<'a> {
         stamped: bool,
         statistics: &mut Statistics,
     ) -> FrameSpan {
-        let unaccounted = start - self.boundary;
+        let State { boundary, floor, .. } = self.state;
         let timestamped =
-            stamped || (self.timestamped && unaccounted >= TIMESTAMP && self.has_plausible_time_before(start));
+            stamped || (self.timestamped && start - floor >= TIMESTAMP && self.has_plausible_time_before(start));
         let found = FrameSpan { start, header, slot, timestamped };
         let end = found.range().end;
-        statistics.bad_bytes += (unaccounted - if timestamped { TIMESTAMP } else { 0 }) as u64;
+        let stamp = if timestamped { TIMESTAMP } else { 0 };
+        statistics.bad_bytes += start.saturating_sub(boundary).saturating_sub(stamp) as u64;
         statistics.packets += 1;
-        statistics.packet_bytes += (end - start) as u64;
+        // Bytes that were taken for the signature of the packet before are counted once.
+        statistics.packet_bytes += end.saturating_sub(start.max(boundary)) as u64;
         statistics.unknown += u64::from(slot.is_none());
         statistics.signed += u64::from(header.signed());
         statistics.version_1 += u64::from(header.version == 1);
         statistics.version_2 += u64::from(header.version == 2);
-        self.position = end;
-        self.boundary = end;
+        self.rejected = 0;
+        self.state = State { position: end, boundary: end.max(boundary), floor: end, went_back: end < boundary };
+        if header.signed() && end > boundary {
+            self.state.floor = end - SIGNATURE;
+            if self.contains_known_packet(end - SIGNATURE, end) {
+                self.go_back(); // nothing follows that could show the fault
+            }
+        }
         found
     }
 }
@@ -272,9 +361,9 @@ pub fn looks_timestamped(head: &[u8], dialect: &Dialect) -> bool {
     let mut ignored = Statistics::default();
     let (mut previous, mut apart, mut adjacent) = (0, 0u32, 0u32);
     while let Some(found) = scanner.next_packet(&mut ignored) {
-        match found.start - previous {
-            0 => adjacent += 1,
-            TIMESTAMP => apart += 1,
+        match found.start.checked_sub(previous) {
+            Some(0) => adjacent += 1,
+            Some(TIMESTAMP) => apart += 1,
             _ => {}
         }
         previous = found.range().end;

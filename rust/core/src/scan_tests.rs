@@ -1,6 +1,7 @@
 use super::*;
 use crate::encode::{Sender, Version, encode};
 use crate::layout::tests::dialect;
+use crate::signing::{Key, Policy, Signing};
 
 pub(crate) fn heartbeat(version: Version, sequence: u8) -> Vec<u8> {
     heartbeat_of_mode(version, sequence, 0)
@@ -162,4 +163,56 @@ fn little_endian_timestamps_of_old_recorders_are_recognised() {
     assert_eq!(timestamp_microseconds(time.to_be_bytes()), time);
     assert_eq!(timestamp_microseconds(time.to_le_bytes()), time);
     assert_eq!(timestamp_microseconds(5u64.to_be_bytes()), 5, "times since boot stay as they are");
+}
+
+pub(crate) fn signed_heartbeat(sequence: u8) -> Vec<u8> {
+    let dialect = dialect();
+    let mut out = Vec::new();
+    let sender = Sender { system: 1, component: 1, sequence };
+    let mut signing = Signing::new(Key::new([7; 32]), 3, 1000 + u64::from(sequence), Policy::default());
+    let payload = [0, 0, 0, 0, 2, 3, 81, 4, 3];
+    encode(&mut out, Version::V2, &dialect.layouts()[0], &payload, sender, Some((&mut signing, None)))
+        .expect("encodes");
+    out
+}
+
+#[test]
+fn a_signature_that_lacks_bytes_hides_no_packet() {
+    let next: [fn(u8) -> Vec<u8>; 3] =
+        [|number| heartbeat(Version::V1, number), |number| heartbeat(Version::V2, number), signed_heartbeat];
+    for (missing, next) in (1..=SIGNATURE).flat_map(|missing| next.map(|next| (missing, next))) {
+        let mut data = signed_heartbeat(1);
+        data.truncate(data.len() - missing);
+        data.extend(next(2));
+        data.extend(next(3));
+        let (found, statistics) = scan(&data, false);
+        let sequences: Vec<u8> = found.iter().map(|packet| packet.header.sequence).collect();
+        assert_eq!(sequences, [1, 2, 3], "{missing} bytes missing");
+        assert_eq!(statistics.packet_bytes + statistics.bad_bytes, data.len() as u64);
+    }
+}
+
+#[test]
+fn a_whole_packet_inside_a_signature_is_found() {
+    let mut data = signed_heartbeat(1);
+    data.truncate(data.len() - SIGNATURE);
+    let mut short = vec![MAGIC_V2, 1, 0, 0, 2, 1, 1, 0, 0, 0, 7];
+    let checksum = crc::accumulate(crc::update(crc::INITIAL, &short[1..]), 50);
+    short.extend_from_slice(&checksum.to_le_bytes());
+    assert_eq!(short.len(), SIGNATURE);
+    data.extend(short);
+    data.extend(signed_heartbeat(3));
+    let sequences: Vec<u8> = scan(&data, false).0.iter().map(|packet| packet.header.sequence).collect();
+    assert_eq!(sequences, [1, 2, 3]);
+}
+
+#[test]
+fn junk_after_a_signed_packet_is_counted_once() {
+    let mut data = signed_heartbeat(1);
+    data.extend([0xFE, 9, 0, 1, 1, 0, 7, 7]);
+    data.extend([0; 30]);
+    data.extend(signed_heartbeat(2));
+    let (found, statistics) = scan(&data, false);
+    assert_eq!((found.len(), statistics.bad_bytes), (2, 38));
+    assert_eq!((statistics.packet_bytes, statistics.bad_checksum), (68, 1));
 }

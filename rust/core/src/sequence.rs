@@ -10,6 +10,9 @@ use std::hash::{BuildHasherDefault, Hasher};
 /// Number of sequence numbers by which a packet may be late; a larger step back is a restart.
 const LATE_WINDOW: u8 = 16;
 
+/// Number of sources of a full table of which the one with the fewest packets is replaced by a new source.
+const REPLACEMENT_SAMPLE: usize = 8;
+
 /// Statistics of one source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {
@@ -106,9 +109,13 @@ impl Hasher for SourceHasher {
     }
 }
 
-/// Sequence statistics of all sources received on one link.
+/// Sequence statistics of the sources received on one link.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
+    /// Maximum number of sources; `None`: all.
+    limit: Option<usize>,
+    /// Position at which the next source to replace is looked for.
+    hand: usize,
     entries: Vec<(u16, Source)>,
     positions: HashMap<u16, usize, BuildHasherDefault<SourceHasher>>,
     /// Position of the most recent source: most packets come from the same source as the packet before.
@@ -116,6 +123,12 @@ pub struct Sources {
 }
 
 impl Sources {
+    /// Creates a table of at most `limit` sources; when it is full, a new source replaces one with few packets.
+    #[must_use]
+    pub fn bounded(limit: usize) -> Self {
+        Self { limit: Some(limit), ..Self::default() }
+    }
+
     /// Records one packet.
     #[inline]
     pub fn record(&mut self, system: u8, component: u8, sequence: u8, bytes: usize) {
@@ -137,8 +150,23 @@ impl Sources {
 
     fn insert(&mut self, key: u16, source: Source) -> usize {
         let position = self.entries.len();
+        if self.limit.is_some_and(|limit| position >= limit) {
+            return self.replace(key, source);
+        }
         self.positions.insert(key, position);
         self.entries.push((key, source));
+        position
+    }
+
+    #[cold]
+    fn replace(&mut self, key: u16, source: Source) -> usize {
+        let count = self.entries.len();
+        let sample = (self.hand..self.hand + REPLACEMENT_SAMPLE).map(|position| position % count);
+        let position = sample.min_by_key(|&position| self.entries[position].1.received).unwrap_or(0);
+        self.hand = (self.hand + REPLACEMENT_SAMPLE) % count;
+        self.positions.remove(&self.entries[position].0);
+        self.positions.insert(key, position);
+        self.entries[position] = (key, source);
         position
     }
 
@@ -214,6 +242,19 @@ mod tests {
         let all = sources.all();
         assert_eq!((all[0].0, all[0].1, all[0].2.lost, all[0].2.bytes), (1, 1, 0, 200));
         assert_eq!((all[1].1, all[1].2.lost, all[1].2.bytes), (100, 9, 300));
+    }
+
+    #[test]
+    fn a_bounded_table_keeps_the_sources_with_many_packets() {
+        let mut sources = Sources::bounded(64);
+        (0..100).for_each(|sequence| sources.record(1, 1, sequence, 21));
+        for forged in 0..=u16::MAX {
+            let [system, component] = forged.to_be_bytes();
+            sources.record(system, component, 0, 21);
+        }
+        let all = sources.all();
+        assert_eq!(all.len(), 64);
+        assert!(all.iter().any(|&(system, component, source)| (system, component) == (1, 1) && source.received > 100));
     }
 
     #[test]

@@ -5,11 +5,16 @@
 //! constant time, and only a packet with a valid hash may change the timestamp of its stream; otherwise one forged
 //! packet from the far future would block its stream for ever. For the same reason a packet whose timestamp is far
 //! ahead of a known clock is refused even if its hash is valid.
+//!
+//! All links of one key share the clock and the streams, so that a packet accepted on one link is a replay on every
+//! other. The program stores them for its next run. A stream is forgotten only when its packets are too old to be the
+//! first of a new stream.
 
 use crate::header::{Header, SIGNATURE};
 use crate::parser::Packet;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use subtle::ConstantTimeEq;
 use zeroize::{Zeroize, ZeroizeOnDrop};
 
@@ -117,22 +122,35 @@ impl std::fmt::Debug for Key {
 #[derive(Clone, Debug)]
 struct Stream {
     newest: u64,
+    /// Timestamps up to this one are refused.
+    floor: u64,
     /// Accepted timestamps within the reorder slack, oldest first; empty if the slack is 0.
     recent: std::collections::VecDeque<u64>,
 }
 
-/// The signing state of one link: it signs sent packets and verifies received ones.
-#[derive(Clone, Debug)]
-pub struct Signing {
-    key: Key,
-    link_id: u8,
+/// Link id, system and component of a stream.
+pub type StreamId = (u8, u8, u8);
+
+/// The state that all links of one key share.
+#[derive(Debug, Default)]
+struct Shared {
     /// Timestamp of the newest packet signed or accepted; never moves back.
     clock: u64,
     /// The initial clock, from which (with the current time) the lead of a packet is measured. The clock itself cannot
     /// serve, because each accepted packet advances it.
     initial_clock: u64,
+    streams: HashMap<StreamId, Stream>,
+    /// Streams do not begin with timestamps up to this one.
+    floor: u64,
+}
+
+/// The signing state of one link: it signs sent packets and verifies received ones.
+#[derive(Debug)]
+pub struct Signing {
+    key: Key,
+    link_id: u8,
     policy: Policy,
-    streams: HashMap<(u8, u8, u8), Stream>,
+    shared: Arc<Mutex<Shared>>,
     refusals: Refusals,
 }
 
@@ -142,21 +160,59 @@ const MAX_RECENT: usize = 256;
 impl Signing {
     #[must_use]
     pub fn new(key: Key, link_id: u8, clock: u64, policy: Policy) -> Self {
+        let shared = Shared { clock, initial_clock: clock, ..Shared::default() };
+        Self { key, link_id, policy, shared: Arc::new(Mutex::new(shared)), refusals: Refusals::default() }
+    }
+
+    /// Creates the state of another link of the same key, which shares the clock and the streams.
+    #[must_use]
+    pub fn for_link(&self, link_id: u8) -> Self {
         Self {
-            key,
+            key: self.key.clone(),
             link_id,
-            clock,
-            initial_clock: clock,
-            policy,
-            streams: HashMap::new(),
+            policy: self.policy.clone(),
+            shared: Arc::clone(&self.shared),
             refusals: Refusals::default(),
         }
+    }
+
+    fn shared(&self) -> MutexGuard<'_, Shared> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The timestamp to persist: the next run must start at or after it.
     #[must_use]
     pub fn clock(&self) -> u64 {
-        self.clock
+        self.shared().clock
+    }
+
+    /// Advances the clock to a timestamp that is trusted, such as one that came with the key.
+    pub fn advance(&mut self, timestamp: u64) {
+        let mut shared = self.shared();
+        shared.clock = shared.clock.max(timestamp);
+        shared.initial_clock = shared.initial_clock.max(timestamp);
+    }
+
+    /// Newest timestamp of each stream, to persist, in the order of their ids.
+    #[must_use]
+    pub fn newest(&self) -> Vec<(StreamId, u64)> {
+        let mut newest: Vec<_> = self.shared().streams.iter().map(|(&id, stream)| (id, stream.newest)).collect();
+        newest.sort_unstable();
+        newest
+    }
+
+    /// Restores persisted streams; no timestamp up to theirs, and in any stream none up to `floor`, is accepted.
+    pub fn restore(&mut self, newest: impl IntoIterator<Item = (StreamId, u64)>, floor: u64) {
+        let limit = self.policy.max_streams;
+        let mut shared = self.shared();
+        shared.floor = shared.floor.max(floor);
+        for (id, timestamp) in newest {
+            if shared.streams.len() < limit || shared.streams.contains_key(&id) {
+                let stream = shared.streams.entry(id).or_insert_with(|| Stream::new(timestamp, 0));
+                stream.newest = stream.newest.max(timestamp);
+                stream.floor = stream.floor.max(timestamp).max(floor);
+            }
+        }
     }
 
     #[must_use]
@@ -171,20 +227,24 @@ impl Signing {
 
     #[must_use]
     pub fn streams(&self) -> usize {
-        self.streams.len()
+        self.shared().streams.len()
     }
 
     /// Appends the signature to a packet that ends with its checksum; `now` is the current time as a timestamp, if known.
     ///
     /// Fails, leaving the packet unchanged, when the clock has reached the end of its 48 bits (in the year 2104).
     pub fn sign(&mut self, packet: &mut Vec<u8>, now: Option<u64>) -> Result<(), ClockExhausted> {
-        let next = (self.clock + 1).max(now.unwrap_or(0));
-        if next > MAX_TIMESTAMP {
-            return Err(ClockExhausted);
-        }
-        self.clock = next;
+        let next = {
+            let mut shared = self.shared();
+            let next = (shared.clock + 1).max(now.unwrap_or(0));
+            if next > MAX_TIMESTAMP {
+                return Err(ClockExhausted);
+            }
+            shared.clock = next;
+            next
+        };
         packet.push(self.link_id);
-        packet.extend_from_slice(&self.clock.to_le_bytes()[..HASH]);
+        packet.extend_from_slice(&next.to_le_bytes()[..HASH]);
         let hash = hash(&self.key, packet);
         packet.extend_from_slice(&hash);
         Ok(())
@@ -192,14 +252,24 @@ impl Signing {
 
     /// Verifies a received packet, and counts a refusal; `now` is the current time as a timestamp, if known.
     pub fn check(&mut self, packet: &Packet<'_>, now: Option<u64>) -> Result<(), Refusal> {
-        let result = self.verify(packet, now);
+        self.check_with_limit(packet, now, now)
+    }
+
+    /// Verifies a received packet like `check`; its lead is measured from `latest` instead of `now`.
+    pub fn check_with_limit(
+        &mut self,
+        packet: &Packet<'_>,
+        now: Option<u64>,
+        latest: Option<u64>,
+    ) -> Result<(), Refusal> {
+        let result = self.verify(packet, now, latest);
         if let Err(refusal) = result {
             self.refusals.count(refusal);
         }
         result
     }
 
-    fn verify(&mut self, packet: &Packet<'_>, now: Option<u64>) -> Result<(), Refusal> {
+    fn verify(&self, packet: &Packet<'_>, now: Option<u64>, latest: Option<u64>) -> Result<(), Refusal> {
         if !packet.header.signed() {
             let allowed = self.policy.accept_unsigned || self.policy.unsigned_ids.contains(&packet.header.message_id);
             return if allowed { Ok(()) } else { Err(Refusal::Unsigned) };
@@ -208,51 +278,63 @@ impl Signing {
             return Err(Refusal::Forged);
         }
         let (link_id, timestamp) = link_and_timestamp(packet.raw);
-        self.verify_timestamp(link_id, &packet.header, timestamp, now)
+        let Header { system, component, .. } = packet.header;
+        self.shared().accept((link_id, system, component), timestamp, now, latest, &self.policy)
     }
+}
 
-    fn verify_timestamp(
+impl Shared {
+    fn accept(
         &mut self,
-        link_id: u8,
-        header: &Header,
+        id: StreamId,
         timestamp: u64,
         now: Option<u64>,
+        latest: Option<u64>,
+        policy: &Policy,
     ) -> Result<(), Refusal> {
-        let clock = now.unwrap_or(0).max(self.clock);
-        if now.is_some_and(|now| timestamp > now.max(self.initial_clock).saturating_add(self.policy.max_ahead)) {
+        if latest.is_some_and(|latest| timestamp > latest.max(self.initial_clock).saturating_add(policy.max_ahead)) {
             return Err(Refusal::Future);
         }
-        let streams = self.streams.len();
-        let slack = self.policy.reorder_slack;
-        match self.streams.entry((link_id, header.system, header.component)) {
-            std::collections::hash_map::Entry::Occupied(mut entry) => {
-                if !entry.get_mut().advance(timestamp, slack) {
-                    return Err(Refusal::Replayed);
-                }
+        if let Some(stream) = self.streams.get_mut(&id) {
+            if !stream.advance(timestamp, policy.reorder_slack) {
+                return Err(Refusal::Replayed);
             }
-            std::collections::hash_map::Entry::Vacant(entry) => {
-                if timestamp.saturating_add(self.policy.max_behind) < clock {
-                    return Err(Refusal::Stale);
-                }
-                if streams >= self.policy.max_streams {
-                    return Err(Refusal::TooManyStreams);
-                }
-                entry.insert(Stream::new(timestamp, slack));
+        } else {
+            let clock = now.unwrap_or(0).max(self.clock);
+            if timestamp <= self.floor || timestamp.saturating_add(policy.max_behind) < clock {
+                return Err(Refusal::Stale);
             }
+            if self.streams.len() >= policy.max_streams && !self.forget_stale(policy.max_behind) {
+                return Err(Refusal::TooManyStreams);
+            }
+            self.streams.insert(id, Stream::new(timestamp, policy.reorder_slack));
         }
         self.clock = self.clock.max(timestamp);
         Ok(())
+    }
+
+    /// Removes the streams whose packets would be too old for a new stream; returns whether there are any.
+    ///
+    /// A replay of their packets is then refused as stale.
+    #[cold]
+    fn forget_stale(&mut self, max_behind: u64) -> bool {
+        let (before, clock) = (self.streams.len(), self.clock);
+        self.streams.retain(|_, stream| stream.newest.saturating_add(max_behind) >= clock);
+        self.streams.len() < before
     }
 }
 
 impl Stream {
     fn new(timestamp: u64, slack: u64) -> Self {
         let recent = if slack == 0 { [].into() } else { [timestamp].into() };
-        Self { newest: timestamp, recent }
+        Self { newest: timestamp, floor: 0, recent }
     }
 
     /// Accepts `timestamp` into the stream, unless it was accepted before or is too old.
     fn advance(&mut self, timestamp: u64, slack: u64) -> bool {
+        if timestamp <= self.floor {
+            return false;
+        }
         if slack == 0 {
             let newer = timestamp > self.newest;
             self.newest = self.newest.max(timestamp);

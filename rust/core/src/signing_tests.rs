@@ -163,3 +163,70 @@ fn a_clock_at_its_last_timestamp_cannot_sign() {
     assert_eq!(signer.sign(&mut packet, None), Ok(()));
     assert_eq!(signer.sign(&mut packet, None), Err(ClockExhausted));
 }
+
+#[test]
+fn a_packet_accepted_on_one_link_is_a_replay_on_all_links_of_its_key() {
+    let mut first = signing(Policy::default());
+    let mut second = first.for_link(4);
+    assert_eq!(check(&mut first, &packet_at(NOW)), Ok(()));
+    assert_eq!(check(&mut second, &packet_at(NOW)), Err(Refusal::Replayed));
+    drop(first);
+    assert_eq!(check(&mut second.for_link(5), &packet_at(NOW)), Err(Refusal::Replayed), "the first link is gone");
+    assert_eq!(second.refusals().replayed, 1, "refusals are counted per link");
+}
+
+#[test]
+fn links_of_one_key_never_sign_with_one_timestamp() {
+    let mut first = signing(Policy::default());
+    let mut second = first.for_link(4);
+    let (mut one, mut other) = (vec![0xFD; 12], vec![0xFD; 12]);
+    first.sign(&mut one, Some(NOW + 50)).expect("signs");
+    second.sign(&mut other, Some(NOW + 50)).expect("signs");
+    assert_eq!((link_and_timestamp(&one), link_and_timestamp(&other)), ((3, NOW + 50), (4, NOW + 51)));
+}
+
+#[test]
+fn restored_streams_refuse_what_the_last_run_accepted() {
+    for reorder_slack in [0, SECOND] {
+        let policy = Policy { reorder_slack, ..Policy::default() };
+        let mut last_run = signing(policy.clone());
+        assert_eq!(check(&mut last_run, &packet_at(NOW)), Ok(()));
+        let mut next_run = Signing::new(key(), 0, last_run.clock(), policy);
+        next_run.restore(last_run.newest(), 0);
+        assert_eq!(check(&mut next_run, &packet_at(NOW)), Err(Refusal::Replayed));
+        assert_eq!(check(&mut next_run, &packet_at(NOW - 1)), Err(Refusal::Replayed));
+        assert_eq!(check(&mut next_run, &packet_at(NOW + 1)), Ok(()));
+    }
+}
+
+#[test]
+fn a_floor_refuses_older_packets_in_every_stream() {
+    let mut signing = signing(Policy::default());
+    signing.restore([((9, 1, 1), NOW - 5)], NOW);
+    assert_eq!(check(&mut signing, &packet_at(NOW)), Err(Refusal::Replayed), "a restored stream");
+    let mut other = self::signing(Policy::default());
+    other.restore([], NOW);
+    assert_eq!(check(&mut other, &packet_at(NOW)), Err(Refusal::Stale), "a new stream");
+    assert_eq!(check(&mut other, &packet_at(NOW + 1)), Ok(()));
+}
+
+#[test]
+fn a_full_table_forgets_streams_whose_packets_would_be_stale() {
+    let mut signing = signing(Policy { max_streams: 2, ..Policy::default() });
+    let old = NOW - 61 * SECOND;
+    signing.restore([((1, 1, 1), old), ((2, 1, 1), NOW)], 0);
+    assert_eq!(check(&mut signing, &packet_at(NOW)), Ok(()));
+    assert_eq!(signing.newest(), [((2, 1, 1), NOW), ((9, 1, 1), NOW)]);
+}
+
+#[test]
+fn without_a_current_time_the_lead_is_still_limited() {
+    let mut signing = Signing::new(key(), 0, 0, Policy::default());
+    let mut verdicts = Vec::new();
+    for timestamp in [NOW + 2 * 24 * 3600 * SECOND, NOW - 5 * 24 * 3600 * SECOND] {
+        Parser::default().feed(&dialect(), &packet_at(timestamp), |packet| {
+            verdicts.push(signing.check_with_limit(&packet, None, Some(NOW)));
+        });
+    }
+    assert_eq!(verdicts, [Err(Refusal::Future), Ok(())]);
+}

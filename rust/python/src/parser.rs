@@ -46,7 +46,8 @@ impl Parser {
     ///
     /// Args:
     ///     data: The received bytes, in chunks of any size.
-    ///     now: Current Unix time in seconds, used for signing only; None disables the checks against the current time.
+    ///     now: Current Unix time in seconds, used for signing only. With None, the age of a stream's first packet is
+    ///         measured from the signing clock alone, and the maximum lead of a packet from the system's clock.
     ///
     /// Returns:
     ///     The packets completed by `data`, in order.
@@ -84,7 +85,7 @@ impl Parser {
         self.core.statistics().into()
     }
 
-    /// Statistics of each source, by (system, component).
+    /// Statistics of each source, by (system, component); of 1,024 sources, those with many packets are kept longest.
     #[getter]
     fn sources<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         sources_to_dict(py, self.core.sources())
@@ -103,6 +104,7 @@ struct Sink<'py, 'a> {
     dialect: &'a Py<Dialect>,
     signing: Option<PyRefMut<'py, Signing>>,
     now: Option<u64>,
+    latest: Option<u64>,
     packets: Vec<Bound<'py, PyAny>>,
     error: Option<PyErr>,
 }
@@ -116,13 +118,14 @@ impl<'py, 'a> Sink<'py, 'a> {
     ) -> PyResult<Self> {
         let now = signing::timestamp(now)?;
         let signing = signing.map(|signing| signing.bind(py).try_borrow_mut()).transpose()?;
-        Ok(Self { py, dialect, signing, now, packets: Vec::new(), error: None })
+        let latest = signing.as_ref().and_then(|_| signing::latest(now));
+        Ok(Self { py, dialect, signing, now, latest, packets: Vec::new(), error: None })
     }
 
     #[inline]
     fn push(&mut self, packet: &core::Packet<'_>) {
         if let Some(signing) = &mut self.signing
-            && signing.core.check(packet, self.now).is_err()
+            && signing.core.check_with_limit(packet, self.now, self.latest).is_err()
         {
             return;
         }

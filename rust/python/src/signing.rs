@@ -5,10 +5,15 @@ use crate::errors::SigningError;
 use crate::statistics::Refusals;
 use mavstack_core::signing::{self as core, EPOCH, Key, MAX_TIMESTAMP, Policy, UNITS_PER_SECOND};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::collections::BTreeMap;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Signing state of one link: signs sent packets and verifies received ones.
 ///
-/// The parser and the encoder of the link share one object. Refused packets are counted in `refusals`.
+/// The parser and the encoder of the link share one object. Refused packets are counted in `refusals`. All links of
+/// one key must share their clock and their streams (`for_link`), or a packet accepted on one link can be replayed on
+/// another.
 ///
 /// Args:
 ///     key: The 32 bytes of the key.
@@ -19,7 +24,8 @@ use pyo3::prelude::*;
 ///     max_behind: Maximum age in seconds of the first packet of a stream.
 ///     max_ahead: Maximum lead in seconds of a packet over the clock.
 ///     reorder_slack: Maximum lag in seconds of a reordered packet behind the newest of its stream; 0 refuses all.
-///     max_streams: Maximum number of streams (link id, system, component).
+///     max_streams: Maximum number of streams (link id, system, component); a full table forgets streams whose packets
+///         would be refused by `max_behind`.
 ///
 /// Raises:
 ///     SigningError: The key does not have 32 bytes, or the timestamp does not fit 48 bits.
@@ -40,6 +46,22 @@ pub fn timestamp(now: Option<f64>) -> PyResult<Option<u64>> {
         )));
     }
     Ok(Some(units.max(0.0) as u64))
+}
+
+/// Returns the time from which the lead of a packet is measured: `now`, or else the system's clock, if it is set.
+pub fn latest(now: Option<u64>) -> Option<u64> {
+    now.or_else(|| {
+        let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).ok()?;
+        let units = since_1970.as_micros().checked_sub(u128::from(EPOCH) * 1_000_000)? / 10;
+        u64::try_from(units).ok()
+    })
+}
+
+fn fits(timestamp: u64) -> PyResult<u64> {
+    if timestamp > MAX_TIMESTAMP {
+        return Err(SigningError::new_err(format!("a signing timestamp must fit 48 bits, got {timestamp}")));
+    }
+    Ok(timestamp)
 }
 
 fn units(seconds: f64) -> u64 {
@@ -68,9 +90,7 @@ impl Signing {
         let key: [u8; 32] = (*key)
             .try_into()
             .map_err(|_| SigningError::new_err(format!("a signing key must have 32 bytes, got {}", key.len())))?;
-        if timestamp > MAX_TIMESTAMP {
-            return Err(SigningError::new_err(format!("a signing timestamp must fit 48 bits, got {timestamp}")));
-        }
+        fits(timestamp)?;
         let policy = Policy {
             accept_unsigned,
             unsigned_ids,
@@ -94,10 +114,60 @@ impl Signing {
         self.core.clock()
     }
 
-    /// Number of streams (link id, system, component) received so far.
+    /// Number of known streams (link id, system, component) of all links.
     #[getter]
     fn streams(&self) -> usize {
         self.core.streams()
+    }
+
+    /// Newest timestamp of each stream (link id, system, component): store them for the next run.
+    #[getter]
+    fn stream_timestamps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let timestamps = PyDict::new(py);
+        for (id, newest) in self.core.newest() {
+            timestamps.set_item(id, newest)?;
+        }
+        Ok(timestamps)
+    }
+
+    /// Create the signing state of another link of the same key, with the same policy, clock and streams.
+    ///
+    /// Args:
+    ///     link_id: Id of the other link in signatures, 0 to 255.
+    ///
+    /// Returns:
+    ///     The signing state of the other link; a packet accepted by one of them is a replay for all others.
+    fn for_link(&self, link_id: u8) -> Self {
+        Self { core: self.core.for_link(link_id) }
+    }
+
+    /// Advance the clock of all links of the key; an older timestamp has no effect.
+    ///
+    /// Args:
+    ///     timestamp: A trusted timestamp in 10 us since 2015-01-01 UTC, such as the one that came with the key.
+    ///
+    /// Raises:
+    ///     SigningError: The timestamp does not fit 48 bits.
+    fn advance(&mut self, timestamp: u64) -> PyResult<()> {
+        self.core.advance(fits(timestamp)?);
+        Ok(())
+    }
+
+    /// Restore the streams of the last run, so that its packets are refused as replays.
+    ///
+    /// Args:
+    ///     stream_timestamps: Newest timestamp of each stream, as in the attribute of the last run.
+    ///     floor: Timestamp up to which packets of all streams are refused.
+    ///
+    /// Raises:
+    ///     SigningError: A timestamp does not fit 48 bits.
+    #[pyo3(signature = (stream_timestamps, *, floor = 0))]
+    fn restore(&mut self, stream_timestamps: BTreeMap<(u8, u8, u8), u64>, floor: u64) -> PyResult<()> {
+        for &timestamp in stream_timestamps.values().chain([&floor]) {
+            fits(timestamp)?;
+        }
+        self.core.restore(stream_timestamps, floor);
+        Ok(())
     }
 
     /// Number of refused packets, by reason.
