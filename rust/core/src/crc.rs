@@ -78,6 +78,7 @@ const MAX_ZEROS: usize = BLOCK * (LONG_TABLES.len() + 1) - 1;
 /// `LONG_TABLES[k]` holds, for each low and high byte of a CRC, that CRC after `16 * (k + 1)` zero bytes.
 static LONG_TABLES: [[[u16; 256]; 2]; 17] = long_tables();
 
+#[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
 const fn long_tables() -> [[[u16; 256]; 2]; 17] {
     let mut tables = [[[0u16; 256]; 2]; 17];
     let mut step = 0;
