@@ -15,7 +15,7 @@ from mavstack.errors import (
 )
 from mavstack.services import Address, Progress
 from mavstack.services.ftp import FtpClient, FtpError, FtpPayload, FtpServer, MemoryStore, Opcode
-from mavstack.services.ftp.sessions import IDLE_TIMEOUT, MAX_SESSIONS
+from mavstack.services.ftp.sessions import IDLE_TIMEOUT, MAX_SESSIONS_PER_CLIENT
 from tests.services.drive import give, sent
 from tests.services.ftp.ends import Ends
 from tests.services.network import GROUND, START, VEHICLE
@@ -221,8 +221,8 @@ def test_what_changes_something_waits_for_the_rest(client) -> None:
 def test_a_file_with_another_checksum_is_an_error() -> None:
     ends = Ends(store=MemoryStore({"f": DATA}))
     operation = ends.client.download("f", ends.now)
-    ends.server._handlers[Opcode.CALCFILECRC] = lambda request, source, now: FtpPayload(
-        request.sequence + 1, Opcode.ACK, size=4, req_opcode=Opcode.CALCFILECRC, data=bytes(4)
+    ends.server._continue_crc = lambda work: FtpPayload(
+        work.request.sequence + 1, Opcode.ACK, size=4, req_opcode=Opcode.CALCFILECRC, data=bytes(4)
     )
     ends.run(operation)
     with pytest.raises(RemoteProtocolError, match="changed during the download"):
@@ -336,7 +336,7 @@ def test_read_only() -> None:
 
 
 def test_sessions_are_bounded_and_end_when_idle(server) -> None:
-    for number in range(MAX_SESSIONS):
+    for number in range(MAX_SESSIONS_PER_CLIENT):
         assert ask(server, Opcode.OPENFILERO, b"f", sequence=number, session=number)[0].error is None
     assert (
         ask(server, Opcode.OPENFILERO, b"f", sequence=100, session=100)[0].error
@@ -363,7 +363,7 @@ def test_a_burst_is_paced_and_says_when_it_is_complete() -> None:
     give(server, request.to_message(*VEHICLE), GROUND, START)
     rooms = iter([True, True, False])
     first = sent(server, START, lambda *_: next(rooms))
-    rest = [FtpPayload.read(message) for message in sent(server, START)]
+    rest = [FtpPayload.read(message) for _ in range(2) for message in sent(server, START)]
     assert len(first) == 2
     assert [packet.sequence for packet in rest][:2] == [8, 9]
     assert [packet.burst_complete for packet in rest] == [False] * 147 + [True]

@@ -1,6 +1,7 @@
 """The file transfer protocol: access to the files of a component (guide: MAVLink FTP)."""
 
 from mavstack.services.ftp.client import FtpClient
+from mavstack.services.ftp.directory_store import DirectoryStore
 from mavstack.services.ftp.entries import Entry
 from mavstack.services.ftp.operations import (
     ComputeChecksum,
@@ -13,7 +14,7 @@ from mavstack.services.ftp.operations import (
 from mavstack.services.ftp.overlay import OverlayStore, VirtualFile
 from mavstack.services.ftp.payload import FtpError, FtpPayload, Opcode, file_crc32
 from mavstack.services.ftp.server import FtpServer
-from mavstack.services.ftp.stores import DirectoryStore, FileStore, MemoryStore, OpenFile
+from mavstack.services.ftp.stores import FileStore, MemoryStore, OpenFile
 
 __all__ = [
     "ComputeChecksum",

@@ -1,27 +1,32 @@
 """The FTP server (guide: file transfer protocol).
 
-Each request is executed at once and answered once; a repeated request (same number and content) gets the same
-reply and is not executed again. A burst is made packet by packet while the links to the client have room, up
+Each request is answered once; a repeated request (same number and content) gets the same reply and is not
+executed again. Requests that take long wait in a queue (see `work_queue`); all others are executed at once. A
+burst is made packet by packet while the links to the client have room, up
 to a limit, so that a client that has left costs little; its last packet has `burst_complete` set. With
 `paced=False` the burst is sent at once, as by a server that does not know the links behind it.
 """
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
-from errno import EEXIST, ENOENT, ENOTDIR
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.ftp.entries import pack_entries
 from mavstack.services.ftp.payload import MAX_DATA, SEQUENCES, FtpError, FtpPayload, Opcode, file_crc32
+from mavstack.services.ftp.replies import RefusedError, ack, error_code, nak, read_path
 from mavstack.services.ftp.sessions import Burst, ReplyCache, Session, Sessions
-from mavstack.services.service import HasRoom, Outgoing, Priority, Service
+from mavstack.services.ftp.work_queue import Steps, Work, WorkQueue
+from mavstack.services.service import HasRoom, Outgoing, Priority, Service, earliest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from mavstack.services.ftp.entries import Entry
     from mavstack.services.ftp.stores import FileStore
     from mavstack.wire import Packet
 
@@ -29,7 +34,11 @@ if TYPE_CHECKING:
 MAX_BURST_DURATION = 3.0
 #: A burst ends after this number of bytes or packets; the client requests the next one.
 MAX_BURST_BYTES, MAX_BURST_PACKETS = 150 * MAX_DATA, 500
-_CRC_PIECE = 1 << 16
+#: The bytes of a checksum that are computed at once, and the burst packets that are sent at once.
+CRC_SLICE = 1 << 18
+MAX_PACKETS_AT_ONCE = 100
+#: The listings that are kept while clients request their pages, and the seconds since the last page.
+MAX_LISTINGS, LISTING_LIFETIME = 4, 5.0
 _MODIFYING = frozenset(
     {
         Opcode.CREATEFILE,
@@ -44,16 +53,20 @@ _MODIFYING = frozenset(
 )
 
 
+#: Requests that wait in the queue.
+_QUEUED = frozenset(
+    {
+        Opcode.LISTDIRECTORY,
+        Opcode.LISTDIRECTORYWITHTIME,
+        Opcode.OPENFILERO,
+        Opcode.OPENFILEWO,
+        Opcode.CREATEFILE,
+        Opcode.CALCFILECRC,
+    }
+)
+
 #: The handler of an opcode: takes the request, its source and the time, returns the reply.
 _Handler: TypeAlias = Callable[[FtpPayload, Address, float], FtpPayload]
-
-
-class _RefusedError(Exception):
-    """The request is answered by a NAK."""
-
-    def __init__(self, code: int) -> None:
-        super().__init__(code)
-        self.code = code
 
 
 class FtpServer(Service):
@@ -77,6 +90,9 @@ class FtpServer(Service):
         self.sessions = Sessions()
         self._paced = paced
         self._replies = ReplyCache()
+        self._work = WorkQueue()
+        self._burst_due: float | None = None
+        self._listings: OrderedDict[tuple[Address, str], _Listing] = OrderedDict()
         self._handlers: dict[int, _Handler] = {
             Opcode.NONE: self._nothing,
             Opcode.TERMINATESESSION: self._terminate,
@@ -93,7 +109,6 @@ class FtpServer(Service):
             Opcode.REMOVEDIRECTORY: self._change_path,
             Opcode.TRUNCATEFILE: self._truncate,
             Opcode.RENAME: self._rename,
-            Opcode.CALCFILECRC: self._crc,
         }
 
     def receive(self, packet: Packet, now: float) -> None:
@@ -105,49 +120,79 @@ class FtpServer(Service):
         if known is not None:
             self.send(known, source)
             return
+        if request.opcode in _QUEUED:
+            self._work.add(source, request)
+            self._continue_work(now)
+            return
         reply = self._execute(request, source, now)
         if reply is not None:
             self._answer(request, reply, source, now)
 
     def bulk_messages(self, now: float, has_room: HasRoom) -> Iterator[Outgoing]:
-        bursting = [session for session in self.sessions if session.burst is not None]
+        self._burst_due = None
+        bursting = self.sessions.bursting()
+        packets = 0
         while bursting:
             for session in tuple(bursting):
                 burst = session.burst
                 if burst is None or (self._paced and not has_room(session.owner)):
                     bursting.remove(session)
                     continue
+                if packets >= MAX_PACKETS_AT_ONCE:
+                    self._burst_due = now
+                    return
+                packets += 1
                 session.used_at = now
+                self.sessions.served(session)
                 reply = self._next_burst_reply(session, burst, now)
                 yield Outgoing(reply.to_message(*session.owner), session.owner, Priority.BULK)
 
     def next_timeout(self) -> float | None:
-        return self.sessions.next_timeout()
+        return earliest(self.sessions.next_timeout(), self._work.next_timeout(), self._burst_due)
 
     def handle_timeout(self, now: float) -> None:
         self.sessions.close_idle(now)
+        self._continue_work(now)
 
     # Replies
 
-    def _execute(self, request: FtpPayload, source: Address, now: float) -> FtpPayload | None:
+    def _continue_work(self, now: float) -> None:
+        while (work := self._work.next(now)) is not None:
+            ended = True  # also if the store raises an unexpected exception
+            try:
+                reply = self._execute(work.request, work.source, now, work)
+                ended = reply is not None
+            finally:
+                self._work.stepped(work, now, ended=ended)
+            if reply is not None:
+                self._answer(work.request, reply, work.source, now)
+
+    def _execute(
+        self, request: FtpPayload, source: Address, now: float, work: Work | None = None
+    ) -> FtpPayload | None:
+        """Execute a request, or the next slice of `work`; returns the reply, None if there is none yet."""
         try:
             if request.size > MAX_DATA and request.opcode not in (Opcode.READFILE, Opcode.BURSTREADFILE):
-                raise _RefusedError(FtpError.INVALIDDATASIZE)
+                raise RefusedError(FtpError.INVALIDDATASIZE)
             if self.read_only and request.opcode in _MODIFYING:
-                raise _RefusedError(FtpError.FILEPROTECTED)
+                raise RefusedError(FtpError.FILEPROTECTED)
             if request.opcode == Opcode.BURSTREADFILE:
                 self._begin_burst(request, source, now)
                 return None
+            if work is not None and request.opcode == Opcode.CALCFILECRC:
+                return self._continue_crc(work)
+            if request.opcode in _MODIFYING:
+                self._listings.clear()
             handler = self._handlers.get(request.opcode)
             if handler is None:
-                raise _RefusedError(FtpError.UNKNOWNCOMMAND)
+                raise RefusedError(FtpError.UNKNOWNCOMMAND)
             return handler(request, source, now)
-        except _RefusedError as refused:
-            return _nak(request, refused.code)
+        except RefusedError as refused:
+            return nak(request, refused.code)
         except OSError as error:
-            return _nak(request, *_code_of(error))
+            return nak(request, *error_code(error))
         except ValueError:  # a path with characters that the file system does not allow
-            return _nak(request, FtpError.FAIL)
+            return nak(request, FtpError.FAIL)
 
     def _answer(self, request: FtpPayload, reply: FtpPayload, source: Address, now: float) -> None:
         if request.opcode in (Opcode.TERMINATESESSION, Opcode.RESETSESSION):
@@ -160,48 +205,59 @@ class FtpServer(Service):
     # Handlers
 
     def _nothing(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
-        return _ack(request)
+        return ack(request)
 
     def _terminate(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         self.sessions.close(self._session(request, source, now))
-        return _ack(request)
+        return ack(request)
 
     def _reset(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
+        self._work.discard(source)
         for session in self.sessions:
             if session.owner == source:
                 self.sessions.drop(session)
-        return _ack(request)
+        return ack(request)
 
     def _list(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
-        entries = self.store.list_directory(_path(request.data))
+        entries = self._listing(read_path(request.data), request.offset, source, now)
         if request.offset >= len(entries):
-            raise _RefusedError(FtpError.EOF)
+            raise RefusedError(FtpError.EOF)
         with_time = request.opcode == Opcode.LISTDIRECTORYWITHTIME
-        return _ack(request, pack_entries(entries, request.offset, with_time=with_time))
+        return ack(request, pack_entries(entries, request.offset, with_time=with_time))
+
+    def _listing(self, path: str, index: int, source: Address, now: float) -> Sequence[Entry]:
+        """Return the entries of a directory; the pages of one client are those of one listing."""
+        known = self._listings.get((source, path))
+        if not index or known is None or now > known.until:
+            known = self._listings[source, path] = _Listing(self.store.list_directory(path))
+            while len(self._listings) > MAX_LISTINGS:
+                self._listings.popitem(last=False)
+        known.until = now + LISTING_LIFETIME
+        return known.entries
 
     def _open(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
-        path = _path(request.data)
+        path = read_path(request.data)
         if not self.sessions.make_room(source, request.session, now):
-            raise _RefusedError(FtpError.NOSESSIONSAVAILABLE)
+            raise RefusedError(FtpError.NOSESSIONSAVAILABLE)
         writable = request.opcode != Opcode.OPENFILERO
         file = self.store.open_file(path, write=writable, truncate=request.opcode == Opcode.CREATEFILE)
         self.sessions.add(source, request.session, file, now, writable=writable)
         size = min(file.size(), 0xFFFFFFFF)
-        return _ack(request, size.to_bytes(4, "little"))
+        return ack(request, size.to_bytes(4, "little"))
 
     def _read(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         session = self._session(request, source, now)
         data = session.file.read(request.offset, min(request.size, MAX_DATA))
         if not data and request.size:
-            raise _RefusedError(FtpError.EOF)
-        return _ack(request, data)
+            raise RefusedError(FtpError.EOF)
+        return ack(request, data)
 
     def _write(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         session = self._session(request, source, now)
         if not session.writable:
-            raise _RefusedError(FtpError.FILEPROTECTED)
+            raise RefusedError(FtpError.FILEPROTECTED)
         session.file.write(request.offset, request.data)
-        return _ack(request, len(request.data).to_bytes(4, "little"))
+        return ack(request, len(request.data).to_bytes(4, "little"))
 
     def _change_path(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         change = {
@@ -209,38 +265,50 @@ class FtpServer(Service):
             Opcode.CREATEDIRECTORY: self.store.make_directory,
             Opcode.REMOVEDIRECTORY: self.store.remove_directory,
         }[Opcode(request.opcode)]
-        change(_path(request.data))
-        return _ack(request)
+        change(read_path(request.data))
+        return ack(request)
 
     def _truncate(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
-        self.store.truncate(_path(request.data), request.offset)
-        return _ack(request)
+        self.store.truncate(read_path(request.data), request.offset)
+        return ack(request)
 
     def _rename(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
         one, found, other = request.data.partition(b"\0")
         if not found:
-            raise _RefusedError(FtpError.INVALIDDATASIZE)
-        self.store.rename(_path(one), _path(other))
-        return _ack(request)
+            raise RefusedError(FtpError.INVALIDDATASIZE)
+        self.store.rename(read_path(one), read_path(other))
+        return ack(request)
 
-    def _crc(self, request: FtpPayload, source: Address, now: float) -> FtpPayload:
-        file = self.store.open_file(_path(request.data))
+    def _continue_crc(self, work: Work) -> FtpPayload | None:
+        if work.steps is None:
+            work.steps = self._crc(work.request)
+        try:
+            next(work.steps)
+        except StopIteration as end:
+            reply: FtpPayload = end.value
+            return reply
+        return None
+
+    def _crc(self, request: FtpPayload) -> Steps:
+        file = self.store.open_file(read_path(request.data))
         crc = offset = 0
         try:
-            while piece := file.read(offset, _CRC_PIECE):
+            while piece := file.read(offset, CRC_SLICE):
                 crc, offset = file_crc32(piece, crc), offset + len(piece)
+                if len(piece) == CRC_SLICE:
+                    yield
         finally:
             file.close()
-        return _ack(request, crc.to_bytes(4, "little"))
+        return ack(request, crc.to_bytes(4, "little"))
 
     def _session(self, request: FtpPayload, source: Address, now: float) -> Session:
         session = self.sessions.find(request.session, source)
         if session is None:
-            raise _RefusedError(FtpError.INVALIDSESSION)
+            raise RefusedError(FtpError.INVALIDSESSION)
         session.used_at = now
         return session
 
-    # BurstTracker
+    # Bursts
 
     def _begin_burst(self, request: FtpPayload, source: Address, now: float) -> None:
         session = self._session(request, source, now)
@@ -260,10 +328,10 @@ class FtpServer(Service):
             data = session.file.read(burst.offset, burst.size)
         except OSError as error:
             session.burst = None
-            return _nak(reply, *_code_of(error), of_burst=True)
+            return nak(reply, *error_code(error), of_burst=True)
         if not data:
             session.burst = None
-            return _nak(reply, FtpError.EOF, of_burst=True)
+            return nak(reply, FtpError.EOF, of_burst=True)
         burst.offset += len(data)
         sent = burst.packets * burst.size
         complete = burst.packets >= MAX_BURST_PACKETS or sent >= MAX_BURST_BYTES or now >= burst.ends_at
@@ -281,45 +349,9 @@ class FtpServer(Service):
         )
 
 
-def _ack(request: FtpPayload, data: bytes = b"") -> FtpPayload:
-    return FtpPayload(
-        (request.sequence + 1) % SEQUENCES,
-        Opcode.ACK,
-        request.session,
-        len(data),
-        request.opcode,
-        offset=request.offset,
-        data=data,
-    )
+@dataclass(slots=True)
+class _Listing:
+    """The entries of a directory, kept until a time."""
 
-
-def _nak(request: FtpPayload, code: int, errno: int | None = None, *, of_burst: bool = False) -> FtpPayload:
-    data = bytes([code]) if errno is None else bytes([code, errno & 0xFF])
-    return FtpPayload(
-        request.sequence if of_burst else (request.sequence + 1) % SEQUENCES,
-        Opcode.NAK,
-        request.session,
-        len(data),
-        request.req_opcode if of_burst else request.opcode,
-        of_burst,
-        request.offset,
-        data,
-    )
-
-
-def _code_of(error: OSError) -> tuple[int, int | None]:
-    if isinstance(error, FileNotFoundError) or error.errno in (ENOENT, ENOTDIR):
-        return FtpError.FILENOTFOUND, None
-    if isinstance(error, FileExistsError) or error.errno == EEXIST:
-        return FtpError.FILEEXISTS, None
-    if isinstance(error, PermissionError):
-        return FtpError.FILEPROTECTED, None
-    return FtpError.FAILERRNO, error.errno or 0
-
-
-def _path(data: bytes) -> str:
-    """Decode a path; some clients include its NUL."""
-    path = data.removesuffix(b"\0")
-    if not path or b"\0" in path:
-        raise _RefusedError(FtpError.INVALIDDATASIZE)
-    return path.decode("utf-8", "surrogateescape")
+    entries: Sequence[Entry]
+    until: float = 0.0

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from mavstack.dialects import Message
     from mavstack.services.addressing import Address
     from mavstack.services.ftp.payload import FtpPayload
     from mavstack.services.ftp.stores import OpenFile
 
-MAX_SESSIONS = 16
+MAX_SESSIONS, MAX_SESSIONS_PER_CLIENT = 64, 4
 MAX_CLIENTS = 64
 #: Seconds without a request after which a session is closed; the shorter time applies when all are in use.
 IDLE_TIMEOUT, IDLE_TIMEOUT_WHEN_FULL = 15.0, 3.0
+#: Seconds for which a client keeps its only session while all are in use and another client has none.
+MIN_SESSION_DURATION = 10.0
 #: The number of cached replies to one client (it may have several outstanding requests), and the seconds for
 #: which they are kept: replies to modifying requests as long as a client may repeat them, others only for
 #: duplicates of a packet.
@@ -47,18 +49,19 @@ class Session:
     file: OpenFile
     writable: bool
     used_at: float
+    opened_at: float
     burst: Burst | None = None
 
 
 class Sessions:
-    """The open files, a bounded number.
+    """The open files, a bounded number, of which each client gets a fair share.
 
     The client chooses the number of its session in the request that opens it, as with ArduPilot: some clients
     ignore the number in the reply, or expect the one that they sent.
     """
 
     def __init__(self) -> None:
-        self._open: dict[tuple[Address, int], Session] = {}
+        self._open: OrderedDict[tuple[Address, int], Session] = OrderedDict()
 
     def __iter__(self) -> Iterator[Session]:
         return iter(tuple(self._open.values()))
@@ -72,19 +75,46 @@ class Sessions:
 
     def make_room(self, owner: Address, number: int, now: float) -> bool:
         """Return whether a session can be opened under a number; closes an idle one if necessary."""
-        replaced = self._open.get((owner, number))
+        known = self._open.get((owner, number))
+        own = [session for session in self._open.values() if session.owner == owner]
+        if known is not None:
+            replaced = _idle([known], now)
+        elif len(own) >= MAX_SESSIONS_PER_CLIENT:
+            replaced = _idle(own, now)
+        elif len(self._open) < MAX_SESSIONS:
+            return True
+        else:
+            replaced = self._replaceable(len(own), now)
         if replaced is None:
-            if len(self._open) < MAX_SESSIONS:
-                return True
-            replaced = min(self._open.values(), key=lambda session: session.used_at)
-        if now - replaced.used_at < IDLE_TIMEOUT_WHEN_FULL:
             return False
         self.drop(replaced)
         return True
 
+    def _replaceable(self, number_of_own: int, now: float) -> Session | None:
+        """Return the session that a client with this number of sessions may replace; None: it must wait."""
+        sessions = tuple(self._open.values())
+        idle = _idle(sessions, now)
+        if idle is not None:
+            return idle
+        shares = Counter(session.owner for session in sessions)
+        owner, share = shares.most_common(1)[0]
+        if share > number_of_own + 1:
+            return min((each for each in sessions if each.owner == owner), key=lambda each: each.used_at)
+        first = min(sessions, key=lambda session: session.opened_at)
+        long = now - first.opened_at >= MIN_SESSION_DURATION
+        return first if not number_of_own and long else None
+
+    def bursting(self) -> list[Session]:
+        """Return the sessions with a burst, those that waited longest first."""
+        return [session for session in self._open.values() if session.burst is not None]
+
+    def served(self, session: Session) -> None:
+        """Record that a session sent a packet of its burst: all others come before it."""
+        self._open.move_to_end((session.owner, session.number))
+
     def add(self, owner: Address, number: int, file: OpenFile, now: float, *, writable: bool) -> Session:
         """Add a session under the client's number; see `make_room`."""
-        session = Session(number, owner, file, writable, now)
+        session = Session(number, owner, file, writable, now, now)
         self._open[owner, number] = session
         return session
 
@@ -107,6 +137,12 @@ class Sessions:
     def next_timeout(self) -> float | None:
         """Return when a session may have become idle."""
         return min((session.used_at + IDLE_TIMEOUT for session in self._open.values()), default=None)
+
+
+def _idle(sessions: Iterable[Session], now: float) -> Session | None:
+    """Return the session that is idle longest, if that is long enough to replace it."""
+    session = min(sessions, key=lambda session: session.used_at)
+    return session if now - session.used_at >= IDLE_TIMEOUT_WHEN_FULL else None
 
 
 @dataclass(slots=True)

@@ -1,17 +1,13 @@
 """File stores: what an FTP server gives access to, by paths with "/" between their parts.
 
-A store raises OSError like the functions of the operating system. `DirectoryStore` is a directory on disk and
-never leaves it: no `..`, no absolute path of the system, no NUL, no symbolic link that leads out; removing
-and renaming apply to a link itself. Only regular files are opened, so that no call blocks. `MemoryStore`
-keeps files in memory.
+A store raises OSError like the functions of the operating system. `MemoryStore` keeps files in memory;
+`DirectoryStore`, in its own module, is a directory on disk.
 """
 
 from __future__ import annotations
 
 import os
-import stat
-from errno import EINVAL, EISDIR, ENAMETOOLONG, ENOENT, ENOSPC, ENOTDIR, ENOTEMPTY, EPERM
-from pathlib import Path
+from errno import EINVAL, EISDIR, ENAMETOOLONG, ENOENT, ENOSPC, ENOTEMPTY, EPERM
 from typing import TYPE_CHECKING, Protocol
 
 from mavstack.services.ftp.entries import Entry
@@ -20,7 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
 MAX_NAME_LENGTH = 255
-_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
 class OpenFile(Protocol):
@@ -75,125 +70,11 @@ def parts_of(path: str) -> tuple[str, ...]:
     return parts
 
 
-class _DiskFile:
-    """A regular file on disk."""
-
-    def __init__(self, descriptor: int) -> None:
-        self._file = os.fdopen(descriptor, "r+b" if _may_write(descriptor) else "rb", buffering=0)
-
-    def size(self) -> int:
-        return os.fstat(self._file.fileno()).st_size
-
-    def read(self, offset: int, size: int) -> bytes:
-        self._file.seek(offset)
-        return self._file.read(size) or b""
-
-    def write(self, offset: int, data: bytes) -> None:
-        self._file.seek(offset)
-        rest = memoryview(data)
-        while rest:
-            rest = rest[self._file.write(rest) or 0 :]
-
-    def close(self) -> None:
-        self._file.close()
-
-
-def _may_write(descriptor: int) -> bool:
-    try:
-        os.write(descriptor, b"")
-    except OSError:
-        return False
-    return True
-
-
-class DirectoryStore:
-    """A directory on disk, and nothing outside of it."""
-
-    def __init__(self, root: str | os.PathLike[str]) -> None:
-        self.root = Path(root).resolve(strict=True)
-
-    def list_directory(self, path: str) -> Sequence[Entry]:
-        with os.scandir(self._resolve(path)) as found:
-            return [self._entry(item) for item in sorted(found, key=lambda item: item.name)]
-
-    def open_file(self, path: str, *, write: bool = False, truncate: bool = False) -> OpenFile:
-        location = self._resolve(path)
-        if location.exists() and not location.is_file():
-            raise OSError(EISDIR, "not a file")
-        flags = _FLAGS | (os.O_RDWR | os.O_CREAT if write else os.O_RDONLY)
-        descriptor = os.open(location, flags, 0o666)
-        try:
-            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-                raise OSError(EISDIR, "not a file")
-            if truncate:
-                os.ftruncate(descriptor, 0)
-            return _DiskFile(descriptor)
-        except OSError:
-            os.close(descriptor)
-            raise
-
-    def remove(self, path: str) -> None:
-        location = self._resolve_parent(path)
-        if location.is_dir() and not location.is_symlink():
-            raise OSError(EISDIR, "a directory")
-        location.unlink()
-
-    def rename(self, path: str, to: str) -> None:
-        source, destination = self._resolve_parent(path), self._resolve_parent(to)
-        if destination.exists() or destination.is_symlink():
-            raise FileExistsError
-        source.rename(destination)
-
-    def truncate(self, path: str, size: int) -> None:
-        location = self._resolve(path)
-        if not location.is_file():
-            raise FileNotFoundError if not location.exists() else OSError(EISDIR, "not a file")
-        os.truncate(location, size)
-
-    def make_directory(self, path: str) -> None:
-        self._resolve_parent(path).mkdir()
-
-    def remove_directory(self, path: str) -> None:
-        location = self._resolve_parent(path)
-        if location.is_symlink():
-            raise OSError(ENOTDIR, "not a directory")
-        location.rmdir()
-
-    def _resolve(self, path: str) -> Path:
-        """Resolve a path, following links."""
-        location = Path(os.path.realpath(self.root.joinpath(*parts_of(path))))
-        if not location.is_relative_to(self.root):
-            raise OSError(EPERM, "not below the root")
-        return location
-
-    def _resolve_parent(self, path: str) -> Path:
-        """Resolve a path, following links in its directories but not in its last part."""
-        parts = parts_of(path)
-        if not parts:
-            raise OSError(EPERM, "the root directory")
-        return self._resolve("/".join(parts[:-1])) / parts[-1]
-
-    def _entry(self, item: os.DirEntry[str]) -> Entry:
-        """Return an entry; an empty name is sent as a skip."""
-        try:
-            location = Path(os.path.realpath(item.path))
-            known = location.stat() if location.is_relative_to(self.root) else None
-        except OSError:
-            known = None
-        if known is None:
-            return Entry("")
-        if stat.S_ISDIR(known.st_mode):
-            return Entry(item.name, is_directory=True, modified=int(known.st_mtime))
-        return Entry(
-            item.name if stat.S_ISREG(known.st_mode) else "", False, known.st_size, int(known.st_mtime)
-        )
-
-
 class BytesFile:
-    """A file in memory."""
+    """A file in memory; `room` raises OSError if there is no room for a growth in bytes."""
 
-    def __init__(self, data: bytearray, room: Callable[[int], None] = lambda growth: None) -> None:
-        self._data = data
+    def __init__(self, data: bytearray | bytes, room: Callable[[int], None] = lambda growth: None) -> None:
+        self._data = data if isinstance(data, bytearray) else bytearray(data)
         self._room = room
 
     def size(self) -> int:
@@ -223,6 +104,8 @@ def resize(data: bytearray, size: int) -> None:
     data.extend(bytes(size - len(data)))
 
 
+#: The bytes of all files in a store in memory, unless the program gives another capacity.
+DEFAULT_MEMORY_CAPACITY = 64 << 20
 #: The number of files and directories in a store with a capacity.
 MAX_ENTRIES = 4096
 
@@ -241,7 +124,7 @@ class MemoryStore:
         files: Mapping[str, bytes] | None = None,
         virtual: Mapping[str, Callable[[], bytes]] | None = None,
         *,
-        capacity: int | None = None,
+        capacity: int | None = DEFAULT_MEMORY_CAPACITY,
     ) -> None:
         self.capacity = capacity
         self._files: dict[tuple[str, ...], bytearray] = {}
@@ -283,7 +166,7 @@ class MemoryStore:
         if location in self._virtual:
             if write:
                 raise PermissionError
-            return BytesFile(bytearray(self._virtual[location]()))
+            return BytesFile(self._virtual[location]())
         if location in self._directories:
             raise OSError(EISDIR, "not a file")
         if write and location[:-1] in self._directories and location not in self._files:
@@ -292,11 +175,11 @@ class MemoryStore:
         data = self._file(location)
         if truncate:
             data.clear()
-        return BytesFile(data, self._make_room)
+        return BytesFile(data, lambda growth: self._check_growth(data, growth))
 
     def remove(self, path: str) -> None:
         location = parts_of(path)
-        self._file(location)
+        self._file(location).clear()  # an open file must not keep memory beyond the capacity
         del self._files[location]
 
     def rename(self, path: str, to: str) -> None:
@@ -336,6 +219,11 @@ class MemoryStore:
         if location not in self._files:
             raise PermissionError if location in self._virtual else FileNotFoundError
         return self._files[location]
+
+    def _check_growth(self, data: bytearray, growth: int) -> None:
+        if growth and not any(known is data for known in self._files.values()):
+            raise FileNotFoundError(ENOENT, "the file was removed")
+        self._make_room(growth)
 
     def _make_room(self, growth: int = 0) -> None:
         if self.capacity is None:

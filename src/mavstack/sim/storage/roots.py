@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: Bytes of a store in memory, logs and uploads together.
 MEMORY_CAPACITY = 32 << 20
+#: Bytes, and files and directories, of a store in a folder.
+FOLDER_CAPACITY, MAX_FOLDER_ENTRIES = 256 << 20, 4096
 
 _ARDUPILOT_DIRECTORIES = ("/APM/LOGS", "/APM/scripts", "/APM/TERRAIN")
 _PX4_DIRECTORIES = ("/fs/microsd/log", "/fs/microsd/etc")
@@ -38,7 +40,7 @@ def file_store(folder: str | os.PathLike[str] | None = None) -> FileStore:
     if folder is None:
         return MemoryStore(capacity=MEMORY_CAPACITY)
     Path(folder).mkdir(parents=True, exist_ok=True)
-    return DirectoryStore(folder)
+    return DirectoryStore(folder, capacity=FOLDER_CAPACITY, max_entries=MAX_FOLDER_ENTRIES)
 
 
 def ardupilot_root(
