@@ -36,6 +36,16 @@ def commands_with_location() -> frozenset[int]:
     return frozenset(entry.value for entry in entries if entry.has_location)
 
 
+@cache
+def _known_commands() -> frozenset[int]:
+    return frozenset(entry.value for entry in ardupilotmega.MavCmd.definition().entries)
+
+
+def is_known_command(command: int) -> bool:
+    """Return whether a number is a MAV_CMD of the official dialects."""
+    return command in _known_commands()
+
+
 def scale_of(command: int, frame: int) -> float:
     """Return the factor of params 5 and 6 of a command in an integer message."""
     if command not in commands_with_location() or frame == common.MavFrame.MISSION:

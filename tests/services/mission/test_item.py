@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mavstack.dialects import common
+from mavstack.errors import InvalidTypeError
 from mavstack.services.mission import MissionItem, Plan, PlanType
 from tests.services.network import VEHICLE
 
@@ -88,3 +89,54 @@ def test_any_item_goes_over_the_wire_and_back(command, frame, params, autocontin
     assert again == item
     assert MissionItem.read(again.to_int(VEHICLE, 0, 0)) == again
     item.to_float(VEHICLE, 0, 0)
+
+
+FRAMES = [
+    (MissionItem(common.MavCmd.NAV_WAYPOINT), FRAME.GLOBAL_RELATIVE_ALT),
+    (MissionItem(common.MavCmd.NAV_TAKEOFF, param7=10), FRAME.GLOBAL_RELATIVE_ALT),
+    (MissionItem(common.MavCmd.NAV_RETURN_TO_LAUNCH), FRAME.MISSION),
+    (MissionItem(common.MavCmd.NAV_DELAY, 5), FRAME.MISSION),
+    (MissionItem(common.MavCmd.DO_CHANGE_SPEED, 1, 5), FRAME.MISSION),
+    (MissionItem(common.MavCmd.DO_JUMP, 1, 2), FRAME.MISSION),
+    (MissionItem(common.MavCmd.DO_LAND_START), FRAME.MISSION),
+    (MissionItem(common.MavCmd.DO_LAND_START, param5=47.0, param6=8.0), FRAME.GLOBAL_RELATIVE_ALT),
+    (MissionItem(common.MavCmd.DO_SET_ROI_LOCATION, param5=47.0), FRAME.GLOBAL_RELATIVE_ALT),
+    (MissionItem(common.MavCmd.DO_SET_ROI_NONE), FRAME.MISSION),
+    (MissionItem(common.MavCmd.NAV_FENCE_CIRCLE_INCLUSION, 50, param5=47.0), FRAME.GLOBAL_RELATIVE_ALT),
+    (MissionItem(60_000, param5=47.0, param6=8.0), FRAME.GLOBAL_RELATIVE_ALT),
+    (MissionItem(60_000, 1), FRAME.MISSION),
+    (MissionItem(common.MavCmd.NAV_RETURN_TO_LAUNCH, frame=FRAME.GLOBAL), FRAME.GLOBAL),
+]
+
+
+@pytest.mark.parametrize(("item", "frame"), FRAMES)
+def test_the_default_frame_suits_the_command(item, frame) -> None:
+    assert item.frame == frame
+    assert type(item)(item.command, param5=1.0, frame=item.frame).frame == frame
+
+
+def test_named_constructors() -> None:
+    item = MissionItem.waypoint(47.0, 8.0, 30, hold=5, radius=2, yaw=90)
+    wanted = MissionItem(common.MavCmd.NAV_WAYPOINT, 5, 2, 0, 90, 47.0, 8.0, 30)
+    assert item == wanted
+    made = [
+        (MissionItem.takeoff(10), "NAV_TAKEOFF", FRAME.GLOBAL_RELATIVE_ALT),
+        (MissionItem.land(47.0, 8.0), "NAV_LAND", FRAME.GLOBAL_RELATIVE_ALT),
+        (MissionItem.return_to_launch(), "NAV_RETURN_TO_LAUNCH", FRAME.MISSION),
+        (MissionItem.change_speed(7), "DO_CHANGE_SPEED", FRAME.MISSION),
+        (MissionItem.delay(3), "NAV_DELAY", FRAME.MISSION),
+        (MissionItem.region_of_interest(47.0, 8.0, 5), "DO_SET_ROI_LOCATION", FRAME.GLOBAL_RELATIVE_ALT),
+        (MissionItem.no_region_of_interest(), "DO_SET_ROI_NONE", FRAME.MISSION),
+        (MissionItem.home(), "NAV_WAYPOINT", FRAME.GLOBAL_RELATIVE_ALT),
+    ]
+    for item, name, frame in made:
+        assert (item.name, item.frame) == (name, frame)
+    assert (MissionItem.change_speed(7).param1, MissionItem.change_speed(7).param2) == (1, 7)
+    with pytest.raises(InvalidTypeError, match="param7 must be a number"):
+        MissionItem.takeoff("ten")
+
+
+def test_the_location_of_an_item() -> None:
+    assert MissionItem.waypoint(47.0, 8.0, 30).location == (47.0, 8.0)
+    for item in (MissionItem.takeoff(10), MissionItem.return_to_launch(), MissionItem.change_speed(5)):
+        assert item.location is None

@@ -363,3 +363,33 @@ def test_what_is_no_plan_is_refused_at_once(client) -> None:
     for plan in (Plan.of([], PlanType.ALL), Plan.of([], 7), Plan.of(waypoints(1) * 65536)):
         with pytest.raises(InvalidArgumentError):
             client.upload(plan, 0.0)
+
+
+def test_ardupilot_refuses_an_item_that_it_does_not_support(vehicle) -> None:
+    """It requests by MISSION_REQUEST, and after the refusal answers every item with ERROR."""
+    plan = Plan.of(
+        [*waypoints(3), MissionItem(common.MavCmd.DO_ORBIT, param5=47.0, param6=8.0), *waypoints(2)]
+    )
+    upload, _ = begin(vehicle, plan)
+    for seq in range(4):
+        vehicle.now += 0.05
+        vehicle.tell(common.MissionRequest(seq=seq, **to_ground()))
+    assert kinds(vehicle.ack(Result.UNSUPPORTED)) == ["MissionItem"]
+    vehicle.ack(Result.ERROR)
+    vehicle.ack(Result.ERROR)
+    refusal = r"UNSUPPORTED at item 3 \(DO_ORBIT in frame GLOBAL_RELATIVE_ALT\)"
+    with pytest.raises(MissionDenied, match=refusal) as caught:
+        upload.result()
+    assert (caught.value.item, caught.value.code) == (3, Result.UNSUPPORTED)
+
+
+@pytest.mark.parametrize("first", [Result.UNSUPPORTED, Result.DENIED])
+def test_a_refusal_is_not_forgotten_when_the_vehicle_falls_silent(vehicle, first) -> None:
+    upload, _ = begin(vehicle, plan_of(4))
+    for seq in range(2):
+        vehicle.now += 0.05
+        vehicle.tell(common.MissionRequest(seq=seq, **to_ground()))
+    vehicle.ack(first)
+    vehicle.wait_for_all(15)
+    with pytest.raises(MissionDenied, match=rf"{first.name} at item 1 \(NAV_WAYPOINT in frame"):
+        upload.result()

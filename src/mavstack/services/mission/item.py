@@ -5,6 +5,9 @@ MISSION_ITEM carries them as float32, which for a longitude is precise to about 
 with and without `_INT` mean the same: autopilots accept both and return the one they prefer, so two items are
 equal if their MISSION_ITEM_INT are equal apart from that. `current` is not part of the plan: in a download it
 marks the vehicle's current item.
+
+The default frame depends on the command, since PX4 refuses a command without a location in a global frame:
+MISSION for such a command, GLOBAL_RELATIVE_ALT for one that has a location.
 """
 
 from __future__ import annotations
@@ -15,13 +18,24 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
 from mavstack.services.addressing import BROADCAST
-from mavstack.services.frames import as_float32, from_integer, scale_of, to_integer
+from mavstack.services.frames import (
+    GLOBAL_FRAMES,
+    as_float32,
+    commands_with_location,
+    from_integer,
+    is_known_command,
+    scale_of,
+    to_integer,
+)
+from mavstack.services.mission.item_factories import ItemFactories
 
 if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.services.addressing import Address
 
+#: The default of `MissionItem.frame`, which becomes the frame that suits the command.
+FRAME_OF_COMMAND = -1
 _SYNONYMS: dict[int, int] = {
     common.MavFrame.GLOBAL_INT: common.MavFrame.GLOBAL,
     common.MavFrame.GLOBAL_RELATIVE_ALT_INT: common.MavFrame.GLOBAL_RELATIVE_ALT,
@@ -30,8 +44,11 @@ _SYNONYMS: dict[int, int] = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MissionItem:
-    """A MAV_CMD in a plan; params 5 and 6 are degrees in a global frame and metres in a local one."""
+class MissionItem(ItemFactories):
+    """A MAV_CMD in a plan; params 5 and 6 are degrees in a global frame and metres in a local one.
+
+    Without a `frame`, an item with a location has GLOBAL_RELATIVE_ALT, any other one MISSION.
+    """
 
     command: int
     param1: float = 0.0
@@ -41,9 +58,13 @@ class MissionItem:
     param5: float = 0.0
     param6: float = 0.0
     param7: float = 0.0
-    frame: int = common.MavFrame.GLOBAL_RELATIVE_ALT
+    frame: int = FRAME_OF_COMMAND
     autocontinue: bool = True
     current: bool = False
+
+    def __post_init__(self) -> None:
+        if self.frame == FRAME_OF_COMMAND:
+            object.__setattr__(self, "frame", self._default_frame())
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, MissionItem) and self.to_bytes() == other.to_bytes()
@@ -58,6 +79,26 @@ class MissionItem:
             return common.MavCmd(self.command).official_name.removeprefix("MAV_CMD_")
         except ValueError:
             return f"MAV_CMD {self.command}"
+
+    @property
+    def frame_name(self) -> str:
+        """The MAV_FRAME's name without MAV_FRAME_, or its number if unknown."""
+        try:
+            return common.MavFrame(self.frame).name
+        except ValueError:
+            return str(int(self.frame))
+
+    @property
+    def description(self) -> str:
+        """The command and its frame, for errors: NAV_WAYPOINT in frame GLOBAL."""
+        return f"{self.name} in frame {self.frame_name}"
+
+    @property
+    def location(self) -> tuple[float, float] | None:
+        """Latitude and longitude in degrees; None if the item has none, such as 0, 0."""
+        located = self.frame in GLOBAL_FRAMES and self.command in commands_with_location()
+        unknown = isnan(self.param5) or isnan(self.param6) or (self.param5 == 0.0 == self.param6)
+        return None if unknown or not located else (self.param5, self.param6)
 
     def to_int(
         self, target: Address, seq: int, plan_type: int, *, current: bool | None = None
@@ -104,6 +145,14 @@ class MissionItem:
         message = self.to_int(BROADCAST, 0, 0, current=False)
         message.frame = _SYNONYMS.get(self.frame, self.frame)
         return message.to_payload()
+
+    def _default_frame(self) -> int:
+        placed = any((self.param5, self.param6, self.param7))
+        needs_place = self.command in commands_with_location() and self.command < common.MavCmd.NAV_LAST
+        # An unknown command of a user's dialect counts by its parameters.
+        could = self.command in commands_with_location() or not is_known_command(self.command)
+        located = needs_place or (could and placed)
+        return common.MavFrame.GLOBAL_RELATIVE_ALT if located else common.MavFrame.MISSION
 
     def _common_fields(
         self, target: Address, seq: int, plan_type: int, current: bool | None

@@ -141,9 +141,10 @@ class Transfer(Operation[Result]):
             )
         )
 
-    def refused(self, result: int, item: int | None = None) -> None:
-        """Fail with the vehicle's MAV_MISSION_RESULT."""
+    def refused(self, result: int, item: int | None = None, description: str = "") -> None:
+        """Fail with the vehicle's MAV_MISSION_RESULT, and the item that it refers to."""
         answer = result_name(result) + ("" if item is None else f" at item {item}")
+        answer += f" ({description})" if description else ""
         target = str(self.target)
         if result == common.MavMissionResult.OPERATION_CANCELLED:
             self.fail(RemoteCancelled(self.description, target, attempts=self.attempts, answer=answer))

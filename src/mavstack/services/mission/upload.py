@@ -11,6 +11,10 @@ again together with the next one. A vehicle that has the first ignores it (PX4 s
 INVALID_SEQUENCE, which therefore ends nothing) and accepts the second, so either loss costs one round trip
 and not the second after which a vehicle repeats its request.
 
+UNSUPPORTED may refer to the form of the item, and DENIED to a late request of a download: the item is sent
+once more. If another refusal follows, such as ERROR from a vehicle that has ended the upload, the first one
+referred to that item.
+
 ERROR may be the answer to a late duplicate (from PX4, to a count after items) while the upload continues. So
 the due item is sent once more, and only a second ERROR counts: then the vehicle has lost the upload, because
 it rebooted or gave up, and the upload restarts.
@@ -136,6 +140,9 @@ class UploadPlan(Transfer[Plan]):
             self._restart(now)
 
     def time_out(self, now: float, answer: str = "no answer") -> None:
+        if self._doubted is not None:
+            self._item_refused(self._doubted)
+            return
         if self._was_last_sent():
             answer = "all items were sent, but the vehicle did not confirm them"
         super().time_out(now, answer)
@@ -150,6 +157,7 @@ class UploadPlan(Transfer[Plan]):
         self._furthest = -1
         self._errors = 0
         self._probing = False
+        self._doubted: int | None = None
         self._requests_float = self._float = False
         self._queue.clear()
         self._sent_times.clear()
@@ -174,7 +182,7 @@ class UploadPlan(Transfer[Plan]):
             self.answered(now)
         self.stage, self._due, self._probing = Stage.SENDING, seq, False
         if seq > self._furthest:
-            self._furthest = seq
+            self._furthest, self._doubted = seq, None
             self.report_progress(now, seq, len(self.plan))
         if self._is_in_transit(seq, now):
             self.tries, self.sent_at = 1, self._sent_times[seq]
@@ -201,15 +209,23 @@ class UploadPlan(Transfer[Plan]):
         elif self.stage is Stage.COUNTING:
             if result != _Result.OPERATION_CANCELLED:
                 self._count_refused(result, now)
+        elif self._doubted is not None:
+            self._item_refused(self._doubted)
         elif result == _Result.UNSUPPORTED and self._requests_float and not self._float:
             self._float = True
+            self._doubted = result
             self._queue = deque([self._due])
         elif result == _Result.ERROR:
             self._error_received(now)
         elif result == _Result.DENIED and not self._probing and not self._was_last_sent():
+            self._doubted = result
             self._probe()  # ArduPilot sends it for a late request of a download, and continues
         else:
-            self.refused(result, self._due)
+            self._item_refused(result)
+
+    def _item_refused(self, result: int) -> None:
+        """Fail, since the vehicle refuses the due item."""
+        self.refused(result, self._due, self.plan.items[self._due].description)
 
     def _count_refused(self, result: int, now: float) -> None:
         self._errors += 1
@@ -244,7 +260,8 @@ class UploadPlan(Transfer[Plan]):
         self._rounds += 1
         item = self._due
         if self._rounds > MAX_ROUNDS:
-            self.refused(_Result.ERROR, item)
+            self._due = item
+            self._item_refused(_Result.ERROR)
             return
         self.tries = 0
         self._begin_round()
