@@ -281,6 +281,10 @@ class HealthTimeout(RemoteTimeout):
     """A vehicle did not become ready to arm in time; the text holds the failed checks."""
 
 
+class MissionWarning(UserWarning):
+    """A mission that was uploaded, but is probably not what was intended (a warning, not an error)."""
+
+
 class GroupError(MavstackError):
     """An operation failed on some vehicles of a group.
 

@@ -7,7 +7,7 @@ import asyncio
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import ActionInterrupted, ActionTimeout, CommandDenied
+from mavstack.errors import ActionInterrupted, ActionTimeout, CommandDenied, MissionWarning
 from mavstack.services.mission import MissionItem
 from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.failures.rows import ITEMS
@@ -157,6 +157,92 @@ def test_disarmed_before_the_end_is_an_interruption(state):
             await flying
 
     play(scenario)
+
+
+@pytest.mark.parametrize("state", [STATE.UNKNOWN, STATE.ACTIVE])
+def test_a_landing_at_the_end_is_the_end_if_the_total_counts_the_home_item(state):
+    """ArduCopter 4.7 disarms in the landing, stays in AUTO and goes on reporting an active mission."""
+
+    async def scenario(made):
+        made.script.arm()
+        items = [*ITEMS[:-1], MissionItem.land(47.4, 8.55)]
+        await made.vehicle.mission.upload(items)
+        await asyncio.sleep(1.5)
+        flying = asyncio.create_task(made.vehicle.mission.fly())
+        await asyncio.sleep(3)
+        for seq in range(1, len(items)):
+            tell(made, seq, state)
+            await asyncio.sleep(2)
+            assert not flying.done()
+            reach(made, seq - 1)
+        made.script.landed = common.MavLandedState.ON_GROUND
+        made.script.arm(False)
+        await asyncio.wait_for(flying, 5)
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+def test_commands_behind_the_landing_are_not_waited_for():
+    async def scenario(made):
+        made.script.arm()
+        items = [*ITEMS[:4], MissionItem.land(47.4, 8.55), MissionItem(CMD.DO_SET_SERVO, 1, 1500)]
+        await made.vehicle.mission.upload(items)
+        await asyncio.sleep(1.5)
+        flying = asyncio.create_task(made.vehicle.mission.fly())
+        await asyncio.sleep(3)
+        tell(made, 4, STATE.ACTIVE, total=len(items) - 1)
+        await asyncio.sleep(3)
+        made.script.arm(False)
+        await asyncio.wait_for(flying, 5)
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+def test_a_vehicle_that_disarms_before_its_landing_was_interrupted():
+    async def scenario(made):
+        made.script.arm()
+        await made.vehicle.mission.upload([*ITEMS[:4], MissionItem.land(47.4, 8.55)])
+        await asyncio.sleep(1.5)
+        flying = asyncio.create_task(made.vehicle.mission.fly())
+        await asyncio.sleep(3)
+        tell(made, 3, STATE.ACTIVE, total=4)
+        await asyncio.sleep(3)
+        made.script.arm(False)
+        with pytest.raises(ActionInterrupted, match="it was disarmed"):
+            await flying
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+def test_the_download_gives_back_what_was_uploaded_though_item_0_is_the_home():
+    async def scenario(world, vehicle):
+        items = plan_for(world, CMD.NAV_LAND, ardupilot=True)
+        items[0] = MissionItem.home()
+        sent = await vehicle.mission.upload(items)
+        assert world.simulated.mission.plan(0).items[0] != items[0]
+        assert await vehicle.mission.download() == sent
+        other = [items[0], *items[2:]]
+        await vehicle.component.mission.upload(other)
+        assert (await vehicle.mission.download()).items[1:] == tuple(other[1:])
+        vehicle.component.mission._uploaded = sent
+        assert (await vehicle.mission.download()).items[0] != items[0], "another plan: the vehicle's own home"
+
+    fly((VehicleType.COPTER, ARDUPILOT_SIM), scenario)
+
+
+@BOTH
+def test_a_mission_that_begins_far_away_gets_a_warning(autopilot):
+    async def scenario(made):
+        await made.vehicle.get_position()
+        far = [MissionItem.home(), MissionItem.takeoff(10), MissionItem.waypoint(-35.36, 149.16, 20)]
+        with pytest.warns(
+            MissionWarning, match=r"begins 18,\d\d\d km from the vehicle: item 2 is at -35\.36"
+        ):
+            await made.vehicle.mission.upload(far)
+        assert made.script.mission.plan(0).items == tuple(far)
+        await made.vehicle.mission.upload([MissionItem.home(), MissionItem.waypoint(47.4, 8.55, 20)])
+
+    play(scenario, autopilot=autopilot)
 
 
 def test_the_mission_state_reports_the_end():

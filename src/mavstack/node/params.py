@@ -75,6 +75,7 @@ class Params:
 
         Raises:
             InvalidTypeError: The name is not a str, or the value is not a number.
+            InvalidArgumentError: The parameter's type, or its encoding on the wire, cannot hold the value.
             ParameterDenied: The component refused the value.
             ParameterTimeout: The component does not answer, as most do for an unknown name.
             RemoteCancelled: The node was closed.

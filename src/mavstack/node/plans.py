@@ -32,6 +32,7 @@ class Plans:
         self._clients = clients
         #: The MAV_MISSION_TYPE.
         self.type = plan_type
+        self._uploaded: Plan | None = None
 
     @property
     def home_first(self) -> bool:
@@ -74,7 +75,9 @@ class Plans:
             if not isinstance(item, MissionItem):
                 raise InvalidTypeError(f"items[{number}] must be a MissionItem, got {item!r:.60}")
         host, client = self._clients.host, self._clients.mission
-        return await host.finish(client, client.upload(plan, host.now(), timeout=timeout), progress)
+        held = await host.finish(client, client.upload(plan, host.now(), timeout=timeout), progress)
+        self._uploaded = held
+        return held
 
     async def download(
         self, *, timeout: float | None = None, progress: Callable[[int, int], None] | None = None
@@ -86,7 +89,9 @@ class Plans:
             progress: Called with the items received and the items in total.
 
         Returns:
-            The plan; latitudes and longitudes in degrees, altitudes in metres in the item's frame.
+            The plan; latitudes and longitudes in degrees, altitudes in metres in the item's frame. ArduPilot
+            keeps its home in item 0: if nothing else differs from the plan that was uploaded through this
+            object, item 0 is as uploaded; `Vehicle.home` is the home position.
 
         Raises:
             MissionDenied: The component refused.
@@ -94,7 +99,16 @@ class Plans:
         """
         host, client = self._clients.host, self._clients.mission
         operation = client.download(host.now(), self.type, timeout=timeout)
-        return await host.finish(client, operation, progress)
+        return self._as_uploaded(await host.finish(client, operation, progress))
+
+    def _as_uploaded(self, held: Plan) -> Plan:
+        """Return the uploaded plan if the vehicle's differs only in item 0, which is its home."""
+        sent = self._uploaded
+        if not self.home_first or self.type != PlanType.MISSION or sent is None or sent == held:
+            return held
+        if len(sent) != len(held) or sent.items[1:] != held.items[1:]:
+            return held
+        return sent.with_id(held.plan_id)
 
     async def clear(self, *, timeout: float | None = None) -> None:
         """Remove the plan (MISSION_CLEAR_ALL).

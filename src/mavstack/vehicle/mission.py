@@ -11,13 +11,19 @@ vehicle that is disarmed before that was interrupted.
 
 from __future__ import annotations
 
+import logging
+import warnings
 from typing import TYPE_CHECKING, Final
 
+from mavstack.dialects import common
+from mavstack.errors import MissionWarning
+from mavstack.services.arguments import check_number
 from mavstack.services.mission import PlanType
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
 from mavstack.vehicle.actions.arming import set_armed
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.geography import distance
 from mavstack.vehicle.mission_completion import MissionCompletion
 from mavstack.vehicle.status_text_capture import with_status_texts
 
@@ -31,6 +37,14 @@ if TYPE_CHECKING:
 
 #: The time in which no item is reached, in seconds: a long leg, or a wait that the mission contains.
 STALL_TIMEOUT: Final = 1800.0
+#: A mission that begins farther from the vehicle gets a warning, in metres.
+MAX_FIRST_DISTANCE: Final = 10_000.0
+_CMD: Final = common.MavCmd
+_LANDINGS: Final = frozenset(
+    {_CMD.NAV_LAND, _CMD.NAV_VTOL_LAND, _CMD.NAV_RETURN_TO_LAUNCH, _CMD.NAV_LAND_LOCAL}
+)
+
+logger = logging.getLogger("mavstack.vehicle")
 
 
 class VehiclePlan:
@@ -45,8 +59,12 @@ class VehiclePlan:
             PlanType.RALLY: component.rally,
         }
         self._plans = plans[plan_type]
-        #: The number of items, as of the last upload or download; None before.
-        self.count: int | None = None
+        self._plan: Plan | None = None
+
+    @property
+    def count(self) -> int | None:
+        """The number of items, as of the last upload or download; None before."""
+        return None if self._plan is None else len(self._plan)
 
     async def upload(
         self,
@@ -73,7 +91,7 @@ class VehiclePlan:
         plan = await with_status_texts(
             self._vehicle, self._plans.upload(items, timeout=timeout, progress=progress)
         )
-        self.count = len(plan)
+        self._plan = plan
         return plan
 
     async def download(
@@ -95,7 +113,7 @@ class VehiclePlan:
         plan = await with_status_texts(
             self._vehicle, self._plans.download(timeout=timeout, progress=progress)
         )
-        self.count = len(plan)
+        self._plan = plan
         return plan
 
     async def clear(self, *, timeout: float | None = None) -> None:
@@ -117,6 +135,36 @@ class Mission(VehiclePlan):
     def __init__(self, vehicle: VehicleState) -> None:
         super().__init__(vehicle, PlanType.MISSION)
 
+    async def upload(
+        self,
+        items: Plan | Iterable[MissionItem],
+        *,
+        timeout: float | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Plan:
+        """Replace the vehicle's mission atomically: it holds either the old or the whole new mission.
+
+        A mission that begins far away is uploaded, with a `MissionWarning`.
+
+        Args:
+            items: A plan or its items.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the number of items sent and the number of all items.
+
+        Returns:
+            The plan, with the id that the vehicle gave it.
+
+        Raises:
+            InvalidTypeError: An item is not a `MissionItem`.
+            MissionDenied: The vehicle refused the plan.
+            MissionTimeout: The vehicle did not answer, or the transfer stalled.
+        """
+        plan = await super().upload(items, timeout=timeout, progress=progress)
+        if text := self._distance_warning(plan):
+            logger.warning("%s", text)
+            warnings.warn(text, MissionWarning, stacklevel=2)
+        return plan
+
     @property
     def progress(self) -> MissionProgress | None:
         """The last progress that the vehicle reported (MISSION_CURRENT); None before the first report."""
@@ -125,11 +173,20 @@ class Mission(VehiclePlan):
     @property
     def last_seq(self) -> int:
         """The sequence number of the last item, as far as it is known; -1 if it is not."""
-        progress = self.progress
-        if progress is None or not progress.total:
-            return (self.count or 0) - 1
-        # The vehicle's total leaves out the home item.
-        return progress.total - 1 + (1 if self._plans.home_first else 0)
+        progress, count, home = self.progress, self.count or 0, int(self._plans.home_first)
+        if progress is None or not progress.total or count - home <= progress.total <= count:
+            # ArduPilot's total leaves out the home item in some versions, and counts it in others.
+            return count - 1
+        return progress.total - 1 + home
+
+    @property
+    def landing_seq(self) -> int:
+        """The sequence number of the landing or return at the end of the mission; else `last_seq`."""
+        last = self.last_seq
+        if self._plan is None or last != len(self._plan) - 1:
+            return last
+        flown = [seq for seq, item in enumerate(self._plan.items) if item.command < _CMD.NAV_LAST]
+        return flown[-1] if flown and self._plan.items[flown[-1]].command in _LANDINGS else last
 
     def reached_items(self) -> Subscription[ItemReached]:
         """Return an async iterator of the items that the vehicle reaches from now on.
@@ -138,6 +195,23 @@ class Mission(VehiclePlan):
             A subscription of `ItemReached` events; close it, or use it as an async context manager.
         """
         return self._plans.reached_items()
+
+    def _distance_warning(self, plan: Plan) -> str | None:
+        position = self._vehicle.position
+        first = 1 if self._plans.home_first else 0
+        places = [
+            (seq, item.location) for seq, item in enumerate(plan.items) if seq >= first and item.location
+        ]
+        if position is None or not places:
+            return None
+        seq, (latitude, longitude) = places[0]
+        away = distance(position.latitude, position.longitude, latitude, longitude)
+        if away <= MAX_FIRST_DISTANCE:
+            return None
+        return (
+            f"the mission of {self._vehicle.address} begins {away / 1000:,.0f} km from the vehicle: "
+            f"item {seq} is at {latitude:.6f}, {longitude:.6f}"
+        )
 
     async def set_current(self, seq: int, *, restart: bool = False, timeout: float | None = None) -> None:
         """Set the item that the vehicle flies to next.
@@ -148,11 +222,13 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
+            InvalidTypeError: The sequence number is not a number.
             CommandDenied: The vehicle refused the item.
             CommandTimeout: The vehicle did not answer, and `restart` is set.
             MissionDenied: The vehicle refused MISSION_SET_CURRENT.
             MissionTimeout: The vehicle did not answer.
         """
+        check_number("seq", seq)
         await with_status_texts(self._vehicle, self._plans.set_current(seq, restart=restart, timeout=timeout))
 
     async def start(self, *, timeout: float | None = None) -> None:
@@ -208,8 +284,8 @@ class Mission(VehiclePlan):
         firmware = firmware_of(vehicle)
         completion = MissionCompletion(vehicle, firmware, self)
         async with ActionMonitor(vehicle, "flying the mission of", timeout) as monitor:
-            if self.count is None and not (self.progress and self.progress.total):
-                await self.download()  # older firmwares do not report the number of items
+            if self.count is None and (self._plans.home_first or not (self.progress and self.progress.total)):
+                await self.download()  # MISSION_CURRENT does not tell the last item of older firmwares
             async with self.reached_items() as reached:
                 if not vehicle.armed:
                     await with_status_texts(vehicle, firmware.prepare_arming())

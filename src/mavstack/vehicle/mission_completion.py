@@ -34,6 +34,11 @@ class FlownMission(Protocol):
         """The sequence number of the last item."""
         ...
 
+    @property
+    def landing_seq(self) -> int:
+        """The sequence number of the landing or return at its end, if there is one; else the last item's."""
+        ...
+
 
 class MissionCompletion:
     """Detects that a mission has ended and that the action of its last item is complete.
@@ -76,13 +81,14 @@ class MissionCompletion:
         self._running = self._running or progress.state == _STATE.ACTIVE or bool(self._reached)
         if self._running:
             last = self._mission.last_seq
-            left_by_landing = progress.seq >= last and self._lands  # a return that is a mode of its own
+            landing = self._mission.landing_seq
+            left_by_landing = progress.seq >= landing and self._lands  # a return that is a mode of its own
             reported = progress.state != _STATE.UNKNOWN
             finished = progress.state == _STATE.COMPLETE if reported else last in self._reached
             done = finished or left_by_landing
             # A firmware may report the first item again before it reports that it was disarmed.
             self._max_seq = max(self._max_seq, progress.seq)
-            if done or (self._vehicle.armed is False and self._max_seq >= last):
+            if done or (self._vehicle.armed is False and self._max_seq >= landing):
                 self._ended_at = self._ended_at or self._vehicle.connection.now()
         return self._ended_at is not None and self._is_at_rest(self._ended_at)
 

@@ -60,14 +60,25 @@ def test_a_value_is_set_and_read_back(encoding) -> None:
     assert (pair.server["SPEED"], pair.server["COUNT"]) == (pytest.approx(0.1), -300)
 
 
-def test_a_cast_that_loses_digits_warns_and_reads_back() -> None:
+def test_an_integer_that_a_cast_would_change_is_refused() -> None:
     pair = Pair(0, encoding=Encoding.C_CAST)
-    pair.server.add("SERIAL", 5, KIND.INT32)
-    pair.run(operation := pair.client.set("SERIAL", 16777217, pair.network.now))
-    assert operation.result() == Parameter("SERIAL", 16777216, KIND.INT32)
+    pair.server.add("RTL_ALT", 5, KIND.INT32)
+    pair.run(operation := pair.client.set("RTL_ALT", 99999999, pair.network.now))
+    with pytest.raises(InvalidArgumentError, match=r"RTL_ALT cannot be set to 99999999.* become 100000000"):
+        operation.result()
+    assert pair.server["RTL_ALT"] == 5
+    pair.run(operation := pair.client.set("RTL_ALT", 100000000, pair.network.now))
+    assert operation.result() == Parameter("RTL_ALT", 100000000, KIND.INT32)
     assert not operation.result().exact
-    assert pair.server["SERIAL"] == 16777216
-    assert pair.ground.events_of(ParameterRounded) == [ParameterRounded("SERIAL", 16777217, 16777216)]
+
+
+@pytest.mark.parametrize("encoding", Encoding)
+def test_a_double_loses_digits_and_an_event_reports_it(encoding) -> None:
+    pair = Pair(0, encoding=encoding)
+    pair.server.add("PRECISE", 5.0, KIND.REAL64)
+    pair.run(operation := pair.client.set("PRECISE", 16777217.0, pair.network.now))
+    assert operation.result() == Parameter("PRECISE", 16777216.0, KIND.REAL64)
+    assert pair.ground.events_of(ParameterRounded) == [ParameterRounded("PRECISE", 16777217.0, 16777216.0)]
 
 
 def test_bytewise_loses_nothing() -> None:

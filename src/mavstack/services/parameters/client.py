@@ -151,7 +151,8 @@ class ParameterClient(Client):
             The operation, whose result is the `Parameter` with its new value.
 
         Raises:
-            InvalidArgumentError: The name is invalid.
+            InvalidArgumentError: The name is invalid. The operation fails with it if the parameter's type or
+                the encoding cannot hold the value.
         """
         return self.begin(SetParameter(name_field(name), value, kind, timeout=timeout), now)
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from mavstack.dialects import common
-from mavstack.errors import LocalProtocolError
+from mavstack.errors import InvalidArgumentError, LocalProtocolError
 from mavstack.services.addressing import message_ids
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
 from mavstack.services.parameters.listing import Listing, denied
@@ -24,9 +24,11 @@ from mavstack.services.parameters.value import (
     as_type,
     decode,
     encode,
+    is_integer,
     same,
     shortest,
     survives,
+    type_name,
     with_field,
 )
 
@@ -180,6 +182,14 @@ class SetParameter(SetRequest[Parameter], ParameterOperation[Parameter]):
             return
         self._wanted = decode(encode(value, kind, encoding), kind, encoding)
         if not survives(value, kind, encoding):
+            if is_integer(kind):
+                self.fail(
+                    InvalidArgumentError(
+                        f"{self.name} cannot be set to {self._requested}: "
+                        f"a {type_name(kind)} is sent as a float32, and would become {self._wanted}"
+                    )
+                )
+                return
             self.parameters.report_rounded(self.name, self._requested, self._wanted)
         self.transmit(now)
 
