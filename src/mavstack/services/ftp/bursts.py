@@ -80,9 +80,12 @@ class BurstTracker:
         self._spacing = RoundTrip(initial=0.2, minimum=0.005, maximum=2.0)
         self._latency = RoundTrip(initial=0.5, minimum=0.02, maximum=3.0)
 
-    def begin(self, request: FtpPayload, now: float) -> None:
-        """Record the request of a burst; the one before may still deliver packets."""
-        self.active = burst = Burst(request, now)
+    def begin(self, request: FtpPayload, now: float, *, attempts: int = 1) -> None:
+        """Record the request of a burst; the one before may still deliver packets.
+
+        `attempts` is more than 1 if the requests before it were not answered.
+        """
+        self.active = burst = Burst(request, now, attempts)
         self._recent = [*self._recent[1 - MAX_BURSTS :], burst]
 
     def of(self, reply: FtpPayload) -> Burst | None:

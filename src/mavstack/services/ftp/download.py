@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 from mavstack.errors import FileTimeout, RemoteProtocolError
 from mavstack.services.ftp.bursts import MIN_NOVELTY, BurstTracker
 from mavstack.services.ftp.exchange import BURST_SEQUENCES, denied
-from mavstack.services.ftp.missing_ranges import MissingRanges
 from mavstack.services.ftp.payload import MAX_DATA, SEQUENCES, FtpError, FtpPayload, Opcode
 from mavstack.services.ftp.send_window import SendWindow
 from mavstack.services.operation import Operation
@@ -26,6 +25,7 @@ from mavstack.services.service import earliest
 
 if TYPE_CHECKING:
     from mavstack.services.ftp.exchange import ServerState
+    from mavstack.services.ftp.partial_file import PartialFile
     from mavstack.wire import Packet
 
 #: The missing bytes that make a burst worthwhile, inside the file and at its end.
@@ -48,7 +48,7 @@ class TransferCounts:
 
 
 class DownloadTransfer(Operation[bytes]):
-    """The download of a range in an open session; the result is shorter if the file is."""
+    """The download of the missing part of a file in an open session; the result is its whole content."""
 
     timeout_error = FileTimeout
     exclusive = False
@@ -58,22 +58,20 @@ class DownloadTransfer(Operation[bytes]):
         self,
         description: str,
         session: int,
-        start: int,
-        end: int,
+        file: PartialFile,
         server: ServerState,
         *,
         timeout: float | None = None,
     ) -> None:
         super().__init__(description, timeout=timeout, idle_timeout=10.0)
         self.counts = TransferCounts()
-        self.end = end
-        self._start, self._session, self._server = start, session, server
-        self._missing = MissingRanges(start, end)
-        self._pieces: dict[int, bytes] = {}
+        self._file, self._session, self._server = file, session, server
+        self._missing = file.missing
         self._window: SendWindow[FtpPayload] = SendWindow()
         self._bursts = BurstTracker()
         self._no_bursts = server.no_bursts
         self._last_burst = False  # True if no further burst is worthwhile
+        self._unanswered_bursts = 0  # consecutive requests; each has a longer timeout
 
     def start(self, now: float) -> None:
         self.attempts = 1
@@ -127,6 +125,7 @@ class DownloadTransfer(Operation[bytes]):
             self._disable_bursts()
         elif reply.data:
             new = self._store(reply, now)
+            self._unanswered_bursts = 0
             self._bursts.arrived(burst, reply.offset, reply.offset + len(reply.data), new, now)
             self._window.known_delay = self._bursts.delay
             if reply.burst_complete:
@@ -137,43 +136,29 @@ class DownloadTransfer(Operation[bytes]):
 
     def _store(self, reply: FtpPayload, now: float) -> int:
         """Store the missing part of a packet; returns its number of bytes."""
-        new = 0
-        for low, high in self._missing.remove(reply.offset, reply.offset + len(reply.data)):
-            self._pieces[low] = reply.data[low - reply.offset : high - reply.offset]
-            new += high - low
+        new = self._file.store(reply.offset, reply.data)
         self.counts.packets += 1
         self.counts.duplicates += not new
         if new:
-            total = self.end - self._start
             self.report_progress(now)
-            (self.parent or self).report_progress(now, total - self._missing.total, total)
+            (self.parent or self).report_progress(now, self._file.received, self._file.total)
         return new
 
     def _end_of_file_at(self, offset: int) -> None:
-        if offset >= self.end:
-            return
-        if any(low + len(piece) > offset for low, piece in self._pieces.items()):
-            self._fail_changed()
-            return
-        self._missing.remove(max(offset, self._start), self.end)
-        self.end = max(offset, self._start)
+        if not self._file.end_at(offset):
+            answer = "the file became shorter during the download"
+            self.fail(RemoteProtocolError(self.description, str(self.target), answer=answer))
 
-    def _fail_changed(self) -> None:
-        self.fail(
-            RemoteProtocolError(
-                self.description, str(self.target), answer="the file became shorter during the download"
-            )
-        )
-
-    # BurstTracker that fail
+    # Bursts that fail
 
     def _burst_timed_out(self, now: float) -> None:
         burst = self._bursts.active
         if burst is None or burst.packets:
             self._bursts.timed_out()
-        elif burst.attempts >= BURST_ATTEMPTS:
+        elif burst.attempts % BURST_ATTEMPTS == 0:
             self._bursts.active = None
             self._no_bursts = self.counts.packets == 0 or self._no_bursts
+            self._unanswered_bursts = burst.attempts
         else:
             burst.attempts += 1
             burst.sent_at = now
@@ -189,7 +174,7 @@ class DownloadTransfer(Operation[bytes]):
         if self.done:
             return
         if not self._missing:
-            self.finish(b"".join(self._pieces[low] for low in sorted(self._pieces)))
+            self.finish(self._file.content())
             return
         for _, request in self._window.lost(now):
             self._transmit(request)
@@ -227,7 +212,7 @@ class DownloadTransfer(Operation[bytes]):
         return min(high, max(low, burst.furthest - 2 * MAX_DATA))
 
     def _is_worth_a_burst(self, low: int, high: int) -> bool:
-        return high - low > (MIN_BURST_GAP_AT_END if high == self.end else MIN_BURST_GAP)
+        return high - low > (MIN_BURST_GAP_AT_END if high == self._file.end else MIN_BURST_GAP)
 
     def _request_burst(self, now: float) -> None:
         if self._no_bursts:
@@ -244,7 +229,7 @@ class DownloadTransfer(Operation[bytes]):
                 request = FtpPayload.request(
                     Opcode.BURSTREADFILE, session=self._session, size=MAX_DATA, offset=low
                 ).numbered(number)
-                self._bursts.begin(request, now)
+                self._bursts.begin(request, now, attempts=self._unanswered_bursts + 1)
                 self.counts.bursts += 1
                 self._transmit(request)
                 self._last_burst = False

@@ -2,6 +2,9 @@
 
     open ── session ──► transfer ──► close the session ──► compare checksums ──► result
 
+A vehicle that pauses or restarts may lose the session of a download: the file is opened again, and the
+missing part is requested. Its checksum shows whether both parts belong to one content.
+
 A server may have one session for all clients (PX4), so operations that open one queue, and every end of an
 operation, errors and cancellation included, closes the session: by TERMINATESESSION, or by RESETSESSIONS if
 its number is unknown or more than one may have been opened. `NOSESSIONSAVAILABLE` usually means a session
@@ -22,6 +25,7 @@ from mavstack.services.addressing import Address, message_ids
 from mavstack.services.ftp.download import DownloadTransfer
 from mavstack.services.ftp.entries import Entry, read_entries
 from mavstack.services.ftp.exchange import Exchange, ServerState
+from mavstack.services.ftp.partial_file import PartialFile
 from mavstack.services.ftp.payload import (
     ALL_ONES,
     MAX_DATA,
@@ -43,6 +47,8 @@ logger = logging.getLogger("mavstack.services")
 #: The largest download into memory unless the caller allows more, bytes.
 MAX_BYTES = 1 << 30
 MAX_ENTRIES = 100_000
+#: How often a download continues after an interruption; each time data must have arrived since the last.
+MAX_INTERRUPTIONS = 16
 LAST_SESSION = 255
 
 
@@ -148,25 +154,48 @@ class DownloadFile(_SessionProcedure[bytes]):
         self.verified = False
         self._range = (offset, size)
         self._max_size = max_size
+        self._file: PartialFile | None = None
+        self._announced = ALL_ONES
         whole = offset == 0 and size is None
         self._verify = (whole and not path.startswith("@")) if verify is None else (verify and whole)
 
     def steps(self) -> Generator[Operation[Any], Any, bytes]:
+        interruptions = received = 0
+        while True:
+            try:
+                announced, data = yield from self._download_missing()
+                break
+            except (FileDenied, FileTimeout):
+                file = self._file
+                progress = file is not None and file.received > received
+                if file is None or not progress or interruptions >= MAX_INTERRUPTIONS:
+                    raise
+                interruptions, received = interruptions + 1, file.received
+                logger.debug("%s: interrupted at %d of %d bytes", self, received, file.total)
+                if self.path.startswith("@"):  # generated anew for each session
+                    self._file, received = None, 0
+        if self._verify:
+            yield from self._compare(data)
+        start, end = self._bounds(announced)
+        if len(data) < end - start and not self.verified and announced != ALL_ONES and self.path[:1] != "@":
+            raise self.protocol_error("the file is shorter than announced")
+        return data
+
+    def _download_missing(self) -> Generator[Operation[Any], Any, tuple[int, bytes]]:
+        """Open the file and download its missing part; returns the announced size and the content."""
         try:
             reply = yield from self.open(Opcode.OPENFILERO)
             announced = int.from_bytes(reply.data[:4], "little") if reply.size >= 4 else ALL_ONES
-            start, end = self._bounds(announced)
-            self.transfer = transfer = DownloadTransfer(
-                self.description, reply.session, start, end, self.ftp.server
-            )
-            data: bytes = yield transfer
+            if self._file is None:
+                self._file = PartialFile(*self._bounds(announced))
+                self._announced = announced
+            elif announced != self._announced:
+                raise self.protocol_error("the file changed during an interruption of the download")
+            self.transfer = DownloadTransfer(self.description, reply.session, self._file, self.ftp.server)
+            data: bytes = yield self.transfer
         finally:
             self.end_session()
-        if self._verify:
-            yield from self._compare(data)
-        if len(data) < end - start and not self.verified and reply.size >= 4 and self.path[:1] != "@":
-            raise self.protocol_error("the file is shorter than announced")
-        return data
+        return announced, data
 
     def child_ended(self, child: Operation[Any], now: float) -> None:
         if child is self.transfer:
