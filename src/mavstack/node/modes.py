@@ -5,9 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from mavstack.dialects import common
 from mavstack.errors import CommandDenied, InvalidTypeError
 from mavstack.node.subscription import DEFAULT_QUEUE
-from mavstack.services.modes import ListModes, ModeSeen, SetMode, SetStandardMode, mode_names, modes_of
+from mavstack.services.modes import (
+    ListModes,
+    ModeSeen,
+    SetMode,
+    SetStandardMode,
+    listed_name,
+    mode_names,
+    modes_of,
+)
 
 if TYPE_CHECKING:
     from mavstack.node.clients import ComponentClients
@@ -48,7 +57,9 @@ class Modes:
         """
         if not isinstance(mode, str | int):
             raise InvalidTypeError(f"mode must be a name or a number, got {mode!r}")
-        return await self._clients.host.run_operation(self._clients.command, SetMode(mode, timeout=timeout))
+        monitor = self._clients.modes
+        operation = SetMode(mode, reported=monitor.reported, changed=monitor.changed, timeout=timeout)
+        return await self._clients.host.run_operation(self._clients.command, operation)
 
     async def set_standard(self, standard_mode: int, *, timeout: float | None = None) -> int:
         """Set a standard mode (MAV_CMD_DO_SET_STANDARD_MODE), whose meaning does not depend on the firmware.
@@ -75,8 +86,8 @@ class Modes:
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Returns:
-            The modes that the component reports; of a firmware that does not report them, the documented
-            ones.
+            The modes that the component reports, with the names that `current` and `set` use; of a firmware
+            that does not report them, the documented ones.
 
         Raises:
             CommandDenied: The component does not report its modes, and its firmware is not known.
@@ -89,11 +100,9 @@ class Modes:
             if not known:
                 raise
             return known
-        # A standard mode has no name on the wire; the firmware's table has it.
-        names = {mode.custom_mode: mode.name for mode in known}
-        return tuple(
-            mode if mode.name else replace(mode, name=names.get(mode.custom_mode, "")) for mode in listed
-        )
+        info = self._clients.info
+        kind = (info.autopilot, info.type) if info is not None else (common.MavAutopilot.INVALID, 0)
+        return tuple(replace(mode, name=listed_name(*kind, mode.custom_mode, mode.name)) for mode in listed)
 
     def changes(self) -> Subscription[ModeSeen]:
         """Subscribe to changes of the mode."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from random import Random
 
 import pytest
@@ -126,6 +127,69 @@ def test_a_name_that_no_client_knows_is_denied_with_those_that_there_are():
     error = Pair().run(SetMode("HOVERCRAFT")).error
     assert isinstance(error, RemoteDenied)
     assert "GUIDED" in str(error)
+
+
+STANDARD_PX4 = [
+    AvailableMode(1 << 16, "Manual"),
+    AvailableMode(3 << 16, "", common.MavStandardMode.POSITION_HOLD),
+    AvailableMode(4 << 16 | 3 << 24, "Hold", common.MavStandardMode.ORBIT),
+    AvailableMode(4 << 16 | 5 << 24, "", common.MavStandardMode.SAFE_RECOVERY),
+    AvailableMode(4 << 16 | 11 << 24, "Follow the Bees"),
+]
+
+
+def test_a_refusal_lists_every_mode_by_the_one_name_that_it_has():
+    error = Pair(STANDARD_PX4, autopilot=PX4).run(SetMode("HOVERCRAFT")).error
+    assert "the vehicle has MANUAL, POSCTL, LOITER, RTL, Follow the Bees" in str(error)
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [("hold", 0x03040000), ("Loiter", 0x03040000), ("position", 0x30000), ("follow-the bees", 0x0B040000)],
+)
+def test_the_names_of_px4_and_of_the_vehicle_are_accepted(name, number):
+    assert Pair(STANDARD_PX4, autopilot=PX4).run(SetMode(name)).result() == number
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_an_unknown_name_is_refused_soon_by_a_vehicle_that_lists_its_modes_slowly(changed):
+    pair = Pair([*modes_of(ARDUPILOT, 2, range(20)), AvailableMode(77, "My Script")])
+    send, due = pair.modes.bulk_messages, [0]
+
+    def tick():
+        due[0] = 1
+        pair.vehicle.engine.touch(pair.modes)
+        pair.network.at(0.3, tick)
+
+    def slowly(now, has_room):
+        if due[0]:
+            due[0] = 0
+            yield from islice(send(now, has_room), 1)
+
+    pair.modes.bulk_messages = slowly
+    tick()
+    began = pair.network.now
+    error = pair.run(SetMode("HOVERCRAFT", changed=changed), timeout=60).error
+    assert isinstance(error, RemoteDenied)
+    assert "STABILIZE" in str(error)
+    took = pair.network.now - began
+    assert 6 < took < 60 if changed else took < 3.5
+
+
+def test_the_monitor_names_a_mode_that_the_tables_do_not_have():
+    monitor = ModeMonitor(GROUND, VEHICLE)
+    script = AvailableMode(77, "My Script")
+    give(monitor, common.Heartbeat(type=2, autopilot=3, custom_mode=77), VEHICLE, 0)
+    assert monitor.name is None
+    give(monitor, script.to_message(1, 2), VEHICLE, 0)
+    give(monitor, AvailableMode(5, "Loiter!").to_message(2, 2), VEHICLE, 0)
+    assert monitor.name == "My Script"
+    give(monitor, common.Heartbeat(type=2, autopilot=3, custom_mode=5), VEHICLE, 0)
+    assert monitor.name == "LOITER"
+    assert not monitor.changed
+    give(monitor, common.AvailableModesMonitor(seq=1), VEHICLE, 0)
+    assert monitor.changed
+    assert not monitor.reported
 
 
 def test_without_a_heartbeat_nothing_is_sent():

@@ -15,6 +15,8 @@ command.
 
 from __future__ import annotations
 
+from contextlib import suppress
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import common
@@ -22,11 +24,19 @@ from mavstack.errors import CommandDenied, CommandTimeout, ModeTimeout, RemoteDe
 from mavstack.services.addressing import message_ids
 from mavstack.services.command import Command, CommandOperation
 from mavstack.services.modes.available import AvailableMode
-from mavstack.services.modes.names import PX4, mode_name, mode_names, mode_number, px4_modes_of
+from mavstack.services.modes.names import (
+    PX4,
+    listed_name,
+    mode_name,
+    mode_names,
+    mode_number,
+    px4_modes_of,
+    same_name,
+)
 from mavstack.services.operation import Operation, Procedure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
+    from collections.abc import Callable, Generator, Mapping
 
     from mavstack.wire import Packet
 
@@ -39,6 +49,9 @@ REPEAT_INTERVAL = 1.0
 #: Seconds after the last AVAILABLE_MODES after which missing ones are requested.
 LISTING_IDLE_TIMEOUT = 1.5
 MAX_LISTING_ROUNDS = 8
+#: Seconds in which a name that the tables do not have is looked up on a vehicle whose set of modes is the one
+#: that it started with; ArduCopter 4.7 needs seven to list all of its modes.
+LOOKUP_TIMEOUT = 2.0
 
 _KEPT = common.MavModeFlag.SAFETY_ARMED | common.MavModeFlag.HIL_ENABLED
 _CUSTOM = common.MavModeFlag.CUSTOM_MODE_ENABLED
@@ -138,11 +151,28 @@ class _ModeProcedure(Procedure[Result]):
 
 
 class SetMode(_ModeProcedure[int]):
-    """The setting of a mode, by its name or its `custom_mode`; the result is the entered `custom_mode`."""
+    """The setting of a mode, by its name or its `custom_mode`; the result is the entered `custom_mode`.
 
-    def __init__(self, mode: str | int, *, timeout: float | None = 60.0) -> None:
+    Args:
+        mode: The name or the number.
+        reported: The names of modes that the vehicle listed before, by number.
+        changed: True if the vehicle's set of modes changed since it started: a name that the tables do not
+            have is then looked up for as long as a listing takes, else for a moment only.
+        timeout: Seconds for the whole operation; None sets no overall limit.
+    """
+
+    def __init__(
+        self,
+        mode: str | int,
+        *,
+        reported: Mapping[int, str] = MappingProxyType({}),
+        changed: bool = False,
+        timeout: float | None = 60.0,
+    ) -> None:
         super().__init__(f"setting mode {mode} on", timeout=timeout)
         self.mode = mode
+        self._reported = reported
+        self._lookup_timeout = None if changed else LOOKUP_TIMEOUT
 
     def steps(self) -> Generator[Operation[Any], Any, int]:
         heartbeat = yield from self.first_heartbeat()
@@ -160,18 +190,21 @@ class SetMode(_ModeProcedure[int]):
 
     def _number(self, name: str, heartbeat: common.Heartbeat) -> Generator[Operation[Any], Any, int]:
         """Look up the number of a name, in the tables or, for dynamic modes, on the vehicle."""
-        number = mode_number(int(heartbeat.autopilot), int(heartbeat.type), name)
+        kind = int(heartbeat.autopilot), int(heartbeat.type)
+        number = mode_number(*kind, name)
         if number is not None:
             return number
-        try:
-            listed = yield ListModes()
-        except (CommandDenied, RemoteTimeout):
-            listed = ()
-        for mode in listed:
-            if mode.name.casefold() == name.casefold():
+        for number, reported in self._reported.items():
+            if same_name(reported, name):
+                return number
+        lookup = _FindMode(name, timeout=self._lookup_timeout)
+        with suppress(CommandDenied, RemoteTimeout):  # the modes that arrived may include it
+            yield lookup
+        for mode in lookup.found:
+            if same_name(mode.name, name):
                 return int(mode.custom_mode)
-        known = mode_names(int(heartbeat.autopilot), int(heartbeat.type)).values()
-        available = [mode.name for mode in listed] or known
+        listed = [listed_name(*kind, mode.custom_mode, mode.name) for mode in lookup.found]
+        available = listed if lookup.complete else [*mode_names(*kind).values(), *listed]
         names = ", ".join(dict.fromkeys(available)) or "no known modes"
         raise RemoteDenied(
             self.description,
@@ -247,7 +280,7 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
         for _ in range(MAX_LISTING_ROUNDS):
             yield from self._wait_until_quiet()
             if self._complete():
-                return tuple(self._found[index] for index in sorted(self._found))
+                return self.found
             for index in self._missing():
                 if index == 0 or index not in self._found:
                     yield self._request(index)
@@ -273,6 +306,16 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
         self._received_at = now
         self.report_progress(now, len(self._found), total)
 
+    @property
+    def found(self) -> tuple[AvailableMode, ...]:
+        """The modes that arrived, by index."""
+        return tuple(self._found[index] for index in sorted(self._found))
+
+    @property
+    def complete(self) -> bool:
+        """True if all modes arrived."""
+        return 0 < self._total == len(self._found)
+
     def _wait_until_quiet(self) -> Generator[Operation[Any], Any, None]:
         """Wait as long as messages arrive."""
         while not self._complete():
@@ -284,7 +327,8 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
                     return
 
     def _complete(self) -> bool:
-        return 0 < self._total == len(self._found)
+        """Return whether the listing may end."""
+        return self.complete
 
     def _missing(self) -> list[int]:
         """Return the indexes to request; 0 means all."""
@@ -296,6 +340,17 @@ class ListModes(Procedure[tuple[AvailableMode, ...]]):
     def _request(index: int) -> CommandOperation:
         command = common.MavCmd.REQUEST_MESSAGE
         return CommandOperation(Command(command, param1=float(_AVAILABLE_MODES_ID), param2=float(index)))
+
+
+class _FindMode(ListModes):
+    """A listing that ends as soon as a mode with some name arrived."""
+
+    def __init__(self, name: str, *, timeout: float | None) -> None:
+        super().__init__(timeout=timeout)
+        self._name = name
+
+    def _complete(self) -> bool:
+        return self.complete or any(same_name(mode.name, self._name) for mode in self._found.values())
 
 
 def name_in(heartbeat: common.Heartbeat) -> str:

@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
-from mavstack.services.modes.names import mode_name
+from mavstack.services.modes.names import listed_name, mode_name
 from mavstack.services.service import Event, Service
 
 if TYPE_CHECKING:
     from mavstack.wire import Packet
+
+#: AVAILABLE_MODES counts modes in a byte.
+MAX_REPORTED = 255
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +35,9 @@ class ModesOutdated(Event):
 class ModeMonitor(Service):
     """The mode of one vehicle, from its HEARTBEAT and CURRENT_MODE."""
 
-    handles = message_ids(common.Heartbeat, common.CurrentMode, common.AvailableModesMonitor)
+    handles = message_ids(
+        common.Heartbeat, common.CurrentMode, common.AvailableModes, common.AvailableModesMonitor
+    )
 
     def __init__(self, local: Address, target: Address) -> None:
         super().__init__(local)
@@ -40,18 +45,28 @@ class ModeMonitor(Service):
         self.custom_mode: int | None = None
         self.standard_mode: int | None = None
         self.intended: int | None = None
+        #: The names of the modes that the vehicle listed, by custom mode number.
+        self.reported: dict[int, str] = {}
         self._sequence = 0
         self._kind = (int(common.MavAutopilot.INVALID), 0)
 
     @property
     def name(self) -> str | None:
         """The name of the current mode, if known."""
-        return None if self.custom_mode is None else mode_name(*self._kind, self.custom_mode)
+        number = self.custom_mode
+        if number is not None and number in self.reported:
+            return listed_name(*self._kind, number, self.reported[number])
+        return None if number is None else mode_name(*self._kind, number)
+
+    @property
+    def changed(self) -> bool:
+        """True if the vehicle's set of modes changed since it started, so that it has modes of its own."""
+        return self._sequence != 0
 
     def clear_cache(self) -> None:
         """Discard the state of before a reboot: the mode, and the number of the set of modes."""
         self.custom_mode = self.standard_mode = self.intended = None
-        self._sequence = 0
+        self.reported, self._sequence = {}, 0
 
     def receive(self, packet: Packet, now: float) -> None:
         if not self.target.covers(Address(packet.system, packet.component)):
@@ -64,6 +79,9 @@ class ModeMonitor(Service):
                 self.standard_mode = int(message.standard_mode)
                 self.intended = int(message.intended_custom_mode)
                 self._is_in(int(message.custom_mode))
+            case common.AvailableModes(custom_mode=number, mode_name=name):
+                if len(self.reported) < MAX_REPORTED:
+                    self.reported[int(number)] = name
             case common.AvailableModesMonitor(seq=sequence):
                 self._has_set(sequence)
 
@@ -76,4 +94,5 @@ class ModeMonitor(Service):
         # The first set has number 0, which is not sent until it changes.
         if sequence != self._sequence:
             self._sequence = sequence
+            self.reported.clear()
             self.emit(ModesOutdated(sequence))

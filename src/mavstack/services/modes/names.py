@@ -4,6 +4,10 @@ ArduPilot numbers its modes per vehicle type; most numbers are enums of its dial
 defined here. PX4 has the same numbers for every vehicle, in the two upper bytes: a main mode, and for some
 main modes a sub mode. The numbers of other autopilots have no common names.
 
+A mode has one name everywhere: that of these tables, or, for a mode that they do not have, such as an
+external mode of PX4 or a scripted one of ArduPilot, the name in the vehicle's AVAILABLE_MODES. PX4 leaves
+that name empty for standard modes, and calls some modes otherwise than the tables.
+
 Names are matched without regard to case, blanks, hyphens and underscores, and the short names of ArduPilot's
 own tools are accepted too.
 """
@@ -55,6 +59,8 @@ _OTHER_ARDUPILOT_NAMES: Final[Mapping[str, str]] = MappingProxyType(
     {"FBWA": "FLY_BY_WIRE_A", "FBWB": "FLY_BY_WIRE_B", "INITIALISING": "INITIALIZING"}
 )
 
+#: Modes that programs register with PX4 at run time.
+_EXTERNAL: Final = "EXTERNAL"
 _PX4_POSCTL: Final = 3
 _PX4_AUTO: Final = 4
 _PX4_MAIN_MODES: Final[Mapping[int, str]] = MappingProxyType(
@@ -85,7 +91,7 @@ _PX4_SUB_MODES: Final[Mapping[int, Mapping[int, str]]] = MappingProxyType(
             8: "FOLLOW_TARGET",
             9: "PRECLAND",
             10: "VTOL_TAKEOFF",
-            **{10 + number: f"EXTERNAL{number}" for number in range(1, 9)},
+            **{10 + number: f"{_EXTERNAL}{number}" for number in range(1, 9)},
         },
     }
 )
@@ -127,6 +133,19 @@ def mode_name(autopilot: int, vehicle: int, custom_mode: int) -> str | None:
         # An unknown sub mode still has a known main mode.
         return names.get(px4_custom_mode(px4_modes_of(custom_mode)[0]))
     return names.get(custom_mode)
+
+
+def listed_name(autopilot: int, vehicle: int, custom_mode: int, reported: str) -> str:
+    """Return the name of a mode that the vehicle lists with the name `reported`, which may be empty."""
+    known = mode_names(autopilot, vehicle).get(custom_mode)
+    if known is None or (reported and known.startswith(_EXTERNAL)):
+        return reported or known or f"mode {custom_mode}"
+    return known
+
+
+def same_name(one: str, other: str) -> bool:
+    """Return whether two names of modes are the same but for case, blanks, hyphens and underscores."""
+    return _plain(one) == _plain(other)
 
 
 def mode_number(autopilot: int, vehicle: int, name: str) -> int | None:
