@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from importlib import import_module
 
+# Equal to False, but not at first sight: jedi skips the block below if it sees a false constant.
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:

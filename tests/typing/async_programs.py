@@ -79,6 +79,14 @@ async def command_a_fleet(connection: Connection) -> None:
             print(event)
 
 
+def use_a_dialect_of_ones_own(path: str) -> list[str]:
+    dialect = mavstack.Dialect.from_xml(path)
+    connection = mavstack.connect("udpin://127.0.0.1:0", dialect=dialect)
+    node = Node("udpin://127.0.0.1:0", dialect=dialect)
+    print(connection, node, mavstack.Parser(dialect), mavstack.Parser(common))
+    return [*mavstack.open_log(path, dialect), *mavstack.open_log(path, common)]
+
+
 def listen(node: Node, vehicle: Vehicle) -> list[Listener]:
     def on_attitude(message: common.Attitude) -> None:
         print(message.yaw)

@@ -57,6 +57,13 @@ def transfer(vehicle: Vehicle) -> None:
         vehicle.logs.download(entry)
 
 
+def use_a_dialect_of_ones_own(path: str) -> RemoteComponent:
+    connection = mavstack.sync.connect("udpin://127.0.0.1:0", dialect=mavstack.Dialect.from_xml(path))
+    vehicle = connection.wait_for_vehicle()
+    assert_type(vehicle.component, RemoteComponent)
+    return vehicle.component
+
+
 def follow_setpoints(vehicle: Vehicle) -> None:
     with vehicle.guided() as session:
         session.velocity(1.0, 0.0, 0.5)

@@ -102,9 +102,14 @@ class Dialect:
         found = {id(item): item for dialect in self.includes for item in dialect.with_includes}
         return (*found.values(), self)
 
-    @cached_property
+    @property
     def core_dialect(self) -> CoreDialect:
         """The layout tables of all messages, for the core."""
+        # A `cached_property` would not satisfy the protocol `HasCoreDialect` in pyright.
+        return self._core_dialect
+
+    @cached_property
+    def _core_dialect(self) -> CoreDialect:
         rows = [row for dialect in self.with_includes for row in dialect.table.rows]
         return CoreDialect(self.name, [self.layout(row) for row in rows], self.message_class)
 

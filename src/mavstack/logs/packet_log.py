@@ -23,9 +23,17 @@ from mavstack.wire.other_formats import other_format
 
 if TYPE_CHECKING:
     import mmap
-    from typing import Self
+    from typing import Protocol, Self
 
     from mavstack.wire import SourceStatistics, Statistics
+
+    class HasDialect(Protocol):
+        """A `Dialect`, or a dialect module such as `mavstack.dialects.common`."""
+
+        @property
+        def dialect(self) -> Dialect:
+            """The dialect."""
+
 
 _MAX_HEAD = 1 << 18  # bytes examined to detect timestamps
 
@@ -179,7 +187,7 @@ class LogFile(Mapping[str, MessageTable]):
 
 def open_log(
     path: str | os.PathLike[str],
-    dialect: Dialect | str = "all",
+    dialect: HasDialect | str = "all",
     *,
     timestamped: bool | None = None,
     threads: int = 0,
@@ -188,7 +196,7 @@ def open_log(
 
     Args:
         path: Path of the file.
-        dialect: The dialect of the messages, or its name.
+        dialect: The dialect of the messages, as a `Dialect`, a dialect module or a name.
         timestamped: True for a tlog, False for a raw stream; None detects it from the content.
         threads: Maximum number of threads; 0 for one per processor.
 
@@ -199,6 +207,5 @@ def open_log(
         LogError: The file cannot be read.
         UnknownDialectError: There is no dialect of that name.
     """
-    if isinstance(dialect, str):
-        dialect = Dialect.load(dialect)
-    return LogFile(path, dialect, timestamped=timestamped, threads=threads)
+    loaded = Dialect.load(dialect) if isinstance(dialect, str) else dialect.dialect
+    return LogFile(path, loaded, timestamped=timestamped, threads=threads)

@@ -2323,6 +2323,9 @@ class Connection(Node):
             InvalidArgumentError: No vehicle with one of the system ids was heard.
         """
 
+    def __enter__(self) -> Self:
+        ...
+
 def connect(*links: str | Link, **options: Unpack[NodeOptions]) -> Connection:
     """Connect to the vehicles on one link or several.
 

@@ -170,6 +170,10 @@ class Connection(Node):
     def __await__(self) -> Generator[Any, None, Self]:
         return self.open().__await__()
 
+    async def __aenter__(self) -> Self:
+        # jedi takes `Self` for the class whose body has the method: without this one it completes a `Node`.
+        return await super().__aenter__()
+
 
 def connect(*links: str | Link, **options: Unpack[NodeOptions]) -> Connection:
     """Connect to the vehicles on one link or several.

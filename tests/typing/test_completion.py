@@ -1,0 +1,31 @@
+"""Editors complete names: jedi finds the API behind `mavstack.`, and a vehicle's behind `vehicle.`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+jedi = pytest.importorskip("jedi")
+
+SOURCE = Path(__file__).parents[2] / "src"
+PROGRAMS = {
+    "import mavstack\nmavstack.": {"connect", "Node", "Parser", "open_log", "RemoteTimeout"},
+    "import mavstack\nasync def main():\n    async with mavstack.connect('x') as connection:\n"
+    "        connection.": {"wait_for_vehicle", "group"},
+    "import mavstack\nasync def main():\n    async with mavstack.connect('x') as connection:\n"
+    "        vehicle = await connection.wait_for_vehicle()\n        vehicle.": {"arm", "takeoff", "position"},
+    "import mavstack.sync\nwith mavstack.sync.connect('x') as connection:\n"
+    "    vehicle = connection.wait_for_vehicle()\n    vehicle.": {"arm", "takeoff", "component"},
+    "from mavstack.sync import Vehicle\ndef fly(vehicle: Vehicle):\n    vehicle.": {"arm", "takeoff"},
+    "import mavstack\nlog = mavstack.open_log('x')\nlog['ATTITUDE'].": {"to_pandas", "frame"},
+    "from mavstack.dialects import common\ncommon.Attitude().": {"roll", "to_dict"},
+}
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_an_editor_completes_names(program: str, tmp_path: Path) -> None:
+    project = jedi.Project(tmp_path, added_sys_path=[str(SOURCE)], smart_sys_path=False)
+    lines = program.split("\n")
+    completions = jedi.Script(program, project=project).complete(len(lines), len(lines[-1]))
+    assert {each.name for each in completions} >= PROGRAMS[program]
