@@ -8,7 +8,7 @@ from __future__ import annotations
 from importlib import import_module
 
 # Equal to False, but not at first sight: jedi skips the block below if it sees a false constant.
-TYPE_CHECKING = False
+TYPE_CHECKING = bool()  # noqa: UP018
 
 if TYPE_CHECKING:
     from typing import Any

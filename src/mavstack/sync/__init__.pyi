@@ -511,6 +511,7 @@ class Params:
 
         Raises:
             InvalidTypeError: The name is not a str, or the value is not a number.
+            InvalidArgumentError: The parameter's type, or its encoding on the wire, cannot hold the value.
             ParameterDenied: The component refused the value.
             ParameterTimeout: The component does not answer, as most do for an unknown name.
             RemoteCancelled: The node was closed.
@@ -584,7 +585,9 @@ class Plans:
             progress: Called with the items received and the items in total.
 
         Returns:
-            The plan; latitudes and longitudes in degrees, altitudes in metres in the item's frame.
+            The plan; latitudes and longitudes in degrees, altitudes in metres in the item's frame. ArduPilot
+            keeps its home in item 0: if nothing else differs from the plan that was uploaded through this
+            object, item 0 is as uploaded; `Vehicle.home` is the home position.
 
         Raises:
             MissionDenied: The component refused.
@@ -1371,7 +1374,10 @@ class GuidedSession:
 
 class VehiclePlan:
     """A plan of a vehicle: `fence` and `rally`; errors carry the vehicle's status texts."""
-    count: int | None
+
+    @property
+    def count(self) -> int | None:
+        """The number of items, as of the last upload or download; None before."""
 
     def upload(self, items: Plan | Iterable[MissionItem], *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Plan:
         """Replace the vehicle's plan atomically: it holds either the old or the whole new plan.
@@ -1419,6 +1425,25 @@ class VehiclePlan:
 class Mission(VehiclePlan):
     """The mission of a vehicle; `vehicle.mission`."""
 
+    def upload(self, items: Plan | Iterable[MissionItem], *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> Plan:
+        """Replace the vehicle's mission atomically: it holds either the old or the whole new mission.
+
+        A mission that begins far away is uploaded, with a `MissionWarning`.
+
+        Args:
+            items: A plan or its items.
+            timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
+            progress: Called with the number of items sent and the number of all items.
+
+        Returns:
+            The plan, with the id that the vehicle gave it.
+
+        Raises:
+            InvalidTypeError: An item is not a `MissionItem`.
+            MissionDenied: The vehicle refused the plan.
+            MissionTimeout: The vehicle did not answer, or the transfer stalled.
+        """
+
     @property
     def progress(self) -> MissionProgress | None:
         """The last progress that the vehicle reported (MISSION_CURRENT); None before the first report."""
@@ -1426,6 +1451,10 @@ class Mission(VehiclePlan):
     @property
     def last_seq(self) -> int:
         """The sequence number of the last item, as far as it is known; -1 if it is not."""
+
+    @property
+    def landing_seq(self) -> int:
+        """The sequence number of the landing or return at the end of the mission; else `last_seq`."""
 
     def reached_items(self) -> Subscription[ItemReached]:
         """Return an iterator of the items that the vehicle reaches from now on.
@@ -1443,6 +1472,7 @@ class Mission(VehiclePlan):
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Raises:
+            InvalidTypeError: The sequence number is not a number.
             CommandDenied: The vehicle refused the item.
             CommandTimeout: The vehicle did not answer, and `restart` is set.
             MissionDenied: The vehicle refused MISSION_SET_CURRENT.
