@@ -103,7 +103,7 @@ def test_objects_are_instances_of_the_blocking_classes(node):
 
 def test_assignment_to_read_only_attributes_is_refused(node):
     vehicle = node.wait_for_vehicle(1)
-    for name in ("armed", "params", "arm", "altitude", "_inner"):
+    for name in ("armed", "params", "arm", "altitude", "mode", "component", "connection", "_inner"):
         with pytest.raises(AttributeError, match=name):
             setattr(vehicle, name, 7)
     (channel,) = node.links[0].channels

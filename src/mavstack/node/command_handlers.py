@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidTypeError
+from mavstack.node.read_only import ReadOnly
 from mavstack.services.command import CommandCancelRequested, CommandServer
 
 if TYPE_CHECKING:
@@ -48,8 +49,10 @@ class _Server(CommandServer):
             self._on_cancel(event.request)
 
 
-class CommandHandlers:
+class CommandHandlers(ReadOnly):
     """The command server of a node, with plain and async handlers."""
+
+    _constructed = frozenset({"server"})
 
     def __init__(self, host: NodeHost) -> None:
         self._host = host

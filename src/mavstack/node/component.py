@@ -18,6 +18,7 @@ from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
 from mavstack.node.params import Params
 from mavstack.node.plans import Plans
+from mavstack.node.read_only import ReadOnly
 from mavstack.node.shell import Shell
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.command import Command, CommandOperation
@@ -53,8 +54,10 @@ if TYPE_CHECKING:
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 
 
-class RemoteComponent:
+class RemoteComponent(ReadOnly):
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
+
+    _constructed = frozenset({"address"})
 
     def __init__(self, host: NodeHost, address: Address) -> None:
         #: The component's system and component id.

@@ -12,6 +12,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
+from mavstack.node.read_only import ReadOnly
+
 if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
@@ -39,7 +41,7 @@ class Sender(Protocol[Value_contra]):
         """Release control, then send nothing more."""
 
 
-class ControlStream(Generic[ControlValue]):
+class ControlStream(ReadOnly, Generic[ControlValue]):
     """A stream of one type of value to a remote component; an async context manager."""
 
     def __init__(self, host: NodeHost, sender: Sender[ControlValue], service: Service) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.extended_parameters import ExtendedParameterChanged
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from mavstack.services.extended_parameters import ExtendedParameter, ExtendedValue
 
 
-class ExtendedParams:
+class ExtendedParams(ReadOnly):
     """The extended parameters of a remote component, such as a camera: texts and numbers of all sizes."""
 
     def __init__(self, clients: ComponentClients) -> None:

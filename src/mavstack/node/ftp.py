@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
+from mavstack.node.read_only import ReadOnly
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 
-class Ftp:
+class Ftp(ReadOnly):
     """The files of a remote component, by MAVLink FTP (FILE_TRANSFER_PROTOCOL).
 
     Every method raises `FileDenied` if the component refuses (its `code` is the FTP error), `FileTimeout` if

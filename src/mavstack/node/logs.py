@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavstack.node.read_only import ReadOnly
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -11,7 +13,7 @@ if TYPE_CHECKING:
     from mavstack.services.log import LogEntry
 
 
-class Logs:
+class Logs(ReadOnly):
     """The logs stored on a remote component, by the log protocol (LOG_REQUEST_LIST, LOG_REQUEST_DATA)."""
 
     def __init__(self, clients: ComponentClients) -> None:

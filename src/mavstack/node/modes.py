@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, InvalidTypeError
+from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.modes import (
     ListModes,
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from mavstack.services.modes import AvailableMode
 
 
-class Modes:
+class Modes(ReadOnly):
     """The flight modes of a remote component, by names that do not depend on the firmware's numbers."""
 
     def __init__(self, clients: ComponentClients) -> None:

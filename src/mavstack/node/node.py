@@ -28,6 +28,7 @@ from mavstack.node.host import NodeHost
 from mavstack.node.keys import Keys
 from mavstack.node.log_events import log_event
 from mavstack.node.messaging import Messaging
+from mavstack.node.read_only import ReadOnly
 from mavstack.node.serving import Serving
 from mavstack.services import DEFAULT_WAIT_TIMEOUT, Address
 from mavstack.services.heartbeat import (
@@ -60,7 +61,7 @@ AnyHandler = TypeVar("AnyHandler", bound="Callable[..., Any]")
 Result = TypeVar("Result")
 
 
-class Node(Messaging, Serving):
+class Node(Messaging, Serving, ReadOnly):
     """The local MAVLink component; open it with `async with`, or with `open()` and `close()`.
 
     Args:
@@ -79,6 +80,8 @@ class Node(Messaging, Serving):
         InvalidArgumentError: `system` or `component` is not in 1 to 255.
         LinkURLError: A URL is invalid.
     """
+
+    _constructed = frozenset({"links"})
 
     def __init__(
         self,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.errors import RemoteCancelled, RemoteDenied, RemoteError, RemoteTimeout
 from mavstack.node.firmware import has_packed_params, param_encoding
+from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
 from mavstack.services.arguments import check_number, check_text
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 CAPABILITIES_TIMEOUT = 3.0
 
 
-class Params:
+class Params(ReadOnly):
     """The parameters of a remote component, by the parameter protocol or ArduPilot's packed file."""
 
     def __init__(self, clients: ComponentClients) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout, InvalidTypeError
+from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
 from mavstack.services.mission import ItemReached, MissionItem, Plan, PlanType, set_current_item
@@ -21,12 +22,14 @@ if TYPE_CHECKING:
 SET_CURRENT_TIMEOUT = 6.0
 
 
-class Plans:
+class Plans(ReadOnly):
     """The plan of one type on a remote component, by the mission protocol.
 
     Every method raises `MissionDenied` if the component refuses (its `code` is the MAV_MISSION_RESULT),
     `MissionTimeout` if it does not answer, and `RemoteCancelled` if the node is closed during the call.
     """
+
+    _constructed = frozenset({"type"})
 
     def __init__(self, clients: ComponentClients, plan_type: int) -> None:
         self._clients = clients

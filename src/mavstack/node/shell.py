@@ -12,6 +12,7 @@ from __future__ import annotations
 from codecs import getincrementaldecoder
 from typing import TYPE_CHECKING
 
+from mavstack.node.read_only import ReadOnly
 from mavstack.services.serial_control import ShellClient, ShellOutput, ShellReleased
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 OUTPUT_QUEUE = 100_000
 
 
-class Shell:
+class Shell(ReadOnly):
     """A shell: write commands to it, and iterate over its output as text; an async context manager."""
 
     def __init__(self, host: NodeHost, address: Address) -> None:

@@ -11,6 +11,8 @@ import asyncio
 from collections import deque
 from typing import TYPE_CHECKING, Generic, TypeVar
 
+from mavstack.node.read_only import ReadOnly
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
@@ -22,7 +24,7 @@ Item = TypeVar("Item")
 DEFAULT_QUEUE = 1000
 
 
-class Subscription(Generic[Item]):
+class Subscription(ReadOnly, Generic[Item]):
     """An async iterator over received items; it ends after `close`, or when the node closes.
 
     Close it by `async with` or `close()`. Several tasks may iterate over one subscription; each item is
@@ -36,26 +38,34 @@ class Subscription(Generic[Item]):
         queue: int = DEFAULT_QUEUE,
         keep_all: bool = False,
     ) -> None:
-        #: The number of items dropped because the queue was full.
-        self.dropped = 0
-        #: True after `close`, or after the node was closed.
-        self.closed = False
+        self._dropped = 0
+        self._closed = False
         self._close = close
         self._max_items = None if keep_all else queue
         self._items: deque[Item] = deque()
         self._wakeup = asyncio.Event()  # several tasks may wait for it
 
+    @property
+    def dropped(self) -> int:
+        """The number of items dropped because the queue was full."""
+        return self._dropped
+
+    @property
+    def closed(self) -> bool:
+        """True after `close`, or after the node was closed."""
+        return self._closed
+
     def put(self, item: Item) -> None:
         """Add an item without waiting; drop the oldest if the queue is full."""
         if self._max_items is not None and len(self._items) >= self._max_items:
             self._items.popleft()
-            self.dropped += 1
+            self._dropped += 1
         self._items.append(item)
         self._wakeup.set()
 
     def end(self) -> None:
         """End the iteration once the queued items have been read."""
-        self.closed = True
+        self._closed = True
         self._wakeup.set()
 
     def close(self) -> None:

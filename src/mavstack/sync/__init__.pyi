@@ -79,8 +79,14 @@ class Subscription(Generic[Item]):
     Close it by `async with` or `close()`. Several tasks may iterate over one subscription; each item is
     delivered to one of them.
     """
-    dropped: int
-    closed: bool
+
+    @property
+    def dropped(self) -> int:
+        """The number of items dropped because the queue was full."""
+
+    @property
+    def closed(self) -> bool:
+        """True after `close`, or after the node was closed."""
 
     def put(self, item: Item) -> None:
         """Add an item without waiting; drop the oldest if the queue is full."""
@@ -459,8 +465,8 @@ class Modes:
             timeout: Seconds for the whole call; None: until retries are exhausted.
 
         Returns:
-            The modes that the component reports; of a firmware that does not report them, the documented
-            ones.
+            The modes that the component reports, with the names that `current` and `set` use; of a firmware
+            that does not report them, the documented ones.
 
         Raises:
             CommandDenied: The component does not report its modes, and its firmware is not known.

@@ -28,6 +28,7 @@ CLASSES = {
 }
 #: Module of each base class whose members belong to the classes above without a name of their own.
 MIXINS = {
+    "ReadOnly": "node.read_only",
     "Messaging": "node.messaging",
     "Serving": "node.serving",
     "TelemetryProperties": "vehicle.telemetry.properties",

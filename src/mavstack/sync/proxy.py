@@ -22,6 +22,7 @@ from importlib import import_module
 from inspect import getattr_static, isawaitable
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from mavstack.node.read_only import ReadOnly, is_settable_property, refused_assignment
 from mavstack.sync.classes import CLASSES
 from mavstack.vehicle.events import VehicleEvent
 
@@ -58,7 +59,7 @@ class Blocking:
     def __setattr__(self, name: str, value: object) -> None:
         inner = self._inner
         if name.startswith("_") or not _is_settable(inner, name):
-            raise AttributeError(f"{type(self).__name__!r} object has no settable attribute {name!r}")
+            raise refused_assignment(inner, name)
         self._portal.call(lambda: setattr(inner, name, _unwrap(value)))
 
     def __dir__(self) -> list[str]:
@@ -213,8 +214,8 @@ def _needs_proxy(value: object) -> bool:
 def _is_settable(inner: object, name: str) -> bool:
     """Return whether a program may set an attribute: a property with a setter, or a data attribute."""
     member = getattr_static(type(inner), name, None)
-    if isinstance(member, property):
-        return member.fset is not None
+    if isinstance(member, property) or isinstance(inner, ReadOnly):
+        return is_settable_property(inner, name)
     if isinstance(member, cached_property) or callable(member):
         return False
     return hasattr(inner, name)

@@ -20,6 +20,7 @@ from contextlib import nullcontext
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from mavstack.errors import GroupError, InvalidArgumentError, RemoteCancelled
+from mavstack.node.read_only import ReadOnly
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable, Iterator
@@ -94,7 +95,7 @@ class Results(Mapping["Vehicle", "Result | Exception"], Generic[Result]):
         return f"<Results of {self._name}: {len(self) - len(errors)} of {len(self)} succeeded{details}>"
 
 
-class Group(Collection["Vehicle"]):
+class Group(ReadOnly, Collection["Vehicle"]):
     """Several vehicles, each once, in the order in which they were given.
 
     The methods run the method of `Vehicle` with the same name on all vehicles. They raise no error of a

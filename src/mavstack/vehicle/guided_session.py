@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import ActionInterrupted, ContactLost, RemoteCancelled, RemoteError
+from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_numbers
 from mavstack.services.setpoints import AttitudeSetpoint, GlobalSetpoint, LocalSetpoint
 from mavstack.vehicle.deadline import deadline
@@ -43,7 +44,7 @@ STANDING_STILL: Final = LocalSetpoint(velocity=(0.0, 0.0, 0.0))
 _OPERATION: Final = "following setpoints with"
 
 
-class GuidedSession:
+class GuidedSession(ReadOnly):
     """A block during which a vehicle follows setpoints; made by `Vehicle.guided`.
 
     Every setpoint raises `ActionInterrupted`, `ContactLost` or `RemoteCancelled` if the vehicle does not

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import MissionWarning
+from mavstack.node.read_only import ReadOnly
 from mavstack.services.arguments import check_number
 from mavstack.services.mission import PlanType
 from mavstack.vehicle.action_monitor import ActionGoal, ActionMonitor
@@ -47,7 +48,7 @@ _LANDINGS: Final = frozenset(
 logger = logging.getLogger("mavstack.vehicle")
 
 
-class VehiclePlan:
+class VehiclePlan(ReadOnly):
     """A plan of a vehicle: `fence` and `rally`; errors carry the vehicle's status texts."""
 
     def __init__(self, vehicle: VehicleState, plan_type: int) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, MessageTimeout
+from mavstack.node.read_only import ReadOnly
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.telemetry import Telemetry, TelemetryProperties
@@ -31,8 +32,10 @@ if TYPE_CHECKING:
 POSITION_TIMEOUT = 10.0
 
 
-class VehicleState(TelemetryProperties):
+class VehicleState(TelemetryProperties, ReadOnly):
     """The identity, telemetry and health of one vehicle."""
+
+    _constructed = frozenset({"connection", "component", "telemetry"})
 
     def __init__(self, connection: Node, component: RemoteComponent) -> None:
         #: The connection through which the vehicle is reached.

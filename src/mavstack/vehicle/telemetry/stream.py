@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from mavstack.dialects import Message
 from mavstack.errors import CommandDenied, InvalidArgumentError, MavstackError, RemoteError
+from mavstack.node.read_only import ReadOnly
 from mavstack.vehicle.telemetry.periodic import is_answer, is_periodic
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class StreamSource(Protocol):
         ...
 
 
-class MessageStream(Generic[AnyMessage]):
+class MessageStream(ReadOnly, Generic[AnyMessage]):
     """An async iterator of one vehicle's messages; made by `Vehicle.stream`.
 
     `async with` ends the stream with the block, and so does dropping the last reference to it. A reader that
