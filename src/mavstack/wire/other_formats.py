@@ -7,14 +7,14 @@ from typing import Final
 #: First bytes of a format, and its name with the program that reads or converts it.
 _OTHER_FORMATS: Final = (
     (b"ULog\x01\x12\x35", "a PX4 ULog (pyulog reads it)"),
-    (b"\xa3\x95", "an ArduPilot dataflash log (pymavlink's DFReader reads it)"),
+    (b"\xa3\x95\x80", "an ArduPilot dataflash log (pymavlink's DFReader reads it)"),
     (b"FMT, 128, ", "an ArduPilot dataflash log as text (pymavlink's DFReader reads it)"),
     (b"\x89MCAP0\r\n", "an MCAP recording"),
     (b"#ROSBAG V", "a ROS bag"),
     (b"\x0a\x0d\x0d\x0a", "a pcapng capture"),
     (b"\xd4\xc3\xb2\xa1", "a pcap capture"),
     (b"\xa1\xb2\xc3\xd4", "a pcap capture"),
-    (b"\x1f\x8b", "a gzip archive: unpack it first"),
+    (b"\x1f\x8b\x08", "a gzip archive: unpack it first"),
     (b"PK\x03\x04", "a ZIP archive: unpack it first"),
     (b"BZh", "a bzip2 archive: unpack it first"),
     (b"\xfd7zXZ\x00", "an xz archive: unpack it first"),
