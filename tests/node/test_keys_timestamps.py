@@ -10,6 +10,7 @@ from mavstack.errors import SigningError
 from mavstack.node import Node
 from mavstack.node.keys import STORE_INTERVAL
 from mavstack.security import TimestampStore
+from mavstack.security.timestamps import LastRun
 from mavstack.sim.virtual import run_virtually
 from tests.node.signed_pair import NEW, OLD, PX4, Pair, assert_both_use, receive_packets
 
@@ -25,10 +26,13 @@ class Store(TimestampStore):
         self.start = start
         self.error: Exception | None = None
 
-    def load(self) -> int:
-        return self.stored[-1] if self.stored else self.start
+    def load_last_run(self) -> LastRun:
+        return LastRun(self.stored[-1] if self.stored else self.start)
 
-    def store(self, timestamp: int) -> None:
+    def mark_running(self) -> None:
+        pass
+
+    def store(self, timestamp, streams=(), *, running=False) -> None:
         if self.error is not None:
             raise self.error
         self.stored.append(timestamp)

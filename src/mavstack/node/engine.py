@@ -29,6 +29,7 @@ from mavstack.node.duplicates import Duplicates
 from mavstack.node.key_change import apply_key_event
 from mavstack.node.routes import Routes
 from mavstack.node.service_index import ServiceIndex
+from mavstack.node.signing_states import SigningStates
 from mavstack.security import carries_signing_key
 from mavstack.services import (
     Address,
@@ -76,6 +77,7 @@ class Engine:
         #: The channel of the packet that is being handled; None in between.
         self.arrived_on: ChannelState | None = None
         self._heartbeats: deque[tuple[float, int, bytes]] = deque(maxlen=MAX_HEARTBEATS)
+        self.signing_states = SigningStates()
         self._closed_clock = 0
         self._link_ids = count()
         #: Called with each exception raised by a service; see the module's docstring.
@@ -285,7 +287,7 @@ class Engine:
     def _collect_events(self, service: Service) -> None:
         for event in service.events():
             if isinstance(event, KeyEvent):
-                apply_key_event(event, self.routes.heard_on(event.peer))
+                apply_key_event(event, self.routes.heard_on(event.peer), self.signing_states)
             self._events.append((service, event))
 
     def _drain(self, service: Service, now: float) -> None:

@@ -9,28 +9,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from mavstack.dialects import common
-from mavstack.services import message_ids
 from mavstack.services.signing_setup import KeyEvent, KeySettled, ListenForKey, UseNewKey, UseOldKey
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from mavstack.node.channel_state import ChannelState
-    from mavstack.security import SigningKey
+    from mavstack.node.signing_states import SigningStates
     from mavstack.services.signing_setup import SigningRequest
-    from mavstack.wire import Signing
-
-#: Messages accepted unsigned: radios send them themselves and have no key.
-UNSIGNED = tuple(message_ids(common.RadioStatus))
 
 
-def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState]) -> None:
-    """Apply an event of a signing service to channels."""
+def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState], states: SigningStates) -> None:
+    """Apply an event of a signing service to channels; `states` has the signing states of the node's keys."""
     for channel in channels:
         match event:
             case ListenForKey(key=key, timestamp=timestamp):
-                channel.accept_also(signing_of(key, channel, timestamp))
+                channel.accept_also(states.create(key, channel.link_id, max(timestamp, channel.clock)))
             case UseNewKey():
                 channel.use_new(True)
             case UseOldKey():
@@ -55,10 +49,3 @@ def trusted_channels(engine: ArrivalChannel) -> Callable[[SigningRequest], str |
         return None if channel is not None and channel.trusted else "this link is not trusted"
 
     return refuse
-
-
-def signing_of(key: SigningKey | None, channel: ChannelState, timestamp: int) -> Signing | None:
-    """Return a signing state for a channel (None without a key); its timestamp continues the channel's."""
-    if key is None:
-        return None
-    return key.signing(channel.link_id, timestamp=max(timestamp, channel.clock), unsigned_ids=UNSIGNED)

@@ -6,20 +6,27 @@ then on. A channel that opens during a change of keys takes part in it. The prog
 next run; the event `KeySettled` has it.
 
 Signing timestamps never decrease, whichever channel they are for: a new channel starts at the newest
-timestamp of all others, closed ones and those of the last run included. RADIO_STATUS is accepted unsigned:
-radios send it themselves and have no key.
+timestamp of all others, closed ones and those of the last run included. The timestamps received in each
+stream are kept as well, for all channels of a key and for the next run, so that no packet is accepted twice.
+After a run that was killed, all packets from before the start are refused: the last state that it stored does
+not have the packets that it accepted later. RADIO_STATUS is accepted unsigned: radios send it themselves and
+have no key.
 """
 
 from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
-from mavstack.node.key_change import apply_key_event, signing_of
+from mavstack.node.key_change import apply_key_event
+from mavstack.security.timestamps import UNITS_PER_SECOND, time_if_set, timestamp_at
 from mavstack.services.signing_setup import KeySettled, ListenForKey, SigningSetupServer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.engine import Engine
     from mavstack.security import SigningKey, TimestampStore
@@ -63,7 +70,7 @@ class Keys:
                 change.reopened[channel.name] = channel
                 for event in (change.start, change.last):
                     if event is not None:
-                        apply_key_event(event, [channel])
+                        apply_key_event(event, [channel], self._engine.signing_states)
 
     def on_key_event(self, event: KeyEvent, service: Service | None) -> None:
         """Follow a change of keys, which the engine applied to the channels on which the peer is heard."""
@@ -76,7 +83,8 @@ class Keys:
             return
         change.last = event
         # The peer is silent on reopened channels, so the engine has no route over them.
-        apply_key_event(event, [channel for channel in change.reopened.values() if channel not in heard_on])
+        reopened = [channel for channel in change.reopened.values() if channel not in heard_on]
+        apply_key_event(event, reopened, self._engine.signing_states)
         if isinstance(event, KeySettled):
             del self._changes[event.peer]
             if event.changed:
@@ -94,12 +102,21 @@ class Keys:
                 self._sign(channel, event.key)
 
     def _sign(self, channel: ChannelState, key: SigningKey | None) -> None:
-        channel.signing = signing_of(key, channel, max(self._stored, self._engine.signing_clock))
+        clock = max(self._stored, self._engine.signing_clock, channel.clock)
+        channel.signing = self._engine.signing_states.create(key, channel.link_id, clock)
 
-    def open(self) -> None:
-        """Load the stored timestamp, and start to store it; raises SigningError if it cannot be read."""
+    def open(self, now: float) -> None:
+        """Load the state of the last run, and start to store it; raises SigningError if it cannot be read."""
         if self._timestamps is not None:
-            self._stored = self._timestamps.load()
+            last_run = self._timestamps.load_last_run()
+            self._stored, floor = last_run.timestamp, 0
+            if last_run.interrupted and time_if_set(now) is not None:
+                floor = max(self._stored, timestamp_at(now))
+            elif last_run.interrupted:
+                floor = self._stored = self._stored + int(STORE_INTERVAL * UNITS_PER_SECOND)
+            self._engine.signing_states.restore(last_run, floor)
+            if self._key is not None:
+                self._call_store(self._timestamps.mark_running)
             self._task = asyncio.get_running_loop().create_task(self._store_periodically())
 
     async def close(self) -> None:
@@ -107,19 +124,22 @@ class Keys:
         if self._task is not None:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
-            self._store()
+            self._store(running=False)
 
     async def _store_periodically(self) -> None:
         while True:
             await asyncio.sleep(STORE_INTERVAL)
-            self._store()
+            self._store(running=True)
 
-    def _store(self) -> None:
+    def _store(self, *, running: bool) -> None:
         clock = self._engine.signing_clock
-        if self._timestamps is None or not clock:
-            return
+        if self._timestamps is not None and clock:
+            streams = self._engine.signing_states.streams()
+            self._call_store(partial(self._timestamps.store, clock, streams, running=running))
+
+    def _call_store(self, function: Callable[[], None]) -> None:
         try:
-            self._timestamps.store(clock)
+            function()
         except Exception as error:  # noqa: BLE001 (a program's store may raise anything)
             context = {"message": "the signing timestamp could not be stored", "exception": error}
             asyncio.get_running_loop().call_exception_handler(context)

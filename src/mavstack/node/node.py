@@ -145,9 +145,8 @@ class Node(Messaging, Serving, ReadOnly):
         """
         if self._host.is_open:
             return self
-        self._keys.open()
         engine = self._host.engine
-        self._host.open_driver = driver = Driver(
+        driver = Driver(
             engine,
             on_packet=self._host.packet_dispatch.deliver,
             on_event=self._on_event,
@@ -155,6 +154,8 @@ class Node(Messaging, Serving, ReadOnly):
             on_error=self._on_operation_error,
             version=self._version,
         )
+        self._keys.open(driver.now())
+        self._host.open_driver = driver
         for service in (self._host.discovery, *self._common_services):
             engine.add(service)
         if self._sends_heartbeat:
