@@ -8,6 +8,7 @@ from mavstack.dialects import common
 from mavstack.node.channel_state import ChannelState
 from mavstack.node.engine import Engine
 from mavstack.node.key_change import apply_key_event, trusted_channels
+from mavstack.node.signing_states import SigningStates
 from mavstack.security import SigningKey
 from mavstack.services.signing_setup import (
     KeySettled,
@@ -54,15 +55,15 @@ def test_both_keys_are_accepted_during_a_change_and_one_after_it(old, new):
     keys = {"old": OLD, "new": NEW, "none": None}
     key, peer = keys[old], Peer()
     channel = ChannelState("cable", common, signing=key.signing() if key else None)
-    apply_key_event(ListenForKey(VEHICLE, keys[new]), [channel])
+    apply_key_event(ListenForKey(VEHICLE, keys[new]), [channel], SigningStates())
     assert {old, new} <= accepted(channel, peer)
     assert signing_state_of(channel) == old
     for event, state in ((UseNewKey(VEHICLE), new), (UseOldKey(VEHICLE), old), (UseNewKey(VEHICLE), new)):
-        apply_key_event(event, [channel])
-        apply_key_event(event, [channel])  # idempotent
+        apply_key_event(event, [channel], SigningStates())
+        apply_key_event(event, [channel], SigningStates())  # idempotent
         assert signing_state_of(channel) == state
         assert {old, new} <= accepted(channel, peer)
-    apply_key_event(KeySettled(VEHICLE, keys[new], changed=True), [channel])
+    apply_key_event(KeySettled(VEHICLE, keys[new], changed=True), [channel], SigningStates())
     assert signing_state_of(channel) == new
     expected = {"old", "new", "none"} if new == "none" else {new}
     assert accepted(channel, peer) == expected
@@ -71,7 +72,7 @@ def test_both_keys_are_accepted_during_a_change_and_one_after_it(old, new):
 @pytest.mark.parametrize(("timestamp", "clock"), [(0, 10**12), (5, 10**12), (10**13, 10**13)])
 def test_timestamps_continue_with_a_new_key(timestamp, clock):
     channel = ChannelState("cable", common, signing=OLD.signing(timestamp=10**12))
-    apply_key_event(ListenForKey(VEHICLE, NEW, timestamp), [channel])
+    apply_key_event(ListenForKey(VEHICLE, NEW, timestamp), [channel], SigningStates())
     channel.use_new(True)
     assert channel.clock == clock
 
@@ -110,9 +111,9 @@ def test_without_a_change_nothing_is_switched():
 
 def test_radio_status_needs_no_key():
     channel = ChannelState("cable", common)
-    apply_key_event(ListenForKey(VEHICLE, NEW), [channel])
-    apply_key_event(UseNewKey(VEHICLE), [channel])
-    apply_key_event(KeySettled(VEHICLE, NEW, changed=True), [channel])
+    apply_key_event(ListenForKey(VEHICLE, NEW), [channel], SigningStates())
+    apply_key_event(UseNewKey(VEHICLE), [channel], SigningStates())
+    apply_key_event(KeySettled(VEHICLE, NEW, changed=True), [channel], SigningStates())
     radio = Encoder(51, 68)
     assert len(channel.receive(radio.encode(common.RadioStatus(txbuf=50), START), START)) == 1
     assert not channel.receive(radio.encode(common.Heartbeat(), START), START)

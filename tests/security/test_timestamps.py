@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 import mavstack
 from mavstack.dialects import common
 from mavstack.errors import SigningError
-from mavstack.security import TimestampStore, timestamps
-from mavstack.security.timestamps import MAX_TIMESTAMP, timestamp_at
+from mavstack.security import SigningKey, TimestampStore, timestamps
+from mavstack.security.timestamps import MAX_STREAMS, MAX_TIMESTAMP, LastRun, timestamp_at
 
 
 @pytest.fixture
@@ -42,7 +42,22 @@ def test_the_timestamp_only_increases(store):
 
 
 @pytest.mark.parametrize(
-    "damage", [b"", b"x", b"-1", b"1.5", b"12\n34", b"\xff", b"0" * 99, b"9" * 5000, b"281474976710656"]
+    "damage",
+    [
+        b"",
+        b"x",
+        b"-1",
+        b"1.5",
+        b"12\n34",
+        b"\xff",
+        b"0" * 99,
+        b"5\nrunning\nx",
+        b"5\n1 2 3\n",
+        b"5\nkey 1 2 256 4\n",
+        b"5\nkey 1 2 3 -4\n",
+        b"9" * 5000,
+        b"281474976710656",
+    ],
 )
 def test_a_damaged_file_raises_and_is_kept(store, damage):
     store.path.write_bytes(damage)
@@ -121,3 +136,43 @@ def test_python_and_the_core_convert_times_alike(now):
     signing = mavstack.Signing(bytes(32))
     mavstack.encode(common.Heartbeat(), system=1, component=1, signing=signing, now=now)
     assert signing.timestamp == max(1, timestamp_at(now))
+
+
+KEY, OTHER = SigningKey.from_passphrase("key"), SigningKey.from_passphrase("other")
+
+
+def test_streams_are_kept_by_key_and_only_increase(store):
+    store.store(5, [(KEY, {(1, 1, 1): 10, (2, 1, 1): 20}), (OTHER, {(1, 1, 1): 30})])
+    store.store(4, [(KEY, {(1, 1, 1): 9, (2, 1, 1): 21})])
+    last_run = TimestampStore(store.path).load_last_run()
+    assert (last_run.timestamp, last_run.interrupted) == (5, False)
+    assert last_run.streams_of(KEY) == {(1, 1, 1): 10, (2, 1, 1): 21}
+    assert last_run.streams_of(OTHER) == {(1, 1, 1): 30}
+    assert last_run.streams_of(SigningKey.generate()) == {}
+
+
+def test_the_file_does_not_contain_the_key(store):
+    store.store(5, [(KEY, {(1, 1, 1): 10})])
+    assert KEY.secret_bytes().hex()[:8] not in store.path.read_text()
+
+
+def test_a_run_that_did_not_end_is_noticed(store):
+    store.mark_running()
+    assert store.load_last_run() == LastRun(0, True)
+    store.store(7, running=True)
+    assert store.load_last_run() == LastRun(7, True)
+    store.store(7)
+    assert store.load_last_run() == LastRun(7, False)
+
+
+def test_a_file_of_an_older_version_is_read(store):
+    store.path.write_text("123\n")
+    assert store.load_last_run() == LastRun(123)
+
+
+def test_the_newest_streams_are_kept(store):
+    streams = {(link, system, 1): 256 * system + link for link in range(256) for system in range(6)}
+    store.store(5, [(KEY, streams)])
+    kept = store.load_last_run().streams_of(KEY)
+    assert len(kept) == MAX_STREAMS
+    assert min(kept.values()) == len(streams) - MAX_STREAMS

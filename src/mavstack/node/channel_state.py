@@ -120,7 +120,9 @@ class ChannelState:
             count, self._logged_refusals = total - self._logged_refusals, total
             self._next_refusal_log = now + REFUSAL_LOG_INTERVAL
             _logger.warning(
-                "channel %s: %d packets refused: unsigned, replayed or signed with another key", self.name, count
+                "channel %s: %d packets refused: unsigned, replayed or signed with another key",
+                self.name,
+                count,
             )
 
     def encode(self, message: Message, source: Address, now: float, priority: Priority) -> bytes:

@@ -42,7 +42,7 @@ class SigningStates:
             state.restore(last_run.streams_of(key), floor=floor)
 
     def create(self, key: SigningKey | None, link_id: int, timestamp: int) -> Signing | None:
-        """Return a signing state for a channel, whose clock starts at `timestamp` or later; None without a key."""
+        """Return a signing state for a channel, its clock at `timestamp` or later; None without a key."""
         if key is None:
             return None
         state = self._state_of(key, timestamp)
