@@ -49,6 +49,7 @@ def words_of(example: list[str]) -> list[str]:
 EXAMPLES = [example for name in COMMANDS if name not in WITH_VEHICLE for example in examples_of(name)]
 
 
+@pytest.mark.fast_cases(11)
 @pytest.mark.parametrize("example", EXAMPLES, ids=" ".join)
 def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, example):
     monkeypatch.chdir(tmp_path)

@@ -40,6 +40,7 @@ def test_ctrl_c_ends_the_command(words):
     assert (process.returncode, out, err) == (130, "", "")
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("option", ["--json", "--for=1000"])
 def test_closed_pipe_is_no_failure(tmp_path, option):
     path = tmp_path / "long.tlog"
@@ -54,6 +55,7 @@ def test_closed_pipe_is_no_failure(tmp_path, option):
     process.stderr.close()
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals")
 @pytest.mark.parametrize("ending", [None, signal.SIGINT, signal.SIGTERM])
 def test_live_display_restores_the_terminal(ending):

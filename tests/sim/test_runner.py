@@ -38,6 +38,7 @@ def test_a_command_is_answered_at_once():
     assert run_virtually(both(simulation, work)) < 0.03
 
 
+@pytest.mark.flight
 def test_time_runs_as_fast_as_it_is_told():
     for speed, seconds in ((1, 10), (4, 40), (0.5, 5)):
         simulation = Simulation()
@@ -51,6 +52,7 @@ def test_time_runs_as_fast_as_it_is_told():
         assert simulation.now - began == pytest.approx(seconds, abs=0.1)
 
 
+@pytest.mark.flight
 def test_a_log_is_sent_no_faster_than_peers_can_read_whatever_the_speed():
     simulation = Simulation()
     vehicle = simulation.add("rover")
@@ -71,6 +73,7 @@ def test_a_log_is_sent_no_faster_than_peers_can_read_whatever_the_speed():
         assert fewest < seconds < 2.5 * fewest
 
 
+@pytest.mark.flight
 def test_a_speed_may_change_while_it_runs():
     simulation = Simulation()
     simulation.add()
@@ -85,6 +88,7 @@ def test_a_speed_may_change_while_it_runs():
     assert simulation.now - began == pytest.approx(25, abs=0.1)
 
 
+@pytest.mark.flight
 def test_as_fast_as_it_can():
     simulation = Simulation()
     simulation.add()

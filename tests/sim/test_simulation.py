@@ -25,6 +25,7 @@ def everything_sent(seed: int, seconds: float = 6.0) -> bytes:
     return bytes(sent)
 
 
+@pytest.mark.flight
 def test_the_same_seed_gives_the_same_bytes():
     first = everything_sent(7)
     assert len(first) > 50_000
@@ -71,6 +72,7 @@ def test_a_vehicle_stands_where_it_was_put():
     assert vehicle.body.truth.yaw == pytest.approx(1.5708, abs=0.02)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", Firmware)
 @pytest.mark.parametrize("kind", VehicleType)
 def test_a_target_in_the_air_is_there_at_once(kind, firmware):
@@ -129,6 +131,7 @@ def test_home_is_read_from_text():
     assert DEFAULT_HOME.latitude
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("firmware", "suffix"), [("ardupilot", "BIN"), ("px4", "ulg")])
 def test_flights_are_kept_in_a_folder(tmp_path, firmware, suffix):
     for flights in (1, 2):

@@ -168,6 +168,7 @@ def test_a_group_of_unknown_system_ids():
 # Links that drop and return
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 def test_a_call_during_a_silence_ends_in_its_typed_timeout(kind):
     async def scenario(world, vehicle):
@@ -196,6 +197,7 @@ def test_a_call_during_a_silence_ends_in_its_typed_timeout(kind):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
+@pytest.mark.flight
 def test_a_running_call_continues_after_a_short_silence():
     async def scenario(world, vehicle):
         async def cut():
@@ -258,6 +260,7 @@ def test_the_cache_is_cleared_at_a_reboot(kind):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 @pytest.mark.parametrize("packed", [True, False])
 def test_a_download_across_a_reboot_is_complete_or_fails(kind, packed):
@@ -278,6 +281,7 @@ def test_a_download_across_a_reboot_is_complete_or_fails(kind, packed):
     fly(kind, scenario, prepare=reduce_telemetry, latency=0.05)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 def test_an_upload_across_a_reboot_is_complete_or_fails(kind):
     async def scenario(world, vehicle):

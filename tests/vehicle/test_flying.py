@@ -37,6 +37,7 @@ def height(world):
     return -world.simulated.body.truth.down
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", FLYING, ids=named)
 def test_up_there_and_back(kind):
     wing = kind[0] is not VehicleType.COPTER
@@ -61,6 +62,7 @@ def test_up_there_and_back(kind):
     fly(kind, scenario)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [kind for kind in ALL if kind not in FLYING], ids=named)
 def test_vehicles_that_do_not_fly_go_and_return(kind):
     async def scenario(world, vehicle):
@@ -83,6 +85,7 @@ def test_vehicles_that_do_not_fly_go_and_return(kind):
     fly(kind, scenario)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 def test_a_copter_lands_where_it_is(kind):
     async def scenario(world, vehicle):
@@ -97,6 +100,7 @@ def test_a_copter_lands_where_it_is(kind):
     fly(kind, scenario)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 @pytest.mark.parametrize("radius", [15.0, -15.0])
 def test_an_orbit(kind, radius):
@@ -117,6 +121,7 @@ def test_an_orbit(kind, radius):
     fly(kind, scenario)
 
 
+@pytest.mark.flight
 def test_a_copter_that_would_sink_by_its_throttle_stick_does_not_orbit():
     async def scenario(world, vehicle):
         await vehicle.arm()

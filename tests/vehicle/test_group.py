@@ -189,6 +189,7 @@ def prepare(simulated):
         simulated.faults.inject("gps off")
 
 
+@pytest.mark.nightly
 def test_fifty_vehicles():
     """Of fifty, one has no GPS and refuses to arm, one is cut off; all others do what they are asked."""
     kinds = [(VehicleType.COPTER, ARDUPILOT if number % 2 else PX4) for number in range(50)]

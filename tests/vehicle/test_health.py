@@ -82,6 +82,7 @@ def quiet_with_battery_limits(simulated):
         simulated.parameters.set("BATT_LOW_VOLT", 15.5)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("firmware", "fault", "reasons"), FAULTS, ids=[f"{f}-{n}" for f, n, _ in FAULTS])
 def test_a_fault_is_a_problem_until_it_ends(firmware, fault, reasons):
     async def scenario(world, vehicle):
@@ -115,6 +116,7 @@ def test_it_becomes_ready_over_a_lossy_link(kind):
     fly(kind, scenario, ready=False, loss=0.3, latency=0.2, seed=3)
 
 
+@pytest.mark.flight
 def test_a_silent_vehicle_is_reported_as_silent():
     async def scenario(world, vehicle):
         await vehicle.wait_until_ready(timeout=30)
@@ -129,6 +131,7 @@ def test_a_silent_vehicle_is_reported_as_silent():
     fly(COPTERS[0], scenario)
 
 
+@pytest.mark.flight
 def test_a_refused_arming_leaves_its_reason_as_a_problem():
     async def scenario(world, vehicle):
         world.simulated.faults.inject("battery 2")

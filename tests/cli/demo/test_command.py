@@ -9,6 +9,7 @@ from mavstack.dialects import common
 from mavstack.sim.vehicle_types import Firmware
 
 
+@pytest.mark.nightly
 def test_summary_as_json(mav):
     result = mav("demo", "--for", "40", "--json")
     assert (result.code, result.err) == (0, "")
@@ -26,6 +27,7 @@ def test_summary_as_json(mav):
     assert summary["texts"]
 
 
+@pytest.mark.flight
 def test_summary_without_a_terminal(mav):
     result = mav("demo", "--for", "5")
     assert (result.code, result.err) == (0, "")
@@ -34,6 +36,7 @@ def test_summary_without_a_terminal(mav):
     assert "PX4 VTOL" in result.out
 
 
+@pytest.mark.flight
 def test_equal_seeds_give_equal_flights(mav):
     first, second, other = (mav("demo", "--for", "8", "--json", "--seed", seed).out for seed in (3, 3, 4))
     assert first == second != other

@@ -139,6 +139,7 @@ def test_erase_asks_on_a_terminal(mav, harness, monkeypatch, answer, left, code)
     assert len(json.loads(mav("log", "list", "--json").out)) == left
 
 
+@pytest.mark.flight
 def test_vehicle_falls_silent(mav, harness, tmp_path):
     store = harness.vehicle.storage.files
     opened = store.open_file

@@ -16,6 +16,7 @@ def harness(monkeypatch):
     return CliHarness(monkeypatch)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
 def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
     harness = CliHarness(monkeypatch, (VehicleType.COPTER, firmware))
@@ -271,6 +272,7 @@ def test_diff_of_two_files(mav, tmp_path):
     assert len(json.loads(mav("param", "diff", one, other, "--json", "--all").out)["different"]) == 3
 
 
+@pytest.mark.nightly
 def test_watch_shows_changes_of_another_station(mav, harness):
     async def other_station(remote):
         await asyncio.sleep(20)

@@ -31,6 +31,7 @@ def pipe(monkeypatch):
     return fill
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
 def test_command_option(simulate, mav, kind):
     harness = simulate(kind)
@@ -105,6 +106,7 @@ def test_wrong_usage(mav, words):
     assert mav("shell", *words).code == 2
 
 
+@pytest.mark.nightly
 def test_examples_of_the_help_run(simulate, mav, pipe, tmp_path, monkeypatch):
     """Return the example lines except those of an interactive shell."""
     (tmp_path / "flight.txt").write_text("info\n")
@@ -124,6 +126,7 @@ def test_examples_of_the_help_run(simulate, mav, pipe, tmp_path, monkeypatch):
 ELSEWHERE = {"wp set 2", "nsh ver all", "script"}
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("command", list(dict.fromkeys(COMMANDS.values())), ids=lambda command: command.name)
 def test_examples_of_each_shell_command_run(simulate, mav, command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -78,6 +78,7 @@ def test_local_files(tmp_path, monkeypatch):
     assert completed("wp load none/x")[0] == []
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("kind", "mode"), [(COPTER, "alt_hold"), (PX4_COPTER, "offboard")])
 def test_vehicle_data_is_completed(kind, mode):
     async def scenario(session, world):
@@ -92,6 +93,7 @@ def test_vehicle_data_is_completed(kind, mode):
     in_shell(kind, scenario)
 
 
+@pytest.mark.flight
 def test_remote_listing_is_cached():
     async def scenario(session, world):
         listed = []
@@ -112,6 +114,7 @@ def test_remote_listing_is_cached():
     in_shell(COPTER, scenario)
 
 
+@pytest.mark.flight
 def test_silent_vehicle_does_not_block_completion():
     async def scenario(session, world):
         async def silence(path):

@@ -17,6 +17,7 @@ def height(world):
     return -world.simulated.body.truth.down
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_a_flight(kind, capsys):
     async def scenario(session, world):
@@ -37,6 +38,7 @@ def test_a_flight(kind, capsys):
     assert "armed\n" in capsys.readouterr().out
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_mode_names_are_commands(kind, capsys):
     name = "POSCTL" if kind == PX4_COPTER else "ALT_HOLD"
@@ -87,6 +89,7 @@ def test_home_is_shown_and_set(capsys):
     assert capsys.readouterr().out.splitlines()[-1] == "home: 47.3978000 8.5457000, 490.0 m above sea"
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_reboot(kind):
     async def scenario(session, world):
@@ -117,6 +120,7 @@ def test_wrong_usage(line):
         alone(lambda session: run_line(session, line))
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("line", ["takeoff -3", "guided 91 0", "mode 99999999999999999999", "mode gu"])
 def test_invalid_values(line):
     with pytest.raises((LocalProtocolError, MavstackError)) as told:

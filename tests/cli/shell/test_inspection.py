@@ -11,6 +11,7 @@ from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, t
 from tests.vehicle.world import named
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [COPTER, PX4_COPTER], ids=named)
 def test_info_page(kind, capsys):
     type_lines("info", kind=kind)
@@ -20,6 +21,7 @@ def test_info_page(kind, capsys):
         assert word in out
 
 
+@pytest.mark.flight
 def test_status_of_messages(capsys):
     type_lines("status HEARTBEAT; sleep 2; status GPS_R* SYS_STATUS")
     lines = capsys.readouterr().out.splitlines()
@@ -27,26 +29,31 @@ def test_status_of_messages(capsys):
     assert {line.split()[0] for line in lines[1:]} == {"GPS_RAW_INT", "SYS_STATUS"}
 
 
+@pytest.mark.flight
 def test_unknown_message():
     with pytest.raises(UsageError, match="there is no message NO_SUCH"):
         type_lines("status no_such")
 
 
+@pytest.mark.flight
 def test_watch_ends_after_its_duration(capsys):
     type_lines("watch HEARTBEAT 3.5")
     assert 3 <= len(capsys.readouterr().out.splitlines()) <= 4
 
 
+@pytest.mark.flight
 def test_watch_without_duration_needs_an_interactive_shell():
     with pytest.raises(UsageError, match="number of seconds"):
         type_lines("watch HEARTBEAT")
 
 
+@pytest.mark.flight
 def test_watch_requests_a_rate(capsys):
     type_lines("set rate 10; watch ATTITUDE 3")
     assert len(capsys.readouterr().out.splitlines()) > 20
 
 
+@pytest.mark.flight
 def test_version_link_and_ping(capsys):
     type_lines("version; link; ping")
     out = capsys.readouterr().out

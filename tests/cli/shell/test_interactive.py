@@ -6,6 +6,8 @@ import asyncio
 import signal
 from contextlib import nullcontext
 
+import pytest
+
 from mavstack.cli.shell.interactive import line_reader, run_interactive
 from mavstack.cli.shell.plain_input import PlainReader
 from mavstack.cli.shell.state import history_file, state_directory
@@ -64,6 +66,7 @@ def test_unexpected_error_is_reported_and_the_shell_continues(capsys):
     assert captured.out == "timeout  0\n"
 
 
+@pytest.mark.flight
 def test_ctrl_c_cancels_only_the_command(capsys):
     async def scenario(session, world):
         loop = asyncio.get_running_loop()

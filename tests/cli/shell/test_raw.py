@@ -12,6 +12,7 @@ from mavstack.errors import CommandDenied, InvalidArgumentError, MavstackError
 from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell, type_lines
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("name", ["COMPONENT_ARM_DISARM", "mav_cmd_component_arm_disarm", "400"])
 def test_a_command_by_name_and_number(name):
     async def scenario(session, world):
@@ -26,6 +27,7 @@ def test_refused_command():
         type_lines("long 4242")
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("place", ["473980000 85460000", "47.3980 8.5460"])
 def test_command_int_with_a_position(place):
     async def scenario(session, world):
@@ -37,6 +39,7 @@ def test_command_int_with_a_position(place):
     in_shell(COPTER, scenario)
 
 
+@pytest.mark.flight
 def test_channels_are_overridden_and_released(capsys):
     async def scenario(session, world):
         async with session.connection.packets() as _:
@@ -55,6 +58,7 @@ def test_channels_are_overridden_and_released(capsys):
     assert out[-1] == "overridden: none"
 
 
+@pytest.mark.flight
 def test_leaving_releases_channels():
     async def scenario(session, world):
         await run_line(session, "rc all 1400; sleep 1")
@@ -64,6 +68,7 @@ def test_leaving_releases_channels():
     in_shell(COPTER, scenario)
 
 
+@pytest.mark.flight
 def test_nsh_line(capsys):
     type_lines("nsh ver all", "nsh param show SYS_AUTOSTART", kind=PX4_COPTER)
     out = capsys.readouterr().out
@@ -73,6 +78,7 @@ def test_nsh_line(capsys):
     assert "ver all" not in out
 
 
+@pytest.mark.flight
 def test_vehicle_without_a_shell():
     with pytest.raises(MavstackError, match="no shell answered"):
         type_lines("nsh ls")
@@ -91,6 +97,7 @@ def test_wrong_usage(line):
         alone(lambda session: run_line(session, line))
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     "line", ["rc 3", "rc 0 1500", "rc 19 1500", "rc 3 70000", "rc three 1500", "rc 3 -1"]
 )

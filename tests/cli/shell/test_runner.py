@@ -60,6 +60,7 @@ def test_any_line_runs_or_fails_cleanly(lines, tmp_path, monkeypatch):
     alone(scenario)
 
 
+@pytest.mark.nightly
 @settings(max_examples=3, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(lines=st.lists(LINES.filter(lambda line: "reboot" not in line), min_size=25, max_size=25))
 def test_any_line_on_a_vehicle_runs_or_fails_cleanly(lines, tmp_path, monkeypatch):

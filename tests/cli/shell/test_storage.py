@@ -21,6 +21,7 @@ QGC WPL 110
 """
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("kind", "name"), [(COPTER, "RTL_ALT"), (PX4_COPTER, "RTL_RETURN_ALT")])
 def test_parameters(kind, name, capsys, tmp_path):
     kept = tmp_path / "kept.params"
@@ -47,6 +48,7 @@ def test_param_fetch_counts_parameters(capsys):
     assert "parameters" in capsys.readouterr().out
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_a_mission(kind, capsys, tmp_path):
     (given := tmp_path / "way.txt").write_text(WAYPOINTS)
@@ -113,6 +115,7 @@ def test_logs(capsys, tmp_path):
     assert "1 logs erased" in capsys.readouterr().out
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("answer", "left"), [("y", 0), ("n", 1), ("", 1)])
 def test_erasing_logs_asks_for_confirmation(answer, left):
     async def scenario(session, world):

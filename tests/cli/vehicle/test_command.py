@@ -16,6 +16,7 @@ from tests.vehicle.world import named
 BOTH = [COPTER, PX4_COPTER]
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_a_flight(simulate, mav, kind):
     harness = simulate(kind)
@@ -185,6 +186,7 @@ def test_invalid_values(simulate, mav, words):
     assert result.err.count("\n") == 1
 
 
+@pytest.mark.flight
 def test_examples_of_the_help_run(simulate, mav):
     simulate(COPTER, COPTER, COPTER, COPTER, COPTER)
     for line in EXAMPLES.splitlines()[1:]:

@@ -50,6 +50,7 @@ CASES = [
 ]
 
 
+@pytest.mark.fast_cases(7)
 @pytest.mark.parametrize(("break_check", "text"), CASES, ids=[text for _, text in CASES])
 def test_refused_arming_reports_the_reason(
     break_check: Callable[[ArdupilotHarness], object], text: str
@@ -70,6 +71,7 @@ def test_arming_check_bits() -> None:
     assert harness.command(CMD.COMPONENT_ARM_DISARM, 1) == RESULT.ACCEPTED
 
 
+@pytest.mark.flight
 def test_prearm_problems_are_repeated_every_30_s() -> None:
     harness = ArdupilotHarness("copter")
     low_voltage(harness)

@@ -28,6 +28,7 @@ def cases() -> list[tuple[VehicleType, int]]:
     ]
 
 
+@pytest.mark.fast_cases(4)
 @pytest.mark.parametrize(
     ("vehicle_type", "command"), cases(), ids=lambda value: str(getattr(value, "name", value))
 )
@@ -77,6 +78,7 @@ def test_takeoff_needs_guided_armed_and_a_height() -> None:
     assert harness.command(*takeoff, 20) == RESULT.FAILED
 
 
+@pytest.mark.fast_cases(4)
 @pytest.mark.parametrize("vehicle_type", TYPES)
 def test_invalid_reposition_is_refused(vehicle_type: VehicleType) -> None:
     harness = ArdupilotHarness(vehicle_type)
@@ -127,6 +129,7 @@ def test_invalid_numbers_raise_no_error() -> None:
             harness.command(command, *(value,) * 4, frame=RELATIVE, wait=0.02)
 
 
+@pytest.mark.flight
 def test_change_speed_in_flight() -> None:
     harness = ArdupilotHarness("copter")
     take_off(harness)

@@ -35,6 +35,7 @@ def test_copter_takes_off_repositions_and_returns() -> None:
     assert harness.texts[-1] == "Disarming motors"
 
 
+@pytest.mark.flight
 def test_plane_takes_off_in_takeoff_mode_and_circles() -> None:
     harness = ArdupilotHarness("plane")
     assert harness.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 50) == RESULT.FAILED
@@ -53,6 +54,7 @@ def test_plane_takes_off_in_takeoff_mode_and_circles() -> None:
     assert down == pytest.approx(-100, abs=15)
 
 
+@pytest.mark.nightly
 def test_quadplane_takes_off_transitions_and_lands_in_hover() -> None:
     harness = ArdupilotHarness("vtol")
     assert harness.set_mode("GUIDED") == RESULT.ACCEPTED
@@ -71,6 +73,7 @@ def test_quadplane_takes_off_transitions_and_lands_in_hover() -> None:
     assert hypot(north, east) < 5
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("vehicle_type", ["rover", "boat"])
 def test_surface_vehicle_repositions_and_returns(vehicle_type: str) -> None:
     harness = ArdupilotHarness(vehicle_type)
@@ -83,6 +86,7 @@ def test_surface_vehicle_repositions_and_returns(vehicle_type: str) -> None:
     harness.run_until(lambda: hypot(*position(harness)[:2]) < 4, timeout=40)
 
 
+@pytest.mark.flight
 def test_sub_dives_and_surfaces() -> None:
     harness = ArdupilotHarness("sub")
     harness.accepted(CMD.COMPONENT_ARM_DISARM, 1)
@@ -96,6 +100,7 @@ def test_sub_dives_and_surfaces() -> None:
     harness.run_until(lambda: position(harness)[2] < 1, timeout=30)
 
 
+@pytest.mark.flight
 def test_smart_rtl_retraces_the_path() -> None:
     harness = ArdupilotHarness("copter")
     harness.take_off()
@@ -109,6 +114,7 @@ def test_smart_rtl_retraces_the_path() -> None:
     assert hypot(*position(harness)[:2]) < 3
 
 
+@pytest.mark.flight
 def test_guided_mission_item() -> None:
     harness = ArdupilotHarness("copter")
     harness.take_off()

@@ -53,6 +53,7 @@ def face(flight: AutopilotHarness, yaw: float) -> None:
 # Positions
 
 
+@pytest.mark.flight
 def test_a_local_position_counts_from_the_origin() -> None:
     flight = guided()
     tell(flight, LocalSetpoint(position=(12.0, -8.0, -20.0), yaw=pi / 2))
@@ -62,6 +63,7 @@ def test_a_local_position_counts_from_the_origin() -> None:
     assert flight.body.truth.yaw == pytest.approx(pi / 2, abs=0.1)
 
 
+@pytest.mark.flight
 def test_an_offset_counts_from_where_it_is_when_it_comes() -> None:
     flight = guided()
     flight.autopilot.guided.go_to((20.0, 10.0, -15.0))
@@ -72,6 +74,7 @@ def test_an_offset_counts_from_where_it_is_when_it_comes() -> None:
     assert flight.height == pytest.approx(18.0, abs=1.0)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("frame", [F.BODY_NED, F.BODY_OFFSET_NED])
 def test_forward_and_right_count_from_its_heading(frame: int) -> None:
     flight = guided()
@@ -81,6 +84,7 @@ def test_forward_and_right_count_from_its_heading(frame: int) -> None:
     assert flight.distance((-4.0, 10.0)) < 1.5
 
 
+@pytest.mark.flight
 def test_a_yaw_of_a_turned_frame_counts_from_its_heading() -> None:
     flight = guided()
     face(flight, 1.0)
@@ -95,6 +99,7 @@ def test_frames_that_the_firmware_ignores_change_nothing() -> None:
     assert flight.autopilot.guided.command is None
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     ("frame", "altitude"),
     [(F.GLOBAL, 488.0 + 22.0), (F.GLOBAL_RELATIVE_ALT, 22.0), (F.GLOBAL_TERRAIN_ALT, 22.0)],
@@ -108,6 +113,7 @@ def test_a_global_position_counts_its_altitude_as_its_frame_says(frame: int, alt
     assert flight.height == pytest.approx(22.0, abs=1.0)
 
 
+@pytest.mark.flight
 def test_a_relative_altitude_counts_from_home_wherever_that_is() -> None:
     flight = guided()
     latitude, longitude, _ = flight.body.frame.to_global(0.0, 0.0, 0.0)
@@ -117,6 +123,7 @@ def test_a_relative_altitude_counts_from_home_wherever_that_is() -> None:
     assert flight.height == pytest.approx(23.0, abs=1.0)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:
     flight = guided(kind)
@@ -127,6 +134,7 @@ def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:
         assert flight.body.truth.down == pytest.approx(4.0, abs=0.7)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("repeated", [False, True])
 def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
     flight = guided(VehicleType.PLANE, 40.0)
@@ -142,6 +150,7 @@ def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
         assert flight.height == pytest.approx(60.0, abs=6.0)
 
 
+@pytest.mark.flight
 def test_a_vtol_flies_far_on_its_wing_and_hovers_there() -> None:
     flight = guided(VehicleType.VTOL, 40.0, forward_beyond=200.0)
     flight.autopilot.guided.go_to((800.0, 0.0, -40.0))
@@ -259,6 +268,7 @@ def test_an_attitude_leans_it_and_its_thrust_lifts_it() -> None:
     assert flight.speed < 0.5
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(("thrust", "climb"), [(0.5, 0.0), (0.9, 2.0), (0.2, -1.5)])
 def test_thrust_may_mean_climbing(thrust: float, climb: float) -> None:
     flight = guided(height=30.0, thrust_is_climb=True, setpoint_timeout=1.0)
@@ -288,6 +298,7 @@ def test_setpoints_are_not_followed_in_other_modes() -> None:
     assert flight.distance() < 1.5
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL])
 def test_on_the_ground_only_a_take_off_is_followed(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind)

@@ -66,6 +66,7 @@ def test_absolute_altitudes() -> None:
     assert nearest[2] == pytest.approx(-25, abs=0.2)
 
 
+@pytest.mark.flight
 def test_returning_to_one() -> None:
     flight = MissionHarness()
     flight.upload(point(40, 0), kind=PlanType.RALLY)

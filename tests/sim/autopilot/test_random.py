@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isfinite, sqrt
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -110,6 +111,7 @@ def happen(flight: AutopilotHarness, event: Any) -> None:
             flight.fly(event)
 
 
+@pytest.mark.nightly
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     kind=st.sampled_from(list(VehicleType)),
@@ -129,6 +131,7 @@ def test_anything_may_be_asked_at_any_time(kind: VehicleType, flown: list[Any], 
             assert truth.down == 0.0
 
 
+@pytest.mark.flight
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(kind=st.sampled_from(list(VehicleType)), targets=st.lists(setpoints, min_size=1, max_size=15))
 def test_a_guided_vehicle_follows_any_setpoints(kind: VehicleType, targets: list[Any]) -> None:

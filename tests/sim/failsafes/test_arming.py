@@ -150,6 +150,7 @@ def test_refused_arming_is_reported_to_the_ground_station(ardupilot, px4) -> Non
     assert ARMING_DENIED in px4_harness.texts
 
 
+@pytest.mark.flight
 def test_ardupilot_repeats_prearm_problems_until_arming_check_disables_them() -> None:
     harness = grounded().without_telemetry().inject("compass 120").run(35)
     assert harness.texts.count("PreArm: Compass 1 not healthy") == 1

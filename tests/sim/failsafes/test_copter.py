@@ -157,6 +157,7 @@ def results() -> dict[str, VehicleHarness]:
     return run_cases(CASES, "ardupilot")
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_failsafe_action_and_status_texts(results, case) -> None:
     harness = results[case.name]
@@ -239,6 +240,7 @@ def test_only_the_ground_station_of_sysid_mygcs_is_monitored() -> None:
     assert "GCS Failsafe" not in unconnected.texts, "a ground station that never connected is not lost"
 
 
+@pytest.mark.flight
 def test_returns_home_and_disarms() -> None:
     copter = airborne(FS_THR_ENABLE=1, RTL_ALT=0, RTL_LOIT_TIME=0)
     copter.inject("radio off").run_until(lambda: not copter.armed, timeout=90)

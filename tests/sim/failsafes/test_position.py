@@ -98,6 +98,7 @@ def check(harness: VehicleHarness, case: Case) -> None:
     assert set(case.texts) <= set(harness.texts), list(harness.texts)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("case", ARDUPILOT, ids=lambda case: case.name)
 def test_ardupilot_executes_fs_ekf_action(ardupilot, case) -> None:
     harness = ardupilot[case.name]
@@ -106,6 +107,7 @@ def test_ardupilot_executes_fs_ekf_action(ardupilot, case) -> None:
     assert harness.critical == (harness.armed and case.name not in without_failsafe)
 
 
+@pytest.mark.fast_cases(8)
 @pytest.mark.parametrize("case", PX4, ids=lambda case: case.name)
 def test_px4_descends_without_a_position(px4, case) -> None:
     check(px4[case.name], case)
@@ -120,6 +122,7 @@ def test_ardupilot_acts_six_seconds_after_the_last_fix() -> None:
     assert copter.texts.time_of(GLITCH) < copter.texts.time_of(VARIANCE)
 
 
+@pytest.mark.flight
 def test_ardupilot_reports_recovery_and_keeps_the_mode() -> None:
     copter, rover = airborne(), airborne("rover")
     for harness in (copter, rover):
@@ -149,12 +152,14 @@ def test_px4_with_manual_control_enters_altitude_mode() -> None:
     assert "Failsafe activated: Autopilot disengaged, switching to Altitude mode" in copter.texts
 
 
+@pytest.mark.flight
 def test_copter_lands_and_disarms_without_a_position() -> None:
     copter = airborne().inject("gps off")
     copter.run_until(lambda: not copter.armed, timeout=90)
     assert copter.autopilot.landed
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", ["ardupilot", "px4"])
 def test_vehicle_follows_a_spoofed_gps(firmware) -> None:
     copter = airborne("copter", firmware)

@@ -160,6 +160,7 @@ def results() -> dict[str, VehicleHarness]:
     return run_cases(CASES, "px4")
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_failsafe_action_and_status_texts(results, case) -> None:
     harness = results[case.name]
@@ -247,6 +248,7 @@ def test_battery_that_was_low_at_arming_gives_a_warning_only() -> None:
     assert copter.mode == "Land"
 
 
+@pytest.mark.flight
 def test_emergency_battery_level_lands_and_disarms() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0).inject("battery 4")
     copter.run_until(lambda: not copter.armed, timeout=60)

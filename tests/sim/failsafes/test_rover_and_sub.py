@@ -111,6 +111,7 @@ def results() -> dict[str, VehicleHarness]:
     return run_cases(map(without_fs_action, CASES), "ardupilot")
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_failsafe_action_and_status_texts(results, case) -> None:
     harness = results[case.name]
@@ -135,6 +136,7 @@ def test_rover_failsafe_clears_when_radio_and_ground_station_recover() -> None:
     assert not rover.critical
 
 
+@pytest.mark.flight
 def test_sub_repeats_its_warning_every_30_s() -> None:
     sub = grounded("sub", FS_GCS_TIMEOUT=1)
     sub.without_telemetry().sends_heartbeats = False
@@ -142,12 +144,14 @@ def test_sub_repeats_its_warning_every_30_s() -> None:
     assert sub.texts.count(LOST) == 2
 
 
+@pytest.mark.flight
 def test_sub_surfaces() -> None:
     sub = airborne("sub", mode="POSHOLD", BATT_FS_LOW_ACT=3, BATT_LOW_TIMER=1).inject("battery sag 4")
     sub.run_until(lambda: sub.height > -0.5, timeout=60)
     assert sub.mode == "SURFACE"
 
 
+@pytest.mark.flight
 def test_sub_reports_a_compass_error() -> None:
     sub = airborne("sub", mode="ALT_HOLD", FS_EKF_ACTION=1).inject("compass 90").run(3)
     assert "EKF bad" in sub.texts

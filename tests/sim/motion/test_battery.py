@@ -6,6 +6,7 @@ from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.motion.flights import single_body, step_for
 
 
+@pytest.mark.flight
 def test_hover_current_voltage_and_consumption():
     world, body = single_body(VehicleType.COPTER)
     full = body.battery
@@ -35,6 +36,7 @@ def test_climbing_draws_more_than_hovering_and_stopped_almost_nothing():
     assert climbing.voltage < body.battery.voltage
 
 
+@pytest.mark.flight
 def test_empty_battery_makes_the_copter_land():
     world, body = single_body(VehicleType.COPTER)
     body.place(0, 0, -20, 0)

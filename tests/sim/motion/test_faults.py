@@ -25,6 +25,7 @@ def test_no_faults():
     assert math.dist(body.truth[:3], body.estimate[:3]) < 2.5
 
 
+@pytest.mark.flight
 def test_position_becomes_invalid_after_gps_loss():
     world, body = hovering()
     body.fail_gps(True)
@@ -46,6 +47,7 @@ def test_position_becomes_invalid_after_gps_loss():
     assert horizontal_distance(body.truth, 0, 0) < 3
 
 
+@pytest.mark.flight
 def test_spoofed_gps_moves_the_vehicle():
     world, body = hovering()
     body.spoof_gps(30, 0)
@@ -85,6 +87,7 @@ def test_battery_sag():
     assert before - body.battery.voltage == pytest.approx(2.0, abs=0.3)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("motor", [1, 2, 3, 4])
 def test_quad_with_one_failed_motor_spins_and_comes_down(motor):
     world, body = hovering(40)
@@ -130,6 +133,7 @@ def test_surface_vehicle_with_failed_motors_stays(vehicle_type):
     assert horizontal_distance(body.truth, 0, 0) < 0.1
 
 
+@pytest.mark.flight
 def test_vtol_with_failed_pusher_stays_in_hover():
     world, body = single_body(VehicleType.VTOL)
     body.place(0, 0, -60, 0)

@@ -38,6 +38,7 @@ def test_takes_off_and_climbs_at_the_demanded_rate():
     assert max(horizontal_distance(m, 0, 0) for m in motions) < 1.0
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("wind", [0.0, 8.0])
 def test_goes_to_a_point_and_holds_there(wind):
     world, body = hovering(wind=wind)
@@ -64,6 +65,7 @@ def test_joins_a_parallel_line():
     assert distance_to(motions[-1], (100, 20, -20)) < 1.5
 
 
+@pytest.mark.flight
 def test_circles_in_both_directions():
     world, bodies = several_bodies(VehicleType.COPTER, 2, wind=8.0)
     for body, radius in zip(bodies, (15, -15), strict=True):

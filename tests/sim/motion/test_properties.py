@@ -73,6 +73,7 @@ def assert_physical(body: Body, wind: float) -> None:
     assert all(math.isfinite(value) for name, value in readings._asdict().items() if name != "distance")
 
 
+@pytest.mark.flight
 @settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(PLANS, PLACES, WINDS)
 def test_random_demands_keep_the_state_physical(plan, heights, wind):
@@ -93,6 +94,7 @@ def test_random_demands_keep_the_state_physical(plan, heights, wind):
     assert np.isfinite(world.state.data).all()
 
 
+@pytest.mark.flight
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(TYPES), st.lists(DEMANDS, min_size=1, max_size=5), st.floats(5, 100))
 def test_energy_comes_from_motors_only(vehicle_type, demands, height):
@@ -111,6 +113,7 @@ def test_energy_comes_from_motors_only(vehicle_type, demands, height):
             before = now
 
 
+@pytest.mark.flight
 @given(st.integers(0, 2**32))
 @settings(max_examples=3, deadline=None)
 def test_same_seed_gives_the_same_state(seed):
@@ -131,6 +134,7 @@ def test_different_seeds_differ():
     assert all(a.estimate != b.estimate for a, b in zip(bodies, others, strict=True))
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize("added_type", TYPES)
 def test_added_body_does_not_change_the_others(added_type):
     def flight(joined: bool) -> list[Body]:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pytest
+
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.motion.flights import (
     absolute_angle,
@@ -20,6 +22,7 @@ def diving(depth: float = 10.0):
     return world, body
 
 
+@pytest.mark.flight
 def test_dives_and_holds_its_depth():
     world, body = single_body(VehicleType.SUB)
     body.go_to(0, 0, 8)
@@ -27,6 +30,7 @@ def test_dives_and_holds_its_depth():
     assert all(abs(m.down - 8) < 0.6 for m in record(world, body, 10))
 
 
+@pytest.mark.flight
 def test_goes_to_a_point_and_holds_there():
     world, body = diving()
     body.go_to(10, -5, 12)

@@ -27,6 +27,7 @@ def pair(request):
     return world, [world.add(vehicle_type, HOME) for vehicle_type in (ROVER, BOAT)]
 
 
+@pytest.mark.fast_cases(1)
 def test_go_to_a_point_and_hold_there(pair):
     world, bodies = pair
     for body in bodies:
@@ -46,6 +47,7 @@ def test_follow_a_line(pair):
         assert all(abs(m.east - 5) < 1.8 for m in motions if m.north < 58)
 
 
+@pytest.mark.fast_cases(1)
 def test_circle(pair):
     world, bodies = pair
     for body in bodies:
@@ -106,6 +108,7 @@ def test_attitude_gives_heading_and_throttle():
     assert abs(body.truth.yaw_rate - 0.7) < 0.1
 
 
+@pytest.mark.flight
 def test_wheels_do_not_slip_but_a_hull_drifts_with_the_wind():
     rovers, rover = single_body(ROVER, wind=8.0)
     boats, boat = single_body(BOAT, wind=8.0)
@@ -115,6 +118,7 @@ def test_wheels_do_not_slip_but_a_hull_drifts_with_the_wind():
     assert 0.5 < boat.truth.east < 15
 
 
+@pytest.mark.fast_cases(1)
 def test_surface_vehicles_ignore_altitude(pair):
     world, bodies = pair
     for body in bodies:

@@ -21,6 +21,7 @@ def hovering(height: float = 50.0, *, wind: float = 0.0):
     return world, body
 
 
+@pytest.mark.flight
 def test_hovers_and_goes_to_points_like_a_copter():
     world, body = hovering(wind=8.0)
     body.go_to(40, 0, -50)
@@ -30,6 +31,7 @@ def test_hovers_and_goes_to_points_like_a_copter():
     assert not body.flies_forward
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("wind", [0.0, 8.0])
 def test_transitions_both_ways_and_keeps_its_altitude(wind):
     world, body = hovering(wind=wind)
@@ -51,6 +53,7 @@ def test_transitions_both_ways_and_keeps_its_altitude(wind):
     assert horizontal_distance(motions[-1], here.north, here.east) < 4
 
 
+@pytest.mark.flight
 def test_lift_motors_stop_in_forward_flight():
     world, body = hovering()
     body.go_to(3000, 0, -50)
@@ -60,6 +63,7 @@ def test_lift_motors_stop_in_forward_flight():
     assert body.servos[2] > 1200
 
 
+@pytest.mark.flight
 def test_circles_in_forward_flight():
     world, body = hovering()
     body.go_to(400, 0, -50)

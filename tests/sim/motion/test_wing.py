@@ -25,6 +25,7 @@ def cruising(height: float = 80.0, *, wind: float = 0.0):
     return world, body
 
 
+@pytest.mark.flight
 def test_takes_off_from_the_ground():
     world, body = single_body(VehicleType.PLANE)
     body.go_to(0, 600, -60)
@@ -34,6 +35,7 @@ def test_takes_off_from_the_ground():
     assert max(abs(m.north) for m in motions) < 5
 
 
+@pytest.mark.flight
 def test_follows_a_line_with_its_slope_and_flies_on():
     world, body = cruising(wind=8.0)
     start = (body.truth.north, body.truth.east + 30, -80.0)
@@ -46,6 +48,7 @@ def test_follows_a_line_with_its_slope_and_flies_on():
     assert motions[-1].north > start[0] + 520
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("wind", [0.0, 8.0])
 def test_circles_in_both_directions(wind):
     world, bodies = several_bodies(VehicleType.PLANE, 2, wind=wind)
@@ -61,6 +64,7 @@ def test_circles_in_both_directions(wind):
         )
 
 
+@pytest.mark.flight
 def test_keeps_its_airspeed_and_bank():
     world, body = cruising(wind=8.0)
     body.circle(0, 0, -80, 60)
@@ -101,6 +105,7 @@ def test_stalls_when_held_nose_up_without_power_and_recovers():
     assert body.airspeed > 15
 
 
+@pytest.mark.flight
 def test_glides_without_its_motor():
     world, body = cruising(200)
     body.fail_motor(1, True)
@@ -114,6 +119,7 @@ def test_glides_without_its_motor():
     assert max(m.velocity_down for m in motions) < 4
 
 
+@pytest.mark.flight
 def test_lands_and_rolls_out():
     world, body = cruising(30)
     body.fly_velocity(15, 0, 1.5)
@@ -146,6 +152,7 @@ def test_stays_on_the_ground_in_wind():
     assert horizontal_distance(body.truth, 0, 0) < 1.0
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("limit", [0.0, 9.0, 100.0])
 def test_no_airspeed_limit_makes_it_stall(limit):
     world, body = cruising()

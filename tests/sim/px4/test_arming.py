@@ -22,6 +22,7 @@ def test_armed_vehicle_disarms_without_takeoff() -> None:
     assert harness.texts[-1] == "Disarmed by auto preflight disarming"
 
 
+@pytest.mark.flight
 def test_stays_armed_without_com_disarm_prflt() -> None:
     harness = Px4Harness()
     harness.vehicle.parameters.set("COM_DISARM_PRFLT", -1.0)
@@ -135,6 +136,7 @@ def test_arming_is_denied_while_calibrating() -> None:
     assert harness.command(CMD.PREFLIGHT_CALIBRATION, 1) == RESULT.TEMPORARILY_REJECTED
 
 
+@pytest.mark.flight
 def test_flight_termination_is_final() -> None:
     harness = Px4Harness()
     assert harness.command(CMD.DO_FLIGHTTERMINATION, 1) == RESULT.DENIED

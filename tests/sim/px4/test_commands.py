@@ -156,6 +156,7 @@ MISSION = [
 ]
 
 
+@pytest.mark.fast_cases(5)
 @pytest.mark.parametrize("command", sorted(ON_GROUND), ids=lambda command: CMD(command).name)
 def test_command_on_the_ground_acts(command: int) -> None:
     harness = Px4Harness()
@@ -166,6 +167,7 @@ def test_command_on_the_ground_acts(command: int) -> None:
     assert has_effect(harness)
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize("command", sorted(IN_THE_AIR), ids=lambda command: CMD(command).name)
 def test_command_in_the_air_acts(command: int) -> None:
     harness = Px4Harness().take_off()
@@ -194,6 +196,7 @@ def test_go_around() -> None:
     assert harness.mode == "Hold"
 
 
+@pytest.mark.flight
 def test_vtol_transition_and_back() -> None:
     harness = Px4Harness("vtol")
     assert harness.command(CMD.DO_VTOL_TRANSITION, common.MavVtolState.FW) == RESULT.TEMPORARILY_REJECTED
@@ -206,6 +209,7 @@ def test_vtol_transition_and_back() -> None:
     assert abs(harness.height - 50) < 10
 
 
+@pytest.mark.flight
 def test_vtol_takeoff_continues_on_the_wing() -> None:
     harness = Px4Harness("vtol")
     altitude = FIELD_ALTITUDE + 60
@@ -237,6 +241,7 @@ def test_all_other_commands_are_unsupported(vehicle_type: VehicleType) -> None:
             assert harness.command(command) == RESULT.UNSUPPORTED, command
 
 
+@pytest.mark.fast_cases(4)
 @pytest.mark.parametrize("value", [nan, float("inf"), -1.0, 1e30, 70000.0])
 @pytest.mark.parametrize("vehicle_type", ["copter", "vtol", "rover"])
 def test_invalid_numbers_raise_no_error(vehicle_type: str, value: float) -> None:

@@ -19,6 +19,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.fast_cases(12)
 @pytest.mark.parametrize("unit", sorted(UNITS.values()))
 @pytest.mark.parametrize("failure_type", sorted(set(TYPES.values()) - {TYPE.OK}))
 def test_failure_is_a_fault_until_cleared(unit: int, failure_type: int) -> None:

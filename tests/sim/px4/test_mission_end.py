@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 from mavstack.dialects import common
 from mavstack.sim.vehicle_types import VehicleType
 from tests.vehicle.test_mission_ends import there_and_back
@@ -12,6 +14,7 @@ from tests.vehicle.world import PX4, fly
 COPTER = (VehicleType.COPTER, PX4)
 
 
+@pytest.mark.flight
 def test_mission_is_finished_when_the_return_begins():
     async def scenario(world, vehicle):
         states, reached, texts = [], [], []
@@ -32,6 +35,7 @@ def test_mission_is_finished_when_the_return_begins():
     fly(COPTER, scenario)
 
 
+@pytest.mark.flight
 def test_mission_item_reached_is_repeated_ten_times():
     async def scenario(world, vehicle):
         reached = []

@@ -75,6 +75,7 @@ def test_stays_armed_after_landing_without_com_disarm_land() -> None:
     assert harness.autopilot.armed
 
 
+@pytest.mark.flight
 def test_return_is_reported_and_lands() -> None:
     harness = Px4Harness().take_off(20)
     latitude, longitude = position(harness, 60, 20)
@@ -106,6 +107,7 @@ def test_reposition_needs_hold_or_the_change_mode_flag() -> None:
     assert harness.mode == "Hold"
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("frame", [FRAME.GLOBAL, FRAME.GLOBAL_RELATIVE_ALT, FRAME.GLOBAL_INT])
 def test_reposition_altitude_is_above_mean_sea_level_in_any_frame(frame: int) -> None:
     harness = Px4Harness().take_off()
@@ -125,6 +127,7 @@ def test_reposition_without_position_keeps_the_position() -> None:
     assert harness.height == pytest.approx(25, abs=1.5)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("clockwise", [1, -1])
 def test_orbit_radius_and_direction(clockwise: int) -> None:
     harness = Px4Harness().take_off()
@@ -153,6 +156,7 @@ def test_orbit_radius_is_limited() -> None:
     assert distance(harness, 0, 0) == pytest.approx(30, abs=3)
 
 
+@pytest.mark.flight
 def test_plane_orbits_in_hold() -> None:
     harness = Px4Harness("plane").take_off(50)
     assert harness.command(CMD.DO_ORBIT, -90, 0, 0, nan, LATITUDE, LONGITUDE, 548) == RESULT.ACCEPTED
@@ -236,6 +240,7 @@ def test_mission_that_starts_with_a_landing_is_denied() -> None:
     assert harness.command(CMD.MISSION_START, 0, 0) == RESULT.DENIED
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("vehicle_type", ["plane", "vtol", "rover", "boat", "sub"])
 def test_every_type_repositions(vehicle_type: str) -> None:
     harness = Px4Harness(vehicle_type)
@@ -253,6 +258,7 @@ def test_every_type_repositions(vehicle_type: str) -> None:
         harness.run_until(lambda: abs(harness.height + 8) < 1, timeout=60)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("vehicle_type", ["copter", "plane", "sub"])
 def test_descends_without_a_position(vehicle_type: str) -> None:
     harness = Px4Harness(vehicle_type)

@@ -37,6 +37,7 @@ def test_slow_stream_is_not_enough() -> None:
     assert harness.set_mode(6) == RESULT.TEMPORARILY_REJECTED
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(
     ("action", "mode"),
     [(0, "Return"), (1, "Return"), (2, "Return"), (3, "Return"), (4, "Land"), (5, "Hold")],

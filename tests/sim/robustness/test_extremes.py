@@ -25,6 +25,7 @@ HOMES = [
 ]
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize("firmware", Firmware)
 @pytest.mark.parametrize("home", HOMES, ids=str)
 def test_flights_start_anywhere_on_earth(home, firmware):
@@ -40,6 +41,7 @@ def test_flights_start_anywhere_on_earth(home, firmware):
     assert vehicle.autopilot.home.altitude == pytest.approx(home.altitude, abs=5)
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("rate", [10, 200, 1000])
 def test_flights_at_any_rate(rate):
     simulation = Simulation(rate=rate)
@@ -50,6 +52,7 @@ def test_flights_at_any_rate(rate):
     assert vehicle.autopilot.altitude == pytest.approx(10, abs=1.5)
 
 
+@pytest.mark.flight
 def test_maximum_number_of_vehicles():
     simulation = Simulation(rate=10)
     while len(simulation.vehicles) < MAX_SYSTEMS:
@@ -108,6 +111,7 @@ ENDLESS_MISSIONS = [
 ]
 
 
+@pytest.mark.fast_cases(48)
 @pytest.mark.parametrize(("kind", "firmware"), ALL_VEHICLES)
 @pytest.mark.parametrize("number", range(len(ENDLESS_MISSIONS)))
 def test_endless_mission_does_not_block_a_tick(number, kind, firmware, monkeypatch):
@@ -152,6 +156,7 @@ def used_memory() -> int:
     return sum(statistic.size for statistic in statistics)
 
 
+@pytest.mark.flight
 def test_memory_is_bounded_under_a_flood(monkeypatch):
     """Send random messages from many sources; the memory that stays allocated is bounded."""
     monkeypatch.setattr("mavstack.node.routes.MAX_ADDRESSES", 64)
@@ -214,6 +219,7 @@ def sent_bytes(seed: int, *, watched: bool) -> dict[str, bytes]:
     return sent
 
 
+@pytest.mark.flight
 def test_reading_state_does_not_change_the_sent_bytes():
     first = sent_bytes(4, watched=False)
     assert len(first) >= len(ALL_VEHICLES)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from random import Random
 from typing import TYPE_CHECKING
 
+import pytest
+
 from mavstack.dialects import common
 from mavstack.sim.simulation import Simulation
 from mavstack.sim.vehicle_types import DEFAULT_HOME, Home
@@ -91,5 +93,6 @@ def scenario(seed: int) -> None:
     SCENARIOS[seed % len(SCENARIOS)](new_actor(seed))
 
 
+@pytest.mark.fast_cases(1)
 def test_invariants_hold_under_random_input(seeds: Seeds) -> None:
     seeds.check(scenario)

@@ -29,6 +29,7 @@ def port_count(simulation: Simulation) -> int:
     return sum(len(vehicle.ports) for vehicle in simulation.vehicles)
 
 
+@pytest.mark.flight
 def test_speed_changes_to_infinite_and_back():
     simulation = one_vehicle()
 

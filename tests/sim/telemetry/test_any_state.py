@@ -105,6 +105,7 @@ def _send_all(flight: Flight) -> set[type[Message]]:
     return types
 
 
+@pytest.mark.flight
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     body=BODIES,
@@ -123,6 +124,7 @@ def test_random_bodies(body, vehicle_and_firmware, target):
     assert len(types) >= 25
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("vehicle_type", "firmware"), VEHICLES, ids=VEHICLE_IDS)
 def test_every_state_of_a_flight(vehicle_type, firmware):
     """Boot, ready, armed, guided, without GPS, returning, landed; over a MAVLink 2 link."""

@@ -37,6 +37,7 @@ def _request(flight: Flight, message_type: type, *, number: int | None = None):
     raise AssertionError(f"no {message_type.__name__}")
 
 
+@pytest.mark.fast_cases(1)
 def test_attitude_and_rates(flying):
     message, estimate = _request(flying, common.Attitude), flying.body.estimate
     assert (message.roll, message.pitch, message.yaw) == pytest.approx(
@@ -56,6 +57,7 @@ def test_quaternion_matches_the_attitude(flying):
     assert atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)) == pytest.approx(estimate.yaw, abs=1e-4)
 
 
+@pytest.mark.fast_cases(1)
 def test_global_position(flying):
     message, estimate = _request(flying, common.GlobalPositionInt), flying.body.estimate
     north, east, down = flying.body.frame.to_local(message.lat / 1e7, message.lon / 1e7, message.alt / 1e3)
@@ -189,6 +191,7 @@ def test_before_the_first_position(firmware):
         assert _request(flight, dialect.EkfStatusReport).flags & EKF.UNINITIALIZED
 
 
+@pytest.mark.flight
 def test_gps_loss():
     flight = Flight(VehicleType.COPTER, ARDUPILOT).fly(8.0)
     good = _request(flight, common.SysStatus).onboard_control_sensors_health
@@ -206,6 +209,7 @@ def test_gps_loss():
     assert flags & EKF.ATTITUDE
 
 
+@pytest.mark.flight
 def test_px4_stops_global_position_without_gps():
     flight = Flight(VehicleType.COPTER, PX4).fly(8.0)
     flight.body.fail_gps(True)
@@ -268,6 +272,7 @@ def test_ardupilot_charge_state_follows_the_voltage(low, critical, state):
     assert _request(flight, common.BatteryStatus).charge_state == common.MavBatteryChargeState[state]
 
 
+@pytest.mark.flight
 def test_vtol_state():
     flight = Flight(VehicleType.VTOL, PX4).fly(20.0)
     state = common.MavVtolState

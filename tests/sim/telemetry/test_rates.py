@@ -21,6 +21,7 @@ SENT_BY_ARDUPILOT = {"EkfStatusReport", "RcChannels", "RawImu", "NavControllerOu
 SENT_BY_PX4 = {"EstimatorStatus", "ExtendedSysState", "HomePosition", "AttitudeQuaternion", "Altitude"}
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(("vehicle_type", "firmware"), VEHICLES, ids=VEHICLE_IDS)
 def test_every_type_sends_the_common_messages(vehicle_type, firmware):
     flight = Flight(vehicle_type, firmware)
@@ -32,6 +33,7 @@ def test_every_type_sends_the_common_messages(vehicle_type, firmware):
     assert flight.port.state.unsendable == 0
 
 
+@pytest.mark.flight
 def test_ardupilot_groups_follow_their_rate_parameters():
     rates = {
         "RAW_SENS": 1,
@@ -62,6 +64,7 @@ def test_ardupilot_groups_follow_their_rate_parameters():
                 )
 
 
+@pytest.mark.fast_cases(4)
 @pytest.mark.parametrize("vehicle_type", VehicleType)
 def test_ardupilot_default_rate_is_four_hertz(vehicle_type):
     flight = Flight(vehicle_type, ARDUPILOT)
@@ -70,6 +73,7 @@ def test_ardupilot_default_rate_is_four_hertz(vehicle_type):
     assert counts["Attitude"] == counts["RawImu"] == counts["SysStatus"] == pytest.approx(20, abs=1)
 
 
+@pytest.mark.flight
 def test_parameter_change_in_flight_changes_the_rate():
     flight = Flight(VehicleType.PLANE, ARDUPILOT, SR0_EXTRA1=4)
     flight.run(3.0)
@@ -109,6 +113,7 @@ def test_ardupilot_follows_request_data_stream():
     assert counts["AttitudeQuaternion"] == 0
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("link", LinkMode)
 @pytest.mark.parametrize("vehicle_type", [VehicleType.COPTER, VehicleType.PLANE])
 def test_px4_rates_follow_the_link_mode(vehicle_type, link):

@@ -83,12 +83,14 @@ async def check_cancelled(made: Scene, call: Call, moment: float) -> None:
     assert made.vehicle.mode == "RTL"
 
 
+@pytest.mark.fast_cases(29)
 @pytest.mark.parametrize("call", CANCELLED, ids=named)
 @pytest.mark.parametrize("moment", [0.0, 0.55, 3.3])
 def test_cancelled(call, moment):
     play(lambda made: check_cancelled(made, call, moment), latency=0.25)
 
 
+@pytest.mark.flight
 @settings(max_examples=60, deadline=None)
 @given(st.sampled_from(CANCELLED), st.floats(0.0, 12.0), st.sampled_from([0.0, 0.1, 0.4]))
 def test_cancelled_at_any_moment(call, moment, latency):

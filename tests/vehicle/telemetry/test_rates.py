@@ -22,6 +22,7 @@ def boot_time(seconds):
     return common.SystemTime(time_boot_ms=int(seconds * 1000))
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
 def test_rates_are_requested_again_after_a_reboot(kind):
     async def scenario(world, vehicle):
@@ -35,6 +36,7 @@ def test_rates_are_requested_again_after_a_reboot(kind):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
 def test_rates_are_requested_again_after_a_reboot_during_a_link_outage(kind):
     async def scenario(world, vehicle):

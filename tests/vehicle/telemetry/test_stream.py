@@ -25,6 +25,7 @@ async def sending(peer, message, interval=0.1):
         await asyncio.sleep(interval)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
 @pytest.mark.parametrize("rate", [2, 10])
 def test_the_requested_rate_is_the_received_rate(kind, rate):
@@ -42,6 +43,7 @@ def test_the_requested_rate_is_the_received_rate(kind, rate):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
 def test_a_missing_message_is_requested_for_good(kind):
     async def scenario(world, vehicle):

@@ -9,6 +9,7 @@ from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.autopilot.harness import GUIDED, HOLD, LAND, AutopilotHarness
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("behaviour", [Hold, Brake])
 def test_a_copter_brakes_and_stays_in_the_wind(behaviour: type[Hold]) -> None:
     flight = AutopilotHarness()
@@ -27,6 +28,7 @@ def test_a_copter_brakes_and_stays_in_the_wind(behaviour: type[Hold]) -> None:
     assert flight.height == pytest.approx(15.0, abs=1.5)
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize("behaviour", [Hold, Brake])
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL])
 def test_on_the_ground_it_stays_there_until_it_disarms(behaviour: type[Hold], kind: VehicleType) -> None:
@@ -41,6 +43,7 @@ def test_on_the_ground_it_stays_there_until_it_disarms(behaviour: type[Hold], ki
     assert not flight.autopilot.armed
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])
 def test_a_wing_circles_where_it_is(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind).in_the_air(50.0)
@@ -54,6 +57,7 @@ def test_a_wing_circles_where_it_is(kind: VehicleType) -> None:
         assert flight.height == pytest.approx(50.0, abs=6.0)
 
 
+@pytest.mark.flight
 def test_a_vtol_holds_as_the_transition_says() -> None:
     flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.enter(HOLD)

@@ -14,6 +14,7 @@ from tests.sim.autopilot.harness import LAND, AutopilotHarness
 LANDED = common.MavLandedState
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.VTOL])
 def test_it_sinks_slows_down_touches_down_and_disarms(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind).in_the_air(20.0)
@@ -29,6 +30,7 @@ def test_it_sinks_slows_down_touches_down_and_disarms(kind: VehicleType) -> None
     assert flight.autopilot.landed_state == LANDED.ON_GROUND
 
 
+@pytest.mark.flight
 def test_it_lands_where_it_is_told() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.fly(lambda autopilot: Land(autopilot, (25.0, -15.0, 0.0), yaw=pi / 2))
@@ -37,6 +39,7 @@ def test_it_lands_where_it_is_told() -> None:
     assert flight.body.truth.yaw == pytest.approx(pi / 2, abs=0.1)
 
 
+@pytest.mark.flight
 def test_it_stops_before_it_comes_down_from_full_speed() -> None:
     flight = AutopilotHarness().in_the_air(15.0)
     flight.fly(Hold)
@@ -48,6 +51,7 @@ def test_it_stops_before_it_comes_down_from_full_speed() -> None:
     assert flight.body.truth.north < 40
 
 
+@pytest.mark.flight
 def test_wind_does_not_carry_it_away() -> None:
     flight = AutopilotHarness()
     flight.world.set_wind(speed=6.0, direction=270.0, turbulence=0.2)
@@ -57,6 +61,7 @@ def test_wind_does_not_carry_it_away() -> None:
     assert flight.distance() < 4.0
 
 
+@pytest.mark.flight
 def test_without_a_position_it_comes_down_level() -> None:
     flight = AutopilotHarness().in_the_air(15.0)
     flight.body.fail_gps(True)
@@ -75,6 +80,7 @@ def test_landing_on_the_ground_disarms() -> None:
     assert flight.height < 0.1
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("direction", [None, 0.0, 100.0])
 def test_a_plane_approaches_glides_flares_and_rolls_out(direction: float | None) -> None:
     flight = AutopilotHarness(VehicleType.PLANE)
@@ -99,6 +105,7 @@ def test_a_plane_approaches_glides_flares_and_rolls_out(direction: float | None)
     assert flight.distance((100.0, 50.0)) < 100.0
 
 
+@pytest.mark.flight
 def test_a_plane_in_a_mission_lands_from_where_it_is() -> None:
     flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.fly(Hold)
@@ -109,6 +116,7 @@ def test_a_plane_in_a_mission_lands_from_where_it_is() -> None:
     assert flight.distance() < 150.0
 
 
+@pytest.mark.nightly
 def test_a_vtol_on_its_wing_hovers_and_lands() -> None:
     flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.fly(lambda autopilot: Hold(autopilot, forward=True))
@@ -120,6 +128,7 @@ def test_a_vtol_on_its_wing_hovers_and_lands() -> None:
     assert flight.distance() < 2.0
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT])
 def test_what_drives_stops(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind)
@@ -134,6 +143,7 @@ def test_what_drives_stops(kind: VehicleType) -> None:
     assert flight.distance() < 60
 
 
+@pytest.mark.flight
 def test_a_sub_surfaces() -> None:
     flight = AutopilotHarness(VehicleType.SUB)
     flight.arm()

@@ -33,6 +33,7 @@ def manual_control(
     return flight
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("behaviour", [Manual, Stabilize, AltitudeHold, PositionHold])
 def test_a_copter_rolls_right_and_flies_right(behaviour: type[Manual]) -> None:
     flight = manual_control(behaviour)
@@ -41,6 +42,7 @@ def test_a_copter_rolls_right_and_flies_right(behaviour: type[Manual]) -> None:
     assert flight.body.truth.velocity_east > 1.0
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("behaviour", [Manual, Stabilize, AltitudeHold, PositionHold])
 def test_a_copter_with_the_stick_pushed_flies_ahead(behaviour: type[Manual]) -> None:
     flight = manual_control(behaviour)
@@ -48,6 +50,7 @@ def test_a_copter_with_the_stick_pushed_flies_ahead(behaviour: type[Manual]) -> 
     assert flight.body.truth.velocity_north > 1.0
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("behaviour", [AltitudeHold, PositionHold])
 def test_the_throttle_climbs_and_centred_it_stays_as_high(behaviour: type[Manual]) -> None:
     flight = manual_control(behaviour)
@@ -68,6 +71,7 @@ def test_leaning_in_altitude_hold_keeps_the_altitude() -> None:
     assert flight.speed > 5
 
 
+@pytest.mark.flight
 def test_position_hold_stays_where_it_stopped() -> None:
     flight = manual_control(PositionHold)
     hold_sticks(flight, 3.0, pitch=-1.0)
@@ -78,6 +82,7 @@ def test_position_hold_stays_where_it_stopped() -> None:
     assert flight.distance(here[:2]) < 1.5
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("behaviour", [Stabilize, AltitudeHold, PositionHold, Acro])
 def test_the_yaw_stick_turns_a_copter(behaviour: type[Manual]) -> None:
     flight = manual_control(behaviour)
@@ -91,6 +96,7 @@ def test_acro_turns_at_rates() -> None:
     assert flight.body.truth.roll_rate == pytest.approx(3.0 * 0.239, abs=0.3)
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize("behaviour", ALL)
 def test_on_the_ground_with_the_throttle_closed_it_stays_and_disarms(behaviour: type[Manual]) -> None:
     flight = AutopilotHarness()
@@ -114,6 +120,7 @@ def test_the_throttle_lifts_it_off(behaviour: type[Manual]) -> None:
     assert flight.height > 1.0
 
 
+@pytest.mark.flight
 def test_lowered_to_the_ground_by_hand_it_rests() -> None:
     flight = manual_control(AltitudeHold, height=4.0)
     hold_sticks(flight, 8.0, throttle=0.0)
@@ -121,6 +128,7 @@ def test_lowered_to_the_ground_by_hand_it_rests() -> None:
     flight.run_until(lambda: not flight.autopilot.armed, timeout=12)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])
 @pytest.mark.parametrize("behaviour", [Stabilize, AltitudeHold, PositionHold])
 def test_a_wing_banks_into_a_turn(kind: VehicleType, behaviour: type[Manual]) -> None:
@@ -132,6 +140,7 @@ def test_a_wing_banks_into_a_turn(kind: VehicleType, behaviour: type[Manual]) ->
     assert 0.15 < turned(flight.body.truth.yaw - before) < 3.0
 
 
+@pytest.mark.flight
 def test_a_wing_keeps_its_course_and_altitude() -> None:
     flight = manual_control(PositionHold, VehicleType.PLANE, 60.0)
     hold_sticks(flight, 12.0)
@@ -145,6 +154,7 @@ def test_a_wing_keeps_its_course_and_altitude() -> None:
     assert flight.body.truth.velocity_down < -1.0
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("behaviour", ALL)
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT])
 def test_what_drives_goes_and_turns(kind: VehicleType, behaviour: type[Manual]) -> None:
@@ -161,6 +171,7 @@ def test_what_drives_goes_and_turns(kind: VehicleType, behaviour: type[Manual]) 
     assert hypot(motion.velocity_north, motion.velocity_east) > 0.3, "it reverses"
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("behaviour", [Manual, Stabilize, AltitudeHold, PositionHold])
 def test_a_sub_dives_and_swims(behaviour: type[Manual]) -> None:
     flight = manual_control(behaviour, VehicleType.SUB)
@@ -176,6 +187,7 @@ def test_a_sub_dives_and_swims(behaviour: type[Manual]) -> None:
         assert flight.body.truth.down == pytest.approx(depth, abs=0.5)
 
 
+@pytest.mark.fast_cases(7)
 @pytest.mark.parametrize("kind", list(VehicleType))
 @pytest.mark.parametrize("behaviour", ALL)
 def test_the_sticks_may_be_anywhere(kind: VehicleType, behaviour: type[Manual]) -> None:

@@ -21,6 +21,7 @@ def bearing(flight: AutopilotHarness, centre: tuple[float, float, float] = CENTR
     return atan2(flight.body.truth.east - centre[1], flight.body.truth.north - centre[0])
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("radius", [15.0, -15.0])
 def test_a_copter_orbits_the_way_it_is_told(radius: float) -> None:
     flight = AutopilotHarness().in_the_air(15.0)
@@ -36,6 +37,7 @@ def test_a_copter_orbits_the_way_it_is_told(radius: float) -> None:
     assert flight.speed == pytest.approx(4.0, abs=0.8)
 
 
+@pytest.mark.flight
 def test_it_can_look_along_the_circle_or_where_it_looked() -> None:
     flight = AutopilotHarness().in_the_air(15.0)
     flight.fly(
@@ -53,6 +55,7 @@ def test_it_can_look_along_the_circle_or_where_it_looked() -> None:
     assert abs(turned(flight.body.truth.yaw - yaw)) < 0.3
 
 
+@pytest.mark.flight
 def test_it_stops_after_the_turns_that_were_asked() -> None:
     flight = AutopilotHarness().in_the_air(15.0)
     orbit = Orbit(flight.autopilot, (10.0, 0.0, -15.0), 8.0, speed=4.0, turns=1.5)
@@ -62,6 +65,7 @@ def test_it_stops_after_the_turns_that_were_asked() -> None:
     assert flight.speed < 0.5
 
 
+@pytest.mark.flight
 def test_the_mode_can_circle_where_it_is() -> None:
     flight = AutopilotHarness(circle_radius=6.0, circle_speed=1.0, circles_where_it_is=True).in_the_air(10.0)
     here = flight.body.truth
@@ -70,6 +74,7 @@ def test_the_mode_can_circle_where_it_is() -> None:
     assert flight.distance((here.north, here.east, here.down)) == pytest.approx(6.0, abs=1.0)
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_the_mode_circles_a_point_one_radius_ahead(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind, circle_radius=6.0, circle_speed=1.0)
@@ -91,6 +96,7 @@ def test_the_mode_circles_a_point_one_radius_ahead(kind: VehicleType) -> None:
     assert len(seen) >= 5, "it goes round"
 
 
+@pytest.mark.flight
 def test_a_plane_circles_where_it_is() -> None:
     flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.run(15)
@@ -102,6 +108,7 @@ def test_a_plane_circles_where_it_is() -> None:
         assert flight.distance(here[:2]) == pytest.approx(60.0, abs=15.0)
 
 
+@pytest.mark.flight
 def test_a_plane_orbits_with_the_radius_of_the_command() -> None:
     flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.enter(GUIDED)
@@ -113,6 +120,7 @@ def test_a_plane_orbits_with_the_radius_of_the_command() -> None:
     assert flight.distance((300.0, 100.0)) == pytest.approx(100.0, abs=20.0)
 
 
+@pytest.mark.nightly
 def test_a_vtol_circles_hovering_or_on_its_wing() -> None:
     flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.fly(lambda autopilot: Circle(autopilot, forward=True))
@@ -124,6 +132,7 @@ def test_a_vtol_circles_hovering_or_on_its_wing() -> None:
     assert 1.0 < flight.speed < 7.0
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("throttle", "rises"), [(0.0, -1), (0.5, 0), (1.0, 1)])
 def test_in_the_mode_the_throttle_climbs_and_sinks(throttle: float, rises: int) -> None:
     flight = AutopilotHarness(circle_radius=6.0, circle_speed=1.0).in_the_air(40.0)

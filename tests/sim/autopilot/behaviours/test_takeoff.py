@@ -13,6 +13,7 @@ HOVERING = [VehicleType.COPTER, VehicleType.VTOL]
 LANDED = common.MavLandedState
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", HOVERING)
 def test_it_rises_straight_to_its_altitude_and_stays(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind, takeoff_altitude=12.0)
@@ -42,6 +43,7 @@ def test_a_take_off_in_the_air_never_sinks() -> None:
     assert flight.height == pytest.approx(20.0, abs=1.0)
 
 
+@pytest.mark.flight
 def test_a_take_off_in_the_air_counts_from_home() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.fly(lambda autopilot: Takeoff(autopilot, 20.0))
@@ -49,6 +51,7 @@ def test_a_take_off_in_the_air_counts_from_home() -> None:
     assert flight.height == pytest.approx(20.0, abs=1.0)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("wind", [0.0, 5.0])
 def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:
     flight = AutopilotHarness(VehicleType.PLANE)
@@ -65,6 +68,7 @@ def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:
     assert flight.autopilot.landed_state == LANDED.IN_AIR
 
 
+@pytest.mark.flight
 def test_a_vtol_continues_in_forward_flight() -> None:
     flight = AutopilotHarness(VehicleType.VTOL)
     flight.arm()

@@ -87,6 +87,7 @@ def breach(flight: MissionHarness, behaviour: type[Behaviour] = Away, timeout: f
 # Detection
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(
     ("items", "north"),
     [
@@ -105,6 +106,7 @@ def test_shapes(items: list[MissionItem], north: float, firmware: Firmware) -> N
     assert flight.autopilot.fence.status().breach_type == KINDS.BOUNDARY
 
 
+@pytest.mark.flight
 def test_the_radius_and_the_altitudes_of_parameters() -> None:
     flight = fenced(FENCE_RADIUS=40, FENCE_ALT_MAX=30)
     breach(flight)
@@ -117,6 +119,7 @@ def test_the_radius_and_the_altitudes_of_parameters() -> None:
     assert 29 < flight.height < 33
 
 
+@pytest.mark.flight
 def test_the_lowest_altitude_counts_in_the_air_only() -> None:
     flight = MissionHarness()
     flight.vehicle.parameters |= {"FENCE_ENABLE": 1, "FENCE_TYPE": 8, "FENCE_ALT_MIN": 10, "FENCE_ACTION": 0}
@@ -133,6 +136,7 @@ def test_the_lowest_altitude_counts_in_the_air_only() -> None:
     assert not flight.autopilot.fence.breaches
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     ("bits", "found"), [(1, Breach.NONE), (2, Breach.RADIUS), (4, Breach.SHAPES), (6, Breach(6))]
 )
@@ -167,6 +171,7 @@ def test_switching_off_ends_a_breach() -> None:
     assert flight.autopilot.fence.enabled
 
 
+@pytest.mark.flight
 def test_px4s_distances() -> None:
     flight = fenced(firmware=PX4, GF_MAX_HOR_DIST=40, GF_MAX_VER_DIST=40)
     breach(flight)
@@ -179,6 +184,7 @@ def test_px4s_distances() -> None:
 # Actions
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize(
     ("action", "mode"), [(0, OTHER), (1, RETURN), (2, LAND), (3, RETURN), (4, LAND), (5, LAND)]
 )
@@ -198,6 +204,7 @@ def test_ardupilots_rover(action: int, mode: int) -> None:
     assert flight.autopilot.mode.number == mode
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("action", "mode"), [(0, OTHER), (1, RETURN), (2, OTHER), (6, GUIDED), (8, RETURN)])
 def test_ardupilots_plane(action: int, mode: int) -> None:
     flight = fenced(*square(300), kind=VehicleType.PLANE, height=60, FENCE_ACTION=action)
@@ -206,6 +213,7 @@ def test_ardupilots_plane(action: int, mode: int) -> None:
     assert flight.autopilot.mode.number == mode
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     ("action", "mode", "armed"),
     [(1, OTHER, True), (2, HOLD, True), (3, RETURN, True), (4, OTHER, False), (5, LAND, True)],
@@ -227,6 +235,7 @@ def test_px4_without_an_action_does_not_look() -> None:
     assert not flight.autopilot.fence.breaches
 
 
+@pytest.mark.flight
 def test_it_is_told_once_and_again_when_it_is_over() -> None:
     flight = fenced(*square(30))
     breach(flight)
@@ -239,6 +248,7 @@ def test_it_is_told_once_and_again_when_it_is_over() -> None:
     assert status.breach_time > 0
 
 
+@pytest.mark.flight
 def test_going_on_outwards_is_another_breach() -> None:
     flight = fenced(*square(30), FENCE_ACTION=0)
     breach(flight)
@@ -277,6 +287,7 @@ def plane(*items: MissionItem, **parameters: float) -> MissionHarness:
     return flight
 
 
+@pytest.mark.flight
 def test_to_the_return_point() -> None:
     point = item(CMD.NAV_FENCE_RETURN_POINT, at=(50.0, 60.0, 0.0), frame=FRAME.GLOBAL)
     flight = plane(*square(300), point, FENCE_RET_ALT=70)
@@ -284,16 +295,19 @@ def test_to_the_return_point() -> None:
     flight.run_until(lambda: flight.distance((50, 60)) < 100, timeout=60)
 
 
+@pytest.mark.flight
 def test_to_the_middle() -> None:
     assert return_of(plane(*square(300, north=20), FENCE_ALT_MAX=100)) == pytest.approx((20, 0, -60), abs=1.5)
 
 
+@pytest.mark.flight
 def test_to_a_rally_point() -> None:
     flight = plane(*square(300), FENCE_RET_RALLY=1)
     flight.upload(item(CMD.NAV_RALLY_POINT, at=(100.0, 100.0, 80.0)), kind=PlanType.RALLY)
     assert return_of(flight) == pytest.approx((100, 100, -80), abs=1.5)
 
 
+@pytest.mark.flight
 def test_home_without_either() -> None:
     flight = plane(FENCE_RADIUS=300, FENCE_ALT_MAX=100)
     assert return_of(flight)[:2] == pytest.approx((0, 0), abs=2)
@@ -343,6 +357,7 @@ def test_another_fence_counts_at_once() -> None:
     assert not flight.autopilot.fence.fence.shapes
 
 
+@pytest.mark.flight
 def test_without_a_position_nothing_is_known() -> None:
     flight = fenced(*square(30))
     flight.body.fail_gps(True)

@@ -53,6 +53,7 @@ def flown(flight: MissionHarness, seconds: float) -> None:
         assert flight.server.current_message().to_payload() is not None
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize("firmware", list(Firmware))
 @pytest.mark.parametrize("kind", list(VehicleType))
 def test_any_upload_is_answered(kind: VehicleType, firmware: Firmware) -> None:
@@ -69,6 +70,7 @@ def test_any_upload_is_answered(kind: VehicleType, firmware: Firmware) -> None:
     check()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("firmware", list(Firmware))
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.PLANE, VehicleType.VTOL, VehicleType.ROVER])
 def test_what_is_accepted_can_be_flown(kind: VehicleType, firmware: Firmware) -> None:
@@ -93,6 +95,7 @@ def test_what_is_accepted_can_be_flown(kind: VehicleType, firmware: Firmware) ->
     check()
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.SUB])
 def test_even_a_store_of_anything_is_flown(kind: VehicleType) -> None:
     """As from a file that an older version wrote."""

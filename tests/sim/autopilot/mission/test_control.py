@@ -22,6 +22,7 @@ def flying(firmware: Firmware = ARDUPILOT, kind: VehicleType = VehicleType.COPTE
     return flight
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_another_current_item(firmware: Firmware) -> None:
     flight = flying(firmware)
@@ -32,6 +33,7 @@ def test_another_current_item(firmware: Firmware) -> None:
     assert flight.reached == [flight.first, flight.first + 3]
 
 
+@pytest.mark.flight
 def test_back_to_the_beginning() -> None:
     flight = flying()
     flight.set_current(0)
@@ -50,6 +52,7 @@ def test_another_current_item_before_the_mission() -> None:
     assert flight.reached == [2]
 
 
+@pytest.mark.flight
 def test_reset_counts_jumps_anew() -> None:
     flight = MissionHarness(firmware=PX4)
     flight.load(
@@ -63,6 +66,7 @@ def test_reset_counts_jumps_anew() -> None:
     assert flight.reached == [0, 1, 2, 1, 2, 1, 2, 1, 2, 4]
 
 
+@pytest.mark.flight
 def test_jumps_stay_counted_without_a_reset() -> None:
     flight = MissionHarness(firmware=PX4)
     flight.load(
@@ -75,6 +79,7 @@ def test_jumps_stay_counted_without_a_reset() -> None:
     assert flight.reached == [0, 1, 2, 1, 2, 1, 2, 4]
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_a_pause_and_going_on(firmware: Firmware) -> None:
     flight = flying(firmware)
@@ -90,6 +95,7 @@ def test_a_pause_and_going_on(firmware: Firmware) -> None:
     assert flight.distance((0, 60)) < 4
 
 
+@pytest.mark.flight
 def test_time_stands_still_in_a_pause() -> None:
     flight = MissionHarness(firmware=PX4)
     flight.load(takeoff(10), item(CMD.NAV_DELAY, 10), waypoint(20, 0, 10))
@@ -135,6 +141,7 @@ def test_ardupilot_flies_on_at_the_same_number() -> None:
     assert flight.distance((0, -40)) < 5
 
 
+@pytest.mark.flight
 def test_ardupilot_does_not_mind_the_same_mission_again() -> None:
     flight = flying()
     flight.load(takeoff(10), waypoint(60, 0, 10), waypoint(60, 60, 10), waypoint(0, 60, 10))
@@ -145,6 +152,7 @@ def test_ardupilot_does_not_mind_the_same_mission_again() -> None:
     assert flight.reached == [1, 2, 3, 4]
 
 
+@pytest.mark.flight
 def test_ardupilots_plane_flies_on_to_where_it_was_going() -> None:
     flight = MissionHarness(VehicleType.PLANE)
     flight.load(takeoff(40), waypoint(400, 0, 40), waypoint(400, 400, 40))
@@ -155,6 +163,7 @@ def test_ardupilots_plane_flies_on_to_where_it_was_going() -> None:
     assert flight.distance((400, 0)) < 80
 
 
+@pytest.mark.flight
 def test_px4_begins_the_new_mission() -> None:
     flight = flying(PX4)
     flight.load(waypoint(0, -40, 10), waypoint(0, -60, 10))
@@ -181,6 +190,7 @@ def test_px4_holds_when_its_mission_is_gone() -> None:
     assert flight.mission.state == STATE.NO_MISSION
 
 
+@pytest.mark.flight
 def test_a_shorter_mission_ends_it() -> None:
     flight = flying()
     flight.reach(4)

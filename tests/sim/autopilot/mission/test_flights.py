@@ -46,6 +46,7 @@ def plan(kind: VehicleType, corners: list[tuple[float, float]], up: float) -> li
     return items
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 @pytest.mark.parametrize("kind", list(_T))
 def test_a_square(kind: VehicleType, firmware: Firmware) -> None:
@@ -75,6 +76,7 @@ def test_a_square(kind: VehicleType, firmware: Firmware) -> None:
         assert flight.distance() < (150.0 if kind is _T.PLANE else 5.0)
 
 
+@pytest.mark.flight
 def test_a_copter_holds_its_altitude_on_its_way() -> None:
     flight = MissionHarness()
     flight.load(takeoff(20), waypoint(80, 0, 20), waypoint(80, 60, 35))
@@ -153,6 +155,7 @@ def test_a_part_of_a_mission() -> None:
 # How missions end
 
 
+@pytest.mark.flight
 def test_ardupilots_copter_stays_at_its_last_waypoint() -> None:
     flight = MissionHarness()
     flight.load(takeoff(10), waypoint(30, 0, 10))
@@ -164,6 +167,7 @@ def test_ardupilots_copter_stays_at_its_last_waypoint() -> None:
     assert flight.mission.server.current_message().mission_mode == 1
 
 
+@pytest.mark.flight
 def test_ardupilots_copter_is_disarmed_when_its_mission_ends_on_the_ground() -> None:
     flight = MissionHarness()
     flight.load(takeoff(8), item(CMD.NAV_LAND))
@@ -172,6 +176,7 @@ def test_ardupilots_copter_is_disarmed_when_its_mission_ends_on_the_ground() -> 
     assert flight.reached == [1, 2]
 
 
+@pytest.mark.flight
 def test_ardupilots_plane_returns() -> None:
     flight = MissionHarness(_T.PLANE)
     flight.load(takeoff(40), waypoint(300, 0, 40))
@@ -181,6 +186,7 @@ def test_ardupilots_plane_returns() -> None:
     assert flight.mission.state == STATE.COMPLETE
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize(("kind", "reached"), [(_T.PLANE, [1]), (_T.VTOL, [1, 2])])
 def test_ardupilots_wings_are_disarmed_where_they_landed(kind: VehicleType, reached: list[int]) -> None:
     flight = MissionHarness(kind, land_disarm_delay=3.0)
@@ -202,6 +208,7 @@ def test_a_rover_stops() -> None:
     assert flight.status_texts[-1] == "Mission Complete"
 
 
+@pytest.mark.flight
 def test_px4_stays_in_its_mission_and_disarms_after_a_landing() -> None:
     flight = MissionHarness(firmware=Firmware.PX4, land_disarm_delay=2.0, disarm_delay=60.0)
     flight.load(takeoff(8), item(CMD.NAV_LAND))
@@ -223,6 +230,7 @@ def test_px4_holds_where_its_mission_ends_in_the_air() -> None:
     assert flight.distance((20, 0)) < 4
 
 
+@pytest.mark.flight
 def test_a_complete_mission_begins_anew() -> None:
     flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(takeoff(8), waypoint(20, 0, 8), waypoint(0, 0, 8))
