@@ -172,7 +172,7 @@ class DownloadFile(_SessionProcedure[bytes]):
                     raise
                 interruptions, received = interruptions + 1, file.received
                 logger.debug("%s: interrupted at %d of %d bytes", self, received, file.total)
-                if self.path.startswith("@"):  # generated anew for each session
+                if self.path.startswith("@"):  # generated again for each session
                     self._file, received = None, 0
         if self._verify:
             yield from self._compare(data)
