@@ -46,7 +46,7 @@ DESCRIPTIONS = {
     "idle": "a peer that is silent for this long is closed; 0: never",
     "insecure": "do not verify the server's certificate (tests only)",
     "key": "file with the private key of `cert`",
-    "max_peers": "peers at the same time; others are refused",
+    "max_peers": "peers at the same time; a new one replaces the idlest that sent no valid packet",
     "origin": "the Origin header to send, or, on a server, to require",
     "pace": "bandwidth of the link in bytes/s; transfers are paced to it",
     "receive_queue": "received bytes that wait to be read; beyond it datagrams are dropped, streams wait",

@@ -4,6 +4,7 @@ import asyncio
 import socket
 import sys
 from contextlib import asynccontextmanager
+from time import time
 
 import pytest
 
@@ -93,16 +94,39 @@ def test_an_event_loop_without_socket_readers():
 
 
 async def test_each_remote_address_is_a_channel():
-    async with open_link("udpin://127.0.0.1:0", max_peers=3) as link:
-        peers = [UdpPeer(link.address) for _ in range(4)]
+    async with open_link("udpin://127.0.0.1:0") as link:
+        peers = [UdpPeer(link.address) for _ in range(3)]
         for number, peer in enumerate(peers):
             await peer.send(bytes([number]))
-        await wait_until(lambda: link.counters.dropped_in)
-        assert [channel.peer for channel in link.channels] == [f"127.0.0.1:{p.port}" for p in peers[:3]]
+        await wait_until(lambda: len(link.channels) == 3)
+        assert [channel.peer for channel in link.channels] == [f"127.0.0.1:{p.port}" for p in peers]
         for channel in link.channels:
             channel.write(channel.peer.encode())
-        for peer in peers[:3]:
+        for peer in peers:
             assert await peer.receive(1) == f"127.0.0.1:{peer.port}".encode()
+            await peer.close()
+
+
+async def test_a_full_link_closes_the_idlest_peer_for_a_new_one():
+    async with open_link("udpin://127.0.0.1:0", max_peers=2) as link:
+        peers = [UdpPeer(link.address) for _ in range(3)]
+        for peer in peers:
+            await peer.send(b"x")
+        await wait_until(lambda: link.channels and link.channels[-1].peer.endswith(f":{peers[2].port}"))
+        assert [channel.peer for channel in link.channels] == [f"127.0.0.1:{p.port}" for p in peers[1:]]
+        for peer in peers:
+            await peer.close()
+
+
+async def test_a_new_peer_replaces_no_peer_with_valid_packets():
+    async with open_link("udpin://127.0.0.1:0", max_peers=1) as link:
+        peers = [UdpPeer(link.address) for _ in range(2)]
+        await peers[0].send(b"x")
+        await wait_until(lambda: link.channels)
+        link.channels[0].last_valid = time()
+        await peers[1].send(b"x")
+        await wait_until(lambda: link.counters.dropped_in)
+        assert [channel.peer for channel in link.channels] == [f"127.0.0.1:{peers[0].port}"]
         for peer in peers:
             await peer.close()
 

@@ -113,14 +113,14 @@ async def test_text_messages_are_dropped():
         await socket.close()
 
 
-async def test_too_many_peers_are_refused():
+async def test_a_full_link_closes_the_idlest_peer_for_a_new_one():
     async with open_link("wsin://127.0.0.1:0?max_peers=1") as link:
         url = f"ws://127.0.0.1:{link.address[1]}"
         first, second = await connect(url, proxy=None), await connect(url, proxy=None)
         with pytest.raises(ConnectionClosed):
-            await second.recv()
+            await first.recv()
         assert len(link.channels) == 1
-        await first.close()
+        await second.close()
 
 
 async def test_the_client_reconnects_to_a_restarted_server():

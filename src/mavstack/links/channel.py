@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from time import time
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.errors import LinkClosedError
@@ -59,6 +60,9 @@ class Channel(ABC):
         peer: Address of the peer as text.
         counters: Counters of this channel.
         closed: True after the channel is closed by either side.
+        last_received: Unix time of the last received bytes in seconds; before any, of the opening.
+        last_valid: Unix time of the last valid packet in seconds, set by the node that reads the link; 0: none yet.
+            A full link closes peers without one first, to make room for new peers.
     """
 
     def __init__(self, name: str, peer: str, on_closed: Callable[[Channel, str], None]) -> None:
@@ -66,7 +70,14 @@ class Channel(ABC):
         self.peer = peer
         self.counters = Counters()
         self.closed = False
+        self.last_received = time()
+        self.last_valid = 0.0
         self._on_closed = on_closed
+
+    @property
+    def host(self) -> str:
+        """The host in the peer's address."""
+        return self.peer.rpartition(":")[0]
 
     def write(self, data: Data) -> bool:
         """Send a chunk, or queue it.

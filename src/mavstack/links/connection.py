@@ -1,9 +1,9 @@
 """Links with connections: each channel is read by a task of its own until the connection ends.
 
-A `ServerLink` accepts up to `max_peers` connections. A `ClientLink` has one connection and reconnects when it
-is lost: after `retry` seconds, doubling the delay each time up to `retry_limit`, without random variation. A
-connection that received bytes resets the delay; one that only opened does not, so that a peer which closes
-immediately causes no tight loop of reconnections.
+A `ServerLink` accepts up to `max_peers` connections (see `admission`). A `ClientLink` has one connection and
+reconnects when it is lost: after `retry` seconds, doubling the delay each time up to `retry_limit`, without
+random variation. A connection that received bytes resets the delay; one that only opened does not, so that a
+peer which closes immediately causes no tight loop of reconnections.
 
 If the first attempt fails, `open` raises, because the usual cause is a wrong address or a missing device.
 With `wait=yes` it keeps trying instead; with `reconnect=no` there is only one attempt.
@@ -15,9 +15,11 @@ import asyncio
 from abc import abstractmethod
 from dataclasses import dataclass
 from itertools import count
+from time import time
 from typing import TYPE_CHECKING
 
 from mavstack.errors import LinkError
+from mavstack.links.admission import Admission
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel
 from mavstack.links.os_errors import open_error
@@ -95,11 +97,12 @@ class ServerLink(ConnectionLink):
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._max_peers = options.integer("max_peers", 64)
+        self._admission = Admission(options.integer("max_peers", 64))
 
     def _admit(self, connection: ConnectionChannel) -> bool:
         """Add a new connection as a channel, unless there are too many peers or the receive queue is full."""
-        if self._closed or len(self.channels) >= self._max_peers or self._inbox.full:
+        is_full = self._closed or self._inbox.full
+        if is_full or not self._admission.admit(connection.host, self.channels, time()):
             connection.close("too many peers")
             connection.abort()
             return False

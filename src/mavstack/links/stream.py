@@ -46,7 +46,8 @@ class StreamChannel(ConnectionChannel):
         try:
             while data := await self._reader.read(MAX_READ):
                 if not self.closed:
-                    inbox.put(self, data, time())
+                    self.last_received = now = time()
+                    inbox.put(self, data, now)
                     await inbox.wait_for_room()
         except OSError as error:
             return error.strerror or str(error)

@@ -1,9 +1,9 @@
 """UDP links: `udpin://host:port` listens, `udpout://host:port` sends to one peer.
 
-With udpin each remote address is a channel, up to `max_peers`; a channel that is silent for `idle` seconds is
-closed. A multicast group as the host is joined. With udpout there is one channel, open from the start: it
-receives datagrams from any port of the peer, and from any sender if the peer is a broadcast or multicast
-address.
+With udpin each remote address is a channel, up to `max_peers` (see `admission`); a channel that is silent for
+`idle` seconds is closed. A multicast group as the host is joined. With udpout there is one channel, open from
+the start: it receives datagrams from any port of the peer, and from any sender if the peer is a broadcast or
+multicast address.
 
 Datagrams are read in batches per wake-up of the event loop. Each becomes one event and is passed on before
 the next is read, because more arrive meanwhile; if the receive queue is full, new datagrams are dropped and
@@ -25,6 +25,7 @@ from time import time
 from typing import TYPE_CHECKING
 
 from mavstack.links.address import Address, format_address, resolve
+from mavstack.links.admission import Admission
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Data
 from mavstack.links.os_errors import open_error
@@ -49,7 +50,6 @@ class UdpChannel(Channel):
     ) -> None:
         super().__init__(name, format_address(address), on_closed)
         self.address = address
-        self.last_received = time()
         self._link = link
 
     def _send(self, data: Data) -> bool:
@@ -156,7 +156,7 @@ class UdpListener(UdpLink):
 
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
-        self._max_peers = options.integer("max_peers", 256)
+        self._admission = Admission(options.integer("max_peers", 256))
         self._idle = options.seconds("idle", 60.0)
         self._peers: dict[Address, UdpChannel] = {}
 
@@ -183,13 +183,14 @@ class UdpListener(UdpLink):
         sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group_address.packed + bytes(4))
 
     def _datagram(self, data: bytes, address: Address, now: float) -> None:
-        channel = self._peers.get(address) or self._admit(address)
+        channel = self._peers.get(address) or self._admit(address, now)
         if channel is not None:
             channel.last_received = now
             self._inbox.deliver(channel, data, now)
 
-    def _admit(self, address: Address) -> UdpChannel | None:
-        if len(self._peers) >= self._max_peers or self._inbox.full or self._closed:
+    def _admit(self, address: Address, now: float) -> UdpChannel | None:
+        host = format_address(address).rpartition(":")[0]
+        if self._inbox.full or self._closed or not self._admission.admit(host, self._peers.values(), now):
             self._inbox.drop()
             return None
         channel = UdpChannel(f"udpin {format_address(address)}", address, self._inbox.remove_channel, self)

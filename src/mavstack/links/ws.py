@@ -64,7 +64,8 @@ class WsChannel(QueuedChannel):
                 if isinstance(message, str):
                     inbox.drop(self.counters)
                 elif not self.closed:
-                    inbox.put(self, message, time())
+                    self.last_received = now = time()
+                    inbox.put(self, message, now)
                     await inbox.wait_for_room()
         except ConnectionClosed as error:
             return f"connection lost ({error})"

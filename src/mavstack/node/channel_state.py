@@ -113,6 +113,10 @@ class ChannelState:
             packets += [packet for packet in self._other[1].feed(data, time) if packet.raw not in accepted]
         return packets
 
+    def proves_validity(self, packets: list[Packet]) -> bool:
+        """Return whether received packets prove a valid peer: with signing, only signed ones do."""
+        return self._signing is None or any(packet.signed for packet in packets)
+
     def _log_refusals(self, now: float) -> None:
         """Log newly refused packets, at most once per `REFUSAL_LOG_INTERVAL`."""
         total = self._signing.refusals.total if self._signing is not None else 0

@@ -197,7 +197,10 @@ class Driver:
 
     def _receive(self, event: BytesReceived) -> None:
         state = self.channels[event.channel]
-        for packet in self.engine.receive(state, event.data, self._epoch + self._time()):
+        packets = self.engine.receive(state, event.data, self._epoch + self._time())
+        if packets and state.proves_validity(packets):
+            event.channel.last_valid = event.time
+        for packet in packets:
             self._on_packet(packet)
 
     def _handle(self, link: Link, event: LinkEvent) -> None:
