@@ -61,7 +61,7 @@ class Channel(ABC):
         counters: Counters of this channel.
         closed: True after the channel is closed by either side.
         last_received: Unix time of the last received bytes in seconds; before any, of the opening.
-        last_valid: Unix time of the last valid packet in seconds, set by the node that reads the link; 0: none.
+        last_valid: Unix time of the last valid packet in seconds, set by the node of the link; 0: none yet.
             A full link closes peers without one first, to make room for new peers.
     """
 
