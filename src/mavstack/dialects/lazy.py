@@ -9,13 +9,34 @@ from mavstack.dialects.dialect import Dialect
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
 
 def module_attributes(module: str, name: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Return `__getattr__` and `__dir__` of the module of an official dialect."""
+    return _module_attributes(module, lambda: Dialect.load(name))
 
+
+def file_module_attributes(
+    module: str, path: Path
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """Return `__getattr__` and `__dir__` of the module of a user's dialect.
+
+    Args:
+        module: Name of the module.
+        path: The definition file.
+    """
+    return _module_attributes(module, lambda: Dialect.from_xml(path))
+
+
+def _module_attributes(
+    module: str, load: Callable[[], Dialect]
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     def get(attribute: str) -> object:
-        dialect = Dialect.load(name)
+        if attribute.startswith("__") and attribute != "__all__":
+            # The import system asks for some; they must not load the dialect.
+            raise AttributeError(f"module {module!r} has no attribute {attribute!r}", name=attribute)
+        dialect = load()
         value = _attribute(dialect, attribute)
         if value is None:
             raise AttributeError(
@@ -25,7 +46,7 @@ def module_attributes(module: str, name: str) -> tuple[Callable[[str], object], 
         return value
 
     def names() -> list[str]:
-        return sorted([*_class_names(Dialect.load(name)), "core_dialect", "dialect"])
+        return sorted([*_class_names(load()), "core_dialect", "dialect"])
 
     return get, names
 

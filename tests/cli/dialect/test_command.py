@@ -158,3 +158,17 @@ def test_import(mav, definition, tmp_path):
     assert mav("dialect", "diff", definition, target).out == "no differences\n"
     assert mav("dialect", "import", target, "-o", target).code == 2
     assert mav("dialect", "import", definition).code == 2
+
+
+def test_stubs(mav, definition: Path, tmp_path: Path):
+    folder = tmp_path / "package"
+    assert mav("dialect", "stubs", str(definition), "-o", str(folder), "--check").code == 1
+    assert not folder.exists()
+    result = mav("dialect", "stubs", str(definition), "-o", str(folder))
+    assert result.code == 0
+    assert result.out.splitlines() == [str(folder / name) for name in ("mine.py", "mine.pyi", "mine.xml")]
+    assert "class MyMessage(_Message):" in (folder / "mine.pyi").read_text("utf-8")
+    assert mav("dialect", "stubs", str(definition), "-o", str(folder), "--check").code == 0
+    (folder / "mine.pyi").write_text("old")
+    outdated = mav("dialect", "stubs", str(definition), "-o", str(folder), "--check")
+    assert (outdated.code, "out of date" in outdated.err, "mine.pyi" in outdated.err) == (1, True, True)

@@ -1,4 +1,4 @@
-"""`mav dialect`: list, show, check, compare and import message definitions."""
+"""`mav dialect`: list, show, check, compare and import message definitions, and generate modules of them."""
 
 from __future__ import annotations
 
@@ -22,6 +22,8 @@ examples:
   mav dialect check mine.xml                        # errors and warnings with line numbers
   mav dialect diff common mine.xml                  # differences, and which break the wire format
   mav dialect import official.xml -o mine.xml       # the facts of a definition, without its prose
+  mav dialect stubs mine.xml -o src/mypackage       # a module with types for editors: import mypackage.mine
+  mav dialect stubs mine.xml -o src/mypackage --check   # for the build: fail if the module is out of date
 """
 
 
@@ -57,6 +59,18 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="FILE.xml",
         required=True,
         help="file to write; descriptions that it already has are kept",
+    )
+    stubs = add("stubs", "write a Python module and its types for a definition file", _stubs)
+    stubs.add_argument("file", metavar="FILE.xml", help="definition file")
+    stubs.add_argument(
+        "-o",
+        "--output",
+        metavar="DIR",
+        required=True,
+        help="folder of the module, its stub and a copy of the definition file",
+    )
+    stubs.add_argument(
+        "--check", action="store_true", help="write nothing; exit with 1 if a file is out of date"
     )
 
 
@@ -138,6 +152,19 @@ def _import(arguments: Namespace) -> int:
         raise UsageError(f"{target} is the input file; name another output file with -o")
     definition = import_file(arguments.file, arguments.output)
     echo(f"{target}: {len(definition.messages)} messages, {len(definition.enums)} enums")
+    return 0
+
+
+def _stubs(arguments: Namespace) -> int:
+    from mavstack.dialects.file_modules import outdated_files, write_dialect_module
+
+    if arguments.check:
+        outdated = outdated_files(arguments.file, arguments.output)
+        for file in outdated:
+            echo(f"mav dialect: out of date: {file}", error=True)
+        return 1 if outdated else 0
+    for file in write_dialect_module(arguments.file, arguments.output):
+        echo(str(file))
     return 0
 
 
