@@ -63,7 +63,8 @@ WITHOUT_VEHICLE = [
     "param diff hostile.param other.param",
     "dialect list", "dialect show hostile.xml", "dialect show hostile.xml BAD_MESSAGE",
     "dialect show hostile.xml NOSUCH", "dialect check hostile.xml", "dialect diff common hostile.xml --prose",
-    "dialect import hostile.xml -o facts.xml", "dialect stubs hostile.xml -o stubs", "doctor", "sim --for 1 --speed max --out udpout://127.0.0.1:9",
+    "dialect import hostile.xml -o facts.xml", "dialect stubs hostile.xml -o stubs",
+    "doctor", "sim --for 1 --speed max --out udpout://127.0.0.1:9",
     "demo --for 1 --once", "completion bash",
 ]  # fmt: skip
 
