@@ -43,6 +43,8 @@ if TYPE_CHECKING:
             """Return the class of an enum."""
 
 
+#: The endings of format specifications that ask for a number.
+_NUMBER_FORMATS = frozenset("bcdeEfFgGnoxX%")
 #: Number of combinations of flags cached per bitmask.
 MAX_CACHED_COMBINATIONS = 256
 
@@ -52,7 +54,13 @@ EnumReader: TypeAlias = "tuple[dict[int, int], Callable[[int], int] | None]"
 
 
 class MavEnum(IntEnum):
-    """Base of the enum classes."""
+    """Base of the enum classes. A member is an integer, and its text is its name."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __format__(self, spec: str) -> str:
+        return int.__format__(self, spec) if spec and spec[-1] in _NUMBER_FORMATS else format(str(self), spec)
 
     @classmethod
     def definition(cls) -> EnumDefinition:
