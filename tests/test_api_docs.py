@@ -18,10 +18,19 @@ from mavstack.node.params import Params
 from mavstack.node.plans import Plans
 from mavstack.node.shell import Shell
 from mavstack.services import DEFAULT_WAIT_TIMEOUT
-from mavstack.vehicle import Connection, Group, GuidedSession, MessageStream, Mission, Vehicle, VehiclePlan
+from mavstack.vehicle import (
+    Connection,
+    Group,
+    GuidedSession,
+    MessageStream,
+    Mission,
+    ValueStream,
+    Vehicle,
+    VehiclePlan,
+)
 
 PARTS = (Params, ExtendedParams, Ftp, Logs, Modes, Plans, Shell, Mission, VehiclePlan, GuidedSession)
-CLASSES = (Node, Connection, RemoteComponent, Vehicle, Group, MessageStream, *PARTS)
+CLASSES = (Node, Connection, RemoteComponent, Vehicle, Group, MessageStream, ValueStream, *PARTS)
 #: Coroutines that raise no error of Mavstack.
 RAISES_NOTHING = {
     "Node.close": "closing succeeds in every state of the links",

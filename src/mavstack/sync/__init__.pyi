@@ -64,7 +64,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -72,6 +72,7 @@ AnyService = TypeVar('AnyService', bound='Service')
 ControlValue = TypeVar('ControlValue')
 Item = TypeVar('Item')
 Result = TypeVar('Result')
+Value = TypeVar('Value')
 
 class Subscription(Generic[Item]):
     """An iterator over received items; it ends after `close`, or when the node closes.
@@ -1264,6 +1265,37 @@ class MessageStream(Generic[AnyMessage]):
     def __del__(self) -> None:
         ...
 
+class ValueStream(Generic[Value]):
+    """An iterator of a telemetry value; made by `Vehicle.stream_position` and the like.
+
+    It returns a value whenever the vehicle reports one. `async with` ends the stream with the block, and so
+    does dropping the last reference to it. A slow reader gets the latest value.
+    """
+
+    @property
+    def latest(self) -> Value | None:
+        """The last value that the vehicle reported; None before the first one."""
+
+    def close(self) -> None:
+        """Unsubscribe, and release the requested rate. Idempotent."""
+
+    def __iter__(self) -> Self:
+        ...
+
+    def __next__(self) -> Value:
+        """Return the next value.
+
+        Raises:
+            CommandDenied: The vehicle refused to send the messages that hold the value.
+            StopAsyncIteration: The stream or its connection was closed.
+        """
+
+    def __enter__(self) -> Self:
+        ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        ...
+
 class GuidedSession:
     """A block during which a vehicle follows setpoints; made by `Vehicle.guided`.
 
@@ -1699,6 +1731,169 @@ class Vehicle:
     @property
     def status_texts(self) -> list[values.StatusText]:
         """The last status texts of the vehicle's system, oldest first (STATUSTEXT)."""
+
+    def wait_for_telemetry(self, *names: str, timeout: float | None=...) -> None:
+        """Wait until values were received, and request the messages that hold them.
+
+        Args:
+            names: The names of properties, such as "position" and "battery"; none: position, battery, gps
+                and home.
+            timeout: Seconds to wait; None waits for ever.
+
+        Raises:
+            InvalidArgumentError: There is no stream of that name.
+            MessageTimeout: A value was not received in time; the text names it.
+            CommandDenied: The vehicle refused to send a value.
+            RemoteCancelled: The connection was closed.
+        """
+
+    def stream_position(self, rate: float | None=None) -> ValueStream[values.Position]:
+        """Stream the global position, in degrees and metres (GLOBAL_POSITION_INT).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_local_position(self, rate: float | None=None) -> ValueStream[values.LocalPosition]:
+        """Stream the position in the local frame, in metres (LOCAL_POSITION_NED or ODOMETRY).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_velocity(self, rate: float | None=None) -> ValueStream[values.Velocity]:
+        """Stream the velocity over ground, in m/s (LOCAL_POSITION_NED or GLOBAL_POSITION_INT).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_attitude(self, rate: float | None=None) -> ValueStream[values.Attitude]:
+        """Stream the attitude, in degrees and degrees per second (ATTITUDE or ATTITUDE_QUATERNION).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_vfr_hud(self, rate: float | None=None) -> ValueStream[values.VfrHud]:
+        """Stream airspeed, ground speed and climb rate in m/s, and throttle in percent (VFR_HUD).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_home(self, rate: float | None=None) -> ValueStream[values.HomePosition]:
+        """Stream the home position, in degrees and metres above mean sea level (HOME_POSITION).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_wind(self, rate: float | None=None) -> ValueStream[values.Wind]:
+        """Stream the estimated wind, in m/s (WIND_COV or WIND).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_odometry(self, rate: float | None=None) -> ValueStream[values.Odometry]:
+        """Stream the odometry estimate, in metres, m/s and degrees per second (ODOMETRY).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_gps(self, rate: float | None=None) -> ValueStream[values.Gps]:
+        """Stream the satellite navigation state, in degrees, metres and m/s (GPS_RAW_INT).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_imu(self, rate: float | None=None) -> ValueStream[values.Imu]:
+        """Stream the inertial sensors, in m/s², degrees per second and gauss (HIGHRES_IMU or SCALED_IMU).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_rc(self, rate: float | None=None) -> ValueStream[values.Rc]:
+        """Stream the radio control input, in microseconds per channel (RC_CHANNELS).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_battery(self, rate: float | None=None) -> ValueStream[values.Battery]:
+        """Stream the first battery, in volts, amperes and percent (BATTERY_STATUS or SYS_STATUS).
+
+        Args:
+            rate: Hertz; None: as the vehicle sends it, or a default rate.
+
+        Returns:
+            The stream.
+        """
+
+    def stream_armed(self) -> ValueStream[bool]:
+        """Stream whether the motors may run; the present state first (HEARTBEAT).
+
+        Returns:
+            The stream.
+        """
+
+    def stream_mode(self) -> ValueStream[str]:
+        """Stream the name of the flight mode; the present one first (HEARTBEAT or CURRENT_MODE).
+
+        Returns:
+            The stream.
+        """
+
+    def stream_in_air(self) -> ValueStream[bool]:
+        """Stream whether the vehicle flies; the present state first (EXTENDED_SYS_STATE or HEARTBEAT).
+
+        Returns:
+            The stream.
+        """
+
+    def stream_landed_state(self) -> ValueStream[common.MavLandedState | int]:
+        """Stream the changes of the MAV_LANDED_STATE; the present state first (EXTENDED_SYS_STATE).
+
+        Returns:
+            The stream.
+        """
     connection: Node
     component: RemoteComponent
 

@@ -18,6 +18,7 @@ CLASSES = {
     "RemoteComponent": "node.component",
     "Node": "node.node",
     "MessageStream": "vehicle.telemetry.stream",
+    "ValueStream": "vehicle.telemetry.value_stream",
     "GuidedSession": "vehicle.guided_session",
     "VehiclePlan": "vehicle.mission",
     "Mission": "vehicle.mission",
@@ -32,6 +33,7 @@ MIXINS = {
     "Messaging": "node.messaging",
     "Serving": "node.serving",
     "TelemetryProperties": "vehicle.telemetry.properties",
+    "TelemetryStreams": "vehicle.telemetry.value_streams",
     "FlightActions": "vehicle.flight",
     "VehicleState": "vehicle.vehicle_state",
 }

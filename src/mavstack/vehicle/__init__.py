@@ -22,7 +22,7 @@ from mavstack.vehicle.group import Group, Results
 from mavstack.vehicle.guided_session import GuidedSession
 from mavstack.vehicle.health import Health, Problem
 from mavstack.vehicle.mission import Mission, VehiclePlan
-from mavstack.vehicle.telemetry import MessageStream
+from mavstack.vehicle.telemetry import MessageStream, ValueStream
 from mavstack.vehicle.vehicle import Vehicle
 from mavstack.vehicle.vehicle_type import VehicleType
 
@@ -46,6 +46,7 @@ __all__ = [
     "SecondAutopilotFound",
     "SystemIdConflict",
     "SystemIdConflictEnded",
+    "ValueStream",
     "Vehicle",
     "VehicleEvent",
     "VehicleFound",

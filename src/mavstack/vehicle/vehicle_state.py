@@ -12,7 +12,7 @@ from mavstack.errors import CommandDenied, MessageTimeout
 from mavstack.node.read_only import ReadOnly
 from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.status_text_capture import with_status_texts
-from mavstack.vehicle.telemetry import Telemetry, TelemetryProperties
+from mavstack.vehicle.telemetry import Telemetry, TelemetryStreams
 from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 POSITION_TIMEOUT = 10.0
 
 
-class VehicleState(TelemetryProperties, ReadOnly):
+class VehicleState(TelemetryStreams, ReadOnly):
     """The identity, telemetry and health of one vehicle."""
 
     _constructed = frozenset({"connection", "component", "telemetry"})

@@ -184,6 +184,12 @@ VEHICLE = [
         silent=MessageTimeout,
     ),
     rate(
+        "Vehicle.wait_for_telemetry",
+        lambda s: s.vehicle.wait_for_telemetry("attitude"),
+        4,
+        silent=MessageTimeout,
+    ),
+    rate(
         "Vehicle.set_message_rate",
         lambda s: s.vehicle.set_message_rate(common.Attitude, 5.0),
         5,

@@ -4,6 +4,8 @@ from mavstack.vehicle.telemetry.properties import TelemetryProperties
 from mavstack.vehicle.telemetry.rates import Rates
 from mavstack.vehicle.telemetry.stream import MessageStream
 from mavstack.vehicle.telemetry.telemetry import Telemetry
+from mavstack.vehicle.telemetry.value_stream import ValueStream
+from mavstack.vehicle.telemetry.value_streams import TelemetryStreams
 from mavstack.vehicle.telemetry.values import (
     Attitude,
     Battery,
@@ -35,6 +37,8 @@ __all__ = [
     "StatusText",
     "Telemetry",
     "TelemetryProperties",
+    "TelemetryStreams",
+    "ValueStream",
     "Velocity",
     "VfrHud",
     "Wind",
