@@ -14,6 +14,7 @@ import asyncio
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from mavstack.errors import CommandDenied, MessageTimeout, RemoteCancelled
+from mavstack.node.read_only import ReadOnly
 from mavstack.vehicle.telemetry.periodic import is_periodic
 from mavstack.vehicle.telemetry.stream import MessageStream
 
@@ -32,7 +33,7 @@ _ARRIVES = 5.0
 _QUEUE = 100
 
 
-class ValueStream(Generic[Value]):
+class ValueStream(ReadOnly, Generic[Value]):
     """An async iterator of a telemetry value; made by `Vehicle.stream_position` and the like.
 
     It returns a value whenever the vehicle reports one. `async with` ends the stream with the block, and so
