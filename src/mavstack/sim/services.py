@@ -44,7 +44,7 @@ class Services:
         local, profile = vehicle.address, vehicle.profile
         self.engine = engine = Engine(local, dialect)
         autopilot = vehicle.firmware.mav_autopilot
-        self.beacon = engine.add(HeartbeatSender(local, vehicle.vehicle_type.mav_type, autopilot))
+        self.beacon = engine.add(HeartbeatSender(local, profile.mav_type(vehicle), autopilot))
         self.discovery = engine.add(Discovery(local))
         self.commands = engine.add(CommandServer(local))
         self.messages = engine.add(MessageServer(local, self.commands))

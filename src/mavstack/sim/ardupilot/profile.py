@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 _ALTITUDE_ONLY = 3
 _WITH_YAW_CONTROL = frozenset({VehicleType.COPTER, VehicleType.SUB})
+#: The MAV_TYPE of a quadplane; 0 for that of a plane.
+_QUADPLANE_TYPE = "Q_MAV_TYPE"
 _WITH_RETURN_PATH = frozenset({VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT})
 
 
@@ -52,6 +54,12 @@ class ArdupilotProfile(FirmwareProfile):
         """Return the flight parameters of a vehicle."""
         return flight_parameters_of(vehicle)
 
+    def mav_type(self, vehicle: Vehicle) -> int:
+        """Return the MAV_TYPE in HEARTBEAT: a quadplane is a FIXED_WING unless Q_MAV_TYPE names another type."""
+        if self.vehicle_type is not VehicleType.VTOL:
+            return super().mav_type(vehicle)
+        return int(vehicle.parameters.get(_QUADPLANE_TYPE, 0)) or common.MavType.FIXED_WING
+
     # At boot
 
     def register(self, vehicle: Vehicle) -> None:
@@ -69,6 +77,8 @@ class ArdupilotProfile(FirmwareProfile):
         ArdupilotFailsafes(autopilot, self.mode_failure)
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
+        if _QUADPLANE_TYPE in vehicle.parameters:
+            vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: self._type_changed(vehicle))
 
     def provide(self, vehicle: Vehicle) -> None:
         """Publish streams and versions."""
@@ -78,6 +88,10 @@ class ArdupilotProfile(FirmwareProfile):
     def booted(self, vehicle: Vehicle) -> None:
         """Send the first status text; `BootTexts` sends the others."""
         vehicle.send_statustext("Initialising ArduPilot", common.MavSeverity.INFO)
+
+    def _type_changed(self, vehicle: Vehicle) -> None:
+        """Send HEARTBEAT with the new MAV_TYPE."""
+        vehicle.services.beacon.type = self.mav_type(vehicle)
 
     # Arming
 

@@ -149,6 +149,10 @@ class FirmwareProfile(ABC):
     def flight_parameters(self, vehicle: Vehicle) -> FlightParameters:
         """Return the flight parameters of a vehicle."""
 
+    def mav_type(self, vehicle: Vehicle) -> int:
+        """Return the MAV_TYPE in HEARTBEAT."""
+        return vehicle.vehicle_type.mav_type
+
     @abstractmethod
     def arming_problems(self, autopilot: Autopilot) -> Iterator[str]:
         """Yield the firmware's texts of why the vehicle cannot be armed now."""
