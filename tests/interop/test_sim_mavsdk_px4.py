@@ -1,4 +1,4 @@
-"""MAVSDK with simulated PX4: shell, failure injection, reboot and termination."""
+"""MAVSDK with simulated PX4: streams, shell, failure injection, reboot and termination."""
 
 from __future__ import annotations
 
@@ -30,6 +30,13 @@ async def test_a_shell() -> None:
             while expected not in output.replace("_", "").lower() and expected not in output:
                 output += (await received.get())["data"]
         await flight.wait_for_telemetry("armed", True)
+
+
+async def test_sensor_and_time_messages_arrive_without_a_request() -> None:
+    async with simulated_flight("copter", "px4") as flight:
+        await flight.wait_for_telemetry("imu", lambda imu: imu["acceleration_frd"]["down_m_s2"] < -9)
+        await flight.wait_for_telemetry("odometry", lambda odometry: odometry["time_usec"] > 0)
+        await flight.wait_for_telemetry("unix_epoch_time", lambda time: time > 1.5e15)
 
 
 async def test_failures() -> None:

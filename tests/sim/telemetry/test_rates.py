@@ -8,7 +8,7 @@ from mavstack.dialects import ardupilotmega as dialect
 from mavstack.dialects import common
 from mavstack.sim.telemetry import LinkMode, set_link_mode
 from mavstack.sim.telemetry.ardupilot import GROUPS, TYPES_SENDING
-from mavstack.sim.telemetry.px4 import RATES
+from mavstack.sim.telemetry.px4 import RATES, link_rates
 from mavstack.sim.vehicle_types import Firmware, VehicleType
 from tests.sim.telemetry.flight import VEHICLE_IDS, VEHICLES, Flight
 
@@ -127,14 +127,29 @@ def test_px4_rates_follow_the_link_mode(vehicle_type, link):
     copter = vehicle_type is VehicleType.COPTER
     missing |= {common.WindCov} if copter else {common.EscInfo, common.EscStatus}
     for row in RATES:
-        expected = 0.0 if row[0] in missing else row[1 + tuple(LinkMode).index(link)]
+        expected = 0.0 if row[0] in missing else link_rates(flight.vehicle, link)[row[0]]
         expected = min(expected, 50.0) * _SECONDS
         assert counts[row[0].__name__] == pytest.approx(expected, abs=max(1.0, 0.02 * expected)), row[0]
+
+
+def test_px4_shared_link_carries_what_mavsdk_and_a_ground_station_need():
+    flight = Flight(VehicleType.COPTER, PX4)
+    flight.run(3.0)
+    counts = flight.rates(5.0)
+    assert counts["HighresImu"] == counts["Odometry"] == pytest.approx(50, abs=1)
+    assert counts["SystemTime"] == pytest.approx(5, abs=1)
+    ground = link_rates(flight.vehicle, LinkMode.GROUND)
+    onboard = {common.HighresImu, common.Odometry, common.SystemTime}
+    assert {message for message, rate in link_rates(flight.vehicle, LinkMode.SHARED).items() if rate} == {
+        message for message, rate in ground.items() if rate
+    } | onboard
 
 
 def test_px4_total_rates_match_sitl():
     flight = Flight(VehicleType.COPTER, PX4)
     flight.run(3.0)
+    set_link_mode(flight.vehicle, LinkMode.GROUND)
+    flight.run(1.0)
     assert flight.rates(10.0).total() / 10.0 == pytest.approx(372.8, rel=0.01)
     set_link_mode(flight.vehicle, LinkMode.ONBOARD)
     flight.run(1.0)
@@ -198,4 +213,4 @@ def test_px4_parameter_sets_the_link_mode_of_the_next_boot():
     flight.vehicle.parameters.set("MAV_0_MODE", 0)
     flight.vehicle.reboot()
     flight.run(3.0)
-    assert flight.rates(2.0)["HighresImu"] == 0
+    assert flight.rates(2.0)["HighresImu"] == pytest.approx(20, abs=1)

@@ -55,7 +55,7 @@ class ArdupilotProfile(FirmwareProfile):
         return flight_parameters_of(vehicle)
 
     def mav_type(self, vehicle: Vehicle) -> int:
-        """Return the MAV_TYPE in HEARTBEAT: a quadplane is a FIXED_WING unless Q_MAV_TYPE names another type."""
+        """Return the MAV_TYPE in HEARTBEAT; a quadplane is FIXED_WING unless Q_MAV_TYPE is set."""
         if self.vehicle_type is not VehicleType.VTOL:
             return super().mav_type(vehicle)
         return int(vehicle.parameters.get(_QUADPLANE_TYPE, 0)) or common.MavType.FIXED_WING

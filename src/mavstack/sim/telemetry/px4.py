@@ -7,6 +7,10 @@ ORBIT_EXECUTION_STATUS). These include HEARTBEAT and CURRENT_MODE, which other m
 that are not simulated: messages in development (GNSS_INTEGRITY, ESTIMATOR_SENSOR_FUSION_STATUS), and the
 event sequence.
 
+A real PX4 has a link for each kind of client. A simulated vehicle has the same streams on all links, so by
+default (`SHARED`) it sends what the ground station's link carries, and in addition HIGHRES_IMU, ODOMETRY and
+SYSTEM_TIME of the onboard link, which MAVSDK programs wait for.
+
 The shortest interval is one step: at 50 steps/s, ATTITUDE is sent at 50 Hz on the onboard link.
 REQUEST_DATA_STREAM is ignored, as PX4 does not implement it.
 """
@@ -28,8 +32,13 @@ if TYPE_CHECKING:
 
 
 class LinkMode(StrEnum):
-    """A MAVLink mode of PX4; `GROUND` is the link that its simulation starts for a ground station."""
+    """A MAVLink mode of PX4.
 
+    `GROUND` is the link that PX4's simulation starts for a ground station; `SHARED`, the default, adds the
+    sensor and time messages of the onboard link.
+    """
+
+    SHARED = "shared"
     GROUND = "ground"
     NORMAL = "normal"
     ONBOARD = "onboard"
@@ -75,11 +84,19 @@ RATES: tuple[tuple[MessageType, float, float, float, float], ...] = (
     (common.Vibration, 0.1, 0.1, 0.5, 0.0),
     (common.WindCov, 0.5, 0.5, 10.0, 0.0),
 )
+#: Messages of the onboard link that a shared link carries too, and their rates in hertz.
+SHARED_RATES: dict[MessageType, float] = {
+    common.HighresImu: 10.0,
+    common.Odometry: 10.0,
+    common.SystemTime: 1.0,
+}
+#: The modes in the order of their columns in `RATES`.
+_COLUMNS = (LinkMode.GROUND, LinkMode.NORMAL, LinkMode.ONBOARD, LinkMode.MINIMAL)
 #: Types that estimate the wind even without drag fusion.
 _ESTIMATES_WIND = frozenset({VehicleType.PLANE, VehicleType.VTOL})
 _DRAG_FUSION = "EKF2_DRAG_CTRL"
 #: Values of MAV_0_MODE.
-_MODES = {0: LinkMode.GROUND, 2: LinkMode.ONBOARD, 7: LinkMode.MINIMAL}
+_MODES = {0: LinkMode.SHARED, 2: LinkMode.ONBOARD, 7: LinkMode.MINIMAL}
 _MODE = "MAV_0_MODE"
 
 
@@ -91,7 +108,7 @@ def publish_px4(vehicle: Vehicle, link: LinkMode | str | None = None) -> None:
         link: The MAVLink mode; None to read it from the parameter MAV_0_MODE.
     """
     if link is None:
-        link = _MODES.get(int(vehicle.parameters.get(_MODE, 0)), LinkMode.GROUND)
+        link = _MODES.get(int(vehicle.parameters.get(_MODE, 0)), LinkMode.SHARED)
     vehicle.messages.data_streams = {}
     publish_all(vehicle, px4_producers(Producers(vehicle)), link_rates(vehicle, LinkMode(link)))
 
@@ -103,8 +120,11 @@ def set_link_mode(vehicle: Vehicle, link: LinkMode | str) -> None:
 
 def link_rates(vehicle: Vehicle, link: LinkMode) -> dict[MessageType, float]:
     """Return the rates (hertz) of a MAVLink mode."""
-    column = tuple(LinkMode).index(link)
+    shared = link is LinkMode.SHARED
+    column = _COLUMNS.index(LinkMode.GROUND if shared else link)
     rates = {message_type: each[column] for message_type, *each in RATES}
+    if shared:
+        rates |= SHARED_RATES
     wind = vehicle.vehicle_type in _ESTIMATES_WIND or vehicle.parameters.get(_DRAG_FUSION, 0) == 1
     return rates if wind else {**rates, common.WindCov: 0.0}
 

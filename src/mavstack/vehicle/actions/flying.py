@@ -22,6 +22,7 @@ from mavstack.services.arguments import check_number, check_numbers
 from mavstack.vehicle.action_monitor import STALL_TIMEOUT, ActionGoal, ActionMonitor
 from mavstack.vehicle.actions.conditions import LandingDetector, SustainedCondition
 from mavstack.vehicle.actions.limits import check_takeoff, check_target
+from mavstack.vehicle.actions.quadplane import detect_quadplane
 from mavstack.vehicle.deadline import deadline
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.geography import Location, distance, offset_location
@@ -77,6 +78,7 @@ async def takeoff(
 ) -> None:
     """Take off to an altitude in metres above home."""
     check_takeoff(altitude, override_limits=override_limits)
+    await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     tolerance = max(1.0, altitude / 20)
 
@@ -102,6 +104,7 @@ async def takeoff(
 
 async def land(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
     """Land, and wait until the motors stand still."""
+    await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     plane = vehicle.vehicle_type is VehicleType.PLANE
     goal = ActionGoal(
@@ -115,6 +118,7 @@ async def land(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> N
 
 async def rtl(vehicle: VehicleState, *, wait: bool, timeout: float | None) -> None:
     """Return to home, and land there if the vehicle does that; it need not report where home is."""
+    await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     landing = LandingDetector(vehicle)
     stays = not vehicle.vehicle_type.flies or vehicle.vehicle_type is VehicleType.PLANE
@@ -183,6 +187,7 @@ async def goto(
     """Go to a location and stay there."""
     check_numbers(yaw=yaw, radius=radius)
     check_target(vehicle, location, override_limits=override_limits)
+    await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     wing_radius = WING_ARRIVAL_RADIUS if radius is None else radius * CIRCLE_MARGIN
 
@@ -228,6 +233,7 @@ async def orbit(
         raise InvalidArgumentError(
             f"orbit radius must be finite and not 0 (negative: counter-clockwise), got {radius}"
         )
+    await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
     tolerance = max(ORBIT_TOLERANCE, abs(radius) / 4)
 
@@ -255,6 +261,7 @@ async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: fl
     """Turn to a heading in degrees."""
     check_number("heading", heading)
     heading %= 360.0
+    await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
 
     def remaining() -> float | None:
@@ -274,6 +281,7 @@ async def turn(vehicle: VehicleState, heading: float, *, wait: bool, timeout: fl
 async def hold(vehicle: VehicleState, *, timeout: float | None) -> None:
     """Stay at the present position."""
     async with deadline(timeout, "holding the position of", vehicle.address):
+        await detect_quadplane(vehicle)
         await with_status_texts(vehicle, firmware_of(vehicle).hold())
 
 

@@ -1,0 +1,36 @@
+"""A quadplane of ArduPilot, which calls itself a plane: the first action detects it by its VTOL state."""
+
+from __future__ import annotations
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import CommandDenied
+from mavstack.sim.vehicle_types import VehicleType as SimulatedType
+from mavstack.vehicle import VehicleType
+from tests.vehicle.world import ARDUPILOT, fly
+
+
+def airborne(simulated) -> None:
+    simulated.profile.take_off(simulated.autopilot, 40.0)
+
+
+def test_first_action_lands_a_quadplane_where_it_is() -> None:
+    async def flight(world, vehicle):
+        assert vehicle.mav_type == common.MavType.FIXED_WING
+        airborne(world.simulated)
+        await vehicle.land(wait=False)
+        assert vehicle.vehicle_type is VehicleType.VTOL
+        assert world.simulated.autopilot.mode.name == "QLAND"
+
+    fly((SimulatedType.VTOL, ARDUPILOT), flight)
+
+
+def test_first_action_lands_a_plane_by_its_mission() -> None:
+    async def flight(world, vehicle):
+        airborne(world.simulated)
+        with pytest.raises(CommandDenied, match="DO_LAND_START"):
+            await vehicle.land(wait=False)
+        assert vehicle.vehicle_type is VehicleType.PLANE
+
+    fly((SimulatedType.PLANE, ARDUPILOT), flight)
