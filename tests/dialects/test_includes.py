@@ -3,6 +3,7 @@
 import pytest
 
 from mavstack.dialects import Dialect, common
+from mavstack.dialects.checks import check_file
 from mavstack.dialects.includes import collect, included_first
 from mavstack.errors import DialectError
 
@@ -162,6 +163,29 @@ def test_a_field_may_not_refer_to_an_undefined_enum(write):
     error = fails(write("a", messages=field))
     assert "M.a refers to the undefined enum NOWHERE" in error.problem
     assert error.line == 5
+
+
+@pytest.mark.parametrize("place", ["top", "sibling"])
+def test_an_enum_must_be_visible_in_the_file_of_its_field(write, place):
+    """The check used to accept such files, and creating the class raised KeyError."""
+    field = '<message id="1" name="M"><field type="uint8_t" name="a" enum="E"/></message>'
+    base = write("base", messages=field)
+    write("sibling", enums=enum(("A", 1)) if place == "sibling" else "")
+    top = write("top", "sibling.xml", "base.xml", enums=enum(("A", 1)) if place == "top" else "")
+    error = fails(top)
+    assert (error.path, error.problem) == (
+        str(base),
+        "M.a refers to the enum E of a file that is not included here",
+    )
+    (problem,) = check_file(str(top))
+    assert (problem.severity, problem.path) == ("error", str(base))
+
+
+def test_the_check_loads_each_class(write, monkeypatch):
+    top = write("top", messages=message("M", 1))
+    monkeypatch.setattr(Dialect, "_make_class", lambda self, number: 1 / 0)
+    (problem,) = check_file(str(top))
+    assert str(problem) == f"{top}: error: it cannot be loaded: ZeroDivisionError: division by zero"
 
 
 def test_includes_in_different_orders_give_classes(write):

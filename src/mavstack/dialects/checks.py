@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from mavstack.dialects.dialect import Dialect
 from mavstack.dialects.includes import collect, included_first, merge_enums
 from mavstack.dialects.names import class_name
 from mavstack.dialects.xml_reader import Element, read_bytes, read_tree
@@ -83,9 +84,28 @@ def check_file(path: str) -> list[Problem]:
         tree = read_tree(read_bytes(path), path)
     except DialectError as error:
         return [Problem("error", error.problem, error.path or path, error.line)]
+    problem = _load_problem(path)
+    if problem is not None:
+        return [problem]
     enums = merge_enums([item.definition for item in included_first(source)])
     warnings = [*_unknown(tree), *_messages(source.definition), *_enums(source.definition, enums)]
     return [Problem("warning", text, path, line or None) for line, text in sorted(warnings)]
+
+
+def _load_problem(path: str) -> Problem | None:
+    """Return the problem that prevents any class of a dialect from being created; None if there is none."""
+    try:
+        dialect = Dialect.from_xml(path)
+        for message in dialect:
+            message().to_dict()
+        for enum in dialect.enums.values():
+            enum.definition()
+        _ = dialect.core_dialect
+    except DialectError as error:
+        return Problem("error", error.problem, error.path or path, error.line)
+    except Exception as error:  # noqa: BLE001 (a check reports each failure)
+        return Problem("error", f"it cannot be loaded: {type(error).__name__}: {error}", path)
+    return None
 
 
 def _unknown(element: Element) -> Iterator[tuple[int, str]]:

@@ -104,7 +104,11 @@ def collect(path: str) -> Source:
         DialectError: A file is missing, malformed or contradicts another.
     """
     source = _Collector().file(path)
-    check_definitions([item.definition for item in included_first(source)])
+    sources = included_first(source)
+    check_definitions([item.definition for item in sources])
+    for item in sources:
+        if not item.official:
+            _check_enums(item)
     return source
 
 
@@ -138,6 +142,20 @@ def check_definitions(definitions: Iterable[DialectDefinition]) -> None:
                 if item.enum and item.enum not in enums:
                     problem = f"{message.name}.{item.name} refers to the undefined enum {item.enum}"
                     raise DialectError(problem, definition.path or definition.name, item.line or None)
+
+
+def _check_enums(source: Source) -> None:
+    """Raise `DialectError` if a field refers to an enum that neither its file nor an included one defines.
+
+    The classes of a file are created without the files that include it.
+    """
+    known = {enum.name for item in included_first(source) for enum in item.definition.enums}
+    for message in source.definition.messages:
+        for item in message.fields:
+            if item.enum and item.enum not in known:
+                field = f"{message.name}.{item.name}"
+                problem = f"{field} refers to the enum {item.enum} of a file that is not included here"
+                raise DialectError(problem, source.definition.path, item.line or None)
 
 
 def _check_messages(definitions: Iterable[DialectDefinition]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from struct import pack
 
 import pytest
@@ -192,6 +193,8 @@ def test_a_value_that_was_set_is_reported_to_all() -> None:
         ("LIMITED", pack("<f", 1.0), 77, ERROR.TYPE_UNSUPPORTED),
         ("GAIN", pack("<f", float("nan")), KIND.REAL32, ERROR.VALUE_OUT_OF_RANGE),
         ("GAIN", pack("<f", float("inf")), KIND.REAL32, ERROR.VALUE_OUT_OF_RANGE),
+        ("FREE", pack("<f", float("nan")), KIND.REAL32, ERROR.VALUE_OUT_OF_RANGE),
+        ("FREE", pack("<f", float("-inf")), KIND.REAL32, ERROR.VALUE_OUT_OF_RANGE),
         ("GUARDED", pack("<i", 1), KIND.INT32, ERROR.PERMISSION_DENIED),
     ],
 )
@@ -202,6 +205,7 @@ def test_what_cannot_be_set_is_refused_and_stays(name, data, kind, error) -> Non
     wire.server.add("FIXED", 5, read_only=True)
     wire.server.add("GAIN", 0.5, minimum=0.0, maximum=1.0)
     wire.server.add("GUARDED", 5)
+    wire.server.add("FREE", 0.5)
     before = wire.server.table.parameters()
     wire.set(name, data, kind)
     sent = wire.sent()
@@ -210,6 +214,13 @@ def test_what_cannot_be_set_is_refused_and_stays(name, data, kind, error) -> Non
     assert names(sent[1:]) == ([] if name == "NONE" else [name])
     assert wire.server.table.parameters() == before
     assert wire.server.events() == []
+
+
+def test_a_parameter_whose_default_is_nan_can_be_set_to_nan() -> None:
+    wire = Wire()
+    wire.server.add("UNSET", 1.5, default=float("nan"))
+    wire.set("UNSET", pack("<f", float("nan")), KIND.REAL32)
+    assert isnan(wire.server["UNSET"])
 
 
 def test_an_unknown_index_is_reported_with_its_number() -> None:

@@ -7,14 +7,14 @@ they notice the change by the count.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isnan
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
 from mavstack.services.parameters.packed import MAX_PARAMETERS, write
-from mavstack.services.parameters.value import Parameter, Value, as_type, fitted, name_field
+from mavstack.services.parameters.value import Parameter, Value, as_type, fitted, name_field, same
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,12 +47,18 @@ class ParameterDefinition:
         return common.MavParamType.REAL32 if self.type is None else self.type
 
     def refusal(self, value: Value) -> common.MavParamError | None:
-        """Return the reason why a client may not set a value, or None."""
+        """Return the reason why a client may not set a value, or None.
+
+        NaN and infinities are refused, as by ArduPilot, unless the default is such a value.
+        """
         if self.read_only:
             return common.MavParamError.READ_ONLY
         held = fitted(value, self.kind)
-        if held is None or (isnan(held) and (self.minimum is not None or self.maximum is not None)):
+        if held is None:
             return common.MavParamError.VALUE_OUT_OF_RANGE
+        if not isfinite(held):
+            is_default = self.default is not None and same(held, self.default)
+            return None if is_default else common.MavParamError.VALUE_OUT_OF_RANGE
         low = self.minimum is not None and held < self.minimum
         high = self.maximum is not None and held > self.maximum
         return common.MavParamError.VALUE_OUT_OF_RANGE if low or high else None
