@@ -61,6 +61,16 @@ def test_one_text_line_per_packet_in_a_pipe(mav, tlog):
     assert "1/1 ATTITUDE time_boot_ms=0 ms roll=28.6°" in lines[2]
 
 
+@pytest.mark.parametrize("time", [2**64 - 1, 2**63, 253_402_300_800_000_000, 253_402_300_799_999_999])
+def test_times_beyond_the_calendar(mav, tmp_path, time):
+    path = tmp_path / "far.tlog"
+    path.write_bytes(b"".join(time.to_bytes(8, "big") + packet for packet in flight(0)))
+    result = mav("watch", path)
+    assert (result.code, result.err) == (0, "")
+    assert result.out.startswith("--:--:--.---")
+    assert mav("watch", path, "--once").code == 0
+
+
 def test_raw_packets_have_no_times(mav, tmp_path):
     path = tmp_path / "packets.raw"
     path.write_bytes(b"junk" + b"".join(flight()))

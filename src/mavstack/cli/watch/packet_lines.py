@@ -10,6 +10,8 @@ from mavstack.cli.common.field_values import field_texts, raw_hex
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
+_NO_CLOCK = "--:--:--.---"
+
 
 def json_line(packet: Packet, time: float | None) -> str:
     """Return a packet as one JSON object without secrets; `time` is Unix time in seconds."""
@@ -24,9 +26,17 @@ def json_line(packet: Packet, time: float | None) -> str:
     return f'{head}"{packet.name}", "fields": {message.to_json()}}}'
 
 
+def _clock(time: float | None) -> str:
+    """Return the local time of day; dashes if a time is not known or beyond the calendar."""
+    try:
+        return f"{datetime.fromtimestamp(time).astimezone():%H:%M:%S.%f}"[:-3] if time else _NO_CLOCK
+    except (ValueError, OverflowError, OSError):  # a damaged or forged recording
+        return _NO_CLOCK
+
+
 def text_line(packet: Packet, time: float | None) -> str:
     """Return a packet as text without secrets; `time` is Unix time in seconds."""
-    clock = f"{datetime.fromtimestamp(time).astimezone():%H:%M:%S.%f}"[:-3] if time else "--:--:--.---"
+    clock = _clock(time)
     source = f"{packet.system}/{packet.component}"
     message = packet.message
     if message is None:

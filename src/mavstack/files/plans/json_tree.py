@@ -12,6 +12,10 @@ from mavstack.files.plans.parsing import shown
 if TYPE_CHECKING:
     from typing import Self
 
+#: Bounds on the objects and arrays, and on all values, of a document: a value in memory takes up to a hundred
+#: times its text. Plans of the maximum size, with home and all items, have less than 450,000 and 2,900,000.
+MAX_CONTAINERS: Final = 750_000
+MAX_VALUES: Final = 3_000_000
 _WORDS: Final = {"nan": nan, "inf": inf, "-inf": -inf}
 
 
@@ -28,6 +32,9 @@ class JsonValue:
     @classmethod
     def parse(cls, text: str, name: str = "") -> Self:
         """Return the root of a document."""
+        containers = text.count("{") + text.count("[")
+        if containers > MAX_CONTAINERS or containers + text.count(",") > MAX_VALUES:
+            raise PlanFileError("its JSON holds more values than any plan has", name)
         try:
             return cls(json.loads(text), name)
         except RecursionError:

@@ -7,6 +7,7 @@ plan are bounded, so that no file exhausts memory.
 from __future__ import annotations
 
 import re
+import reprlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 
 #: The largest plan that can be uploaded takes less than half of this in the longest format.
 MAX_BYTES: Final = 64 * 1024 * 1024
+#: Lines with any text, and characters in one of them: four plans of the maximum size, with comments.
+MAX_LINES: Final = 300_000
+MAX_LINE_LENGTH: Final = 1_000_000
+_NOT_EMPTY: Final = re.compile(r"[^\n]+")
 _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,18}(\.0*)?", re.ASCII)
 _FLOAT: Final = re.compile(
     r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,5})?|[+-]?(nan|inf|infinity)",
@@ -80,9 +85,20 @@ class Report:
 
 
 def lines_of(text: str, name: str = "") -> Iterator[Line]:
-    """Yield the lines with content: words separated by blanks, tabs or commas, without comments (`#`)."""
-    for number, content in enumerate(text.split("\n"), 1):
-        words = content.partition("#")[0].replace(",", " ").split()
+    """Yield the lines with content: words separated by blanks, tabs or commas, without comments (`#`).
+
+    Raises:
+        PlanFileError: There are more lines than any plan has, or a line is too long.
+    """
+    number, end = 1, 0
+    for count, found in enumerate(_NOT_EMPTY.finditer(text), 1):
+        number += text.count("\n", end, found.start())
+        end = found.end()
+        if count > MAX_LINES:
+            raise PlanFileError(f"it has more than {MAX_LINES} lines", name)
+        if end - found.start() > MAX_LINE_LENGTH:
+            raise PlanFileError(f"it is longer than {MAX_LINE_LENGTH} characters", name, f"line {number}")
+        words = found[0].partition("#")[0].replace(",", " ").split()
         if words:
             yield Line(number, words, name)
 
@@ -110,6 +126,8 @@ def bounded(items: list[MissionItem], name: str, *, beside: int = 0) -> list[Mis
 
 def shown(text: object) -> str:
     """Return a value from a file for an error: short, and without terminal control characters."""
+    if isinstance(text, list | dict):  # its text may be long
+        text = reprlib.repr(text)
     return ascii(text) if len(str(text)) <= 40 else ascii(str(text)[:40]) + "…"
 
 
