@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections import Counter, defaultdict
 
 import pytest
@@ -11,6 +12,12 @@ from tests.seeds import REPORT, Seeds, blocks_of
 
 settings.register_profile("mavstack", deadline=None)
 settings.load_profile("mavstack")
+
+
+def pytest_configure() -> None:
+    """Handle SIGINT, also in a background job of a shell, whose programs would inherit that it is ignored."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -6,16 +6,34 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import pytest
 
 from tests.cli.conftest import flight, stamped
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 MAV = [sys.executable, "-m", "mavstack"]
+#: Seconds after which a command has started, also on a busy machine.
+START_TIME = 4.0
 
 
 def run(*words: object) -> subprocess.CompletedProcess:
     return subprocess.run([*MAV, *map(str, words)], capture_output=True, text=True, timeout=60, check=False)
+
+
+@contextmanager
+def running(words, **options) -> Iterator[subprocess.Popen]:
+    """Start a command, and kill it if the test ends before it."""
+    process = subprocess.Popen([*MAV, *words], **options)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
 
 
 def test_exit_codes():
@@ -31,12 +49,12 @@ def test_exit_codes():
     "words", [["watch", "udpin://127.0.0.1:0", "--json"], ["demo", "--out", "udpout://127.0.0.1:9"]]
 )
 def test_ctrl_c_ends_the_command(words):
-    process = subprocess.Popen([*MAV, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        process.communicate(timeout=1.0)
-    except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=20)
+    with running(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            process.communicate(timeout=START_TIME)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=20)
     assert (process.returncode, out, err) == (130, "", "")
 
 
@@ -64,23 +82,23 @@ def test_live_display_restores_the_terminal(ending):
     terminal, side = pty.openpty()
     words = ["demo", "--for", "1.2"] if ending is None else ["demo"]
     environment = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "100", "LINES": "30"}
-    process = subprocess.Popen([*MAV, *words], stdin=side, stdout=side, stderr=side, env=environment)
-    os.close(side)
     seen = b""
     sent = ending is None
-    while True:
-        try:
-            data = os.read(terminal, 65536)
-        except OSError:  # the other side is closed
-            break
-        if not data:
-            break
-        seen += data
-        if not sent and b"quadrotor" in seen:
-            sent = True
-            process.send_signal(ending)
-    os.close(terminal)
-    assert process.wait(20) == {None: 0, signal.SIGINT: 130, signal.SIGTERM: 143}[ending]
+    with running(words, stdin=side, stdout=side, stderr=side, env=environment) as process:
+        os.close(side)
+        while True:
+            try:
+                data = os.read(terminal, 65536)
+            except OSError:  # the other side is closed
+                break
+            if not data:
+                break
+            seen += data
+            if not sent and b"quadrotor" in seen:
+                sent = True
+                process.send_signal(ending)
+        os.close(terminal)
+        assert process.wait(20) == {None: 0, signal.SIGINT: 130, signal.SIGTERM: 143}[ending]
     assert b"\x1b[?1049h" in seen
     left = seen.rpartition(b"\x1b[?1049l")
     assert left[1], "the alternate screen was not left"
