@@ -55,6 +55,17 @@ class Pair:
     def nodes(self):
         return self.ground, self.vehicle
 
+    async def setup_signing(self, key, **options) -> None:
+        """Install a key on the vehicle over the first channel of the ground station."""
+        (name, *_) = [channel.name for channel in self.ground._host.engine.channels]
+        await self.remote.setup_signing(key, channel=name, **options)
+
+    def send_key(self, message) -> None:
+        """Send a SETUP_SIGNING of the program's own to the vehicle over the first channel."""
+        engine = self.ground._host.engine
+        engine.key_channels.name(self.vehicle.address, engine.channels[0].name)
+        self.ground.send(message)
+
     def trust(self) -> None:
         for channel in self.vehicle._host.engine.channels:
             channel.trusted = self.trusted

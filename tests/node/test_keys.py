@@ -35,7 +35,7 @@ def test_both_nodes_use_an_installed_key_also_after_reconnects(old, new) -> None
         async with Pair(old) as pair:
             await assert_both_use(pair, old)
             async with pair.vehicle.events(KeySettled) as settled:
-                await pair.remote.setup_signing(new)
+                await pair.setup_signing(new)
                 (event,) = settled.drain()
                 assert (event.key, event.changed) == (new, True)
             await assert_both_use(pair, new)
@@ -52,7 +52,7 @@ def test_a_refused_key_changes_nothing(old) -> None:
     async def work() -> None:
         async with Pair(old, trusted=False) as pair:
             with pytest.raises(RemoteDenied, match="setting a signing key on 1/1 failed"):
-                await pair.remote.setup_signing(NEW)
+                await pair.setup_signing(NEW)
             await assert_both_use(pair, old)
             await pair.reconnect()
             await assert_both_use(pair, old, seconds=0.1)
@@ -68,7 +68,7 @@ def test_a_key_of_one_channel_is_not_used_on_others() -> None:
         async with Pair() as pair, Node(pair.network.link(), system=2, component=1, autopilot=PX4) as other:
             await asyncio.sleep(1)
             pair.trust()
-            await pair.remote.setup_signing(NEW)
+            await pair.setup_signing(NEW)
             from_ground = [packet for packet in await receive_packets(other) if packet.system == 255]
             assert from_ground
             assert not any(packet.signed for packet in from_ground)
@@ -85,7 +85,7 @@ def test_a_key_installed_on_a_node_applies_to_all_its_channels() -> None:
         async with Pair() as pair, Node(pair.network.link(), system=9) as other:
             await asyncio.sleep(1)
             pair.trust()
-            await pair.remote.setup_signing(NEW)
+            await pair.setup_signing(NEW)
             async with Node(pair.network.link(), system=10) as late:
                 for node in (other, late):
                     packets = [packet for packet in await receive_packets(node) if packet.system == 1]
@@ -94,7 +94,7 @@ def test_a_key_installed_on_a_node_applies_to_all_its_channels() -> None:
                 assert {packet.system for packet in await receive_packets(pair.vehicle)} == {255}
             channels = pair.vehicle._host.engine.channels
             assert len({channel.signing.link_id for channel in channels}) == len(channels)
-            await pair.remote.setup_signing(None)
+            await pair.setup_signing(None)
             assert {packet.system for packet in await receive_packets(pair.vehicle)} == {9, 255}
 
     run_virtually(work())
@@ -107,7 +107,7 @@ def test_the_later_of_two_keys_applies() -> None:
         async with Pair() as pair:
             server = SigningSetupServer(pair.ground.address, may_set=lambda _: None)
             pair.ground.serve(server)
-            await pair.remote.setup_signing(NEW)
+            await pair.setup_signing(NEW)
             await pair.vehicle.component(*pair.ground.address).setup_signing(THIRD)
             for _ in range(2):
                 await assert_both_use(pair, THIRD)
@@ -136,7 +136,7 @@ def test_packets_with_another_key_are_refused(ground, vehicle) -> None:
     async def work() -> None:
         async with Pair(ground, vehicle_key=vehicle) as pair:
             with pytest.raises(RemoteTimeout):
-                await pair.remote.setup_signing(None, timeout=5)
+                await pair.setup_signing(None, timeout=5)
             assert await receive_packets(pair.vehicle) == []
             assert pair.server.key == OLD
 

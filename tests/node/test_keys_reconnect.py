@@ -70,7 +70,7 @@ def test_both_ends_receive_after_a_reconnect_during_a_change(old, new, stage, bo
     async def work() -> None:
         async with InterruptedPair(old, stage) as pair:
             await asyncio.sleep(1.2)
-            task = asyncio.ensure_future(pair.remote.setup_signing(new))
+            task = asyncio.ensure_future(pair.setup_signing(new))
             await asyncio.sleep(1.0)
             assert pair.is_broken
             assert pair.server.key == (new if stage is UseNewKey else old)
@@ -99,7 +99,7 @@ def test_a_failed_change_ends_on_reopened_channels_too() -> None:
     async def work() -> None:
         async with Pair() as pair:
             await asyncio.sleep(1.2)
-            pair.ground.send(setup(NEW))
+            pair.send_key(setup(NEW))
             await asyncio.sleep(0.1)
             assert pair.server.on_trial
             await pair.reconnect()
@@ -120,11 +120,11 @@ def test_another_key_on_a_reopened_channel_ends_the_first_change_alone() -> None
     async def work() -> None:
         async with Pair() as pair:
             await asyncio.sleep(1.2)
-            pair.ground.send(setup(NEW, 1))
+            pair.send_key(setup(NEW, 1))
             await asyncio.sleep(0.1)
             await pair.reconnect()
             await asyncio.sleep(0.1)
-            pair.ground.send(setup(THIRD, 2))
+            pair.send_key(setup(THIRD, 2))
             await asyncio.sleep(0.1)
             assert pair.server.on_trial
             pair.ground._host.engine.channels[0].signing = THIRD.signing()
@@ -153,7 +153,7 @@ def test_a_channel_that_is_closed_during_a_change_uses_the_new_key(stays_closed)
                 for address in pair.ground._host.engine.routes._routes:
                     assert len(pair.ground._host.engine.routes.heard_on(address)) == 1
             pair.interrupt = lambda: None
-            task = asyncio.ensure_future(pair.remote.setup_signing(NEW))
+            task = asyncio.ensure_future(pair.setup_signing(NEW))
             await asyncio.sleep(0.02)
             if stays_closed:
                 links[0].channels[0].close("a test")
@@ -189,7 +189,7 @@ def test_the_signing_state_of_the_change_is_kept_after_it(reconnects) -> None:
     async def work() -> None:
         async with Pair() as pair:
             await asyncio.sleep(1.2)
-            pair.ground.send(setup(NEW))
+            pair.send_key(setup(NEW))
             await asyncio.sleep(0.1)
             if reconnects:
                 await pair.reconnect()

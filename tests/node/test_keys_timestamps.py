@@ -147,7 +147,7 @@ def test_a_key_can_be_installed_on_a_node_without_a_clock(clock) -> None:
         await pair.ground.open()
         clock(1000.0)
         async with pair:
-            await pair.remote.setup_signing(NEW)
+            await pair.setup_signing(NEW)
             await assert_both_use(pair, NEW)
 
     run_virtually(work())

@@ -45,6 +45,10 @@ class ChannelState:
         self.thinned = 0
         #: Messages dropped because the channel's MAVLink version cannot carry them.
         self.unsendable = 0
+        #: True if every packet that is received is verified, except those of ids accepted unsigned.
+        self.verifies = signing is not None
+        #: Packets refused because another channel verifies their sender.
+        self.unverified = 0
         self._dialect = dialect
         self._version = version
         self._signing = signing
@@ -68,6 +72,7 @@ class ChannelState:
     @signing.setter
     def signing(self, signing: Signing | None) -> None:
         self._other = None
+        self.verifies = signing is not None
         self._sign_with(signing, Parser(self._dialect, signing=signing))
 
     @property
@@ -78,6 +83,7 @@ class ChannelState:
     def accept_also(self, signing: Signing | None) -> None:
         """Start a change of keys: accept packets of this signing state as well (None: unsigned)."""
         self._other, self._uses_new = (signing, Parser(self._dialect, signing=signing)), False
+        self.verifies = self._signing is not None and signing is not None
 
     def use_new(self, new: bool) -> None:
         """Sign with the new state, or with the old one, during a change of keys."""
@@ -89,6 +95,7 @@ class ChannelState:
     def settle(self) -> None:
         """End a change of keys: accept only packets of the state that signs now."""
         self._other = None
+        self.verifies = self._signing is not None
 
     def _sign_with(self, signing: Signing | None, parser: Parser) -> None:
         self._signing, self._parser = signing, parser

@@ -19,6 +19,7 @@ from mavstack.services.timesync import TimesyncClient
 
 if TYPE_CHECKING:
     from mavstack.node.host import NodeHost
+    from mavstack.security import SigningKey
     from mavstack.services import Address
     from mavstack.services.heartbeat import ComponentInfo
 
@@ -96,7 +97,26 @@ class ComponentClients:
     @cached_property
     def signing(self) -> SigningSetupClient:
         """The client that installs signing keys."""
-        return self.host.serve(SigningSetupClient(self.host.address, self.address))
+        engine = self.host.engine
+        return self.host.serve(
+            SigningSetupClient(
+                self.host.address,
+                self.address,
+                key_refusal=engine.key_channels.refusal,
+                arrived_elsewhere=engine.arrived_elsewhere,
+            )
+        )
+
+    async def setup_signing(self, key: SigningKey | None, channel: str | None, timeout: float | None) -> None:
+        """Install a signing key; `channel` is the name of the channel for a first key."""
+        client, key_channels = self.signing, self.host.engine.key_channels
+        if channel is not None and key is not None:
+            key_channels.name(self.address, channel)
+        try:
+            await self.host.finish(client, client.install(key, self.host.now(), timeout=timeout))
+        finally:
+            if not client.changing:
+                key_channels.release(self.address)
 
     @cached_property
     def clock(self) -> TimesyncClient:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mavstack.dialects import Message
+    from mavstack.links import Channel
     from mavstack.node.dispatch import Listener
     from mavstack.node.host import NodeHost
     from mavstack.node.subscription import Subscription
@@ -306,19 +307,25 @@ class RemoteComponent(ReadOnly):
         """The component's flight modes."""
         return Modes(self._clients)
 
-    async def setup_signing(self, key: SigningKey | None, *, timeout: float | None = None) -> None:
+    async def setup_signing(
+        self, key: SigningKey | None, *, channel: Channel | str | None = None, timeout: float | None = None
+    ) -> None:
         """Install a signing key on the component (SETUP_SIGNING), and use it once the component uses it.
 
         Args:
             key: The key; None: remove the present key.
+            channel: The channel, or its name, for a first key, which is sent in the clear: one that no other
+                program can hear. None: only channels on which the component was verified.
             timeout: Seconds for the whole call; None: until no answer was received for 40 seconds.
 
         Raises:
+            SigningError: No channel was named, and the component was not verified on those that lead to it.
+            InvalidArgumentError: There is no open channel of that name.
             RemoteDenied: The component refused the key. Both sides keep the present key.
             RemoteTimeout: The component does not answer. Both sides keep the present key.
         """
-        client = self._clients.signing
-        await self._host.finish(client, client.install(key, self._host.now(), timeout=timeout))
+        name = channel if channel is None or isinstance(channel, str) else channel.name
+        await self._clients.setup_signing(key, name, timeout)
 
     # Control
 

@@ -23,10 +23,12 @@ from itertools import count
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.dialects import common
-from mavstack.errors import EncodeError
+from mavstack.errors import EncodeError, SigningError
 from mavstack.node.channel_state import ChannelState
 from mavstack.node.duplicates import Duplicates
-from mavstack.node.key_change import apply_key_event
+from mavstack.node.key_change import apply_key_event, carries_key
+from mavstack.node.key_channels import KeyChannels
+from mavstack.node.pacing import is_radio
 from mavstack.node.routes import Routes
 from mavstack.node.service_index import ServiceIndex
 from mavstack.node.signing_states import SigningStates
@@ -41,7 +43,7 @@ from mavstack.services import (
     message_ids,
     target_of,
 )
-from mavstack.services.signing_setup import KeyEvent
+from mavstack.services.signing_setup import KeyEvent, KeySettled
 from mavstack.wire import Packet
 
 if TYPE_CHECKING:
@@ -74,6 +76,10 @@ class Engine:
         self.routes: Routes[ChannelState] = Routes()
         self.duplicates: Duplicates[ChannelState] = Duplicates()
         self.channels: list[ChannelState] = []
+        #: The channels that lead to a target, and those that a signing key may be sent over.
+        self.key_channels = KeyChannels(self.routes, self.channels)
+        #: Called with a signed packet of a verified address on a channel without a key; may give it the key.
+        self.adopt_key: Callable[[ChannelState, Packet, float], bool] = lambda channel, packet, now: False
         #: The channel of the packet that is being handled; None in between.
         self.arrived_on: ChannelState | None = None
         self._heartbeats: deque[tuple[float, int, bytes]] = deque(maxlen=MAX_HEARTBEATS)
@@ -142,6 +148,10 @@ class Engine:
         """Return the name of the channel of the packet that is being handled."""
         return self.arrived_on.name if self.arrived_on is not None else ""
 
+    def arrived_elsewhere(self, target: Address) -> bool:
+        """Return whether the handled packet came over another channel than the one named for a key."""
+        return self.key_channels.is_other(target, self.arrived_on)
+
     def is_echo(self, packet: Packet) -> bool:
         """Return whether a packet with the local address is an own heartbeat, echoed over looped links."""
         return any(own[1:] == (packet.sequence, packet.payload) for own in self._heartbeats)
@@ -178,7 +188,9 @@ class Engine:
     ) -> None:
         """Send a message of the program to a target, or to the address in its target fields."""
         outgoing = Outgoing(message, target or target_of(message))
-        for channel in self.routes.channels_to(outgoing.target, self.channels):
+        if carries_key(message) and (reason := self.key_channels.refusal(outgoing.target)):
+            raise SigningError(f"sending a signing key to {outgoing.target} failed: {reason}")
+        for channel in self.key_channels.leading_to(outgoing.target):
             self._encode(outgoing, channel, source or self.local, now)
 
     def forward(self, packet: Packet, now: float) -> None:
@@ -189,7 +201,7 @@ class Engine:
         if carries_signing_key(packet):
             return
         message = packet.message
-        for channel in self.routes.channels_to(target_of(message), self.channels):
+        for channel in self.key_channels.leading_to(target_of(message)):
             channel.pacer.sent(len(packet.raw), now, Priority.STREAM)
             self._to_send.append((channel, packet.raw))
 
@@ -236,7 +248,17 @@ class Engine:
 
     def _handle(self, packet: Packet, channel: ChannelState, now: float) -> bool:
         message_id, system = packet.message_id, packet.system
-        redundant = self.routes.learn((system, packet.component), channel, now)
+        source = system, packet.component
+        if channel.verifies:
+            verified = packet.signed
+            if not verified:
+                return self._handle_unsigned(packet, channel, now)
+        else:
+            verified = packet.signed and self.adopt_key(channel, packet, now)
+            if not verified and (channel.verifies or self.routes.is_verified(source)):
+                channel.unverified += 1
+                return False
+        redundant = self.routes.learn(source, channel, now, verified=verified)
         if redundant and self.duplicates.is_copy(packet, channel, now):
             return False
         if message_id == _RADIO_STATUS:
@@ -247,6 +269,13 @@ class Engine:
             self._deliver(packet, services, now)
             self.arrived_on = None
         return True
+
+    def _handle_unsigned(self, packet: Packet, channel: ChannelState, now: float) -> bool:
+        """Handle a packet accepted unsigned: only what a radio reports about its own link counts."""
+        if packet.message_id != _RADIO_STATUS:
+            return False
+        self._radio_status(packet, channel, now)
+        return is_radio(packet.component) and not self.routes.knows_system(packet.system)
 
     def _deliver(self, packet: Packet, services: Iterable[Service], now: float) -> None:
         """Deliver a packet to those services that it is addressed to."""
@@ -267,7 +296,7 @@ class Engine:
 
     def _radio_status(self, packet: Packet, channel: ChannelState, now: float) -> None:
         match packet.message:
-            case common.RadioStatus(txbuf=free):
+            case common.RadioStatus(txbuf=free) if is_radio(packet.component):
                 channel.pacer.radio_status(free, now)
 
     def _process_touched(self, now: float) -> None:
@@ -287,8 +316,17 @@ class Engine:
     def _collect_events(self, service: Service) -> None:
         for event in service.events():
             if isinstance(event, KeyEvent):
-                apply_key_event(event, self.routes.heard_on(event.peer), self.signing_states)
+                self._apply_key_event(event)
             self._events.append((service, event))
+
+    def _apply_key_event(self, event: KeyEvent) -> None:
+        channels = self.routes.heard_on(event.peer)
+        apply_key_event(event, channels, self.signing_states)
+        for channel in channels:
+            if not channel.verifies:
+                self.routes.unverify(channel)
+        if isinstance(event, KeySettled):
+            self.key_channels.release(event.peer)
 
     def _drain(self, service: Service, now: float) -> None:
         self._blocked.pop(service, None)
@@ -300,7 +338,7 @@ class Engine:
             self._dispatch(outgoing, service.local, now)
 
     def _has_room(self, service: Service, target: Address, priority: Priority, now: float) -> bool:
-        channels = self.routes.channels_to(target, self.channels)
+        channels = self.key_channels.leading_to(target)
         for channel in channels:
             pacer = channel.pacer
             if pacer.bandwidth is not None or (priority is Priority.BULK and pacer.bulk_rate is not None):
@@ -318,7 +356,9 @@ class Engine:
 
     def _dispatch(self, outgoing: Outgoing, source: Address, now: float) -> None:
         message, target, priority = outgoing
-        for channel in self.routes.channels_to(target, self.channels):
+        if carries_key(message) and self.key_channels.refusal(target):
+            return
+        for channel in self.key_channels.leading_to(target):
             if priority is Priority.STREAM and not channel.pacer.has_room(Priority.STREAM, now):
                 channel.thinned += 1
                 continue

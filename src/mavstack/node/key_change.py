@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
+from mavstack.dialects import common
 from mavstack.services.signing_setup import KeyEvent, KeySettled, ListenForKey, UseNewKey, UseOldKey
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from mavstack.dialects import Message
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.signing_states import SigningStates
     from mavstack.services.signing_setup import SigningRequest
@@ -31,6 +33,11 @@ def apply_key_event(event: KeyEvent, channels: Iterable[ChannelState], states: S
                 channel.use_new(False)
             case KeySettled():
                 channel.settle()
+
+
+def carries_key(message: Message) -> bool:
+    """Return whether a message carries a signing key; SETUP_SIGNING with zeros turns signing off."""
+    return isinstance(message, common.SetupSigning) and any(message.secret_key)
 
 
 class ArrivalChannel(Protocol):

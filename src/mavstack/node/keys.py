@@ -2,7 +2,8 @@
 
 A key that was set up over a channel (see `services.signing_setup`) is used again when that channel reopens,
 as after a reconnect; a key that a remote component installed on this node applies to all its channels from
-then on. A channel that opens during a change of keys takes part in it. The program stores the key for its
+then on. A channel that opens during a change of keys takes part in it. A channel without a key that receives
+a packet of a verified component, signed with its key, uses that key too. The program stores the key for its
 next run; the event `KeySettled` has it.
 
 Signing timestamps never decrease, whichever channel they are for: a new channel starts at the newest
@@ -23,6 +24,7 @@ from typing import TYPE_CHECKING
 from mavstack.node.key_change import apply_key_event
 from mavstack.security.timestamps import UNITS_PER_SECOND, time_if_set, timestamp_at
 from mavstack.services.signing_setup import KeySettled, ListenForKey, SigningSetupServer
+from mavstack.services.signing_setup.key_change import signed_with
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,9 +34,13 @@ if TYPE_CHECKING:
     from mavstack.security import SigningKey, TimestampStore
     from mavstack.services import Address, Service
     from mavstack.services.signing_setup import KeyEvent
+    from mavstack.wire import Packet
 
 #: Seconds between two stores of the signing timestamp; a crash loses at most this much.
 STORE_INTERVAL = 30.0
+#: Seconds between two checks of a packet on a channel without a key, and keys that are tried.
+ADOPTION_INTERVAL = 0.1
+MAX_ADOPTION_KEYS = 16
 
 
 @dataclass(slots=True)
@@ -60,6 +66,8 @@ class Keys:
         self._stored = 0
         self._by_channel: dict[str, SigningKey | None] = {}
         self._changes: dict[Address, _Change] = {}
+        self._next_adoption = 0.0
+        engine.adopt_key = self._adopt
         self._task: asyncio.Task[None] | None = None
 
     def on_channel_opened(self, channel: ChannelState) -> None:
@@ -101,9 +109,24 @@ class Keys:
             if not change.concerns(channel):
                 self._sign(channel, event.key)
 
+    def _adopt(self, channel: ChannelState, packet: Packet, now: float) -> bool:
+        """Use the key of other channels for a channel without one, if a packet is signed with that key."""
+        if now < self._next_adoption or self._changes:
+            return False
+        self._next_adoption = now + ADOPTION_INTERVAL
+        keys = [key for key in self._by_channel.values() if key is not None]
+        for key in keys[-MAX_ADOPTION_KEYS:]:
+            if signed_with(packet, key, now):
+                self._by_channel[channel.name] = key
+                self._sign(channel, key)
+                return bool(channel.parser.feed(packet.raw, time_if_set(now)))  # none if it is a replay
+        return False
+
     def _sign(self, channel: ChannelState, key: SigningKey | None) -> None:
         clock = max(self._stored, self._engine.signing_clock, channel.clock)
         channel.signing = self._engine.signing_states.create(key, channel.link_id, clock)
+        if key is None:
+            self._engine.routes.unverify(channel)
 
     def open(self, now: float) -> None:
         """Load the state of the last run, and start to store it; raises SigningError if it cannot be read."""

@@ -10,7 +10,9 @@ streams are limited to a share.
 The bandwidth is known (`bandwidth=` of the link, a serial port's baud rate) or estimated: a radio reports in
 RADIO_STATUS how much of its queue is free (`txbuf`, percent). From the first report on, the estimate follows
 it, down quickly and up slowly, as autopilots do. With neither, there is no limit. The queue of an idle
-radio is empty at any bandwidth, so the estimate rises only while the bandwidth is used.
+radio is empty at any bandwidth, so the estimate rises only while the bandwidth is used. Anybody on a shared
+link can forge a RADIO_STATUS: only reports of radio components count, at a limited rate, and an estimate that
+no report confirms is forgotten.
 
 A link without a known bandwidth may have a `bulk_rate`, in packets per second: a UDP receiver buffers a few
 hundred packets and drops the tail of a large burst.
@@ -20,6 +22,7 @@ from __future__ import annotations
 
 from math import inf
 
+from mavstack.dialects import common
 from mavstack.services import Priority
 
 #: How far each priority may overdraw the bucket, in seconds of bandwidth.
@@ -36,10 +39,16 @@ MIN_DEPTH = 300.0
 DEFAULT_ESTIMATE = 5760.0
 MIN_ESTIMATE = 200.0
 MAX_ESTIMATE = 1e6
+#: Seconds between two reports that change the estimate: radios send one or two per second.
+MIN_STATUS_INTERVAL = 0.1
+#: Seconds without a report after which an estimate is forgotten.
+ESTIMATE_TIMEOUT = 10.0
 #: The estimate rises only if this share of it was used.
 MIN_USED_SHARE = 0.6
 #: The largest burst of bulk packets where only `bulk_rate` limits them.
 MAX_BULK_BURST = 100.0
+
+_RADIO_COMPONENTS = frozenset({common.MavComponent.TELEMETRY_RADIO, common.MavComponent.UDP_BRIDGE})
 
 
 class Pacer:
@@ -62,11 +71,14 @@ class Pacer:
         self._stream_level = 0.0
         self._sent_since_status = 0
         self._status_at: float | None = None
+        self._learned_at = -inf
         self._bulk_waited_at = -inf
         self._filled_at: float | None = None
 
     def sent(self, size: int, now: float, priority: Priority = Priority.CONTROL) -> None:
         """Record bytes that were sent over the channel."""
+        if self.learned:
+            self._forget_old_estimate(now)
         if self.bandwidth is not None:
             self._fill(now)
             self._level -= size
@@ -84,6 +96,8 @@ class Pacer:
 
     def has_room(self, priority: Priority, now: float) -> bool:
         """Return whether a message of that priority may be sent now."""
+        if self.learned:
+            self._forget_old_estimate(now)
         if self.bandwidth is None:
             return priority is not Priority.BULK or self._bulk_wait(now) <= 0
         self._fill(now)
@@ -110,6 +124,9 @@ class Pacer:
         """Update the estimate from a radio's free queue space in percent; 255: not known."""
         if self._known or not 0 <= free_percent <= 100:
             return
+        if self.learned and now < self._learned_at + MIN_STATUS_INTERVAL:
+            return
+        self._learned_at = now
         if self.bandwidth is None:
             self.bandwidth, self.learned = DEFAULT_ESTIMATE, True
         self._fill(now)
@@ -136,6 +153,12 @@ class Pacer:
         self._status_at, self._sent_since_status = now, 0
         return inf if since is None else sent / max(now - since, 0.001)
 
+    def _forget_old_estimate(self, now: float) -> None:
+        """Forget an estimate that no report has confirmed for `ESTIMATE_TIMEOUT`: the radio is gone."""
+        if self.learned and now >= self._learned_at + ESTIMATE_TIMEOUT:
+            self.bandwidth, self.learned, self._status_at = None, False, None
+            self._level, self._stream_level, self._filled_at = MIN_DEPTH, 0.0, None
+
     def _fill(self, now: float) -> None:
         bandwidth = self.bandwidth or 0.0
         if self._filled_at is None:
@@ -145,6 +168,11 @@ class Pacer:
         self._level = min(self._level + gained, depth)
         self._stream_level = min(self._stream_level + gained * STREAM_SHARE, depth * STREAM_SHARE)
         self._filled_at = now
+
+
+def is_radio(component: int) -> bool:
+    """Return whether a component id is that of a radio: SiK radios use 51/68, bridges 240 of any system."""
+    return component in _RADIO_COMPONENTS
 
 
 def _estimate_factor(free_percent: int) -> float:

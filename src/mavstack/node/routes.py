@@ -4,6 +4,10 @@ Heartbeats alone do not suffice, since some sources never send one. The preferre
 not change while the address is heard on it, so that two links to one vehicle do not alternate. A packet to
 an address that was never heard goes over the channels of its system, and if the system is unknown, over all
 channels. Some programs send as component 0; a packet to component 0 is for all components of its system.
+
+A channel that verifies signatures teaches verified routes. An address with a verified route has no others:
+what an unsigned channel receives from it is forged, or a copy. The table is bounded. If it is full, addresses
+that were heard only once are removed first, then silent ones, and verified ones last.
 """
 
 from __future__ import annotations
@@ -19,16 +23,22 @@ Channel = TypeVar("Channel")
 
 #: Seconds of silence after which another channel that hears the address becomes the preferred one.
 SILENCE_TIMEOUT = 2.5
-#: Addresses in the table; a flood of forged ones removes those learned first.
+#: Addresses in the table, and how many are removed at once when it is full.
 MAX_ADDRESSES = 4096
+REMOVED_AT_ONCE = 512
+#: Seconds for which an address that was heard more than once is heard at least.
+MIN_HEARD_DURATION = 1.0
 
 
 class _Route(Generic[Channel]):
-    __slots__ = ("heard", "preferred")
+    __slots__ = ("began_at", "heard", "preferred", "verified")
 
     def __init__(self, channel: Channel, now: float) -> None:
         self.preferred = channel
         self.heard: dict[Channel, float] = {channel: now}
+        #: The channels on which a signed packet of the address was verified.
+        self.verified: set[Channel] = set()
+        self.began_at = now
 
     def learn(self, channel: Channel, now: float) -> bool:
         """Record that the address was heard; return whether it is heard on several channels."""
@@ -43,8 +53,21 @@ class _Route(Generic[Channel]):
             self.preferred = channel
         return True
 
+    def verify(self, channel: Channel) -> None:
+        """Record that the address was verified on a channel; forget the channels on which it was not."""
+        self.verified.add(channel)
+        self.heard = {known: at for known, at in self.heard.items() if known in self.verified}
+        if self.preferred not in self.verified:
+            self.preferred = channel
+
+    def removal_order(self) -> tuple[bool, bool, float]:
+        """Return a key that sorts the routes to remove first to the front."""
+        heard_at = max(self.heard.values(), default=self.began_at)
+        return bool(self.verified), heard_at - self.began_at >= MIN_HEARD_DURATION, heard_at
+
     def remove_channel(self, channel: Channel) -> bool:
         """Remove a channel; return whether none is left."""
+        self.verified.discard(channel)
         self.heard.pop(channel, None)
         if self.heard and self.preferred is channel:
             self.preferred = max(self.heard, key=lambda known: self.heard[known])
@@ -57,8 +80,9 @@ class Routes(Generic[Channel]):
     def __init__(self) -> None:
         self._routes: dict[Address, _Route[Channel]] = {}
         self._systems: dict[int, dict[Address, _Route[Channel]]] = {}
+        self._verified: set[tuple[int, int]] = set()
 
-    def learn(self, heard: tuple[int, int], channel: Channel, now: float) -> bool:
+    def learn(self, heard: tuple[int, int], channel: Channel, now: float, *, verified: bool = False) -> bool:
         """Record that an address was heard on a channel; return whether it is heard on several.
 
         System 0 is the broadcast address and is not recorded.
@@ -66,13 +90,39 @@ class Routes(Generic[Channel]):
         # An address equals a plain tuple, which is created in half the time.
         route: _Route[Channel] | None = self._routes.get(heard)  # type: ignore[call-overload]
         if route is not None:
+            if verified and channel not in route.verified:
+                self._verified.add(heard)
+                route.verify(channel)
             return route.learn(channel, now)
         address = Address(*heard)
         if address.system:
             self._make_room()
             self._routes[address] = route = _Route(channel, now)
             self._systems.setdefault(address.system, {})[address] = route
+            if verified:
+                self._verified.add(address)
+                route.verify(channel)
         return False
+
+    def is_verified(self, heard: tuple[int, int]) -> bool:
+        """Return whether an address was verified on an open channel."""
+        return bool(self._verified) and heard in self._verified
+
+    def knows_system(self, system: int) -> bool:
+        """Return whether any address of a system is known."""
+        return system in self._systems
+
+    def verified_on(self, address: Address) -> frozenset[Channel]:
+        """Return the channels on which an address was verified."""
+        route = self._routes.get(address)
+        return frozenset(route.verified) if route else frozenset()
+
+    def unverify(self, channel: Channel) -> None:
+        """Forget what was verified on a channel whose signing is turned off."""
+        for address, route in self._routes.items():
+            route.verified.discard(channel)
+            if not route.verified:
+                self._verified.discard(address)
 
     def channels_to(self, target: Address, channels: Sequence[Channel]) -> Sequence[Channel]:
         """Return those of the open channels that lead to a target."""
@@ -84,7 +134,8 @@ class Routes(Generic[Channel]):
         known = self._systems.get(target.system)
         if not known:
             return channels
-        found = {route.preferred: None for route in known.values()}
+        found = {route.preferred: None for route in known.values() if route.verified}
+        found = found or {route.preferred: None for route in known.values()}
         return [channel for channel in channels if channel in found]
 
     def heard_on(self, address: Address) -> tuple[Channel, ...]:
@@ -96,9 +147,11 @@ class Routes(Generic[Channel]):
         """Remove a closed channel."""
         for address in [key for key, route in self._routes.items() if route.remove_channel(channel)]:
             self._remove(address)
+        self._verified = {address for address in self._verified if self._routes[Address(*address)].verified}
 
     def _remove(self, address: Address) -> None:
         del self._routes[address]
+        self._verified.discard(address)
         system = self._systems[address.system]
         del system[address]
         if not system:
@@ -106,4 +159,6 @@ class Routes(Generic[Channel]):
 
     def _make_room(self) -> None:
         if len(self._routes) >= MAX_ADDRESSES:
-            self._remove(next(iter(self._routes)))
+            routes = self._routes
+            for address in sorted(routes, key=lambda each: routes[each].removal_order())[:REMOVED_AT_ONCE]:
+                self._remove(address)

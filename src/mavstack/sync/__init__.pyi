@@ -851,14 +851,18 @@ class RemoteComponent:
     def modes(self) -> Modes:
         """The component's flight modes."""
 
-    def setup_signing(self, key: SigningKey | None, *, timeout: float | None=None) -> None:
+    def setup_signing(self, key: SigningKey | None, *, channel: Channel | str | None=None, timeout: float | None=None) -> None:
         """Install a signing key on the component (SETUP_SIGNING), and use it once the component uses it.
 
         Args:
             key: The key; None: remove the present key.
+            channel: The channel, or its name, for a first key, which is sent in the clear: one that no other
+                program can hear. None: only channels on which the component was verified.
             timeout: Seconds for the whole call; None: until no answer was received for 40 seconds.
 
         Raises:
+            SigningError: No channel was named, and the component was not verified on those that lead to it.
+            InvalidArgumentError: There is no open channel of that name.
             RemoteDenied: The component refused the key. Both sides keep the present key.
             RemoteTimeout: The component does not answer. Both sides keep the present key.
         """

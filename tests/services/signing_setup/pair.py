@@ -22,6 +22,7 @@ class Pair:
         self.ground.engine.add(HeartbeatSender(GROUND))
         self.client = self.ground.engine.add(SigningSetupClient(GROUND, VEHICLE))
         self.pipes = self.network.connect(self.ground, self.vehicle, impairment)
+        self.ground.ports[0].channel.name = "wire to the vehicle"
         self.sign(self.ground, key)
         self.sign(self.vehicle, key)
 
@@ -49,6 +50,8 @@ class Pair:
         self.sign(self.vehicle, self.stored())
 
     def install(self, key, timeout=40.0):
+        (port, *_) = self.ground.ports
+        self.ground.engine.key_channels.name(VEHICLE, port.channel.name)
         operation = self.client.install(key, self.network.now, timeout=timeout)
         self.ground.engine.touch(self.client)
         return operation

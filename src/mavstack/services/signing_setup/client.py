@@ -2,6 +2,7 @@
 
     not seen yet  ── TIMESYNC, until a packet arrives: so a key goes only to a known target
     seen          ── SETUP_SIGNING, signed the old way, repeated until the target signs the new way
+    may not send  ── no channel verifies the target, and none was named ──► SigningError
     signs new     ── TIMESYNC, signed the new way, until answered: the target receives the client ──► done
     rolls back    ── requested again, while there is time; after SETTLED_AFTER seconds ──► RemoteDenied
     silence       ──────────────────────────────────────────────────────────────────────► RemoteTimeout
@@ -21,9 +22,11 @@ from mavstack.errors import InvalidArgumentError, RemoteDenied, SigningError
 from mavstack.security.timestamps import timestamp_at
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.operation import Client, Operation
-from mavstack.services.signing_setup.key_change import KeyChange
+from mavstack.services.signing_setup.key_change import KeyChange, signed_with
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mavstack.security import SigningKey
     from mavstack.wire import Packet
 
@@ -70,6 +73,8 @@ class SetupSigning(Operation[None]):
         change = self._change
         if change is None:
             # Only now are the channels to the target known.
+            if self._refuse_key():
+                return
             change = self._change = self._client_of_keys.begin_change(self.key)
             if change is None:
                 return
@@ -90,6 +95,8 @@ class SetupSigning(Operation[None]):
             self.fail(RemoteDenied(self.description, str(self.target), attempts=self.attempts, answer=answer))
 
     def _request(self, change: KeyChange, now: float) -> None:
+        if self.key is not None and self._client_of_keys.key_refusal(self.target) is not None:
+            return  # the channels changed; the client goes on following the target
         if change.requested_at is None:
             self._request_until = now + REQUEST_DURATION
         change.requested_at = now
@@ -105,6 +112,13 @@ class SetupSigning(Operation[None]):
             )
         )
         self._send_timesync(now)
+
+    def _refuse_key(self) -> bool:
+        """Fail if the key may not be sent over the channels to the target."""
+        reason = self._client_of_keys.key_refusal(self.target) if self.key is not None else None
+        if reason is not None:
+            self.fail(SigningError(f"{self} failed: {reason}"))
+        return reason is not None
 
     def _send_timesync(self, now: float) -> int:
         ours = round(now * 1e9)
@@ -124,14 +138,31 @@ class SetupSigning(Operation[None]):
 
 
 class SigningSetupClient(Client):
-    """The client that changes the signing key of one component."""
+    """The client that changes the signing key of one component.
+
+    Args:
+        local: The local component.
+        target: The component whose key is changed.
+        key_refusal: Returns the reason why a key may not be sent to a target now, or None.
+        arrived_elsewhere: Returns True while a packet is handled that came over another channel than the one
+            that was named for the key: it proves nothing unless it is signed with the new key.
+    """
 
     handles = message_ids(common.Heartbeat, common.Timesync)
 
-    def __init__(self, local: Address, target: Address) -> None:
+    def __init__(
+        self,
+        local: Address,
+        target: Address,
+        *,
+        key_refusal: Callable[[Address], str | None] = lambda target: None,
+        arrived_elsewhere: Callable[[Address], bool] = lambda target: False,
+    ) -> None:
         if 0 in target:
             raise InvalidArgumentError(f"a signing key must be sent to one component, got {target}")
         super().__init__(local, target)
+        self.key_refusal = key_refusal
+        self._arrived_elsewhere = arrived_elsewhere
         self._change: KeyChange | None = None
 
     @property
@@ -151,6 +182,13 @@ class SigningSetupClient(Client):
             return None
         self._change = KeyChange(self.target, new, self.emit)
         return self._change
+
+    def receive(self, packet: Packet, now: float) -> None:
+        if self._arrived_elsewhere(self.target):
+            new = self._change.new if self._change is not None else None
+            if new is None or not signed_with(packet, new, now):
+                return
+        super().receive(packet, now)
 
     def conflicts(self, new: Operation[Any], running: Operation[Any]) -> bool:
         return True
