@@ -7,7 +7,7 @@ from subprocess import run
 
 TESTS = """
 import pytest
-from mavstack.dialects import common
+from mavstack.errors import CommandDenied
 from mavstack.sync import Node
 
 def test_a_vehicle_on_the_ground(vehicle):
@@ -21,14 +21,35 @@ def test_a_vehicle_in_the_air(flying_vehicle):
     assert flying_vehicle.vehicle.autopilot.altitude > 30
 
 def test_a_vehicle_in_virtual_time(virtual_vehicle):
-    async def flight(remote):
-        import asyncio
-        await asyncio.sleep(3)
-        await remote.command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
-        await asyncio.sleep(600)
-        return remote.info.armed
+    async def flight(vehicle):
+        await vehicle.wait_until_ready()
+        await vehicle.arm()
+        await vehicle.takeoff(10)
+        assert 9 < vehicle.position.relative_altitude < 11
+        await vehicle.land()
+        return vehicle.armed
 
-    assert virtual_vehicle.run(flight) is False     # it disarms automatically
+    assert virtual_vehicle.run(flight) is False
+    assert virtual_vehicle.vehicle.autopilot.landed
+
+def test_a_refusal_has_its_reason(virtual_vehicle):
+    async def flight(vehicle):
+        with pytest.raises(CommandDenied, match="System not initialised"):
+            await vehicle.arm()
+
+    virtual_vehicle.run(flight)
+
+@pytest.mark.vehicle(loss=0.1, latency=0.4, bandwidth=20_000)
+def test_a_slow_link_in_virtual_time(virtual_vehicle):
+    async def flight(vehicle):
+        return (await vehicle.component.ping()).minimum
+
+    assert virtual_vehicle.run(flight) >= 0.8
+
+@pytest.mark.vehicle(vehicle_type="rover", latency=0.2)
+def test_a_slow_link(vehicle):
+    with Node(vehicle.url) as ground:
+        assert ground.wait_for_autopilot().ping(1).minimum >= 0.4
 """
 
 
@@ -37,7 +58,7 @@ def test_the_fixtures_need_no_setup(tmp_path):
     plugin = ["-p", "mavstack.pytest_plugin"] if not _is_installed() else []
     command = [sys.executable, "-m", "pytest", "-q", "--strict-markers", "-p", "no:cacheprovider", *plugin]
     result = run([*command, str(tmp_path)], capture_output=True, text=True, check=False, cwd=tmp_path)
-    assert "3 passed" in result.stdout, result.stdout + result.stderr
+    assert "6 passed" in result.stdout, result.stdout + result.stderr
 
 
 def _is_installed() -> bool:

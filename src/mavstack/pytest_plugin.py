@@ -7,12 +7,18 @@
     def test_a_plane(flying_vehicle): ...                   # a plane in the air
 
     def test_virtually(virtual_vehicle):                    # minutes of flight in a moment
-        async def flight(remote):
-            await remote.command(common.MavCmd.COMPONENT_ARM_DISARM, 1)
+        async def flight(vehicle):                          # a mavstack.Vehicle
+            await vehicle.wait_until_ready()
+            await vehicle.arm()
+            await vehicle.takeoff(10)
 
         virtual_vehicle.run(flight)
 
-The marker has the keyword arguments of `mavstack.sim.BackgroundSimulator`.
+    @pytest.mark.vehicle(loss=0.1, latency=0.2, bandwidth=5760)
+    def test_over_a_radio(virtual_vehicle): ...             # with a lossy and slow link
+
+The marker has the keyword arguments of `mavstack.sim.BackgroundSimulator`, for `virtual_vehicle` those of
+`VirtualVehicle`.
 """
 
 from __future__ import annotations
@@ -24,10 +30,12 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
-    from mavstack.node import RemoteComponent
+    from mavstack.links import Link
     from mavstack.sim.background import BackgroundSimulator
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
+    from mavstack.sim.vehicle_types import Home
+    from mavstack.vehicle import Vehicle
 
 Result = TypeVar("Result")
 
@@ -73,7 +81,7 @@ def flying_vehicle(request: pytest.FixtureRequest) -> Iterator[BackgroundSimulat
 
 @pytest.fixture
 def virtual_vehicle(request: pytest.FixtureRequest) -> VirtualVehicle:
-    """Provide a simulated vehicle in virtual time, with a ground station.
+    """Provide a simulated vehicle in virtual time, with a connection to it.
 
     Returns:
         The vehicle; its `run` flies it.
@@ -82,19 +90,57 @@ def virtual_vehicle(request: pytest.FixtureRequest) -> VirtualVehicle:
 
 
 class VirtualVehicle:
-    """A simulated vehicle in virtual time; `run` flies it."""
+    """A simulated vehicle in virtual time, and a connection to it; `run` flies it.
 
-    def __init__(self, vehicle_type: str = "copter", firmware: str = "ardupilot", *, seed: int = 1) -> None:
+    Args:
+        vehicle_type: The vehicle type, such as "copter".
+        firmware: The firmware, "ardupilot" or "px4".
+        home: The home position; None for the default.
+        seed: The seed of wind, noise, lost packets and all other random numbers.
+        airborne: True to start in the air.
+        loss: Probability that a packet is lost, in each direction, 0 to 1.
+        latency: Delay in each direction, seconds.
+        bandwidth: Bytes per second in each direction; 0 is unlimited.
+
+    Attributes:
+        simulation: The simulation.
+        vehicle: The simulated vehicle: its true motion, parameters and faults.
+
+    Raises:
+        InvalidArgumentError: An argument is out of range.
+    """
+
+    def __init__(
+        self,
+        vehicle_type: str = "copter",
+        firmware: str = "ardupilot",
+        *,
+        home: Home | None = None,
+        seed: int = 1,
+        airborne: bool = False,
+        loss: float = 0.0,
+        latency: float = 0.0,
+        bandwidth: float = 0.0,
+    ) -> None:
+        from mavstack.links import Impairment
+        from mavstack.sim.scenarios import take_off
         from mavstack.sim.simulation import Simulation
+        from mavstack.sim.vehicle_types import DEFAULT_HOME
 
+        self._impairment = Impairment(loss=loss, latency=latency, bandwidth=bandwidth, seed=seed)
+        self._impaired = bool(loss or latency or bandwidth)
         self.simulation: Simulation = Simulation(seed=seed)
-        self.vehicle: SimulatedVehicle = self.simulation.add(vehicle_type, firmware)
+        self.vehicle: SimulatedVehicle = self.simulation.add(
+            vehicle_type, firmware, home=DEFAULT_HOME if home is None else home
+        )
+        if airborne:
+            take_off(self.simulation, self.vehicle)
 
-    def run(self, flight: Callable[[RemoteComponent], Awaitable[Result]]) -> Result:
+    def run(self, flight: Callable[[Vehicle], Awaitable[Result]]) -> Result:
         """Run a coroutine function in virtual time.
 
         Args:
-            flight: Called with the vehicle's component, as a ground station has it.
+            flight: Called with the vehicle, as `mavstack.connect` finds it.
 
         Returns:
             The result of the coroutine.
@@ -103,17 +149,20 @@ class VirtualVehicle:
 
         return run_virtually(self._fly(flight))
 
-    async def _fly(self, flight: Callable[[RemoteComponent], Awaitable[Result]]) -> Result:
-        from mavstack.links import MemoryNetwork
-        from mavstack.node import Node
+    async def _fly(self, flight: Callable[[Vehicle], Awaitable[Result]]) -> Result:
+        from mavstack.links import MemoryNetwork, impair
         from mavstack.sim.runner import Runner
+        from mavstack.vehicle import connect
 
         network = MemoryNetwork()
+        ground: Link = network.link()
+        if self._impaired:
+            ground = impair(ground, self._impairment)
         async with Runner(self.simulation) as runner:
             await runner.connect(network.link(), [self.vehicle])
             running = runner.start()
-            async with Node(network.link()) as ground:
-                result = await flight(await ground.wait_for_autopilot())
+            async with connect(ground) as connection:
+                result = await flight(await connection.wait_for_vehicle())
             if running.done():
                 running.result()  # an error of the simulation fails the test
         return result

@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.errors import InvalidStateError
+from mavstack.links import Impairment, impair, open_link
 from mavstack.node.blocking_portal import BlockingPortal
 from mavstack.sim.runner import Runner
 from mavstack.sim.scenarios import take_off
@@ -45,6 +46,9 @@ class BackgroundSimulator:
         speed: Simulated seconds per second.
         link: The link URL of the vehicles.
         airborne: True to start with the first vehicle in the air.
+        loss: Probability that a datagram is lost, in each direction, 0 to 1.
+        latency: Delay in each direction, seconds.
+        bandwidth: Bytes per second in each direction; 0 is unlimited.
 
     Raises:
         InvalidArgumentError: An argument is out of range.
@@ -61,7 +65,12 @@ class BackgroundSimulator:
         speed: float = 1.0,
         link: str = LINK,
         airborne: bool = False,
+        loss: float = 0.0,
+        latency: float = 0.0,
+        bandwidth: float = 0.0,
     ) -> None:
+        self._impairment = Impairment(loss=loss, latency=latency, bandwidth=bandwidth, seed=seed)
+        self._impaired = bool(loss or latency or bandwidth)
         self.simulation = Simulation(seed=seed)
         for _ in range(count):
             self.simulation.add(vehicle_type, firmware, home=home)
@@ -130,7 +139,10 @@ class BackgroundSimulator:
 
     async def _open(self) -> None:
         self._runner = Runner(self.simulation, speed=self._speed)
-        link = await self._runner.connect(self._link, self.simulation.vehicles)
+        link = open_link(self._link)
+        if self._impaired:
+            link = impair(link, self._impairment)
+        link = await self._runner.connect(link, self.simulation.vehicles)
         self.port = (link.address or ("", 0))[1]
         self._runner.start()
 
