@@ -5,9 +5,9 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust/core rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
-.PHONY: demo test flights interop nightly check lint docs format bench fuzz generate clean
+.PHONY: rust demo test flights interop nightly check lint docs format bench fuzz generate clean
 
-demo: $(VENV)/installed ## Fly seven simulated vehicles and show their live picture
+demo: $(VENV)/package ## Fly seven simulated vehicles and show their live picture
 	@$(BIN)/mav demo
 
 test: lint ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
@@ -53,13 +53,22 @@ generate: $(VENV)/installed ## Make tables and stubs anew from the definitions
 	$(BIN)/python -m mavstack.dialects.generate
 	$(BIN)/python -m mavstack.sync.generate
 
-$(VENV)/bin/python:
+# Before anything is downloaded.
+rust:
+	@command -v cargo > /dev/null || { echo "mavstack needs a Rust toolchain, version 1.88 or later: install it" \
+	"from https://rustup.rs (rustup-init --profile minimal) and try again" >&2; exit 1; }
+
+$(VENV)/bin/python: | rust
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
 
-$(VENV)/installed: $(VENV)/bin/python $(SOURCES)
-	$(BIN)/python -m pip install --quiet --group dev
+$(VENV)/package: $(VENV)/bin/python $(SOURCES) | rust
 	$(BIN)/python -m pip install --quiet --editable ".[all]"
+	@touch $@
+
+# The tools of developers too, several hundred megabytes.
+$(VENV)/installed: $(VENV)/package pyproject.toml
+	$(BIN)/python -m pip install --quiet --group dev
 	@touch $@
 
 clean: ## Remove what was built

@@ -1,7 +1,8 @@
 """The PEP 517 build backend: maturin, after a check for a Rust toolchain.
 
-Without `cargo`, maturin downloads a toolchain (by the package puccinialin). This backend downloads nothing:
-the build ends with one line that says what to install.
+Without `cargo`, maturin downloads a toolchain of several hundred megabytes (by the package puccinialin); so
+do the proxies of rustup if its default toolchain is not installed. This backend downloads nothing: the build
+ends with one line that says what to install.
 """
 
 from __future__ import annotations
@@ -47,6 +48,8 @@ prepare_metadata_for_build_wheel = _with_rust(maturin.prepare_metadata_for_build
 def _require_rust() -> None:
     """End the build with one line unless `cargo` and a sufficient `rustc` are installed."""
     required: str = tomllib.loads(_MANIFEST.read_text("utf-8"))["workspace"]["package"]["rust-version"]
+    # This variable disables the download in rustup, of which `cargo` and `rustc` may be proxies.
+    os.environ["RUSTUP_AUTO_INSTALL"] = "0"
     problem = _rust_problem(required)
     if problem:
         # SystemExit prints the line alone, where any other exception would print a traceback.

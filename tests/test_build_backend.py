@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -39,7 +40,8 @@ def programs(tmp_path, monkeypatch):
     folder = tmp_path / "bin"
     folder.mkdir()
     monkeypatch.setenv("PATH", str(folder))
-    monkeypatch.setenv("MATURIN_NO_INSTALL_RUST", "")  # the backend sets it; the fixture restores it
+    for variable in ("MATURIN_NO_INSTALL_RUST", "RUSTUP_AUTO_INSTALL"):
+        monkeypatch.setenv(variable, "")  # the backend sets it; the fixture restores it
 
     def add(name: str, output: str = "", code: int = 0) -> None:
         program = folder / name
@@ -85,6 +87,33 @@ def test_a_sufficient_toolchain_is_accepted(backend, programs, version):
     programs("rustc", f"rustc {version}")
     assert backend.get_requires_for_build_wheel() == []
     assert os.environ["MATURIN_NO_INSTALL_RUST"] == "1"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the programs are shell scripts")
+def test_rustup_downloads_no_toolchain(backend, programs, tmp_path):
+    programs("cargo")
+    programs("rustc")
+    downloads = '[ "$RUSTUP_AUTO_INSTALL" = 0 ] && exit 1\necho rustc 1.95.0\n'
+    (tmp_path / "bin" / "rustc").write_text(f"#!/bin/sh\n{downloads}")
+    with pytest.raises(SystemExit, match="rustc --version failed; run `rustup default stable` and try again"):
+        backend.get_requires_for_build_wheel()
+
+
+@pytest.mark.skipif(shutil.which("make") is None or sys.platform == "win32", reason="needs make")
+@pytest.mark.parametrize("target", ["demo", "check"])
+def test_make_downloads_nothing_without_rust(tmp_path, target):
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    for program in ("make", "sh", "find", "touch", "mkdir"):
+        (folder / program).symlink_to(shutil.which(program))
+    (folder / "python3").write_text("#!/bin/sh\nexit 77\n")
+    (folder / "python3").chmod(0o755)
+    command = ["make", target, f"VENV={tmp_path / 'venv'}"]
+    environment = {**os.environ, "PATH": str(folder)}
+    result = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT, env=environment)
+    assert result.returncode != 0
+    assert "needs a Rust toolchain, version 1.88 or later: install it from https://rustup.rs" in result.stderr
+    assert not (tmp_path / "venv").exists()
 
 
 def test_pip_shows_the_line_and_no_traceback(tmp_path):

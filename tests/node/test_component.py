@@ -7,11 +7,14 @@ from contextlib import nullcontext
 
 import pytest
 
-from mavstack.dialects import common
-from mavstack.errors import CommandDenied, FileDenied, ModeTimeout, ParameterDenied
+from mavstack.dialects import Dialect, common
+from mavstack.errors import CommandDenied, CommandTimeout, FileDenied, ModeTimeout, ParameterDenied
+from mavstack.links import MemoryNetwork
+from mavstack.node import Node
 from mavstack.services import Address
 from mavstack.services.ftp import Entry, file_crc32
 from mavstack.services.manual_control import ChannelOverride, ManualInput
+from mavstack.services.mission import MissionItem, Plan
 from mavstack.services.modes import modes_of
 from mavstack.services.setpoints import LocalSetpoint
 from mavstack.sim.virtual import run_virtually
@@ -272,3 +275,29 @@ def test_list_omits_the_directory_itself_and_its_parent() -> None:
         assert ".." not in names
 
     with_pair(work)
+
+
+def test_errors_name_a_command_of_the_nodes_dialect(tmp_path) -> None:
+    xml = tmp_path / "mine.xml"
+    xml.write_text(
+        '<mavlink><include>common.xml</include><enums><enum name="MAV_CMD">'
+        '<entry value="31900" name="MAV_CMD_SPRAY"/></enum></enums></mavlink>'
+    )
+    dialect = Dialect.from_xml(xml)
+
+    async def work() -> None:
+        network = MemoryNetwork()
+        async with (
+            Node(network.link(), system=1, component=1),
+            Node(network.link(), dialect=dialect) as ground,
+        ):
+            component = ground.component(1)
+            for command in (31900, dialect.enums["MAV_CMD"].SPRAY):
+                with pytest.raises(CommandTimeout, match=r"^SPRAY on 1/1 failed after \d attempts:"):
+                    await component.command(command, 1)
+            held = component.mission._named(Plan.of([MissionItem(31900), MissionItem(16)]))
+            assert [item.name for item in held.items] == ["SPRAY", "NAV_WAYPOINT"]
+            official = Plan.of([MissionItem(16)])
+            assert component.mission._named(official) is official
+
+    run_virtually(work())

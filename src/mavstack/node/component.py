@@ -122,7 +122,8 @@ class RemoteComponent(ReadOnly):
             CommandTimeout: The component does not answer.
             RemoteCancelled: The node was closed.
         """
-        operation = CommandOperation(Command.of(command, params, frame), timeout=timeout)
+        named = self._host.named_command(command)
+        operation = CommandOperation(Command.of(named, params, frame), timeout=timeout)
         return await self._host.run_operation(self._clients.command, operation, progress)
 
     async def request_message(

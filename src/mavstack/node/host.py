@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mavstack.errors import InvalidStateError
 from mavstack.node.dispatch import EventDispatch, PacketDispatch
+from mavstack.services.command_names import command_of_dialect
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,6 +45,10 @@ class NodeHost:
     def address(self) -> Address:
         """The address of the local component."""
         return self.engine.local
+
+    def named_command(self, command: int) -> int:
+        """Return a command as a member of the MAV_CMD of the node's dialect, so that errors name it."""
+        return command_of_dialect(command, self.engine.dialect)
 
     @property
     def components(self) -> dict[Address, ComponentInfo]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
@@ -78,9 +79,18 @@ class Plans(ReadOnly):
             if not isinstance(item, MissionItem):
                 raise InvalidTypeError(f"items[{number}] must be a MissionItem, got {item!r:.60}")
         host, client = self._clients.host, self._clients.mission
+        plan = self._named(plan)
         held = await host.finish(client, client.upload(plan, host.now(), timeout=timeout), progress)
         self._uploaded = held
         return held
+
+    def _named(self, plan: Plan) -> Plan:
+        """Return the plan with members of the dialect for plain numbers, so that errors name the commands."""
+        named = [self._clients.host.named_command(item.command) for item in plan.items]
+        if all(name is item.command for name, item in zip(named, plan.items, strict=True)):
+            return plan
+        items = (replace(item, command=name) for name, item in zip(named, plan.items, strict=True))
+        return replace(plan, items=tuple(items))
 
     async def download(
         self, *, timeout: float | None = None, progress: Callable[[int, int], None] | None = None

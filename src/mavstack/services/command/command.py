@@ -11,7 +11,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import common
+from mavstack.dialects.enums import MavEnum
 from mavstack.errors import InvalidArgumentError
+from mavstack.services.command_names import command_name
 from mavstack.services.frames import commands_with_location, from_integer, scale_of, to_integer
 
 if TYPE_CHECKING:
@@ -57,15 +59,13 @@ class Command:
         if len(params) > PARAMETERS:
             raise InvalidArgumentError(f"a command has {PARAMETERS} parameters, got {len(params)}")
         one, two, three, four, five, six, seven = (*params, *(0.0,) * (PARAMETERS - len(params)))
-        return cls(int(command), one, two, three, four, five, six, seven, frame=frame)
+        number = command if isinstance(command, MavEnum) else int(command)  # a member has a name for errors
+        return cls(number, one, two, three, four, five, six, seven, frame=frame)
 
     @property
     def name(self) -> str:
         """The command's official name without MAV_CMD_, or its number if unknown."""
-        try:
-            return common.MavCmd(self.command).official_name.removeprefix("MAV_CMD_")
-        except ValueError:
-            return f"MAV_CMD {self.command}"
+        return command_name(self.command)
 
     def to_long(self, target: Address, confirmation: int = 0) -> common.CommandLong:
         """Return the COMMAND_LONG."""

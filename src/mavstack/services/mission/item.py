@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
 from mavstack.services.addressing import BROADCAST
+from mavstack.services.command_names import command_name
 from mavstack.services.frames import (
     GLOBAL_FRAMES,
     as_float32,
@@ -75,10 +76,7 @@ class MissionItem(ItemFactories):
     @property
     def name(self) -> str:
         """The command's official name without MAV_CMD_, or its number if unknown."""
-        try:
-            return common.MavCmd(self.command).official_name.removeprefix("MAV_CMD_")
-        except ValueError:
-            return f"MAV_CMD {self.command}"
+        return command_name(self.command)
 
     @property
     def frame_name(self) -> str:
