@@ -87,7 +87,8 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
                 columns[name] = pd.Series(column.tolist(), dtype=object)
             elif column.dtype.kind == "M":
                 columns[name] = pd.Series(column).dt.tz_localize("UTC")
-        return pd.DataFrame(columns)
+        frame: pandas.DataFrame = pd.DataFrame(columns)
+        return frame
 
     def to_polars(self, arrays: Arrays = "columns") -> polars.DataFrame:
         """Return the table as a polars `DataFrame`; `_time` is in UTC, and null where it is not recorded.
@@ -107,7 +108,10 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
         pl = _module("polars", "to_polars()", "polars")
         frame = pl.DataFrame([pl.Series(name, column) for name, column in columns.items()])
         times = [name for name, column in columns.items() if column.dtype.kind == "M"]
-        return frame.with_columns(pl.col(name).dt.replace_time_zone("UTC") for name in times)
+        result: polars.DataFrame = frame.with_columns(
+            pl.col(name).dt.replace_time_zone("UTC") for name in times
+        )
+        return result
 
     def to_arrow(self, arrays: Arrays = "columns") -> pyarrow.Table:
         """Return the table as an Arrow `Table`; `_time` is in UTC, and null where it is not recorded.
@@ -133,7 +137,8 @@ class MessageTable(np.ndarray[tuple[int], np.dtype[np.void]]):
                 converted[name] = pa.array(column).cast(pa.timestamp("us", tz="UTC"))
             else:
                 converted[name] = pa.array(column)
-        return pa.table(converted)
+        table: pyarrow.Table = pa.table(converted)
+        return table
 
 
 def _plain_column(value: Any) -> Any:  # noqa: ANN401 (the types of numpy's own method)
