@@ -15,12 +15,13 @@ def airborne(simulated) -> None:
     simulated.profile.take_off(simulated.autopilot, 40.0)
 
 
-def test_first_action_lands_a_quadplane_where_it_is() -> None:
+def test_first_action_detects_a_quadplane() -> None:
     async def flight(world, vehicle):
         assert vehicle.mav_type == common.MavType.FIXED_WING
         airborne(world.simulated)
-        await vehicle.land(wait=False)
+        await vehicle.hold()
         assert vehicle.vehicle_type is VehicleType.VTOL
+        await vehicle.land(wait=False)
         assert world.simulated.autopilot.mode.name == "QLAND"
 
     fly((SimulatedType.VTOL, ARDUPILOT), flight)

@@ -100,6 +100,10 @@ class Services:
             beacon.send_now(self._vehicle.now)
             self.engine.touch(beacon)
 
+    def refresh_type(self) -> None:
+        """Send the next HEARTBEAT with the present MAV_TYPE."""
+        self.beacon.type = self._vehicle.profile.mav_type(self._vehicle)
+
     def send(self, message: Message, target: Address | None = None) -> None:
         """Send a message, such as HOME_POSITION after a change of home; without a target to everybody."""
         self.engine.send(message, self._vehicle.now, target)

@@ -78,7 +78,7 @@ class ArdupilotProfile(FirmwareProfile):
         autopilot.watches.append(ModeSwitch(autopilot, self.mode_failure))
         SimulationParameters(vehicle)
         if _QUADPLANE_TYPE in vehicle.parameters:
-            vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: self._type_changed(vehicle))
+            vehicle.parameters.on_change(_QUADPLANE_TYPE, lambda _: vehicle.services.refresh_type())
 
     def provide(self, vehicle: Vehicle) -> None:
         """Publish streams and versions."""
@@ -88,10 +88,6 @@ class ArdupilotProfile(FirmwareProfile):
     def booted(self, vehicle: Vehicle) -> None:
         """Send the first status text; `BootTexts` sends the others."""
         vehicle.send_statustext("Initialising ArduPilot", common.MavSeverity.INFO)
-
-    def _type_changed(self, vehicle: Vehicle) -> None:
-        """Send HEARTBEAT with the new MAV_TYPE."""
-        vehicle.services.beacon.type = self.mav_type(vehicle)
 
     # Arming
 

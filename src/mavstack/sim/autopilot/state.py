@@ -63,6 +63,9 @@ class ServiceAccess(Protocol):
     def send(self, message: Message, target: Address | None = None) -> None:
         """Send a message at once; without a target to everybody."""
 
+    def refresh_type(self) -> None:
+        """Send the next HEARTBEAT with the present MAV_TYPE."""
+
 
 class VehicleState(Protocol):
     """One simulated vehicle without its autopilot."""
