@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.node.read_only import ReadOnly
+from mavstack.services.ftp.operations import MAX_BYTES, MAX_ENTRIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,11 +27,14 @@ class Ftp(ReadOnly):
     def __init__(self, clients: ComponentClients) -> None:
         self._clients = clients
 
-    async def list(self, path: str = "/", *, timeout: float | None = None) -> tuple[Entry, ...]:
+    async def list(
+        self, path: str = "/", *, max_entries: int = MAX_ENTRIES, timeout: float | None = None
+    ) -> tuple[Entry, ...]:
         """List a directory.
 
         Args:
             path: The directory.
+            max_entries: The largest accepted number of entries.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
 
         Returns:
@@ -39,8 +43,11 @@ class Ftp(ReadOnly):
         Raises:
             FileDenied: The component refused, for instance because there is no such directory.
             FileTimeout: The component does not answer.
+            RemoteProtocolError: The directory has more entries than allowed.
         """
-        entries = await self._finish(self._clients.ftp.list_directory(path, self._now(), timeout=timeout))
+        entries = await self._finish(
+            self._clients.ftp.list_directory(path, self._now(), max_entries=max_entries, timeout=timeout)
+        )
         return tuple(entry for entry in entries if entry.name not in (".", ".."))
 
     async def download(
@@ -49,6 +56,7 @@ class Ftp(ReadOnly):
         *,
         offset: int = 0,
         size: int | None = None,
+        max_size: int = MAX_BYTES,
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> bytes:
@@ -58,6 +66,7 @@ class Ftp(ReadOnly):
             path: The file.
             offset: The first byte to download.
             size: The number of bytes to download; None: to the end of the file.
+            max_size: The largest accepted size in bytes, whatever the component announces.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the bytes received and the bytes in total.
 
@@ -66,9 +75,12 @@ class Ftp(ReadOnly):
 
         Raises:
             FileDenied: The component refused, for instance because there is no such file.
-            FileTimeout: The component does not answer.
+            FileTimeout: The component does not answer, or sends too slowly.
+            RemoteProtocolError: The file is larger than allowed, or changed during the download.
         """
-        operation = self._clients.ftp.download(path, self._now(), offset=offset, size=size, timeout=timeout)
+        operation = self._clients.ftp.download(
+            path, self._now(), offset=offset, size=size, max_size=max_size, timeout=timeout
+        )
         return await self._finish(operation, progress)
 
     async def upload(

@@ -39,6 +39,7 @@ class Logs(ReadOnly):
         self,
         log: LogEntry | int,
         *,
+        max_size: int | None = None,
         timeout: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> bytes:
@@ -46,6 +47,7 @@ class Logs(ReadOnly):
 
         Args:
             log: The entry from `list`, or the id of the log.
+            max_size: The largest accepted size in bytes; None: twice its listed size and 1 MiB.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the bytes received and the bytes in total.
 
@@ -53,11 +55,14 @@ class Logs(ReadOnly):
             The complete log.
 
         Raises:
-            LogTimeout: The component does not answer, or has no such log.
+            LogTimeout: The component does not answer, or has no such log, or sends too slowly.
+            RemoteProtocolError: The log is larger than allowed, or its chunks contradict each other.
             RemoteCancelled: The node was closed.
         """
         host, client = self._clients.host, self._clients.logs
-        return await host.finish(client, client.download(log, host.now(), timeout=timeout), progress)
+        return await host.finish(
+            client, client.download(log, host.now(), max_size=max_size, timeout=timeout), progress
+        )
 
     async def erase(self, *, timeout: float | None = None) -> None:
         """Erase all logs (LOG_ERASE), and verify that the list is empty.

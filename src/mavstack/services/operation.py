@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("mavstack.services")
 
+#: Seconds after which a transfer without a timeout must have reached its minimum rate, and its longest time.
+SLOW_START, MAX_DURATION = 120.0, 86400.0
+
 Result = TypeVar("Result")
 AnyOperation = TypeVar("AnyOperation", bound="Operation[Any]")
 
@@ -62,6 +65,8 @@ class Operation(Generic[Result]):
 
     #: The error that the operation fails with when a timeout expires.
     timeout_error: ClassVar[type[RemoteTimeout]] = RemoteTimeout
+    #: The progress per second, in the operation's own unit, below which it fails; 0: none. See `deadline`.
+    min_rate: ClassVar[float] = 0.0
     #: Ids of the messages that the operation receives beside those of its client.
     handles: frozenset[int] = frozenset()
 
@@ -77,6 +82,8 @@ class Operation(Generic[Result]):
         self._idle_timeout = idle_timeout
         self._timeout_at: float | None = None
         self._idle_timeout_at: float | None = None
+        self._launched_at: float | None = None
+        self._progress = 0
         self._client: Client | None = None
 
     def result(self) -> Result:
@@ -156,6 +163,7 @@ class Operation(Generic[Result]):
         A child operation reports to its parent.
         """
         self._idle_timeout_at = now + self._idle_timeout
+        self._progress = max(self._progress, done)
         if self.parent is not None:
             self.parent.report_progress(now, done, total)
         elif done or total:
@@ -176,12 +184,22 @@ class Operation(Generic[Result]):
     def launch(self, now: float) -> None:
         """Start; `idle_timeout` counts from here."""
         self._idle_timeout_at = now + self._idle_timeout
+        self._launched_at = now
         self.start(now)
 
     @property
     def deadline(self) -> float | None:
-        """The time at which the operation fails unless it makes progress."""
-        return earliest(self._timeout_at, self._idle_timeout_at)
+        """The time at which the operation fails unless it makes progress.
+
+        Without a `timeout`, a component that sends a little from time to time must not hold the caller for
+        ever: after `SLOW_START` seconds the average progress must reach `min_rate`.
+        """
+        return earliest(self._timeout_at, self._idle_timeout_at, self._too_slow_at())
+
+    def _too_slow_at(self) -> float | None:
+        if not self.min_rate or self._timeout is not None or self._launched_at is None:
+            return None
+        return self._launched_at + min(SLOW_START + self._progress / self.min_rate, MAX_DURATION)
 
     def next_timeout(self) -> float | None:
         """Return the time of the next call of `tick`."""
@@ -189,7 +207,11 @@ class Operation(Generic[Result]):
 
     def tick(self, now: float) -> None:
         """Handle the timers that are due."""
-        if self.deadline is not None and now >= self.deadline:
+        too_slow_at = self._too_slow_at()
+        if too_slow_at is not None and now >= too_slow_at:
+            answer = f"too slow, only {self._progress} arrived; pass a timeout to wait longer"
+            Operation.time_out(self, now, answer)
+        elif self.deadline is not None and now >= self.deadline:
             self.time_out(now)
         elif self.timer is not None and now >= self.timer:
             self.timer = None
@@ -374,17 +396,3 @@ class Procedure(Operation[Result]):
             self.fail(error)
         else:
             self.begin(child, now)
-
-
-class Pause(Operation[None]):
-    """A pause of some seconds, as a step of a procedure."""
-
-    def __init__(self, seconds: float) -> None:
-        super().__init__("pausing before the next request to", idle_timeout=seconds + 1)
-        self._seconds = seconds
-
-    def start(self, now: float) -> None:
-        self.timer = now + self._seconds
-
-    def handle_timeout(self, now: float) -> None:
-        self.finish(None)

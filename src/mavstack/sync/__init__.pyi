@@ -248,11 +248,12 @@ class Ftp:
     it does not answer, and `RemoteCancelled` if the node is closed during the call.
     """
 
-    def list(self, path: str='/', *, timeout: float | None=None) -> tuple[Entry, ...]:
+    def list(self, path: str='/', *, max_entries: int=..., timeout: float | None=None) -> tuple[Entry, ...]:
         """List a directory.
 
         Args:
             path: The directory.
+            max_entries: The largest accepted number of entries.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
 
         Returns:
@@ -261,15 +262,17 @@ class Ftp:
         Raises:
             FileDenied: The component refused, for instance because there is no such directory.
             FileTimeout: The component does not answer.
+            RemoteProtocolError: The directory has more entries than allowed.
         """
 
-    def download(self, path: str, *, offset: int=0, size: int | None=None, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> bytes:
+    def download(self, path: str, *, offset: int=0, size: int | None=None, max_size: int=..., timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> bytes:
         """Download a file, or a part of it. A whole file is verified by its checksum.
 
         Args:
             path: The file.
             offset: The first byte to download.
             size: The number of bytes to download; None: to the end of the file.
+            max_size: The largest accepted size in bytes, whatever the component announces.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the bytes received and the bytes in total.
 
@@ -278,7 +281,8 @@ class Ftp:
 
         Raises:
             FileDenied: The component refused, for instance because there is no such file.
-            FileTimeout: The component does not answer.
+            FileTimeout: The component does not answer, or sends too slowly.
+            RemoteProtocolError: The file is larger than allowed, or changed during the download.
         """
 
     def upload(self, path: str, data: bytes, *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> None:
@@ -389,11 +393,12 @@ class Logs:
             RemoteCancelled: The node was closed.
         """
 
-    def download(self, log: LogEntry | int, *, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> bytes:
+    def download(self, log: LogEntry | int, *, max_size: int | None=None, timeout: float | None=None, progress: Callable[[int, int], None] | None=None) -> bytes:
         """Download a log.
 
         Args:
             log: The entry from `list`, or the id of the log.
+            max_size: The largest accepted size in bytes; None: twice its listed size and 1 MiB.
             timeout: Seconds for the whole call; None: until retries are exhausted or progress stalls.
             progress: Called with the bytes received and the bytes in total.
 
@@ -401,7 +406,8 @@ class Logs:
             The complete log.
 
         Raises:
-            LogTimeout: The component does not answer, or has no such log.
+            LogTimeout: The component does not answer, or has no such log, or sends too slowly.
+            RemoteProtocolError: The log is larger than allowed, or its chunks contradict each other.
             RemoteCancelled: The node was closed.
         """
 

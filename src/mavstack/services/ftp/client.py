@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mavstack.services.ftp.operations import (
     MAX_BYTES,
+    MAX_ENTRIES,
     ComputeChecksum,
     DownloadFile,
     EndSession,
@@ -60,10 +61,20 @@ class FtpClient(FtpSessionClient):
         return self.begin(UploadFile(path, data, verify=verify, timeout=timeout), now)
 
     def list_directory(
-        self, path: str, now: float, *, with_time: bool = False, timeout: float | None = None
+        self,
+        path: str,
+        now: float,
+        *,
+        with_time: bool = False,
+        max_entries: int = MAX_ENTRIES,
+        timeout: float | None = None,
     ) -> ListDirectory:
-        """List a directory; the result is a tuple of `Entry`, with modification times if supported."""
-        return self.begin(ListDirectory(path, with_time=with_time, timeout=timeout), now)
+        """List a directory; the result is a tuple of `Entry`, with modification times if supported.
+
+        It fails with RemoteProtocolError if there are more than `max_entries`.
+        """
+        operation = ListDirectory(path, with_time=with_time, max_entries=max_entries, timeout=timeout)
+        return self.begin(operation, now)
 
     def checksum(self, path: str, now: float, *, timeout: float | None = None) -> ComputeChecksum:
         """Request the CRC-32 of a file; it is the operation's `crc`."""

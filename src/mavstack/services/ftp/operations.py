@@ -46,7 +46,8 @@ logger = logging.getLogger("mavstack.services")
 
 #: The largest download into memory unless the caller allows more, bytes.
 MAX_BYTES = 1 << 30
-MAX_ENTRIES = 100_000
+#: The entries of a directory, unless the caller allows more.
+MAX_ENTRIES = 10_000
 #: How often a download continues after an interruption; each time data must have arrived since the last.
 MAX_INTERRUPTIONS = 16
 LAST_SESSION = 255
@@ -96,6 +97,7 @@ class _SessionProcedure(_FtpProcedure[Result]):
     """The base of procedures that open a session."""
 
     exclusive = True
+    min_rate = 32.0
     _session: int | None = None
     _unclear = False  # True if there may be a session with an unknown number
 
@@ -174,6 +176,8 @@ class DownloadFile(_SessionProcedure[bytes]):
                 logger.debug("%s: interrupted at %d of %d bytes", self, received, file.total)
                 if self.path.startswith("@"):  # generated again for each session
                     self._file, received = None, 0
+        if len(data) > self._max_size:
+            raise self.protocol_error(f"the file has more than the {self._max_size} bytes allowed")
         if self._verify:
             yield from self._compare(data)
         start, end = self._bounds(announced)
@@ -205,7 +209,9 @@ class DownloadFile(_SessionProcedure[bytes]):
     def _bounds(self, announced: int) -> tuple[int, int]:
         offset, size = self._range
         end = announced if size is None else min(offset + size, announced)
-        if end - offset > self._max_size and announced != ALL_ONES:
+        if announced == ALL_ONES:  # not known: one byte more shows that the file is too large
+            return offset, min(end, offset + self._max_size + 1)
+        if end - offset > self._max_size:
             raise self.protocol_error(
                 f"the file has {end - offset} bytes, more than the {self._max_size} allowed"
             )
@@ -256,14 +262,24 @@ class UploadFile(_SessionProcedure[None]):
 class ListDirectory(_FtpProcedure[tuple[Entry, ...]]):
     """The listing of a directory; see `FtpClient.list_directory`."""
 
-    def __init__(self, path: str, *, with_time: bool = False, timeout: float | None = None) -> None:
+    min_rate = 0.25
+
+    def __init__(
+        self,
+        path: str,
+        *,
+        with_time: bool = False,
+        max_entries: int = MAX_ENTRIES,
+        timeout: float | None = None,
+    ) -> None:
         super().__init__(f"listing {path} on", path, timeout=timeout)
+        self._max_entries = max_entries
         self._opcode = Opcode.LISTDIRECTORYWITHTIME if with_time else Opcode.LISTDIRECTORY
 
     def steps(self) -> Generator[Operation[Any], Any, tuple[Entry, ...]]:
         found: list[Entry] = []
         index = 0
-        while index < MAX_ENTRIES:
+        while True:
             try:
                 reply = yield self.exchange(self._opcode, self._path, offset=index)
             except FileDenied as error:
@@ -279,6 +295,11 @@ class ListDirectory(_FtpProcedure[tuple[Entry, ...]]):
                 break
             found += entries
             index += count
+            if index > self._max_entries:
+                raise self.protocol_error(
+                    f"the directory has more than the {self._max_entries} entries allowed"
+                )
+            self.report_progress(self.now, index)
         return tuple(found)
 
 

@@ -24,9 +24,15 @@ class LogClient(Client):
         """List the logs; the result is a tuple of `LogEntry`, by ascending id."""
         return self.begin(ListLogs(timeout=timeout), now)
 
-    def download(self, log: LogEntry | int, now: float, *, timeout: float | None = None) -> DownloadLog:
-        """Download a log, given by its entry in the list or by its id; the result is its content."""
-        return self.begin(DownloadLog(log, timeout=timeout), now)
+    def download(
+        self, log: LogEntry | int, now: float, *, max_size: int | None = None, timeout: float | None = None
+    ) -> DownloadLog:
+        """Download a log, given by its entry in the list or by its id; the result is its content.
+
+        It fails with RemoteProtocolError if the log has more than `max_size` bytes; None: twice its listed
+        size and 1 MiB.
+        """
+        return self.begin(DownloadLog(log, max_size=max_size, timeout=timeout), now)
 
     def erase(self, now: float, *, timeout: float | None = None) -> EraseLogs:
         """Erase all logs."""

@@ -44,6 +44,8 @@ WINDOWS_BEFORE_GROWTH = 16
 GOOD, FAIR = 0.95, 0.75
 #: The number of consecutive timeouts after which the download fails.
 ATTEMPTS = 16
+#: The bytes by which a log that is being written may exceed twice its listed size.
+MAX_GROWTH = 1 << 20
 #: The number of timeouts after which the log is listed again, and after which other transfers are ended too.
 LIST_AFTER, UNBLOCK_AFTER = 3, 5
 #: The number of timeouts at a whole number of chunks that mean the end of the log.
@@ -54,12 +56,16 @@ class DownloadLog(Procedure[bytes]):
     """The download of one log; the result is its content."""
 
     timeout_error = LogTimeout
+    min_rate = 32.0
 
-    def __init__(self, log: LogEntry | int, *, timeout: float | None = None) -> None:
+    def __init__(
+        self, log: LogEntry | int, *, max_size: int | None = None, timeout: float | None = None
+    ) -> None:
         number = log if isinstance(log, int) else log.id
         super().__init__(f"downloading log {number} from", timeout=timeout, idle_timeout=3600.0)
         self._number = number
         self._listed = None if isinstance(log, int) else log
+        self._max_size = max_size
 
     def steps(self) -> Generator[Operation[Any], Any, bytes]:
         """Read the entry, download the content, and read the entry again."""
@@ -71,7 +77,7 @@ class DownloadLog(Procedure[bytes]):
             if before is None or self._listed is None:
                 raise RemoteDenied(self.description, str(self.target), answer="there is no such log")
             self._require(before.may_be(self._listed) or before.may_have_been(self._listed))
-            transfer = _Transfer(before)
+            transfer = _Transfer(before, self._max_size)
             content: bytes = yield transfer
             after: LogEntry | None = yield ReadLogEntry(self._number)
             if after is None or not after.may_be(before):
@@ -97,8 +103,9 @@ def _end(operation: Operation[Any]) -> None:
 class _Transfer(LogOperation[bytes]):
     """The transfer of the chunks of one log."""
 
-    def __init__(self, log: LogEntry) -> None:
+    def __init__(self, log: LogEntry, max_size: int | None) -> None:
         super().__init__(f"downloading the data of log {log.id} from", idle_timeout=60.0)
+        self._max_size = 2 * log.size + MAX_GROWTH if max_size is None else max_size
         self._log = log
         self._collector = Collector(log.size)
         self._window = INITIAL_WINDOW
@@ -148,6 +155,12 @@ class _Transfer(LogOperation[bytes]):
         is_new = self._collector.add(chunk, content, requested=in_range and not self._stopped)
         if self._collector.contradicted:
             answer = "the received chunks contradict each other or the size of the log"
+            self.fail(RemoteProtocolError(self.description, str(self.target), answer=answer))
+            return
+        if self._collector.size > self._max_size:
+            answer = (
+                f"the log has more than the {self._max_size} bytes allowed; its entry says {self._log.size}"
+            )
             self.fail(RemoteProtocolError(self.description, str(self.target), answer=answer))
             return
         if is_new:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from mavstack.dialects import common
 from mavstack.errors import LogTimeout, RemoteDenied
 from mavstack.services.log.listing import ListLogs, LogOperation
-from mavstack.services.operation import Operation, Pause, Procedure
+from mavstack.services.operation import Operation, Procedure
+from mavstack.services.pause import Pause
 
 if TYPE_CHECKING:
     from collections.abc import Generator

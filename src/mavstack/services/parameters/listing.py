@@ -44,6 +44,7 @@ class Listing(Operation[Result]):
     """The download of a list whose entries have an index, the count and a name."""
 
     timeout_error = ParameterTimeout
+    min_rate = 0.25
 
     def __init__(
         self,
