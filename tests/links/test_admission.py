@@ -68,7 +68,7 @@ def test_one_host_cannot_keep_all_places(table):
     assert not admission.admit("a", table, NOW + 10 * MIN_STAY) or table[-1].host == "b"
 
 
-def test_the_host_with_the_most_peers_loses_one_first(table):
+def test_the_host_with_more_peers_loses_one_first(table):
     kept = [Peer(table, "b", received=9), Peer(table, "a", received=1)]
     Peer(table, "a", received=2)
     assert Admission(3).admit("c", table, NOW)

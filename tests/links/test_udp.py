@@ -237,3 +237,24 @@ async def test_kernel_drops_are_counted():
             peer.socket.sendto(bytes(1000), link.address)
         assert link.kernel_drops
         await peer.close()
+
+
+async def test_a_link_to_a_loopback_address_is_not_reachable_from_the_network():
+    async with open_link("udpout://127.0.0.1:14550") as link:
+        assert link.address[0] == "127.0.0.1"
+    async with open_link("udpout://192.0.2.1:14550") as link:
+        assert link.address[0] == "0.0.0.0"
+
+
+async def test_many_waiting_datagrams_arrive_in_order():
+    async with open_link("udpin://127.0.0.1:0") as link:
+        peer = UdpPeer(link.address)
+        for number in range(300):
+            peer.socket.sendto(b"%d" % number, link.address)
+        received = []
+        while len(received) < 300:
+            event = await anext(link)
+            if isinstance(event, BytesReceived):
+                received.append(int(event.data))
+        assert received == list(range(300))
+        await peer.close()

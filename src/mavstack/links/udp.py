@@ -5,10 +5,12 @@ With udpin each remote address is a channel, up to `max_peers` (see `admission`)
 the start: it receives datagrams from any port of the peer, and from any sender if the peer is a broadcast or
 multicast address.
 
-Datagrams are read in batches per wake-up of the event loop. Each becomes one event and is passed on before
-the next is read, because more arrive meanwhile; if the receive queue is full, new datagrams are dropped and
-counted. `kernel_drops` counts datagrams that the kernel dropped before that, where the system reports it
-(Linux): a larger `socket_buffer` helps, up to the system's limit (sysctl net.core.rmem_max). Sending never
+Each datagram becomes one event and is passed on before the next is read, because more arrive meanwhile. If
+many wait, they are first read into a `backlog`, which is fair to all senders, so that a flood from one of
+them does not lose the packets of the others. Datagrams that have no room are dropped and counted.
+`kernel_drops` counts datagrams that the kernel dropped before that, where the system reports it (Linux): a
+larger `socket_buffer` helps, up to the system's limit (sysctl net.core.rmem_max; a process with CAP_NET_ADMIN
+may exceed it). A link to a loopback address is reachable from this machine only. Sending never
 blocks and never raises: an unreachable peer may become reachable later, so errors only count as drops.
 """
 
@@ -21,11 +23,12 @@ import struct
 import sys
 from abc import abstractmethod
 from contextlib import suppress
-from time import time
+from time import monotonic, time
 from typing import TYPE_CHECKING
 
 from mavstack.links.address import Address, format_address, resolve
 from mavstack.links.admission import Admission
+from mavstack.links.backlog import Backlog
 from mavstack.links.base import Link
 from mavstack.links.channel import Channel, Data
 from mavstack.links.os_errors import open_error
@@ -37,8 +40,14 @@ if TYPE_CHECKING:
     from mavstack.links.url import LinkURL
 
 DEFAULT_SOCKET_BUFFER = 4 << 20
-MAX_BATCH = 256  # maximum number of datagrams read per wake-up of the event loop
+MAX_DIRECT = (
+    64  # datagrams handled one by one per wake-up of the event loop; if more wait, the backlog is used
+)
+MAX_BATCH = 1024  # maximum number of datagrams read into the backlog at a time
+BACKLOG_TIME = 0.004  # seconds for which the backlog is handled until the kernel's queue is emptied again
+CLOCK_INTERVAL = 8  # datagrams handled between two looks at the clock
 MAX_DATAGRAM = 1 << 16
+_SO_RCVBUFFORCE = 33  # Linux
 _SO_MEMINFO = 55  # Linux; its ninth number counts the datagrams dropped because the socket buffer was full
 
 
@@ -67,6 +76,7 @@ class UdpLink(Link):
         self._buffer = options.size("socket_buffer", DEFAULT_SOCKET_BUFFER)
         self._socket: socket.socket | None = None
         self._transport: asyncio.DatagramTransport | None = None
+        self._backlog = Backlog()
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -110,12 +120,19 @@ class UdpLink(Link):
     def _datagram(self, data: bytes, address: Address, now: float) -> None:
         """Pass one datagram to its channel."""
 
+    @abstractmethod
+    def _knows(self, address: Address) -> bool:
+        """Return whether valid packets came from an address."""
+
     def _make_socket(self, family: int) -> socket.socket:
         self._socket = sock = socket.socket(family, socket.SOCK_DGRAM)
         sock.setblocking(False)
         for option in (socket.SO_RCVBUF, socket.SO_SNDBUF):
             with suppress(OSError):  # some systems raise for a size above their limit
                 sock.setsockopt(socket.SOL_SOCKET, option, self._buffer)
+        if sys.platform == "linux":
+            with suppress(OSError):  # not permitted
+                sock.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, self._buffer)
         return sock
 
     async def _start_reading(self, sock: socket.socket) -> None:
@@ -127,8 +144,11 @@ class UdpLink(Link):
             self._transport, _ = await loop.create_datagram_endpoint(lambda: _Protocol(self), sock=sock)
 
     def _readable(self, sock: socket.socket) -> None:
+        if self._backlog:  # its next part is due in this round of the event loop
+            self._fill_backlog(sock)
+            return
         receive, datagram = sock.recvfrom, self._datagram
-        for _ in range(MAX_BATCH):
+        for _ in range(MAX_DIRECT):
             try:
                 data, address = receive(MAX_DATAGRAM)
             except (BlockingIOError, InterruptedError):
@@ -136,9 +156,37 @@ class UdpLink(Link):
             except OSError:  # an ICMP error about a datagram sent earlier
                 continue
             datagram(data, address, time())
+        self._fill_backlog(sock)
+        self._handle_backlog()
+
+    def _fill_backlog(self, sock: socket.socket) -> None:
+        """Empty the kernel's queue into the backlog."""
+        receive, add, now = sock.recvfrom, self._backlog.add, time()
+        for _ in range(MAX_BATCH):
+            try:
+                data, address = receive(MAX_DATAGRAM)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError:  # as above
+                continue
+            if not add((data, address, now), known=self._knows(address)):
+                self._inbox.drop()
+
+    def _handle_backlog(self) -> None:
+        """Pass on datagrams of the backlog for a moment; the rest follows in the next round of the loop."""
+        backlog, datagram = self._backlog, self._datagram
+        end = monotonic() + BACKLOG_TIME
+        try:
+            while backlog and not self._closed and monotonic() < end:
+                for _ in range(min(CLOCK_INTERVAL, len(backlog))):
+                    datagram(*backlog.pop())
+        finally:
+            if backlog and not self._closed:
+                asyncio.get_running_loop().call_soon(self._handle_backlog)
 
     async def _stop(self) -> None:
         """Stop reading."""
+        self._backlog.clear()
         if self._socket is not None and self._transport is None:
             with suppress(NotImplementedError):
                 asyncio.get_running_loop().remove_reader(self._socket)
@@ -198,6 +246,10 @@ class UdpListener(UdpLink):
         self._inbox.add_channel(channel)
         return channel
 
+    def _knows(self, address: Address) -> bool:
+        channel = self._peers.get(address)
+        return channel is not None and channel.last_valid > 0
+
     def remove_channel(self, channel: UdpChannel) -> None:
         """Remove a closed channel; the peer gets a new one if it sends again."""
         del self._peers[channel.address]
@@ -223,7 +275,7 @@ class UdpSender(UdpLink):
             family, address = await _resolve_one(self.url)
             sock = self._make_socket(family)
             self._accepts_any_sender = self._is_broadcast_or_multicast(sock, address)
-            sock.bind(("::" if family == socket.AF_INET6 else "0.0.0.0", 0))  # noqa: S104
+            sock.bind((_local_address(address), 0))
         except OSError as error:
             raise open_error(self.url, error) from error
         await self._start_reading(sock)
@@ -231,6 +283,9 @@ class UdpSender(UdpLink):
             f"udpout {format_address(address)}", address, self._inbox.remove_channel, self
         )
         self._inbox.add_channel(self._channel)
+
+    def _knows(self, address: Address) -> bool:
+        return self._channel is not None and address == self._channel.address
 
     def _is_broadcast_or_multicast(self, sock: socket.socket, address: Address) -> bool:
         """Return whether the address is a multicast group or looks like a broadcast address."""
@@ -267,6 +322,14 @@ async def _resolve_one(url: LinkURL) -> tuple[int, Address]:
     """Resolve the host, preferring IPv4: `localhost` must reach a listener on 0.0.0.0."""
     addresses = await resolve(url.host, url.port, socket.SOCK_DGRAM)
     return min(addresses, key=lambda entry: entry[0] != socket.AF_INET)
+
+
+def _local_address(remote: Address) -> str:
+    """Return the local address for a socket that sends to `remote`: loopback for loopback, else any."""
+    target = _ip(remote)
+    if target.version == 6:
+        return "::1" if target.is_loopback else "::"
+    return "127.0.0.1" if target.is_loopback else "0.0.0.0"  # noqa: S104
 
 
 def _ip(address: Address) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
