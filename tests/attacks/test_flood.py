@@ -65,7 +65,7 @@ def running(*programs: str, port: int) -> Iterator[None]:
             process.wait()
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 async def test_a_flood_loses_no_acknowledgement_of_another_sender() -> None:
     commands = list(common.MavCmd)[:COMMANDS]
     async with Node("udpin://127.0.0.1:0") as node:
