@@ -19,7 +19,7 @@ from mavstack.services.command import Command, CommandClient, CommandServer
 from mavstack.services.extended_parameters import ExtendedParameterClient, ExtendedParameterServer
 from mavstack.services.ftp import FtpClient, FtpServer, MemoryStore
 from mavstack.services.heartbeat import Discovery, HeartbeatSender
-from mavstack.services.heartbeat.discovery import MAX_COMPONENTS
+from mavstack.services.heartbeat.admission import MAX_COMPONENTS
 from mavstack.services.log import LogClient, LogEntry, LogServer
 from mavstack.services.manual_control import ManualControlReceiver
 from mavstack.services.message_request import (

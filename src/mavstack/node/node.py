@@ -101,7 +101,13 @@ class Node(Messaging, Serving, ReadOnly):
             raise InvalidArgumentError(f"invalid address {local}: system and component must be 1 to 255")
         engine = Engine(local, dialect or Dialect.load("all"))
         self._host = NodeHost(
-            engine, Discovery(local, is_echo=engine.is_echo, channel_name=engine.arrival_channel)
+            engine,
+            Discovery(
+                local,
+                is_echo=engine.is_echo,
+                channel_name=engine.arrival_channel,
+                is_verified=engine.routes.is_verified,
+            ),
         )
         self._heartbeat = HeartbeatSender(local, type, autopilot)
         #: The node's links, in the order in which they were given.

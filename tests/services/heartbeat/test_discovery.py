@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import count
+
 from mavstack.dialects import common
 from mavstack.services import Address
 from mavstack.services.heartbeat import (
@@ -93,14 +95,15 @@ def test_high_latency_sources_need_no_heartbeat() -> None:
 
 
 def test_address_0_is_ignored_and_memory_is_bounded() -> None:
-    discovery = Discovery(GROUND)
+    channels = count()
+    discovery = Discovery(GROUND, channel_name=lambda: str(next(channels)))
     discovery.receive(packet(HEARTBEAT, Address(0, 1)), START)
     discovery.receive(packet(HEARTBEAT, Address(1, 0)), START)
     assert not discovery.components
     for system in range(1, 256):
         for component in range(1, 30):
             discovery.receive(packet(HEARTBEAT, Address(system, component)), START)
-    assert len(discovery.components) == 4096
+    assert 4096 - 256 <= len(discovery.components) <= 4096
 
 
 def test_heartbeats_keep_their_rate_after_a_stall() -> None:

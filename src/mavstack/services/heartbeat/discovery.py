@@ -19,6 +19,11 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.services.addressing import Address, message_ids
 from mavstack.services.heartbeat.address_conflict import AddressConflictDetector
+from mavstack.services.heartbeat.admission import (
+    MAX_COMPONENTS,
+    NewComponentLimit,
+    components_to_remove,
+)
 from mavstack.services.heartbeat.boot_time_filter import BootTimeFilter
 from mavstack.services.heartbeat.boot_tracker import CONFLICT_ENDS_AFTER, Finding
 from mavstack.services.heartbeat.component_info import HEARTBEAT_TIMEOUT, ComponentInfo
@@ -40,8 +45,9 @@ if TYPE_CHECKING:
 
     from mavstack.wire import Packet
 
-#: Real networks are far smaller; further components are ignored.
-MAX_COMPONENTS = 4096
+#: A table with more components is checked for lost ones once per this interval, in seconds, at most.
+MANY_COMPONENTS = 300
+MANY_INTERVAL = 0.5
 
 _WITH_BOOT_TIME = (
     common.SystemTime,
@@ -60,6 +66,7 @@ class Discovery(Service):
         local: The local component.
         is_echo: Returns True for a packet of the local component that came back over the network.
         channel_name: Returns the name of the channel of the packet that is being received.
+        is_verified: Returns True for an address whose packets are verified by their signatures.
     """
 
     handles = message_ids(common.Heartbeat, common.HighLatency2, common.AutopilotVersion, *_WITH_BOOT_TIME)
@@ -71,10 +78,12 @@ class Discovery(Service):
         *,
         is_echo: Callable[[Packet], bool] = lambda packet: True,
         channel_name: Callable[[], str] = lambda: "",
+        is_verified: Callable[[Address], bool] = lambda address: False,
     ) -> None:
         super().__init__(local)
         self.components: dict[Address, ComponentInfo] = {}
-        self._is_echo, self._channel_name = is_echo, channel_name
+        self._is_echo, self._channel_name, self._is_verified = is_echo, channel_name, is_verified
+        self._limit = NewComponentLimit()
         self._detectors: dict[Address, AddressConflictDetector] = {}
         self._filters: dict[tuple[int, int], BootTimeFilter] = {}  # of components that send boot times
         self._own_address_used_at: float | None = None
@@ -147,6 +156,8 @@ class Discovery(Service):
                 self._lose(info, f"silent for {info.timeout:g} s")
         alive = (info for info in self.components.values() if info.alive)
         self._check_at = min((info.last_seen + info.timeout for info in alive), default=None)
+        if self._check_at is not None and len(self.components) > MANY_COMPONENTS:
+            self._check_at = max(self._check_at, now + MANY_INTERVAL)  # a check visits all of them
 
     def _heartbeat_received(self, address: Address, heartbeat: common.Heartbeat, now: float) -> None:
         known = self.components.get(address)
@@ -182,8 +193,14 @@ class Discovery(Service):
             self._update(info, now - known.last_seen)
 
     def _add(self, info: ComponentInfo) -> bool:
-        if len(self.components) >= MAX_COMPONENTS or 0 in info.address:
+        if 0 in info.address:
             return False
+        is_verified = self._is_verified(info.address)
+        if not is_verified and not self._limit.admits(self._channel_name(), info.last_seen):
+            return False
+        if len(self.components) >= MAX_COMPONENTS:
+            for removed in components_to_remove(self.components.values(), self._is_verified):
+                self._remove(removed)
         self.components[info.address] = info
         self._detectors[info.address] = AddressConflictDetector()
         self._check_at = earliest(self._check_at, info.last_seen + info.timeout)
@@ -203,6 +220,13 @@ class Discovery(Service):
         self._filters.pop(info.address, None)
         self.components[info.address] = lost = replace(info, alive=False)
         self.emit(ComponentLost(lost, reason))
+
+    def _remove(self, info: ComponentInfo) -> None:
+        """Forget a component to make room for another one."""
+        if info.alive:
+            self._lose(info, "too many components")
+        for register in (self.components, self._detectors, self._filters):
+            register.pop(info.address, None)
 
     def _report(self, address: Address, finding: Finding, now: float) -> None:
         match finding:
