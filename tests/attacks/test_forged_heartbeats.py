@@ -48,7 +48,7 @@ def test_a_flood_before_a_vehicle_comes():
 
 
 @pytest.mark.parametrize("seconds", [12])
-def test_a_flood_that_goes_on_over_another_channel(seconds):
+def test_a_flood_that_continues_over_another_channel(seconds):
     station = Station()
     found_at = None
     for number in range(seconds * 1000):
