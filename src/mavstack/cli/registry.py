@@ -6,10 +6,11 @@ when it is needed, so that `mav --help` loads none of them.
 
 from __future__ import annotations
 
+import re
 from argparse import ArgumentParser, RawDescriptionHelpFormatter, _SubParsersAction
 from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, cast
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, cast
 
 from mavstack.cli.common.log_output import add_logging_options
 
@@ -65,10 +66,18 @@ def load_command(name: str) -> CommandModule:
     return cast("CommandModule", import_module(COMMANDS[name].module))
 
 
+class CommandParser(ArgumentParser):
+    """A parser that takes words such as -35.3,149.1 for values, not for options."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 (those of ArgumentParser)
+        super().__init__(*arguments, **options)
+        self._negative_number_matcher = re.compile(r"-\.?\d")
+
+
 def command_parser(name: str) -> ArgumentParser:
     """Return the argument parser of a command; this imports the command's module."""
     module, summary = load_command(name), COMMANDS[name].summary
-    parser = ArgumentParser(
+    parser = CommandParser(
         prog=f"mav {name}",
         description=summary[0].upper() + summary[1:] + ".",
         epilog=module.EXAMPLES,

@@ -126,7 +126,9 @@ def test_get_a_directory_tree(mav, harness, tmp_path):
 
 def test_put_compares_checksums(mav, harness, tmp_path):
     (tmp_path / "x.lua").write_bytes(noise(9000))
-    assert mav("ftp", "put", "x.lua", "/APM/scripts").out == "x.lua -> /APM/scripts/x.lua (9.0 kB)\n"
+    assert (
+        mav("ftp", "put", "x.lua", "/APM/scripts").out == "vehicle 1: x.lua -> /APM/scripts/x.lua (9.0 kB)\n"
+    )
     assert harness.file("/APM/scripts/x.lua") == noise(9000)
     crc = json.loads(mav("ftp", "crc", "/APM/scripts/x.lua", "--json").out)["crc"]
     assert crc == file_crc32(noise(9000))
@@ -213,3 +215,15 @@ def test_partial_data_of_another_file_is_downloaded_again(mav, harness, tmp_path
 def test_refused_download_leaves_no_file(mav, harness, tmp_path):
     assert mav("ftp", "get", "@PARAM/nope").code == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_tree_without_end_makes_no_local_directories(mav, harness, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for number in range(30):
+        harness.put(f"/many/{number}/x", b"x")
+    result = mav("ftp", "get", "-r", "/many", "--max-entries", 20)
+    assert result.code == 1
+    assert result.err == "mav ftp: /many has more than 20 entries; --max-entries sets the limit\n"
+    assert list(tmp_path.iterdir()) == []
+    assert mav("ftp", "get", "-r", "/many").code == 0
+    assert len(list(tmp_path.rglob("x"))) == 30

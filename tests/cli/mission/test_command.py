@@ -104,9 +104,9 @@ def test_uploaded_plans_are_downloaded_equal(mav, field):
     result = mav("mission", "upload", "flight.plan", "--verify")
     assert (result.code, result.err) == (0, "")
     assert result.out.splitlines() == [
-        "fence: 6 items uploaded and verified",
-        "rally points: 2 items uploaded and verified",
-        "mission: 5 items uploaded and verified",
+        "vehicle 1: fence: 6 items uploaded and verified",
+        "vehicle 1: rally points: 2 items uploaded and verified",
+        "vehicle 1: mission: 5 items uploaded and verified",
     ]
     result = mav("mission", "download", "back.plan")
     assert (result.code, result.err) == (0, "")
@@ -121,7 +121,9 @@ def test_uploaded_plans_are_downloaded_equal(mav, field):
 
 
 def test_jump_targets_follow_the_numbering_of_the_vehicle(mav, field):
-    assert mav("mission", "upload", "flight.plan", "--mission").out == "mission: 5 items uploaded\n"
+    assert (
+        mav("mission", "upload", "flight.plan", "--mission").out == "vehicle 1: mission: 5 items uploaded\n"
+    )
     held = field.vehicle.plans.get(PlanType.MISSION)
     jump = next(item for item in held.items if item.command == common.MavCmd.DO_JUMP)
     target = held.items[int(jump.param1)]
@@ -157,7 +159,10 @@ def test_json_output_can_be_uploaded(mav, copter, files):
     assert (shown.code, shown.err) == (0, "")
     assert json.loads(shown.out)["problems"] == []
     (files / "shown.json").write_text(shown.out)
-    assert mav("mission", "clear", "--all").out == "fence: cleared\nrally points: cleared\nmission: cleared\n"
+    assert (
+        mav("mission", "clear", "--all-plans").out
+        == "vehicle 1: fence: cleared\nvehicle 1: rally points: cleared\nvehicle 1: mission: cleared\n"
+    )
     assert json.loads(mav("mission", "show", "--json").out)["mission"] == []
     assert mav("mission", "upload", "shown.json", "--verify").code == 0
     again = json.loads(mav("mission", "show", "--json").out)
@@ -169,7 +174,7 @@ def test_json_output_can_be_uploaded(mav, copter, files):
 def test_start_and_wait_for_completion(mav, field):
     mav("mission", "upload", "hop.waypoints")
     result = mav("mission", "start", "--wait")
-    assert (result.code, result.out, result.err) == (0, "mission: complete\n", "")
+    assert (result.code, result.out, result.err) == (0, "vehicle 1: mission: complete\n", "")
     assert field.vehicle.body.truth.north == pytest.approx(6.5, abs=1.5)
     assert field.vehicle.body.on_ground
 
@@ -177,7 +182,7 @@ def test_start_and_wait_for_completion(mav, field):
 def test_start(mav, field):
     mav("mission", "upload", "flight.waypoints")
     result = mav("mission", "start")
-    assert (result.code, result.out, result.err) == (0, "mission: started\n", "")
+    assert (result.code, result.out, result.err) == (0, "vehicle 1: mission: started\n", "")
     assert field.vehicle.autopilot.armed
 
 
@@ -193,7 +198,7 @@ def test_start_without_a_mission_does_not_arm(mav, field):
 
 def test_clear_deletes_only_the_mission(mav, copter):
     mav("mission", "upload", "flight.plan")
-    assert mav("mission", "clear").out == "mission: cleared\n"
+    assert mav("mission", "clear").out == "vehicle 1: mission: cleared\n"
     shown = json.loads(mav("mission", "show", "--json").out)
     assert [len(shown[key]) for key in ("mission", "fence", "rally")] == [0, 6, 2]
 
@@ -308,7 +313,7 @@ def test_invalid_plan_is_not_uploaded(mav, copter, files):
     )
     result = mav("mission", "upload", "bad.plan", "--force")
     assert result.code == 1
-    assert result.out == "fence: 6 items uploaded\nrally points: 2 items uploaded\n"
+    assert result.out == "vehicle 1: fence: 6 items uploaded\nvehicle 1: rally points: 2 items uploaded\n"
     assert "INVALID_PARAM" in result.err
     assert result.err.count("\n") == 1
 
@@ -365,7 +370,7 @@ def test_refused_fence_stops_the_upload(mav, monkeypatch):
     use(monkeypatch, Refuser(PlanType.FENCE, _RESULT.NO_SPACE).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
     assert result.code == 1
-    assert result.out == "rally points: not sent\nmission: not sent\n"
+    assert result.out == "vehicle 1: rally points: not sent\nvehicle 1: mission: not sent\n"
     assert result.err.startswith("mav mission: uploading the fence to 1/1 failed: NO_SPACE")
     assert result.err.count("\n") == 1
 
@@ -373,14 +378,17 @@ def test_refused_fence_stops_the_upload(mav, monkeypatch):
 def test_refused_mission_is_reported_after_uploaded_plans(mav, monkeypatch):
     use(monkeypatch, Refuser(PlanType.MISSION, _RESULT.UNSUPPORTED).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
-    assert (result.code, result.out) == (1, "fence: 6 items uploaded\nrally points: 2 items uploaded\n")
+    assert (result.code, result.out) == (
+        1,
+        "vehicle 1: fence: 6 items uploaded\nvehicle 1: rally points: 2 items uploaded\n",
+    )
     assert result.err.startswith("mav mission: uploading the mission to 1/1 failed: UNSUPPORTED")
 
 
 def test_refused_clear(mav, monkeypatch):
     use(monkeypatch, Refuser(PlanType.RALLY, _RESULT.DENIED).run_on_vehicle)
-    result = mav("mission", "clear", "--all")
-    assert (result.code, result.out) == (1, "fence: cleared\nmission: not cleared\n")
+    result = mav("mission", "clear", "--all-plans")
+    assert (result.code, result.out) == (1, "vehicle 1: fence: cleared\nvehicle 1: mission: not cleared\n")
     assert result.err.startswith("mav mission: clearing the rally points on 1/1 failed: DENIED")
 
 
@@ -424,7 +432,7 @@ def test_verify_reports_a_difference(mav, monkeypatch):
     use(monkeypatch, Forgetful(None, 0).run_on_vehicle)
     result = mav("mission", "upload", "area.fen", "--verify")
     assert result.code == 1
-    assert result.out == "fence: 5 items uploaded\n"
+    assert result.out == "vehicle 1: fence: 5 items uploaded\n"
     assert "item 0 (NAV_FENCE_POLYGON_VERTEX_INCLUSION) differs: param 5 is 47.4001 instead" in result.err
     assert result.err.count("\n") == 1
 

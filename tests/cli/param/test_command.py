@@ -26,6 +26,7 @@ def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
         "SYSID_THISMAV": "MAV_SYS_ID",
         "RTL_ALT": "RTL_RETURN_ALT",
         "3000": "45",
+        "1,3-5": "1",
         "RTL_ALT=3000": "RTL_RETURN_ALT=45",
         "RTL_SPEED=500": "RTL_DESCEND_ALT=20",
         "ATC*": "MC*",
@@ -34,7 +35,7 @@ def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, firmware):
     (tmp_path / "before.param").write_text("RTL_ALT,1\nOLD,2\n")
     (tmp_path / "after.params").write_text("1\t1\tRTL_ALT\t2\t6\n")
     for example in examples_of(EXAMPLES):
-        words = [of_px4.get(word, word) if firmware == "px4" else word for word in example]
+        words = [of_px4.get(word, word) if firmware == "px4" or "," in word else word for word in example]
         result = mav(*words)
         assert result.code == (1 if "--exit-code" in words else 0), (words, result)
         assert result.out or "watch" in words, words
@@ -70,14 +71,17 @@ def test_unknown_parameter(mav, harness):
 def test_get_shows_the_readable_parameters(mav, harness):
     result = mav("param", "get", "rtl_alt", "NOPE")
     assert (result.code, result.out) == (1, "RTL_ALT  1500  int32\n")
-    assert result.err.startswith("mav param: reading parameter NOPE of 1/1 failed")
+    assert result.err.startswith("mav param: vehicle 1: reading parameter NOPE of 1/1 failed")
     assert result.err.count("\n") == 1
 
 
 def test_set(mav, harness):
-    assert mav("param", "set", "rtl_alt", "3000").out == "RTL_ALT: 1500 -> 3000\n"
-    assert mav("param", "set", "RTL_ALT", "3000").out == "RTL_ALT: 3000, unchanged\n"
-    assert mav("param", "set", "FRAME_CLASS=2").out == "FRAME_CLASS: 1 -> 2; takes effect after a reboot\n"
+    assert mav("param", "set", "rtl_alt", "3000").out == "vehicle 1: RTL_ALT: 1500 -> 3000\n"
+    assert mav("param", "set", "RTL_ALT", "3000").out == "vehicle 1: RTL_ALT: 3000, unchanged\n"
+    assert (
+        mav("param", "set", "FRAME_CLASS=2").out
+        == "vehicle 1: FRAME_CLASS: 1 -> 2; takes effect after a reboot\n"
+    )
     told = json.loads(mav("param", "set", "PSC_POSZ_P", "0.7", "--json").out)
     assert (told["name"], told["value"], told["before"], told["needs_reboot"]) == (
         "PSC_POSZ_P",
@@ -90,8 +94,8 @@ def test_set(mav, harness):
 
 def test_set_continues_after_a_refusal(mav, harness):
     result = mav("param", "set", "STAT_BOOTCNT=9", "RTL_ALT=2000")
-    assert (result.code, result.out) == (1, "RTL_ALT: 1500 -> 2000\n")
-    assert result.err.startswith("mav param: setting parameter STAT_BOOTCNT to 9 on 1/1 failed")
+    assert (result.code, result.out) == (1, "vehicle 1: RTL_ALT: 1500 -> 2000\n")
+    assert result.err.startswith("mav param: vehicle 1: setting parameter STAT_BOOTCNT to 9 on 1/1 failed")
     assert "READ_ONLY" in result.err
     assert result.err.count("\n") == 1
 
@@ -149,9 +153,10 @@ def test_no_vehicle(mav, harness):
 
 def test_save(mav, harness, tmp_path):
     path = tmp_path / "a.params"
-    assert mav("param", "save", path, "RTL*").out == f"8 parameters in {path}\n"
+    assert mav("param", "save", path, "RTL*").out == f"vehicle 1: 8 parameters in {path}\n"
     told = json.loads(mav("param", "save", path, "--json").out)
     assert told == {
+        "system": 1,
         "file": str(path),
         "format": "qgroundcontrol",
         "parameters": len(harness.vehicle.parameters),
@@ -185,7 +190,7 @@ def test_load_reports_the_outcome_of_each_parameter(mav, harness, tmp_path):
     dry = mav("param", "load", path, "--dry-run")
     assert dry.code == 1
     assert dry.out.splitlines()[-1].startswith(
-        "2 to be set, 1 unchanged, 1 skipped, 1 refused, 1 unknown; nothing"
+        "vehicle 1: 2 to be set, 1 unchanged, 1 skipped, 1 refused, 1 unknown; nothing"
     )
     assert harness.vehicle.parameters["RTL_ALT"] == 1500
     result = mav("param", "load", path)
@@ -194,7 +199,7 @@ def test_load_reports_the_outcome_of_each_parameter(mav, harness, tmp_path):
     lines = result.out.splitlines()
     assert [line.split() for line in lines[:-1]] == expected
     counts = "2 set, 1 unchanged, 1 skipped, 1 refused, 1 unknown"
-    assert lines[-1] == f"{counts}; --all also sets the skipped ones; reboot the vehicle"
+    assert lines[-1] == f"vehicle 1: {counts}; --everything also sets the skipped ones; reboot the vehicle"
     assert harness.vehicle.parameters["RTL_ALT"] == 3000
     again = mav("param", "load", path, "RTL*", "--json")
     told = json.loads(again.out)
@@ -209,7 +214,7 @@ def test_load_all_sets_vehicle_specific_parameters(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("COMPASS_OFS_X,12.5\n")
     assert "skipped" in mav("param", "load", path).out
-    assert mav("param", "load", path, "--all").out.startswith("COMPASS_OFS_X  ")
+    assert mav("param", "load", path, "--everything").out.startswith("COMPASS_OFS_X  ")
     assert harness.vehicle.parameters["COMPASS_OFS_X"] == 12.5
 
 
@@ -242,7 +247,7 @@ def test_diff_with_the_vehicle(mav, harness, tmp_path):
     result = mav("param", "diff", path, "--exit-code")
     assert result.code == 1
     assert [line.split() for line in result.out.splitlines()][:2] == [
-        [str(path), "vehicle"],
+        [str(path), "vehicle", "1"],
         ["RTL_ALT", "1500", "1501"],
     ]
     told = json.loads(mav("param", "diff", path, "--json").out)
@@ -253,8 +258,10 @@ def test_diff_with_some_parameters_of_the_vehicle(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("RTL_ALT,1500\n")
     others = len(harness.vehicle.parameters) - 1
-    assert mav("param", "diff", path).out == f"1 equal, {others} only on the vehicle (--all shows them)\n"
-    assert len(mav("param", "diff", path, "--all").out.splitlines()) == others + 2
+    assert mav("param", "diff", path).out == (
+        f"vehicle 1: 1 equal, {others} only on the vehicle (--everything shows them)\n"
+    )
+    assert len(mav("param", "diff", path, "--everything").out.splitlines()) == others + 2
 
 
 def test_diff_of_two_files(mav, tmp_path):
@@ -269,7 +276,7 @@ def test_diff_of_two_files(mav, tmp_path):
             {"name": "C", "ours": None, "theirs": 4},
         ],
     }
-    assert len(json.loads(mav("param", "diff", one, other, "--json", "--all").out)["different"]) == 3
+    assert len(json.loads(mav("param", "diff", one, other, "--json", "--everything").out)["different"]) == 3
 
 
 @pytest.mark.nightly
@@ -284,7 +291,7 @@ def test_watch_shows_changes_of_another_station(mav, harness):
     assert (result.code, result.out, result.err) == (0, "RTL_ALT: 1500 -> 2222\n", "")
     harness.vehicle.parameters.set("RTL_ALT", 1500)
     told = json.loads(mav("param", "watch", "RTL*", "--for", "60", "--json").out)
-    assert told == {"name": "RTL_ALT", "value": 2222, "type": "INT32", "before": 1500}
+    assert told == {"system": 1, "name": "RTL_ALT", "value": 2222, "type": "INT32", "before": 1500}
 
 
 def cut_at(harness, name):
@@ -308,7 +315,7 @@ def test_vehicle_falls_silent_during_load(mav, harness, tmp_path):
 def test_vehicle_falls_silent_during_set(mav, harness):
     cut_at(harness, "RTL_ALT")
     result = mav("param", "set", "RTL_ALT=2000", "RTL_SPEED=5")
-    assert (result.code, result.out) == (1, "RTL_ALT: 1500 -> 2000\n")
-    assert result.err.startswith("mav param: reading parameter RTL_SPEED of 1/1 failed ")
+    assert (result.code, result.out) == (1, "vehicle 1: RTL_ALT: 1500 -> 2000\n")
+    assert result.err.startswith("mav param: vehicle 1: reading parameter RTL_SPEED of 1/1 failed ")
     assert result.err.endswith(" attempts: no answer\n")
     assert result.err.count("\n") == 1

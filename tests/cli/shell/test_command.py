@@ -10,9 +10,10 @@ import pytest
 from mavstack.cli.shell import command as shell
 from mavstack.cli.shell.command import EXAMPLES
 from mavstack.cli.shell.registry import COMMANDS
+from mavstack.cli.shell.session import Command
 from mavstack.links import MemoryNetwork
 from mavstack.node import forwarding
-from tests.cli.harness import COPTER, PX4_COPTER
+from tests.cli.harness import COPTER, PX4_COPTER, CliHarness
 from tests.vehicle.world import named
 
 
@@ -65,7 +66,7 @@ def test_no_vehicle_is_a_failure(simulate, mav):
     simulate()
     result = mav("shell", "--system", 9, "--timeout", 2, "--command", "info")
     assert result.code == 1
-    assert result.err.splitlines()[-1].startswith("mav shell: waiting for vehicle 9")
+    assert result.err.splitlines()[-1].startswith("waiting for vehicle 9")
 
 
 def test_selected_vehicle(simulate, mav):
@@ -90,9 +91,8 @@ def test_output_option(simulate, mav, monkeypatch):
     async def open_station(session, words):
         await station.open()
 
-    monkeypatch.setattr(
-        shell, "COMMANDS", {**COMMANDS, "station": type("C", (), {"run": staticmethod(open_station)})}
-    )
+    command = Command("station", "", "open the ground station", open_station, needs_vehicle=False)
+    monkeypatch.setattr(shell, "COMMANDS", {**COMMANDS, "station": command})
     result = mav("shell", "--out", "udpout://127.0.0.1:9", "--command", "station; sleep 2; output list")
     assert result.code == 0
     assert result.out.split()[:3] == ["0", "memory://pair", "1"]
@@ -150,3 +150,11 @@ def test_examples_of_each_shell_command_run(simulate, mav, command, tmp_path, mo
         before + "; ".join(line.replace(";", r"\;") if '"' not in line else line for line in lines),
     )
     assert result.code == 0, result.err
+
+
+def test_help_needs_no_vehicle(mav, monkeypatch):
+    harness = CliHarness(monkeypatch)
+    harness.simulation.vehicles[0].cut(True)
+    result = mav("shell", "--command", "help", "--timeout", 1)
+    assert (result.code, result.err) == (0, "")
+    assert "takeoff" in result.out

@@ -133,3 +133,8 @@ def test_runs_without_stdin():
         command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False
     )
     assert (result.returncode, result.stderr) == (0, "")
+
+
+def test_value_that_begins_with_a_minus_sign(mav):
+    words = ("--for", "1", "--speed", "max", "--out", "udpout://127.0.0.1:9")
+    assert mav("sim", "--home", "-35.3,149.1,584,0", *words).code == 0

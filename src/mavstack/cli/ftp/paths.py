@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Depth of a directory tree; only a directory that contains itself is deeper.
 MAX_DEPTH = 32
+#: Files and directories of a tree; a hostile vehicle could list them without end.
+DEFAULT_MAX_ENTRIES = 10_000
 _WILD = frozenset("*?[")
 _FORBIDDEN = frozenset('/\\:*?"<>|')
 
@@ -86,15 +88,28 @@ async def look_up(ftp: Ftp, path: str) -> Entry:
     return Entry(name, is_directory=True)
 
 
-async def walk(ftp: Ftp, top: RemotePath, depth: int = 0) -> AsyncIterator[RemotePath]:
-    """Yield an entry and all entries below it, each directory before its contents."""
-    yield top
-    if top.entry.is_directory:
-        if depth >= MAX_DEPTH:
-            raise CommandError(f"{top.path}: the directories are nested too deeply")
-        for entry in await ftp.list(top.path):
-            async for found in walk(ftp, RemotePath(join(top.path, entry.name), entry), depth + 1):
-                yield found
+async def walk(
+    ftp: Ftp, top: RemotePath, max_entries: int = DEFAULT_MAX_ENTRIES
+) -> AsyncIterator[RemotePath]:
+    """Yield an entry and all entries below it, each directory before its contents.
+
+    Raises:
+        CommandError: There are more entries than `max_entries`, or the directories are nested too deeply.
+    """
+    waiting, count = [(top, 0)], 0
+    while waiting:
+        found, depth = waiting.pop()
+        count += 1
+        if count > max_entries:
+            raise CommandError(
+                f"{top.path} has more than {max_entries} entries; --max-entries sets the limit"
+            )
+        yield found
+        if found.entry.is_directory:
+            if depth >= MAX_DEPTH:
+                raise CommandError(f"{found.path}: the directories are nested too deeply")
+            entries = [RemotePath(join(found.path, each.name), each) for each in await ftp.list(found.path)]
+            waiting += [(each, depth + 1) for each in reversed(entries)]
 
 
 def local_name(name: str) -> str:

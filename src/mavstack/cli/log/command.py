@@ -12,6 +12,7 @@ from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.output import align_columns, echo, echo_json, echo_question
+from mavstack.cli.common.selection import of_vehicle
 from mavstack.cli.common.text import size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download
@@ -59,7 +60,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         default="auto",
         help="MAVLink FTP, which is faster, or log messages (default: FTP if the file of the log is known)",
     )
-    erase_parser = add_vehicle_action(actions, "erase", "erase all logs", erase)
+    erase_parser = add_vehicle_action(actions, "erase", "erase all logs", erase, changes=True)
     erase_parser.add_argument("-y", "--yes", action="store_true", help="do not ask for confirmation")
 
 
@@ -122,9 +123,10 @@ def erase(arguments: Namespace) -> int:
         await vehicle.logs.erase()
         left = await vehicle.logs.list()
         if arguments.json:
-            echo_json({"erased": len(logs), "left": len(left)})
+            echo_json({"system": vehicle.system, "erased": len(logs), "left": len(left)})
         else:
-            echo(f"{len(logs)} logs erased" + (f", {len(left)} left" if left else ""))
+            text = f"{len(logs)} logs erased" + (f", {len(left)} left" if left else "")
+            echo(of_vehicle(vehicle, text))
         return 0
 
     return run_on_vehicle(arguments, work)

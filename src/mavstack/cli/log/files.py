@@ -11,6 +11,7 @@ from collections import Counter
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from mavstack.cli.common.errors import CommandError
 from mavstack.cli.ftp.paths import RemotePath, walk
 from mavstack.dialects import common
 from mavstack.errors import RemoteError
@@ -49,7 +50,7 @@ async def log_files(vehicle: Vehicle) -> list[RemotePath]:
     top = RemotePath(directory, Entry(directory, is_directory=True))
     try:
         return [each async for each in walk(vehicle.ftp, top) if each.path.lower().endswith(suffix.lower())]
-    except RemoteError:
+    except (RemoteError, CommandError):
         return []
 
 

@@ -20,12 +20,13 @@ examples:
   mav mission upload flight.plan
   mav mission upload flight.waypoints --verify
   mav mission upload area.fen --fence
+  mav mission upload flight.plan --systems 1-3
   mav mission download flight.plan
   mav mission download > flight.waypoints
   mav mission download --fence --format fence
   mav mission clear
   mav mission clear --fence --rally
-  mav mission clear --all
+  mav mission clear --all-plans
   mav mission start
   mav mission start --wait
   mav mission show
@@ -45,7 +46,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     _add_plan_types(action, "the plans of the file")
     action.add_argument("--verify", action="store_true", help="download the plans again, and compare")
     action.add_argument("--force", action="store_true", help="upload plans in which errors were found")
-    add_connection_options(action)
+    add_connection_options(action, fleet=True, changes=True)
     action = actions.add(
         "download", "download plans of the vehicle to a file or to standard output", download
     )
@@ -57,10 +58,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_connection_options(action)
     action = actions.add("clear", "delete plans of the vehicle", clear)
     _add_plan_types(action, "the mission", with_all=True)
-    add_connection_options(action)
+    add_connection_options(action, fleet=True, changes=True)
     action = actions.add("start", "arm if needed, and fly the mission", start)
     action.add_argument("--wait", action="store_true", help="wait until the mission is complete")
-    add_connection_options(action)
+    add_connection_options(action, fleet=True, changes=True)
     action = actions.add("show", "show the plans of a file or of the vehicle", show)
     action.add_argument("file", nargs="?", metavar="FILE", help="plan file (default: ask the vehicle)")
     _add_plan_types(action, "all plans")
@@ -95,7 +96,7 @@ def _add_plan_types(parser: ArgumentParser, default: str, *, with_all: bool = Fa
         group.add_argument(name, **options, help=text)
     if with_all:
         group.add_argument(
-            "--all", dest="plan_types", action="store_const", const=PLAN_TYPES, help="all three"
+            "--all-plans", dest="plan_types", action="store_const", const=PLAN_TYPES, help="all three"
         )
 
 

@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any, Final
 from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.output import echo
+from mavstack.cli.common.selection import of_vehicle
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.mission.files import STANDARD, read, save, select_plan_types, validate
+from mavstack.cli.vehicle.interruption import notice_of_interruption
 from mavstack.dialects import common
 from mavstack.errors import MavstackError, MissionDenied, RemoteError, RemoteProtocolError
 from mavstack.files.plans import Home, PlanFile, Settings, format_of
@@ -51,7 +53,10 @@ def upload(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> int:
         return await _each(
-            chosen, "not sent", lambda plan_type: _upload(vehicle, plan, plan_type, verify=arguments.verify)
+            vehicle,
+            chosen,
+            "not sent",
+            lambda plan_type: _upload(vehicle, plan, plan_type, verify=arguments.verify),
         )
 
     return run_on_vehicle(arguments, work)
@@ -80,7 +85,7 @@ def clear(arguments: Namespace) -> int:
     chosen = arguments.plan_types or [PlanType.MISSION]
 
     async def work(vehicle: Vehicle) -> int:
-        return await _each(chosen, "not cleared", lambda plan_type: _clear(vehicle, plan_type))
+        return await _each(vehicle, chosen, "not cleared", lambda plan_type: _clear(vehicle, plan_type))
 
     return run_on_vehicle(arguments, work)
 
@@ -91,14 +96,20 @@ def start(arguments: Namespace) -> int:
     async def work(vehicle: Vehicle) -> int:
         if arguments.wait:
             await _require_mission(vehicle)
-            await vehicle.mission.fly()
-            echo("mission: complete")
+            with notice_of_interruption(vehicle, "mission", _prefix(arguments)):
+                await vehicle.mission.fly()
+            echo(of_vehicle(vehicle, "mission: complete"))
         else:
             await start_mission(vehicle)
-            echo("mission: started")
+            echo(of_vehicle(vehicle, "mission: started"))
         return 0
 
     return run_on_vehicle(arguments, work)
+
+
+def _prefix(arguments: Namespace) -> str:
+    """Return the words before a command that stops the vehicle; in a session there are none."""
+    return "" if hasattr(arguments, "session_work") else "mav vehicle "
 
 
 async def start_mission(vehicle: Vehicle) -> None:
@@ -135,7 +146,10 @@ async def download_plans(vehicle: Vehicle, plan_types: Sequence[PlanType], *, st
 
 
 async def _each(
-    chosen: Collection[PlanType], skipped: str, act: Callable[[PlanType], Coroutine[Any, Any, None]]
+    vehicle: Vehicle,
+    chosen: Collection[PlanType],
+    skipped: str,
+    act: Callable[[PlanType], Coroutine[Any, Any, None]],
 ) -> int:
     """Act on each plan in the order of `ORDER`; after a failure report the remaining plans as skipped."""
     remaining = [plan_type for plan_type in ORDER if plan_type in chosen]
@@ -145,21 +159,21 @@ async def _each(
             del remaining[0]
     except MavstackError:
         for plan_type in remaining[1:]:
-            echo(f"{PLAN_NAMES[plan_type]}: {skipped}")
+            echo(of_vehicle(vehicle, f"{PLAN_NAMES[plan_type]}: {skipped}"))
         raise
     return 0
 
 
 async def _clear(vehicle: Vehicle, plan_type: PlanType) -> None:
     await _plans(vehicle, plan_type).clear()
-    echo(f"{PLAN_NAMES[plan_type]}: cleared")
+    echo(of_vehicle(vehicle, f"{PLAN_NAMES[plan_type]}: cleared"))
 
 
 async def _upload(vehicle: Vehicle, plan: PlanFile, plan_type: PlanType, *, verify: bool) -> None:
     wanted = plan.for_vehicle(plan_type, home_first=vehicle.component.mission.home_first)
     with TransferProgress(f"uploading the {PLAN_NAMES[plan_type]}", in_bytes=False) as progress:
         await _plans(vehicle, plan_type).upload(wanted, progress=progress)
-    outcome = f"{PLAN_NAMES[plan_type]}: {_count(plan, plan_type)} uploaded"
+    outcome = of_vehicle(vehicle, f"{PLAN_NAMES[plan_type]}: {_count(plan, plan_type)} uploaded")
     if verify:
         try:
             _compare(vehicle, plan_type, wanted, await _download(vehicle, plan_type, strict=True))

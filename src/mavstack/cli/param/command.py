@@ -9,6 +9,7 @@ from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
+from mavstack.cli.common.selection import of_vehicle, selects_several
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.diff import diff
 from mavstack.cli.param.load import load
@@ -39,10 +40,13 @@ examples:
   mav param get SYSID_THISMAV RTL_ALT
   mav param set RTL_ALT 3000
   mav param set RTL_ALT=3000 RTL_SPEED=500
+  mav param set RTL_ALT 3000 --systems 1,3-5
   mav param save backup.param
+  mav param save 'vehicle-{system}.param' --all
   mav param save tuning.params 'ATC*' 'PSC*'
   mav param load backup.param --dry-run
   mav param load backup.param
+  mav param load tuning.params --all
   mav param diff backup.param
   mav param diff before.param after.params --exit-code
   mav param watch 'RTL*' --for 60
@@ -52,19 +56,34 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "param", EXAMPLES)
-    _add_patterns(add_vehicle_action(actions, "list", "list the parameters of the vehicle", list_all))
-    action = add_vehicle_action(actions, "get", "read parameters from the vehicle", get)
+    _add_patterns(
+        add_vehicle_action(actions, "list", "list the parameters of the vehicle", list_all, fleet=True)
+    )
+    action = add_vehicle_action(actions, "get", "read parameters from the vehicle", get, fleet=True)
     action.add_argument("names", nargs="+", metavar="NAME", help="name of a parameter")
-    action = add_vehicle_action(actions, "set", "set parameters, and verify their values", set_values)
+    action = add_vehicle_action(
+        actions, "set", "set parameters, and verify their values", set_values, fleet=True, changes=True
+    )
     action.add_argument("words", nargs="+", metavar="NAME VALUE", help="or NAME=VALUE; may be repeated")
-    _add_save_arguments(add_vehicle_action(actions, "save", "save the parameters to a file", save))
+    _add_save_arguments(
+        add_vehicle_action(actions, "save", "save the parameters to a file", save, fleet=True)
+    )
     _add_load_arguments(
-        add_vehicle_action(actions, "load", "set the parameters of a file, and show what changed", load)
+        add_vehicle_action(
+            actions,
+            "load",
+            "set the parameters of a file, and show what changed",
+            load,
+            fleet=True,
+            changes=True,
+        )
     )
     _add_diff_arguments(
-        add_vehicle_action(actions, "diff", "compare a file with the vehicle, or with another file", diff)
+        add_vehicle_action(
+            actions, "diff", "compare a file with the vehicle, or with another file", diff, fleet=True
+        )
     )
-    action = add_vehicle_action(actions, "watch", "show parameters when they change", watch)
+    action = add_vehicle_action(actions, "watch", "show parameters when they change", watch, fleet=True)
     _add_patterns(action)
     action.add_argument("--for", dest="duration", type=seconds, metavar="SECONDS", help="end after this time")
 
@@ -80,7 +99,7 @@ def list_all(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> int:
         found = matching(arguments.patterns, await download_parameters(vehicle))
-        show([found[name] for name in sorted(found)], as_json=arguments.json)
+        show(vehicle, [found[name] for name in sorted(found)], arguments)
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -98,8 +117,8 @@ def get(arguments: Namespace) -> int:
             except RemoteError as error:
                 failures.append(error)
         if found:
-            show(found, as_json=arguments.json)
-        return _report_failures(failures)
+            show(vehicle, found, arguments)
+        return _report_failures(vehicle, failures)
 
     return run_on_vehicle(arguments, work)
 
@@ -116,8 +135,8 @@ def set_values(arguments: Namespace) -> int:
             except RemoteError as error:
                 failures.append(error)
             else:
-                _show_set(before, after, as_json=arguments.json)
-        return _report_failures(failures)
+                _show_set(vehicle, before, after, as_json=arguments.json)
+        return _report_failures(vehicle, failures)
 
     return run_on_vehicle(arguments, work)
 
@@ -132,7 +151,7 @@ def watch(arguments: Namespace) -> int:
             async for change in changes:
                 changed = change.previous is not None or change.parameter.name not in known
                 if changed and matches_any(change.parameter.name, arguments.patterns):
-                    _show_change(change.previous, change.parameter, as_json=arguments.json)
+                    _show_change(vehicle, change.previous, change.parameter, arguments)
         return 1  # the connection was closed
 
     async def until_time_is_up(vehicle: Vehicle) -> int:
@@ -152,12 +171,15 @@ async def download_parameters(vehicle: Vehicle) -> Mapping[str, Parameter]:
         return dict(await vehicle.params.download(progress=progress))
 
 
-def show(parameters: list[Parameter], *, as_json: bool) -> None:
-    """Print parameters in columns, or as a JSON array."""
-    if as_json:
-        echo_json([json_parameter(each) for each in parameters])
-    else:
-        echo(*align_columns([parameter_row(each) for each in parameters], right=frozenset({1})))
+def show(vehicle: Vehicle, parameters: list[Parameter], arguments: Namespace) -> None:
+    """Print parameters in columns or as a JSON array; of several vehicles each is named."""
+    several = selects_several(arguments)
+    if arguments.json:
+        found = [json_parameter(each) for each in parameters]
+        echo_json({"system": vehicle.system, "parameters": found} if several else found)
+        return
+    head = [f"vehicle {vehicle.system}:"] if several else []
+    echo(*head, *align_columns([parameter_row(each) for each in parameters], right=frozenset({1})))
 
 
 async def _set(vehicle: Vehicle, name: str, value: Value) -> tuple[Parameter, Parameter]:
@@ -166,27 +188,30 @@ async def _set(vehicle: Vehicle, name: str, value: Value) -> tuple[Parameter, Pa
     return before, await with_status_texts(vehicle, vehicle.params.set(name, value))
 
 
-def _show_set(before: Parameter, after: Parameter, *, as_json: bool) -> None:
+def _show_set(vehicle: Vehicle, before: Parameter, after: Parameter, *, as_json: bool) -> None:
     reboot = needs_reboot(after.name) and before.value != after.value
     if as_json:
-        echo_json({**json_parameter(after), "before": json_value(before), "needs_reboot": reboot})
+        facts = {"before": json_value(before), "needs_reboot": reboot}
+        echo_json({"system": vehicle.system, **json_parameter(after), **facts})
         return
     old, new = value_text(before), value_text(after)
     hint = "; takes effect after a reboot" if reboot else ""
-    echo(f"{after.name}: {new}, unchanged" if old == new else f"{after.name}: {old} -> {new}{hint}")
+    change = f"{new}, unchanged" if old == new else f"{old} -> {new}{hint}"
+    echo(of_vehicle(vehicle, f"{after.name}: {change}"))
 
 
-def _show_change(before: Parameter | None, after: Parameter, *, as_json: bool) -> None:
-    if as_json:
-        echo_json({**json_parameter(after), "before": json_value(before)})
-    else:
-        echo(f"{after.name}: {'?' if before is None else value_text(before)} -> {value_text(after)}")
+def _show_change(vehicle: Vehicle, before: Parameter | None, after: Parameter, arguments: Namespace) -> None:
+    if arguments.json:
+        echo_json({"system": vehicle.system, **json_parameter(after), "before": json_value(before)})
+        return
+    text = f"{after.name}: {'?' if before is None else value_text(before)} -> {value_text(after)}"
+    echo(of_vehicle(vehicle, text) if selects_several(arguments) else text)
 
 
-def _report_failures(failures: list[RemoteError]) -> int:
+def _report_failures(vehicle: Vehicle, failures: list[RemoteError]) -> int:
     """Print a line for each failure and return the exit code."""
     for error in failures:
-        echo(f"mav param: {error}", error=True)
+        echo(f"mav param: {of_vehicle(vehicle, str(error))}", error=True)
     return 1 if failures else 0
 
 
@@ -197,7 +222,11 @@ def _add_patterns(parser: ArgumentParser) -> None:
 
 
 def _add_save_arguments(parser: ArgumentParser) -> None:
-    parser.add_argument("file", metavar="FILE", help="file to write, - for standard output")
+    parser.add_argument(
+        "file",
+        metavar="FILE",
+        help="file to write, - for standard output; {system} in the name stands for the system id",
+    )
     _add_patterns(parser)
     _add_format(parser, "format of the file (default: by its suffix)")
 
@@ -207,7 +236,7 @@ def _add_load_arguments(parser: ArgumentParser) -> None:
     _add_patterns(parser)
     parser.add_argument("--dry-run", action="store_true", help="show what would be set, and set nothing")
     parser.add_argument(
-        "--all",
+        "--everything",
         action="store_true",
         help="also set what belongs to one vehicle: its id, calibration and counters",
     )
@@ -219,7 +248,9 @@ def _add_diff_arguments(parser: ArgumentParser) -> None:
         "files", nargs="+", metavar="FILE", help="file to compare with the vehicle, or two files"
     )
     parser.add_argument(
-        "--all", action="store_true", help="also show counters, and parameters that only the vehicle has"
+        "--everything",
+        action="store_true",
+        help="also show counters, and parameters that only the vehicle has",
     )
     parser.add_argument("--exit-code", action="store_true", help="exit with 1 if there are differences")
 

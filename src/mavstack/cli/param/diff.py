@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import align_columns, coloured, echo, echo_json
+from mavstack.cli.common.selection import of_vehicle
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.text import json_value, parameters_for
 from mavstack.files.parameters import Owner, compare, owner_of, read_parameters, value_text
@@ -37,23 +38,29 @@ def diff(arguments: Namespace) -> int:
         with TransferProgress("downloading parameters", in_bytes=False) as progress:
             theirs = await vehicle.params.download(progress=progress)
         found = compare(parameters_for(ours, arguments.files[0], vehicle), theirs)
-        return _show(found, (arguments.files[0], "vehicle"), arguments, partial=not arguments.all)
+        heads = (arguments.files[0], f"vehicle {vehicle.system}")
+        return _show(found, heads, arguments, vehicle)
 
     return run_on_vehicle(arguments, work)
 
 
-def _show(found: Comparison, heads: tuple[str, str], arguments: Namespace, *, partial: bool = False) -> int:
-    """Print a comparison; with `partial` the parameters of the second side alone are only counted."""
+def _show(
+    found: Comparison, heads: tuple[str, str], arguments: Namespace, vehicle: Vehicle | None = None
+) -> int:
+    """Print a comparison; the parameters that only a vehicle has are counted unless all are wanted."""
+    partial = vehicle is not None and not arguments.everything
     rows: list[Row] = [(each.name, each.ours, each.theirs) for each in found.different]
     rows += [(each.name, each, None) for each in found.only_ours]
     rows += [] if partial else [(each.name, None, each) for each in found.only_theirs]
-    rows = [row for row in rows if arguments.all or owner_of(row[0]) is not Owner.COUNTER]
+    rows = [row for row in rows if arguments.everything or owner_of(row[0]) is not Owner.COUNTER]
     rows.sort(key=itemgetter(0))
     if arguments.json:
-        echo_json(_json(found, rows))
+        system = {} if vehicle is None else {"system": vehicle.system}
+        echo_json({**system, **_json(found, rows)})
     else:
         _print(rows, heads)
-        echo(_summary(found, len(rows), partial=partial))
+        text = _summary(found, len(rows), partial=partial)
+        echo(text if vehicle is None else of_vehicle(vehicle, text))
     return 1 if rows and arguments.exit_code else 0
 
 
@@ -72,7 +79,7 @@ def _print(rows: list[Row], heads: tuple[str, str]) -> None:
 def _summary(found: Comparison, shown: int, *, partial: bool) -> str:
     text = f"{shown} different, {len(found.same)} equal" if shown else f"{len(found.same)} equal"
     if partial and found.only_theirs:
-        text += f", {len(found.only_theirs)} only on the vehicle (--all shows them)"
+        text += f", {len(found.only_theirs)} only on the vehicle (--everything shows them)"
     return text
 
 

@@ -6,7 +6,9 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.connection import run_on_vehicle
+from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import align_columns, coloured, echo, echo_json
+from mavstack.cli.common.selection import of_vehicle, selects_several
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.text import json_value, matching, parameters_for
 from mavstack.files.parameters import Outcome, ParameterLoad, read_parameters, value_text
@@ -22,34 +24,39 @@ _COLOURS = {Outcome.SET: "green", Outcome.SKIPPED: "grey", Outcome.UNCHANGED: "g
 
 def load(arguments: Namespace) -> int:
     """Run `mav param load`."""
+    if arguments.everything and selects_several(arguments):
+        raise UsageError("--everything sets ids and calibration, which several vehicles cannot share")
     file = read_parameters(arguments.file, arguments.format)
 
     async def work(vehicle: Vehicle) -> int:
         wanted = matching(arguments.patterns, parameters_for(file, arguments.file, vehicle))
         task = ParameterLoad(
-            vehicle.params, wanted.values(), everything=arguments.all, dry_run=arguments.dry_run
+            vehicle.params, wanted.values(), everything=arguments.everything, dry_run=arguments.dry_run
         )
         with TransferProgress("downloading parameters", in_bytes=False) as progress:
             try:
                 await task.run(progress=progress)
             finally:
                 if any(each.outcome is not Outcome.UNTRIED for each in task.results):
-                    _show(task.results, arguments)
+                    _show(vehicle, task.results, arguments)
         return 0 if all(each.ok for each in task.results) else 1
 
     return run_on_vehicle(arguments, work)
 
 
-def _show(results: tuple[AppliedParameter, ...], arguments: Namespace) -> None:
+def _show(vehicle: Vehicle, results: tuple[AppliedParameter, ...], arguments: Namespace) -> None:
     if arguments.json:
-        echo_json({"dry_run": arguments.dry_run, "parameters": [_json(each) for each in results]})
+        facts = {"dry_run": arguments.dry_run, "parameters": [_json(each) for each in results]}
+        echo_json({"system": vehicle.system, **facts})
         return
+    lines = []
     rows = [(each, _row(each)) for each in results if each.outcome is not Outcome.UNCHANGED]
     if rows:
-        lines = align_columns([row for _, row in rows])
-        for (result, _), line in zip(rows, lines, strict=True):
-            echo(coloured(line, _COLOURS.get(result.outcome, "red")))
-    echo(_summary(results, dry_run=arguments.dry_run))
+        aligned = align_columns([row for _, row in rows])
+        for (result, _), line in zip(rows, aligned, strict=True):
+            lines.append(coloured(line, _COLOURS.get(result.outcome, "red")))
+    head = [f"vehicle {vehicle.system}:"] if lines and selects_several(arguments) else []
+    echo(*head, *lines, of_vehicle(vehicle, _summary(results, dry_run=arguments.dry_run)))
 
 
 def _row(result: AppliedParameter) -> tuple[str, str, str]:
@@ -69,7 +76,7 @@ def _summary(results: tuple[AppliedParameter, ...], *, dry_run: bool) -> str:
     if dry_run:
         text = text.replace(Outcome.SET.value, "to be set") + "; nothing was sent"
     if counts[Outcome.SKIPPED]:
-        text += "; --all also sets the skipped ones"
+        text += "; --everything also sets the skipped ones"
     if any(each.needs_reboot for each in results) and not dry_run:
         text += "; reboot the vehicle"
     return text

@@ -8,6 +8,7 @@ from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.identity import entry_words
 from mavstack.cli.common.output import echo, echo_json, echo_text
+from mavstack.cli.common.selection import of_vehicle, selects_several
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.param.text import matching
 from mavstack.dialects import common
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from mavstack.vehicle import Vehicle
 
 _STACKS = {common.MavAutopilot.ARDUPILOTMEGA: "ArduPilot", common.MavAutopilot.PX4: "PX4 Pro"}
+#: Stands for the system id in the name of a file.
+_SYSTEM = "{system}"
 #: Seconds to wait for the version, which is written at the head of the file.
 _VERSION_TIMEOUT = 3.0
 
@@ -27,6 +30,8 @@ _VERSION_TIMEOUT = 3.0
 def save(arguments: Namespace) -> int:
     """Run `mav param save`."""
     format_name = _format_name(arguments)
+    if selects_several(arguments) and _SYSTEM not in arguments.file:
+        raise UsageError(f"several vehicles need a file each: put {_SYSTEM} into its name")
 
     async def work(vehicle: Vehicle) -> int:
         with TransferProgress("downloading parameters", in_bytes=False) as progress:
@@ -42,11 +47,12 @@ def save(arguments: Namespace) -> int:
         if arguments.file == "-":
             echo_text(FORMATS[format_name].write(file))
             return 0
-        write_parameters(arguments.file, file, format_name)
+        path = arguments.file.replace(_SYSTEM, str(system))
+        write_parameters(path, file, format_name)
         if arguments.json:
-            echo_json({"file": arguments.file, "format": format_name, "parameters": len(found)})
+            echo_json({"system": system, "file": path, "format": format_name, "parameters": len(found)})
         else:
-            echo(f"{len(found)} parameters in {arguments.file}")
+            echo(of_vehicle(vehicle, f"{len(found)} parameters in {path}"))
         return 0
 
     return run_on_vehicle(arguments, work)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import sys
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.connection import DEFAULT_URL, add_heartbeat_timeout, connection_urls
+from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.options import system_id
+from mavstack.cli.common.selection import require_one_vehicle
 from mavstack.cli.common.stdin_lines import stdin_lines
 from mavstack.cli.shell.control import script_lines
 from mavstack.cli.shell.interactive import line_reader, run_interactive
@@ -65,6 +68,7 @@ def run(arguments: Namespace) -> int:
 
 async def _connect_and_run(arguments: Namespace) -> int:
     async with connect(*connection_urls(arguments)) as connection:
+        announce_exposure("shell", connection.links)
         return await run_shell(connection, arguments)
 
 
@@ -77,10 +81,10 @@ async def run_shell(connection: Connection, arguments: Namespace) -> int:
         if lines is None:
             reader = line_reader(session)
             session.ask = reader.ask
-            await _wait_for_vehicle(session, arguments, required=False)
+            await _look_for_vehicle(session, arguments)
             await run_interactive(session, reader)
             return 0
-        await _wait_for_vehicle(session, arguments)
+        session.wait_for_vehicle = partial(_require_vehicle, session, arguments)
         name = arguments.script or ""
         return 0 if await run_lines(session, lines, name, keep_going=arguments.keep_going) else 1
 
@@ -98,13 +102,26 @@ async def _one_line(line: str) -> AsyncIterator[str]:
     yield line
 
 
-async def _wait_for_vehicle(session: Session, arguments: Namespace, *, required: bool = True) -> None:
-    """Wait for the vehicle; an interactive shell goes on without it."""
+async def _require_vehicle(session: Session, arguments: Namespace) -> None:
+    """Wait for the vehicle of a script and select it.
+
+    Raises:
+        RemoteTimeout: No vehicle is heard in time.
+        UsageError: Several vehicles are heard, and none was selected.
+    """
+    connection = session.connection
+    vehicle = await connection.wait_for_vehicle(arguments.system, timeout=arguments.timeout)
+    if arguments.system is not None:
+        session.select(vehicle.system)
+    elif not session.has_selection:
+        await require_one_vehicle(connection, "select one with --system ID, or `vehicle ID` in the script")
+
+
+async def _look_for_vehicle(session: Session, arguments: Namespace) -> None:
+    """Wait for a vehicle before the first prompt; an interactive shell goes on without it."""
     try:
         vehicle = await session.connection.wait_for_vehicle(arguments.system, timeout=arguments.timeout)
     except RemoteTimeout as error:
-        if required:
-            raise
         report_failure(error)
         return
     if arguments.system is not None:

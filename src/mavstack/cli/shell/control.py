@@ -141,10 +141,12 @@ def _help_of(session: Session, name: str) -> Sequence[str]:
 COMMANDS: Final = (
     Command(
         "help", "[COMMAND]", "list the commands, or show the help of one", show_help, aliases=("?",),
+        needs_vehicle=False,
         examples=("help", "help takeoff"), complete=completion.by_position(completion.commands),
     ),
     Command(
         "set", "[NAME [VALUE]]", "show or change the settings of the shell", settings,
+        needs_vehicle=False,
         examples=("set", "set wait off"),
         details="wait: commands that fly wait until the vehicle has finished. timeout: of commands that fly, "
         "in seconds, 0 for none. severity: status texts of lower severity are hidden. rate: of messages that "
@@ -153,6 +155,7 @@ COMMANDS: Final = (
     ),
     Command(
         "alias", "[list | add NAME LINE | remove NAME]", "give a name to a line of commands", alias,
+        needs_vehicle=False,
         examples=('alias add up "mode guided; arm throttle; takeoff 10"', "alias list", "alias remove up"),
         complete=completion.subcommands(
             {"list": None, "add": None, "remove": completion.by_position(completion.aliases)}
@@ -160,17 +163,25 @@ COMMANDS: Final = (
     ),
     Command(
         "script", "FILE", "run the lines of a file until a command fails", script, aliases=("run",),
+        needs_vehicle=False,
         complete=completion.by_position(completion.local_files),
     ),
     Command(
         "output", "[list | add URL | remove URL|NUMBER]", "forward all packets to other programs and back",
-        output, examples=("output add udpout://127.0.0.1:14551", "output list", "output remove 0"),
+        output, needs_vehicle=False,
+        examples=("output add udpout://127.0.0.1:14551", "output list", "output remove 0"),
         details="A ground station can be connected through the shell: packets are forwarded unchanged in "
         "both directions.",
         complete=completion.subcommands(
             {"list": None, "add": None, "remove": completion.by_position(completion.outputs)}
         ),
     ),
-    Command("sleep", "SECONDS", "wait in a script", sleep, aliases=("delay",), examples=("sleep 2",)),
-    Command("exit", "", "leave the shell", exit_shell, aliases=("quit", "bye"), examples=("exit",)),
+    Command(
+        "sleep", "SECONDS", "wait in a script", sleep, aliases=("delay",), examples=("sleep 2",),
+        needs_vehicle=False,
+    ),
+    Command(
+        "exit", "", "leave the shell", exit_shell, aliases=("quit", "bye"), examples=("exit",),
+        needs_vehicle=False,
+    ),
 )  # fmt: skip

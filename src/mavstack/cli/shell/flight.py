@@ -15,6 +15,7 @@ from mavstack.cli.vehicle.flight_progress import (
     distance_to_place,
     height_above_home,
 )
+from mavstack.cli.vehicle.interruption import notice_of_interruption
 from mavstack.dialects import common
 from mavstack.vehicle.status_text_capture import with_status_texts
 
@@ -36,8 +37,9 @@ def _wait_options(session: Session) -> dict[str, Any]:
 async def _fly(
     session: Session, title: str, action: Awaitable[None], remaining: Remaining | None = None
 ) -> None:
-    async with FlightProgress(session.vehicle, title, remaining):
-        await action
+    with notice_of_interruption(session.vehicle, title):
+        async with FlightProgress(session.vehicle, title, remaining):
+            await action
 
 
 async def arm(session: Session, words: list[str]) -> None:
@@ -48,7 +50,7 @@ async def arm(session: Session, words: list[str]) -> None:
     if options not in ([], ["force"]):
         raise UsageError("usage: arm [throttle] [force]")
     await session.vehicle.arm(force=bool(options))
-    session.print("armed")
+    session.report("armed")
 
 
 async def disarm(session: Session, words: list[str]) -> None:
@@ -56,7 +58,7 @@ async def disarm(session: Session, words: list[str]) -> None:
     if [word.lower() for word in words] not in ([], ["force"]):
         raise UsageError("usage: disarm [force]")
     await session.vehicle.disarm(force=bool(words))
-    session.print("disarmed")
+    session.report("disarmed")
 
 
 async def takeoff(session: Session, words: list[str]) -> None:
@@ -191,7 +193,8 @@ async def reboot(session: Session, words: list[str]) -> None:
         return
     expect_words(words, 0, 0, "reboot [bootloader]")
     session.completion_cache.clear()
-    await session.vehicle.reboot(wait=session.settings.wait)
+    with notice_of_interruption(session.vehicle, "reboot"):
+        await session.vehicle.reboot(wait=session.settings.wait)
 
 
 COMMANDS: Final = (

@@ -6,9 +6,11 @@ import asyncio
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.connection import DEFAULT_HEARTBEAT_TIMEOUT
 from mavstack.cli.common.errors import CommandError, UsageError
 from mavstack.cli.common.field_values import field_texts
 from mavstack.cli.common.output import align_columns
+from mavstack.cli.common.selection import DISCOVERY_TIME
 from mavstack.cli.common.text import size_text
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import expect_words, parse_integer, parse_number
@@ -124,9 +126,16 @@ async def link(session: Session, words: list[str]) -> None:
 async def vehicle(session: Session, words: list[str]) -> None:
     """Run `vehicle 2`, which selects a vehicle, or `vehicle`, which lists them."""
     expect_words(words, 0, 1, "vehicle [SYSTEM]")
+    waiting = session.wait_for_vehicle is not None  # in a script that has not used a vehicle yet
     if words:
-        session.select(parse_integer(words[0], "a system id", _MAX_SYSTEM))
+        system = parse_integer(words[0], "a system id", _MAX_SYSTEM)
+        if waiting:
+            await session.connection.wait_for_vehicle(system, timeout=DEFAULT_HEARTBEAT_TIMEOUT)
+        session.select(system)
         return
+    if waiting:
+        await session.connection.wait_for_vehicle(timeout=DEFAULT_HEARTBEAT_TIMEOUT)
+        await asyncio.sleep(DISCOVERY_TIME)
     rows = [_vehicle_row(session, each) for each in session.connection.vehicles.values()]
     session.print(*(align_columns(rows) if rows else ["no vehicle has been heard yet"]))
 
@@ -205,9 +214,10 @@ COMMANDS: Final = (
         examples=("ready 90",),
     ),
     Command("version", "", "show firmware and board of the vehicle", version, examples=("version",)),
-    Command("link", "", "show the traffic of each link", link, examples=("link",)),
+    Command("link", "", "show the traffic of each link", link, examples=("link",), needs_vehicle=False),
     Command(
         "vehicle", "[SYSTEM]", "select a vehicle; without arguments list the vehicles", vehicle,
+        needs_vehicle=False,
         examples=("vehicle", "vehicle 1"), complete=completion.by_position(completion.systems),
     ),
     Command("ping", "", "measure the round-trip time to the vehicle", ping, examples=("ping",)),

@@ -41,6 +41,8 @@ async def run_words(session: Session, words: list[str]) -> None:
         await _run_nested(session, name, text)
         return
     command = session.commands.get(name.lower())
+    if command is None or command.needs_vehicle:
+        await session.require_vehicle()  # also for the name of a mode, which the vehicle knows
     if command is not None:
         await command.run(session, rest)
     elif name.lower() in known_modes(session) and not rest:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.cli.common.errors import CommandError
 from mavstack.cli.common.output import echo
+from mavstack.cli.common.selection import of_vehicle
 from mavstack.cli.shell.overrides import Overrides
 from mavstack.cli.shell.settings import Settings
 from mavstack.node.forwarding import Forwarding
@@ -38,6 +39,8 @@ class Command:
     aliases: tuple[str, ...] = ()
     examples: tuple[str, ...] = ()
     details: str = ""
+    #: The command acts on the vehicle, so a script waits for one before it.
+    needs_vehicle: bool = True
     complete: Completer | None = None
 
     @property
@@ -58,6 +61,8 @@ class Session:
         self.connection = connection
         #: Asks the user a question; None if the shell is not interactive.
         self.ask: Callable[[str], Awaitable[str]] | None = None
+        #: Waits for the vehicle of a script before the first command that needs one; None: it is there.
+        self.wait_for_vehicle: Callable[[], Awaitable[None]] | None = None
         #: Commands by each of their names.
         self.commands = commands
         self.settings = Settings()
@@ -87,12 +92,23 @@ class Session:
         return next(iter(self.connection.vehicles.values()), None)
 
     @property
+    def has_selection(self) -> bool:
+        """True if a vehicle was selected by its system id."""
+        return self._system is not None
+
+    @property
     def vehicle(self) -> Vehicle:
         """The selected vehicle; raises `CommandError` if there is none."""
         vehicle = self.selected
         if vehicle is None:
             raise CommandError("no vehicle has been heard yet; `link` shows the traffic of each link")
         return vehicle
+
+    async def require_vehicle(self) -> None:
+        """Wait for the vehicle of a script, once."""
+        if self.wait_for_vehicle is not None:
+            await self.wait_for_vehicle()
+            self.wait_for_vehicle = None
 
     def select(self, system: int) -> Vehicle:
         """Select a vehicle by its system id.
@@ -116,6 +132,10 @@ class Session:
     def print(self, *lines: str) -> None:
         """Print the output of a command."""
         echo(*lines)
+
+    def report(self, text: str) -> None:
+        """Print the outcome of a command; if several vehicles are heard, it names the vehicle."""
+        self.print(of_vehicle(self.vehicle, text) if len(self.connection.vehicles) > 1 else text)
 
     async def __aenter__(self) -> Self:
         await self._stack.enter_async_context(self.forwarding)

@@ -87,7 +87,7 @@ async def fence(session: Session, words: list[str]) -> None:
         vehicle = session.vehicle
         asked = vehicle.component.command(common.MavCmd.DO_FENCE_ENABLE, float(verb == "enable"))
         await with_status_texts(vehicle, asked)
-        session.print(f"fence {verb}d")
+        session.report(f"fence {verb}d")
     else:
         await _plan(session, verb, words[1:], "--fence")
 

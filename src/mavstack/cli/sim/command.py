@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.options import seconds, system_id
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.errors import MavstackError
@@ -140,6 +141,7 @@ async def _simulate(arguments: Namespace) -> int:
         async with Runner(simulation, speed=arguments.speed, on_link_down=printer.link_down) as runner:
             links = await _connect(runner, vehicles, arguments)
             printer.begin(vehicles, links)
+            announce_exposure("sim", links)
             await _run(runner, script, printer, arguments.seconds)
     finally:
         simulation.close()
@@ -211,12 +213,12 @@ class EventPrinter:
                     {"system": each.address.system, "type": each.vehicle_type, "firmware": each.firmware}
                     for each in vehicles
                 ],
-                links=[str(link.url) for link in links],
+                links=[link.url.redacted for link in links],
             )
             return
         for vehicle in vehicles:
             echo(f"system {vehicle.address.system}: {vehicle.firmware} {vehicle.vehicle_type}")
-        shown = [str(link.url) for link in links]
+        shown = [link.url.redacted for link in links]
         echo("on " + (", ".join(shown) if len(shown) <= 6 else f"{shown[0]} … {shown[-1]}"))
         echo("type a fault (gps off, battery 15, link off, reboot …), or Ctrl-C to end")
 

@@ -14,7 +14,7 @@ from mavstack.cli.vehicle.flight_progress import (
     distance_to_place,
     height_above_home,
 )
-from mavstack.cli.vehicle.selection import add_selection, run_on_vehicles
+from mavstack.cli.vehicle.outcomes import run_on_vehicles
 from mavstack.cli.vehicle.show import health, info, modes
 
 if TYPE_CHECKING:
@@ -51,22 +51,22 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "vehicle", EXAMPLES)
-    _add_force(_add_action(actions, "arm", "arm the motors", arm))
-    _add_force(_add_action(actions, "disarm", "disarm the motors", disarm))
+    _add_force(_add_timed(actions, "arm", "arm the motors", arm))
+    _add_force(_add_timed(actions, "disarm", "disarm the motors", disarm))
     _add_takeoff(actions)
     _add_flight(actions, "land", "land at the current position", land)
     _add_flight(actions, "rtl", "return to home, and land there", rtl)
-    _add_action(actions, "hold", "hold the position; a fixed wing circles", hold)
+    _add_timed(actions, "hold", "hold the position; a fixed wing circles", hold)
     _add_goto(actions)
     _add_orbit(actions)
-    action = _add_action(actions, "mode", "set the flight mode", mode)
+    action = _add_timed(actions, "mode", "set the flight mode", mode)
     action.add_argument("mode", metavar="NAME", help="name or number of the mode")
     _add_action(actions, "modes", "list the flight modes", modes)
-    action = _add_action(actions, "speed", "set the ground speed", speed)
+    action = _add_timed(actions, "speed", "set the ground speed", speed)
     action.add_argument("speed", type=finite_number, metavar="M/S", help="metres per second")
     action = _add_flight(actions, "yaw", "turn to a heading", yaw)
     action.add_argument("heading", type=finite_number, metavar="DEGREES", help="clockwise from north")
-    action = _add_action(actions, "home", "show or set the home position", home)
+    action = _add_timed(actions, "home", "show or set the home position", home)
     action.add_argument(
         "place", nargs="*", metavar="PLACE", help="here, or LAT LON [ALT] in degrees and metres above sea"
     )
@@ -88,6 +88,7 @@ def _add_takeoff(actions: Actions) -> None:
         metavar="M",
         help="metres above home (default: 10)",
     )
+    _add_override(action)
 
 
 def _add_goto(actions: Actions) -> None:
@@ -122,7 +123,7 @@ def arm(arguments: Namespace) -> int:
     """Run `mav vehicle arm`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.arm(force=arguments.force)
+        await vehicle.arm(force=arguments.force, timeout=arguments.action_timeout)
         return "armed"
 
     return run_on_vehicles(arguments, work)
@@ -132,7 +133,7 @@ def disarm(arguments: Namespace) -> int:
     """Run `mav vehicle disarm`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.disarm(force=arguments.force)
+        await vehicle.disarm(force=arguments.force, timeout=arguments.action_timeout)
         return "disarmed"
 
     return run_on_vehicles(arguments, work)
@@ -143,7 +144,7 @@ def takeoff(arguments: Namespace) -> int:
     altitude = arguments.altitude
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.takeoff(altitude, **_wait_options(arguments))
+        await vehicle.takeoff(altitude, override_limits=arguments.override_limits, **_wait_options(arguments))
         return _outcome(arguments, f"{altitude:g} m above home", f"taking off to {altitude:g} m")
 
     return run_on_vehicles(arguments, work, distance_to_altitude(altitude))
@@ -173,7 +174,7 @@ def hold(arguments: Namespace) -> int:
     """Run `mav vehicle hold`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.hold()
+        await vehicle.hold(timeout=arguments.action_timeout)
         return "holding"
 
     return run_on_vehicles(arguments, work)
@@ -184,7 +185,7 @@ def goto(arguments: Namespace) -> int:
     latitude, longitude, altitude = arguments.latitude, arguments.longitude, arguments.altitude
 
     async def work(vehicle: Vehicle) -> str:
-        options = {"yaw": arguments.yaw, "radius": arguments.radius, **_wait_options(arguments)}
+        options = {"yaw": arguments.yaw, "radius": arguments.radius, **_target_options(arguments)}
         await vehicle.goto(latitude, longitude, altitude, **options)
         return _outcome(arguments, "at the target", "flying to the target")
 
@@ -196,7 +197,7 @@ def orbit(arguments: Namespace) -> int:
     place = arguments.latitude, arguments.longitude, arguments.altitude
 
     async def work(vehicle: Vehicle) -> str:
-        options = {"radius": arguments.radius, "speed": arguments.speed, **_wait_options(arguments)}
+        options = {"radius": arguments.radius, "speed": arguments.speed, **_target_options(arguments)}
         await vehicle.orbit(*place, **options)
         return _outcome(arguments, "on the circle", "flying to the circle")
 
@@ -208,7 +209,7 @@ def mode(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> str:
         name = arguments.mode
-        await vehicle.set_mode(int(name) if name.isdecimal() else name)
+        await vehicle.set_mode(int(name) if name.isdecimal() else name, timeout=arguments.action_timeout)
         return f"mode {vehicle.mode or name}"
 
     return run_on_vehicles(arguments, work)
@@ -218,7 +219,7 @@ def speed(arguments: Namespace) -> int:
     """Run `mav vehicle speed`."""
 
     async def work(vehicle: Vehicle) -> str:
-        await vehicle.set_speed(arguments.speed)
+        await vehicle.set_speed(arguments.speed, timeout=arguments.action_timeout)
         return f"speed set to {arguments.speed:g} m/s"
 
     return run_on_vehicles(arguments, work)
@@ -238,10 +239,11 @@ def yaw(arguments: Namespace) -> int:
 def home(arguments: Namespace) -> int:
     """Run `mav vehicle home`."""
     place = _home_place(arguments.place)
+    arguments.changes = place is not None
 
     async def work(vehicle: Vehicle) -> str:
         if place is not None:
-            await vehicle.set_home(*place)
+            await vehicle.set_home(*place, timeout=arguments.action_timeout)
         else:
             await vehicle.telemetry.request_home()
         where = vehicle.home
@@ -280,6 +282,10 @@ def _wait_options(arguments: Namespace) -> dict[str, Any]:
     return {"wait": arguments.wait, "timeout": arguments.action_timeout}
 
 
+def _target_options(arguments: Namespace) -> dict[str, Any]:
+    return {"override_limits": arguments.override_limits, **_wait_options(arguments)}
+
+
 def _outcome(arguments: Namespace, completed: str, accepted: str) -> str:
     return completed if arguments.wait else accepted
 
@@ -302,8 +308,18 @@ def _home_place(words: list[str]) -> tuple[float, ...] | None:
 def _add_action(
     actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]
 ) -> ArgumentParser:
-    parser = add_vehicle_action(actions, name, summary, run_action)
-    add_selection(parser)
+    """Add an action that changes nothing."""
+    return add_vehicle_action(actions, name, summary, run_action, fleet=True)
+
+
+def _add_timed(
+    actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]
+) -> ArgumentParser:
+    """Add an action that changes something."""
+    parser = add_vehicle_action(actions, name, summary, run_action, fleet=True, changes=True)
+    parser.add_argument(
+        "--action-timeout", type=seconds, metavar="SECONDS", help="fail if the action takes longer"
+    )
     return parser
 
 
@@ -311,12 +327,9 @@ def _add_flight(
     actions: Actions, name: str, summary: str, run_action: Callable[[Namespace], int]
 ) -> ArgumentParser:
     """Add an action that goes on after the vehicle has accepted it."""
-    parser = _add_action(actions, name, summary, run_action)
+    parser = _add_timed(actions, name, summary, run_action)
     parser.add_argument(
         "--no-wait", dest="wait", action="store_false", help="end when the vehicle has accepted the action"
-    )
-    parser.add_argument(
-        "--action-timeout", type=seconds, metavar="SECONDS", help="fail if the action takes longer"
     )
     return parser
 
@@ -325,7 +338,16 @@ def _add_force(parser: ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="override the checks of the vehicle")
 
 
+def _add_override(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--override-limits",
+        action="store_true",
+        help="accept a target beyond the limits of plausible flights",
+    )
+
+
 def _add_place(parser: ArgumentParser) -> None:
+    _add_override(parser)
     parser.add_argument("latitude", type=finite_number, metavar="LAT", help="degrees")
     parser.add_argument("longitude", type=finite_number, metavar="LON", help="degrees")
     parser.add_argument(

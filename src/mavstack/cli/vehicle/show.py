@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.connection import run_on_connection
 from mavstack.cli.common.output import echo, echo_json
+from mavstack.cli.common.selection import mention_other_vehicles, selected_vehicles, selects_several
 from mavstack.cli.vehicle.info import gather_facts, health_facts, page
-from mavstack.cli.vehicle.selection import selected_vehicles, selects_several
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -78,6 +78,8 @@ def _show_each(arguments: Namespace, show: Callable[[Vehicle], Awaitable[None]])
     async def work(connection: Connection) -> int:
         for vehicle in await selected_vehicles(connection, arguments):
             await show(vehicle)
+        if not selects_several(arguments):
+            mention_other_vehicles(connection, vehicle, arguments)
         return 0
 
     return run_on_connection(arguments, work)

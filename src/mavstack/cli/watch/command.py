@@ -9,6 +9,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.options import add_dialect_option, load_dialect, message_ids, seconds, system_id
 from mavstack.cli.common.output import echo
 from mavstack.cli.watch.observer import Observer, Selection
@@ -148,9 +149,10 @@ async def _watch_link(observer: Observer, arguments: Namespace) -> int:
     link = open_link(arguments.source, **options)
     follower = Follower(observer, _printer(arguments) if mode is Mode.LINES else None)
     async with link:
-        await follow_link(link, follower, arguments, duration, str(link.url))
+        announce_exposure("watch", [link])
+        await follow_link(link, follower, arguments, duration, link.url.redacted)
     if mode is Mode.SUMMARY:
-        print_summary(observer, arguments, str(link.url), follower.seconds, follower.note)
+        print_summary(observer, arguments, link.url.redacted, follower.seconds, follower.note)
     _require_packets(follower, link)
     return 0
 
@@ -185,9 +187,11 @@ def _require_packets(follower: Follower, link: Link) -> None:
     waited = f"in {follower.seconds:.1f} s"
     if follower.bytes:
         problem = f"{follower.bytes} bytes received {waited}, but no MAVLink packet"
-        raise LinkError(f"{link.url}: {problem}; check that the sender uses MAVLink, and the baud rate")
+        raise LinkError(
+            f"{link.url.redacted}: {problem}; check that the sender uses MAVLink, and the baud rate"
+        )
     hint = f"; {follower.note}" if follower.note else "; some vehicles send only after --heartbeat"
-    raise LinkError(f"{link.url}: no data received {waited}{hint}")
+    raise LinkError(f"{link.url.redacted}: no data received {waited}{hint}")
 
 
 # output of files and links
