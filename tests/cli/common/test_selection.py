@@ -65,8 +65,10 @@ def test_selected_vehicle_is_changed_and_named(mav, simulate, files):
         "vehicle 2: x.param -> /x.param"
     )
     assert mav("ftp", "mkdir", "/made", "--system", 2).out == "vehicle 2: /made made\n"
-    assert mav("ftp", "rename", "/made", "/moved", "--system", 2).out == "vehicle 2: /made -> /moved\n"
-    assert mav("ftp", "rm", "-r", "/moved", "--system", 2).out == "vehicle 2: /moved removed\n"
+    assert (
+        mav("ftp", "rename", "/x.param", "/y.param", "--system", 2).out == "vehicle 2: /x.param -> /y.param\n"
+    )
+    assert mav("ftp", "rm", "/y.param", "--system", 2).out == "vehicle 2: /y.param removed\n"
     assert mav("log", "erase", "--yes", "--system", 2).out == "vehicle 2: 0 logs erased\n"
     assert mav("shell", "--command", "arm", "--system", 2).out == "vehicle 2: armed\n"
 
