@@ -10,7 +10,7 @@ import mavstack.dialects
 from mavstack.dialects import Dialect, Message, all, ardupilotmega, asluav, common, minimal, storm32  # noqa: A004
 from mavstack.dialects.compare import compare
 from mavstack.dialects.tables import official_names
-from mavstack.errors import UnknownDialectError, UnknownMessageError
+from mavstack.errors import DialectError, UnknownDialectError, UnknownMessageError
 
 DEFINITIONS = Path(mavstack.dialects.__file__).parent / "definitions"
 
@@ -176,3 +176,25 @@ def test_descriptions_of_a_custom_file_are_kept(tmp_path):
     )
     own = Dialect.from_xml(path)["OWN"]
     assert (own.__doc__, own.definition.fields[0].description) == ("A message.", "A field.")
+
+
+DEFINITION = """<?xml version="1.0"?>
+<mavlink><include>common.xml</include><messages>
+  <message id="54321" name="TEXT_ONLY"><field type="uint8_t" name="level">Level.</field></message>
+</messages></mavlink>"""
+
+
+@pytest.mark.parametrize("text", [DEFINITION, DEFINITION.encode(), "\n" + DEFINITION.partition("\n")[2]])
+def test_xml_is_taken_as_text_too(text, tmp_path):
+    dialect = Dialect.from_xml(text)
+    assert dialect[54321].__name__ == "TextOnly"
+    assert dialect[0].__name__ == "Heartbeat"
+    assert Dialect.from_xml(text) is dialect
+    path = tmp_path / "some.xml"
+    path.write_text(DEFINITION)
+    assert Dialect.from_xml(path)[54321].__name__ == "TextOnly"
+
+
+def test_malformed_text_names_the_line():
+    with pytest.raises(DialectError, match=r"<text>:2"):
+        Dialect.from_xml("<mavlink>\n<broken></mavlink>")

@@ -301,3 +301,18 @@ def test_errors_name_a_command_of_the_nodes_dialect(tmp_path) -> None:
             assert component.mission._named(official) is official
 
     run_virtually(work())
+
+
+def test_received_parameters_are_read_by_name() -> None:
+    async def work() -> None:
+        async with Pair() as pair:
+            params = pair.remote.params
+            with pytest.raises(KeyError, match=r"call get\('P_03'\), or download"):
+                _ = params["P_03"]
+            assert "P_03" not in params
+            await params.download()
+            assert params["P_03"].value == 3
+            assert "P_03" in params
+            assert list(params)[:2] == ["P_00", "P_01"]
+
+    run_virtually(work())

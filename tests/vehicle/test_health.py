@@ -11,6 +11,7 @@ from mavstack.errors import CommandDenied, HealthTimeout, RemoteTimeout
 from mavstack.services.statustext import chunks_of
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.harness import reduce_telemetry
+from tests.vehicle.failures.scripted import play as scripted_readiness
 from tests.vehicle.telemetry.stage import ARDUPILOT as AP
 from tests.vehicle.telemetry.stage import PX4 as PX
 from tests.vehicle.telemetry.stage import on_stage
@@ -355,3 +356,61 @@ def test_a_cameras_status_text_is_no_failed_check():
         assert "no film" not in texts_of(stage.vehicle.health)
 
     on_stage(scenario)
+
+
+# Readiness in the mode to be flown
+
+
+@pytest.mark.parametrize("flag", [EKF.POS_HORIZ_ABS, EKF.PRED_POS_HORIZ_ABS, EKF.POS_HORIZ_REL])
+def test_ardupilot_is_ready_once_its_position_is_estimated(flag):
+    async def scenario(made):
+        flags = [EKF.ATTITUDE]
+        made.script.publish(
+            ardupilotmega.EkfStatusReport,
+            lambda now: ardupilotmega.EkfStatusReport(flags=flags[0]),
+            interval=1,
+        )
+        waiting = asyncio.create_task(made.vehicle.wait_until_ready())
+        await made.vehicle.wait_until_ready(mode="ALT_HOLD", timeout=2)
+        await asyncio.sleep(15)
+        assert not waiting.done()
+        assert "horizontal position is not estimated" in texts_of(made.vehicle.health)
+        flags[0] |= flag
+        await asyncio.wait_for(waiting, 3)
+
+    scripted_readiness(scenario, autopilot=AP)
+
+
+def test_ardupilot_without_an_estimator_report_is_ready_by_its_pre_arm_bit():
+    async def scenario(made):
+        await made.vehicle.wait_until_ready(timeout=10)
+
+    scripted_readiness(scenario, autopilot=AP)
+
+
+@pytest.mark.parametrize(("mode", "after"), [("POSCTL", "LOITER"), ("OFFBOARD", "OFFBOARD")])
+def test_px4_without_radio_control_leaves_a_mode_that_needs_sticks(mode, after):
+    async def scenario(made):
+        script = made.script
+        script.enter(mode)
+        script.arm(False)
+
+        def report(now):
+            ready = made.vehicle.mode == "LOITER"
+            return common.SysStatus(
+                onboard_control_sensors_present=BIT.SENSOR_RC_RECEIVER,
+                onboard_control_sensors_enabled=BIT.SENSOR_RC_RECEIVER,
+                onboard_control_sensors_health=BIT.PREARM_CHECK if ready else 0,
+            )
+
+        script._status = report
+        script.publish(common.SysStatus, report, interval=0.5)
+        await asyncio.sleep(2)
+        if after == "LOITER":
+            await made.vehicle.wait_until_ready(timeout=30)
+        else:
+            with pytest.raises(HealthTimeout, match="radio control receiver is not healthy"):
+                await made.vehicle.wait_until_ready(timeout=12)
+        assert made.vehicle.mode == after
+
+    scripted_readiness(scenario, autopilot=PX)

@@ -155,7 +155,7 @@ def test_disarmed_before_the_end_is_an_interruption(state):
         await asyncio.sleep(5)
         made.say("Crash: disarming", 0)
         made.script.arm(False)
-        with pytest.raises(ActionInterrupted, match=r"it was disarmed \(Crash: disarming\)"):
+        with pytest.raises(ActionInterrupted, match=r"it was disarmed 20 m above home \(Crash: disarming\)"):
             await flying
 
     play(scenario)

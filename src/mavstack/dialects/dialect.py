@@ -9,6 +9,7 @@ if they are equal on the wire, so that programs written for `common` work with a
 
 from __future__ import annotations
 
+import os
 from functools import cache, cached_property, lru_cache
 
 from mavstack._core import Dialect as CoreDialect
@@ -64,11 +65,12 @@ class Dialect:
         return _load(official_name(name))
 
     @classmethod
-    def from_xml(cls, path: str | PathLike[str]) -> Dialect:
-        """Load a dialect from a MAVLink XML file and the files that it includes.
+    def from_xml(cls, path: str | bytes | PathLike[str]) -> Dialect:
+        """Load a dialect from a MAVLink XML file, or from XML text, and the files that it includes.
 
         Args:
-            path: Path of the file. Includes are searched in its folder, then among the official definitions.
+            path: Path of the file, or the XML itself as text or bytes. Includes are searched in the file's
+                folder (of text: in the current one), then among the official definitions.
 
         Returns:
             The dialect; the same object again while the files are unchanged.
@@ -76,8 +78,13 @@ class Dialect:
         Raises:
             DialectError: A file is missing, malformed or contradicts another; names the file and the line.
         """
-        from mavstack.dialects.includes import collect
+        from mavstack.dialects.includes import collect, collect_text
 
+        if isinstance(path, str | bytes):
+            data = path.encode() if isinstance(path, str) else path
+            if data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+                return _from_source(collect_text(data))
+            path = path if isinstance(path, str) else os.fsdecode(path)
         return _from_source(collect(str(path)))
 
     @property

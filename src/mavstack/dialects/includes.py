@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
     from mavstack.dialects.model import DialectDefinition, EnumDefinition, EnumEntry, MessageDefinition
 
+#: The path, in errors, of a definition that was given as text.
+TEXT_NAME = "<text>"
 MAX_FILES = 100
 MAX_INCLUDE_DEPTH = 20
 
@@ -50,10 +52,15 @@ class _Collector:
         self.done: dict[str, Source] = {}
         self.chain: list[str] = []
 
+    def text(self, data: bytes) -> Source:
+        return self._source(TEXT_NAME, TEXT_NAME, data)
+
     def file(self, path: str) -> Source:
-        key = str(Path(path).resolve())
+        return self._source(str(Path(path).resolve()), path, None)
+
+    def _source(self, key: str, path: str, data: bytes | None) -> Source:
         if key not in self.done:
-            definition = parse_definition(read_bytes(path), path, file_stem(path))
+            definition = parse_definition(read_bytes(path) if data is None else data, path, file_stem(path))
             self.chain.append(key)
             lines = definition.include_lines
             sources = tuple(map(self.include, [definition] * len(lines), definition.includes, lines))
@@ -109,6 +116,13 @@ def collect(path: str) -> Source:
     for item in sources:
         if not item.official:
             _check_enums(item)
+    return source
+
+
+def collect_text(data: bytes) -> Source:
+    """Read a definition from XML text, and all included files, and check them; see `collect`."""
+    source = _Collector().text(data)
+    check_definitions([item.definition for item in included_first(source)])
     return source
 
 

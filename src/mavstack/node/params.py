@@ -14,7 +14,7 @@ from mavstack.services.parameters import PACKED_NAME, Encoding, ParameterChanged
 from mavstack.services.version import RequestAutopilotVersion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from mavstack.node.clients import ComponentClients
     from mavstack.node.host import NodeHost
@@ -36,6 +36,31 @@ class Params(ReadOnly):
     def cached(self) -> Mapping[str, Parameter]:
         """Every parameter received so far, by name, with changes made by any component."""
         return self._clients.params.parameters
+
+    def __getitem__(self, name: str) -> Parameter:
+        """Return a parameter that was received before, such as by `download`; nothing is sent.
+
+        Args:
+            name: The name of the parameter.
+
+        Returns:
+            The parameter with its value and type.
+
+        Raises:
+            KeyError: The parameter was not received yet; `get` requests it.
+        """
+        try:
+            return self.cached[name]
+        except KeyError:
+            text = f"{name!r} was not received; call get({name!r}), or download() for all parameters"
+            raise KeyError(text) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.cached
+
+    def __iter__(self) -> Iterator[str]:
+        """Return an iterator of the names of all parameters that were received."""
+        return iter(tuple(self.cached))
 
     @property
     def encoding(self) -> Encoding:

@@ -490,6 +490,25 @@ class Params:
     def cached(self) -> Mapping[str, Parameter]:
         """Every parameter received so far, by name, with changes made by any component."""
 
+    def __getitem__(self, name: str) -> Parameter:
+        """Return a parameter that was received before, such as by `download`; nothing is sent.
+
+        Args:
+            name: The name of the parameter.
+
+        Returns:
+            The parameter with its value and type.
+
+        Raises:
+            KeyError: The parameter was not received yet; `get` requests it.
+        """
+
+    def __contains__(self, name: object) -> bool:
+        ...
+
+    def __iter__(self) -> Iterator[str]:
+        """Return an iterator of the names of all parameters that were received."""
+
     @property
     def encoding(self) -> Encoding:
         """The encoding of values on the wire, as far as it is known."""
@@ -2218,10 +2237,14 @@ class Vehicle:
             RemoteCancelled: The connection was closed.
         """
 
-    def wait_until_ready(self, *, timeout: float | None=...) -> Health:
-        """Wait until the vehicle reports that it is ready to arm.
+    def wait_until_ready(self, *, mode: str | None=None, timeout: float | None=...) -> Health:
+        """Wait until the vehicle will accept arming.
+
+        A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for its hold mode.
 
         Args:
+            mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
+                takeoff and all other actions do.
             timeout: Seconds to wait; None waits for ever.
 
         Returns:

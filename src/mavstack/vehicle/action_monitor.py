@@ -138,8 +138,15 @@ class ActionMonitor:
         if goal.modes is not None and mode is not None and mode.lower() not in goal.modes:
             return f"it changed to {mode}"
         if goal.armed is not None and armed is not None and armed != goal.armed:
-            return "it was armed" if armed else "it was disarmed"
+            return "it was armed" if armed else f"it was disarmed{self._height()}"
         return None
+
+    def _height(self) -> str:
+        """Return where a vehicle was disarmed that did not land, for the error."""
+        position = self._vehicle.position
+        if position is None or position.relative_altitude is None or not self._vehicle.vehicle_type.flies:
+            return ""
+        return f" {position.relative_altitude:.0f} m above home"
 
     def _timed_out(self, reason: str) -> RemoteError:
         goal = self._goal

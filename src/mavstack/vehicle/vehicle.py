@@ -35,10 +35,16 @@ class Vehicle(FlightActions):
         """The firmware's way to take commands, by the MAV_AUTOPILOT of the heartbeat."""
         return firmware_of(self)
 
-    async def wait_until_ready(self, *, timeout: float | None = DEFAULT_WAIT_TIMEOUT) -> Health:
-        """Wait until the vehicle reports that it is ready to arm.
+    async def wait_until_ready(
+        self, *, mode: str | None = None, timeout: float | None = DEFAULT_WAIT_TIMEOUT
+    ) -> Health:
+        """Wait until the vehicle will accept arming.
+
+        A disarmed PX4 vehicle without radio control leaves a mode that needs sticks for its hold mode.
 
         Args:
+            mode: The name of the mode to be flown, such as "ALT_HOLD"; None: one that needs a position, as
+                takeoff and all other actions do.
             timeout: Seconds to wait; None waits for ever.
 
         Returns:
@@ -48,7 +54,7 @@ class Vehicle(FlightActions):
             HealthTimeout: The vehicle was not ready in time; the text holds its problems.
             RemoteCancelled: The connection was closed.
         """
-        return await readiness.wait_until_ready(self, timeout)
+        return await readiness.wait_until_ready(self, mode, timeout)
 
     # Arming and modes
 

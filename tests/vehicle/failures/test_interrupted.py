@@ -70,7 +70,8 @@ def test_another_mode_of_ardupilots(call):
 def test_disarmed_in_the_air(call):
     async def scenario(made):
         error = await interrupted(made, call, lambda: made.script.arm(False))
-        assert str(error) == f"{OPERATIONS[call.name]} 1/1 failed: it was disarmed (Failsafe: battery)"
+        assert str(error).startswith(f"{OPERATIONS[call.name]} 1/1 failed: it was disarmed ")
+        assert str(error).endswith(" m above home (Failsafe: battery)")
 
     play(scenario)
 

@@ -207,3 +207,48 @@ def test_it_turns_in_guided_as_it_is():
         assert asked_of(made) == [(LONG, "CONDITION_YAW", 90, 0, 0, 0, 0, 0, 0)]
 
     play(scenario, autopilot=ARDUPILOT)
+
+
+def test_a_plane_without_a_landing_sequence_lands_in_its_own_mode():
+    async def scenario(made):
+        made.script.refuse(CMD.DO_LAND_START, result=RESULT.FAILED)
+        await made.vehicle.land(wait=False)
+        assert made.vehicle.mode == "AUTOLAND"
+
+    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+
+
+def test_a_plane_that_cannot_land_says_what_to_do():
+    async def scenario(made):
+        made.script.refuse(CMD.DO_LAND_START, CMD.DO_SET_MODE, result=RESULT.FAILED)
+        with pytest.raises(CommandDenied, match=r"DO_LAND_START .* no landing sequence .* rtl\(\)"):
+            await made.vehicle.land(wait=False)
+
+    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+
+
+def test_a_plane_has_taken_off_a_little_below_the_altitude():
+    async def scenario(made):
+        made.script.parameters.add("TKOFF_ALT", 50.0)
+        made.script.arm()
+        made.script.altitude = 0.0
+        rising = asyncio.create_task(made.vehicle.takeoff(60))
+        await asyncio.sleep(10)
+        assert not rising.done()
+        made.script.altitude = 55.0
+        await asyncio.wait_for(rising, 3)
+
+    play(scenario, autopilot=ARDUPILOT, kind=PLANE)
+
+
+@pytest.mark.parametrize("act", [lambda v: v.goto(*THERE, 80), lambda v: v.orbit(*THERE, 80)])
+def test_a_plane_on_the_ground_is_not_sent_anywhere(act):
+    async def scenario(made):
+        made.script.arm()
+        made.script.landed = common.MavLandedState.ON_GROUND
+        await asyncio.sleep(1.5)
+        with pytest.raises(ActionUnsupported, match="it is on the ground; take off first"):
+            await act(made.vehicle)
+        assert asked_of(made) == []
+
+    play(scenario, autopilot=ARDUPILOT, kind=PLANE)

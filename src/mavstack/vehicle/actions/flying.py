@@ -2,7 +2,7 @@
 
 An action is complete when the telemetry shows it, not when the firmware acknowledges it:
 
-    takeoff   within a metre or a twentieth of the altitude
+    takeoff   within a metre or a twentieth of the altitude; a plane: from 5 metres or a tenth below it
     land      on the ground and disarmed, or on the ground for a while
     rtl       the same; a vehicle that does not land there: at home, within its circle
     goto      within the radius; a wing: on the circle around the location
@@ -80,11 +80,15 @@ async def takeoff(
     check_takeoff(altitude, override_limits=override_limits)
     await detect_quadplane(vehicle)
     firmware = firmware_of(vehicle)
-    tolerance = max(1.0, altitude / 20)
+    wing = vehicle.vehicle_type is VehicleType.PLANE
+    # ArduPlane ends its climb some metres below the altitude, which it counts from the start, not from home.
+    tolerance = max(5.0, altitude / 10) if wing else max(1.0, altitude / 20)
 
     def remaining() -> float | None:
         height = _relative_altitude(vehicle)
-        return None if height is None else abs(altitude - height)
+        if height is None:
+            return None
+        return max(altitude - height, 0.0) if wing else abs(altitude - height)
 
     goal = ActionGoal(
         lambda: (rest := remaining()) is not None and rest <= tolerance,
@@ -188,6 +192,7 @@ async def goto(
     check_numbers(yaw=yaw, radius=radius)
     check_target(vehicle, location, override_limits=override_limits)
     await detect_quadplane(vehicle)
+    _check_airborne(vehicle, "go to a location")
     firmware = firmware_of(vehicle)
     wing_radius = WING_ARRIVAL_RADIUS if radius is None else radius * CIRCLE_MARGIN
 
@@ -227,6 +232,7 @@ async def orbit(
 ) -> None:
     """Circle a location."""
     check_target(vehicle, center, override_limits=override_limits)
+    _check_airborne(vehicle, "orbit")
     check_numbers(speed=speed)
     check_number("radius", radius, finite=False)
     if not (isfinite(radius) and radius):
@@ -290,6 +296,12 @@ def flies_on_wing(vehicle: VehicleState) -> bool:
     hovers = vehicle.vtol_state == common.MavVtolState.MC
     kind = vehicle.vehicle_type
     return kind is VehicleType.PLANE or (kind is VehicleType.VTOL and not hovers)
+
+
+def _check_airborne(vehicle: VehicleState, action: str) -> None:
+    """Raise if a plane stands on the ground: it would run along it at full throttle."""
+    if vehicle.vehicle_type is VehicleType.PLANE and vehicle.armed and vehicle.in_air is False:
+        raise firmware_of(vehicle).unsupported(action, "it is on the ground; take off first")
 
 
 def _relative_altitude(vehicle: VehicleState) -> float | None:

@@ -1,5 +1,10 @@
 """The wait until a vehicle is ready to arm.
 
+ArduPilot's pre-arm bit speaks of the present mode, such as STABILIZE, which needs no position; it would
+refuse arming in GUIDED. So the estimate of the position counts too, unless the mode to be flown needs none.
+PX4's bit speaks of the present mode as well: after a reboot without radio control that may be one that needs
+sticks. Then the disarmed vehicle is put into its hold mode, in which it can be armed.
+
 The messages that report its health are requested, and the vehicle is told to run its checks again and again,
 so that it reports the failed ones at once.
 """
@@ -10,8 +15,11 @@ import asyncio
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
-from mavstack.dialects import common
+from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import HealthTimeout, MavstackError, RemoteCancelled
+from mavstack.services.arguments import check_timeout
+from mavstack.vehicle.firmware import firmware_of
+from mavstack.vehicle.telemetry.problems import recent
 
 if TYPE_CHECKING:
     from mavstack.dialects import Message
@@ -29,17 +37,34 @@ _HEALTH_RATES: Final[tuple[tuple[type[Message], float], ...]] = (
     (common.BatteryStatus, 0.5),
 )
 _ESTIMATOR_RATE = 1.0
+#: The time in which an estimator reports, in seconds; without a report the pre-arm bit alone counts.
+_ESTIMATOR_TIMEOUT = 4.0
+#: The time in which a radio control receiver may appear, in seconds.
+_RADIO_TIMEOUT = 5.0
+_EKF: Final = ardupilotmega.EkfStatusFlags
+#: One of these is the position that ArduPilot needs; it accepts the predicted one before arming.
+_POSITION: Final = _EKF.POS_HORIZ_ABS | _EKF.POS_HORIZ_REL | _EKF.PRED_POS_HORIZ_ABS | _EKF.PRED_POS_HORIZ_REL
+_RADIO: Final = common.MavSysStatusSensor.SENSOR_RC_RECEIVER
 _OPERATION = "waiting for the readiness of"
 
 
-async def wait_until_ready(vehicle: VehicleState, timeout: float | None) -> Health:
+async def wait_until_ready(vehicle: VehicleState, mode: str | None, timeout: float | None) -> Health:
     """Wait until a vehicle is ready to arm; see `Vehicle.wait_until_ready`."""
-    if (health := vehicle.health).ready:
+    needs_position = firmware_of(vehicle).needs_position(mode)
+    if (health := vehicle.health).ready and (not needs_position or _is_estimated(vehicle)):
         return health
+    check_timeout(timeout)
+    began = vehicle.connection.now()
+
+    def position_known() -> bool:
+        estimated = _is_estimated(vehicle) if needs_position else True
+        late = vehicle.connection.now() >= began + _ESTIMATOR_TIMEOUT
+        return late if estimated is None else estimated
+
     requests = asyncio.get_running_loop().create_task(_request_reports(vehicle))
     try:
         async with asyncio.timeout(timeout):
-            while not (health := vehicle.health).ready:
+            while not ((health := vehicle.health).ready and position_known()):
                 await asyncio.sleep(_READ_INTERVAL)
                 if not vehicle.connection.is_open:
                     answer = "the connection was closed"
@@ -53,10 +78,35 @@ async def wait_until_ready(vehicle: VehicleState, timeout: float | None) -> Heal
         await asyncio.gather(requests, return_exceptions=True)
 
 
+def _is_estimated(vehicle: VehicleState) -> bool | None:
+    """Return whether the horizontal position is estimated, or will be once armed; None if not reported."""
+    status = recent(vehicle.telemetry, ardupilotmega.EkfStatusReport)
+    return None if status is None else bool(status.flags & _POSITION)
+
+
+def _lacks_radio(vehicle: VehicleState) -> bool:
+    """Return whether a vehicle reports that its radio control receiver does not work."""
+    status = recent(vehicle.telemetry, common.SysStatus)
+    if status is None:
+        return False
+    wrong = status.onboard_control_sensors_enabled & ~status.onboard_control_sensors_health
+    return bool(wrong & _RADIO)
+
+
+async def _leave_stick_mode(vehicle: VehicleState) -> None:
+    """Let a vehicle without radio control leave a mode in which it needs sticks to be armed."""
+    while True:
+        await asyncio.sleep(_RADIO_TIMEOUT)
+        if vehicle.health.ready is False and vehicle.armed is False and _lacks_radio(vehicle):
+            with suppress(MavstackError):
+                await firmware_of(vehicle).leave_stick_mode()
+
+
 async def _request_reports(vehicle: VehicleState) -> None:
     telemetry = vehicle.telemetry
     async with asyncio.TaskGroup() as group:
         group.create_task(_run_checks(vehicle))
+        group.create_task(_leave_stick_mode(vehicle))
         for message, rate in (*_HEALTH_RATES, (telemetry.firmware.ESTIMATOR_MESSAGE, _ESTIMATOR_RATE)):
             group.create_task(telemetry.ensure(message, rate))
         group.create_task(telemetry.request_home())

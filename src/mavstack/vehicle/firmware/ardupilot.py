@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import ardupilotmega, common
-from mavstack.errors import CommandDenied, ParameterDenied, ParameterTimeout
+from mavstack.errors import CommandDenied, ParameterDenied, ParameterTimeout, RemoteDenied, RemoteTimeout
 from mavstack.services.setpoints import GlobalSetpoint
 from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware
 from mavstack.vehicle.vehicle_type import VehicleType
@@ -33,11 +33,20 @@ _HOLD_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
 )
 #: Modes in which a copter or a rover refuses arming, though it stays in them after it came home.
 _NO_ARMING_MODES: Final = frozenset({"rtl", "smart_rtl", "land", "brake", "circle"})
+#: Modes in which arming needs no position.
+_NO_POSITION_MODES: Final = frozenset(
+    {"stabilize", "acro", "alt_hold", "sport", "flip", "autotune", "manual", "hold", "steering", "flowhold"}
+    | {"systemid", "turtle", "guided_nogps"}
+)
 _LAND_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {VehicleType.COPTER: "LAND", VehicleType.VTOL: "QLAND"}
 )
 #: CIRCLE_OPTIONS: the centre of the circle is the position where the mode is entered.
 _CENTER_AT_ENTRY: Final = 4
+_NO_LANDING: Final = (
+    "its mission has no landing sequence and it has no AUTOLAND mode: "
+    "upload a mission with DO_LAND_START and NAV_LAND, or let it circle home by rtl()"
+)
 _CENTIMETRES: Final = 100.0
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
 #: The throttle channel if RCMAP_THROTTLE is not known, its middle and its dead zone in microseconds.
@@ -53,7 +62,7 @@ class ArduPilot(Firmware):
         {
             "takeoff": _GUIDED | {"takeoff"},
             # A plane lands in AUTO, by its mission.
-            "land": frozenset({"land", "qland", "auto", "auto_rtl"}),
+            "land": frozenset({"land", "qland", "auto", "auto_rtl", "autoland"}),
             "rtl": frozenset({"rtl", "qrtl", "smart_rtl", "auto_rtl", "auto"}),
             "goto": _GUIDED,
             "orbit": _GUIDED | {"circle"},
@@ -98,11 +107,22 @@ class ArduPilot(Firmware):
     async def land(self) -> None:
         """Land here; a plane lands where its mission says, as it has no other way."""
         if self._type is VehicleType.PLANE:
-            await self.command(CMD.DO_LAND_START)
+            await self._land_plane()
         elif self._type in _LAND_MODES:
             await self.set_mode(_LAND_MODES[self._type])
         else:
             raise self.unsupported("land")
+
+    async def _land_plane(self) -> None:
+        """Start the landing sequence of the mission; without one, land in AUTOLAND, which Plane 4.7 has."""
+        try:
+            await self.command(CMD.DO_LAND_START)
+        except CommandDenied as refusal:
+            try:
+                await self.set_mode("AUTOLAND")
+            except (RemoteDenied, RemoteTimeout):
+                refusal.status_texts = (*refusal.status_texts, _NO_LANDING)
+                raise refusal from None
 
     async def rtl(self) -> None:
         if self._type is VehicleType.SUB:
@@ -159,6 +179,11 @@ class ArduPilot(Firmware):
         if (self.vehicle.mode or "").lower() not in _GUIDED:
             await self.guide()
         await self.command(CMD.CONDITION_YAW, heading % 360.0, 0, 0, 0)
+
+    def needs_position(self, mode: str | None) -> bool:
+        """Return True for copters, rovers and boats, except in modes that are flown without a position."""
+        navigates = self._type in (VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT)
+        return navigates and (mode or "guided").lower() not in _NO_POSITION_MODES
 
     async def prepare_arming(self) -> None:
         mode = (self.vehicle.mode or "").lower()

@@ -150,6 +150,14 @@ class Firmware:
         """Turn to a heading in degrees clockwise from north."""
         await self.command(CMD.CONDITION_YAW, heading, 0, 0, 0)
 
+    def needs_position(self, mode: str | None) -> bool:
+        """Return whether arming in a mode needs an estimated position; None: the mode of the actions here."""
+        del mode
+        return False
+
+    async def leave_stick_mode(self) -> None:
+        """Leave a mode that needs the sticks of a radio control, if the vehicle is in one."""
+
     async def prepare_arming(self) -> None:
         """Leave a mode in which the firmware refuses arming, such as the one that the vehicle landed in."""
 

@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from mavstack.vehicle.geography import Location
 
 _HOLD = frozenset({"loiter"})
+#: Modes that a pilot flies with sticks.
+_STICK_MODES = frozenset(
+    {"manual", "altctl", "posctl", "position_slow", "acro", "stabilized", "rattitude", "simple"}
+    | {"altitude_cruise"}
+)
 #: HIGH_LATENCY2 holds the upper half of the custom mode: the main mode and the sub mode.
 _CUSTOM_MODE_SHIFT = 16
 
@@ -64,6 +69,11 @@ class Px4(Firmware):
 
     async def guide(self) -> None:
         await self.set_mode("OFFBOARD")
+
+    async def leave_stick_mode(self) -> None:
+        """Enter the hold mode, in which PX4 can be armed without radio control."""
+        if (self.vehicle.mode or "").lower() in _STICK_MODES:
+            await self.hold()
 
     async def orbit(self, center: Location, *, radius: float, speed: float | None) -> None:
         if not self.vehicle.vehicle_type.flies:
