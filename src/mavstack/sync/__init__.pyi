@@ -72,7 +72,7 @@ AnyService = TypeVar('AnyService', bound='Service')
 ControlValue = TypeVar('ControlValue')
 Item = TypeVar('Item')
 Result = TypeVar('Result')
-Value = TypeVar('Value')
+TelemetryValue = TypeVar('TelemetryValue')
 
 class Subscription(Generic[Item]):
     """An iterator over received items; it ends after `close`, or when the node closes.
@@ -1294,7 +1294,7 @@ class MessageStream(Generic[AnyMessage]):
     def __del__(self) -> None:
         ...
 
-class ValueStream(Generic[Value]):
+class ValueStream(Generic[TelemetryValue]):
     """An iterator of a telemetry value; made by `Vehicle.stream_position` and the like.
 
     It returns a value whenever the vehicle reports one. `async with` ends the stream with the block, and so
@@ -1302,7 +1302,7 @@ class ValueStream(Generic[Value]):
     """
 
     @property
-    def latest(self) -> Value | None:
+    def latest(self) -> TelemetryValue | None:
         """The last value that the vehicle reported; None before the first one."""
 
     def close(self) -> None:
@@ -1311,7 +1311,7 @@ class ValueStream(Generic[Value]):
     def __iter__(self) -> Self:
         ...
 
-    def __next__(self) -> Value:
+    def __next__(self) -> TelemetryValue:
         """Return the next value.
 
         Raises:

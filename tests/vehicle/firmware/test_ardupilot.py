@@ -235,7 +235,7 @@ def test_a_plane_has_taken_off_a_little_below_the_altitude():
         rising = asyncio.create_task(made.vehicle.takeoff(60))
         await asyncio.sleep(10)
         assert not rising.done()
-        made.script.altitude = 55.0
+        made.script.altitude = 56.5
         await asyncio.wait_for(rising, 3)
 
     play(scenario, autopilot=ARDUPILOT, kind=PLANE)

@@ -2,7 +2,7 @@
 
 An action is complete when the telemetry shows it, not when the firmware acknowledges it:
 
-    takeoff   within a metre or a twentieth of the altitude; a plane: from 5 metres or a tenth below it
+    takeoff   within a metre or a twentieth of the altitude; a plane: from 3 metres or a sixteenth below it
     land      on the ground and disarmed, or on the ground for a while
     rtl       the same; a vehicle that does not land there: at home, within its circle
     goto      within the radius; a wing: on the circle around the location
@@ -82,7 +82,7 @@ async def takeoff(
     firmware = firmware_of(vehicle)
     wing = vehicle.vehicle_type is VehicleType.PLANE
     # ArduPlane ends its climb some metres below the altitude, which it counts from the start, not from home.
-    tolerance = max(5.0, altitude / 10) if wing else max(1.0, altitude / 20)
+    tolerance = max(3.0, altitude / 16) if wing else max(1.0, altitude / 20)
 
     def remaining() -> float | None:
         height = _relative_altitude(vehicle)

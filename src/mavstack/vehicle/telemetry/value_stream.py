@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from mavstack.dialects import Message
     from mavstack.vehicle.telemetry.telemetry import Telemetry
 
-Value = TypeVar("Value")
+TelemetryValue = TypeVar("TelemetryValue")
 
 #: A message that is younger than this arrives by itself, in seconds.
 _ARRIVES = 5.0
 _QUEUE = 100
 
 
-class ValueStream(ReadOnly, Generic[Value]):
+class ValueStream(ReadOnly, Generic[TelemetryValue]):
     """An async iterator of a telemetry value; made by `Vehicle.stream_position` and the like.
 
     It returns a value whenever the vehicle reports one. `async with` ends the stream with the block, and so
@@ -43,7 +43,7 @@ class ValueStream(ReadOnly, Generic[Value]):
     def __init__(
         self,
         telemetry: Telemetry,
-        read: Callable[[Telemetry], Value | None],
+        read: Callable[[Telemetry], TelemetryValue | None],
         messages: tuple[type[Message], ...],
         rate: float | None,
         *,
@@ -51,14 +51,14 @@ class ValueStream(ReadOnly, Generic[Value]):
     ) -> None:
         self._telemetry, self._read, self._messages, self._rate = telemetry, read, messages, rate
         self._changes = changes
-        self._last: Value | None = None
+        self._last: TelemetryValue | None = None
         self._refusal: CommandDenied | None = None
         self._candidates = [message for message in messages if is_periodic(message)]
         self._candidates.sort(key=lambda message: not self._arrives(message))
         self._stream = self._open()
 
     @property
-    def latest(self) -> Value | None:
+    def latest(self) -> TelemetryValue | None:
         """The last value that the vehicle reported; None before the first one."""
         return self._read(self._telemetry)
 
@@ -69,7 +69,7 @@ class ValueStream(ReadOnly, Generic[Value]):
     def __aiter__(self) -> Self:
         return self
 
-    async def __anext__(self) -> Value:
+    async def __anext__(self) -> TelemetryValue:
         """Return the next value.
 
         Raises:
