@@ -77,6 +77,21 @@ def test_closed_pipe_is_no_failure(tmp_path, option):
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals")
 @pytest.mark.parametrize("ending", [None, signal.SIGINT, signal.SIGTERM])
 def test_live_display_restores_the_terminal(ending):
+    check_live_display(ending)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals")
+def test_live_display_ends_by_sigterm_in_a_background_job():
+    """A shell ignores SIGINT in background jobs."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        check_live_display(signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def check_live_display(ending):
+    """Run `mav demo` on a terminal until it ends, or is ended by a signal."""
     import pty
 
     terminal, side = pty.openpty()

@@ -77,8 +77,13 @@ class LiveDisplay(ABC, Generic[Snapshot]):
             await asyncio.sleep(_REFRESH_INTERVAL)
 
     def _terminate(self, _number: int, _frame: object) -> None:
-        """End as Ctrl-C does: the event loop turns SIGINT into an orderly end wherever the signal arrives."""
+        """End as Ctrl-C does: the event loop turns SIGINT into an orderly end wherever the signal arrives.
+
+        In a background job of a shell SIGINT is ignored; the exception then ends the event loop.
+        """
         self._terminated = True
+        if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+            raise SystemExit(128 + signal.SIGTERM)
         signal.raise_signal(signal.SIGINT)
 
     def _render(self, snapshot: Snapshot) -> None:
