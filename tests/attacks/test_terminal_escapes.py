@@ -29,7 +29,8 @@ OWN_SEQUENCE = re.compile(r"\x1b\[(0|1|1;31|31|32|33|36|90)m|\r\x1b\[K")
 COPTER, PX4_COPTER = (VehicleType.COPTER, Firmware.ARDUPILOT), (VehicleType.COPTER, Firmware.PX4)
 #: Commands that show an attacked text, so that its replacement is seen.
 REACHED = {
-    "vehicle arm", "vehicle mode NOSUCH", "vehicle modes", "vehicle health", "vehicle info", "param list",
+    "vehicle arm --system 1",
+    "vehicle mode NOSUCH", "vehicle modes", "vehicle health", "vehicle info", "param list",
     "param save - --format mavproxy", "ftp ls /bad", "shell --command modes",
     "shell --command 'arm throttle'", "shell --command 'ftp list /bad'", "watch hostile.tlog",
     "watch hostile.tlog --once", "dialect show hostile.xml", "dialect show hostile.xml BAD_MESSAGE",
@@ -38,7 +39,8 @@ REACHED = {
 WRITERS = {"common/output.py", "common/live_display.py"}
 
 WITH_VEHICLE = [
-    "vehicle arm", "vehicle disarm", "vehicle takeoff 10", "vehicle land --no-wait", "vehicle rtl --no-wait",
+    "vehicle arm --system 1",
+    "vehicle disarm", "vehicle takeoff 10", "vehicle land --no-wait", "vehicle rtl --no-wait",
     "vehicle hold", "vehicle goto 47.3 8.5 10", "vehicle orbit 47.3 8.5 10", "vehicle mode LOITER",
     "vehicle mode NOSUCH", "vehicle modes", "vehicle speed 5", "vehicle yaw 90 --no-wait", "vehicle home",
     "vehicle reboot --no-wait", "vehicle info", "vehicle health", "vehicle statustext hello",

@@ -19,8 +19,8 @@ EXAMPLES = """\
 examples:
   mav mission upload flight.plan
   mav mission upload flight.waypoints --verify
-  mav mission upload area.fen --fence
   mav mission upload flight.plan --systems 1-3
+  mav mission upload area.fen --fence
   mav mission download flight.plan
   mav mission download > flight.waypoints
   mav mission download --fence --format fence
