@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from threading import Event
+from queue import Queue
+from threading import Event, Thread
 
 import pytest
 
@@ -60,20 +61,47 @@ def test_errors_are_those_of_the_async_api() -> None:
         lonely.send(common.Heartbeat())
 
 
-def test_a_blocking_call_in_a_handler_is_an_error(vehicle: Node) -> None:
-    caught = []
-
+def test_a_handler_calls_its_own_node(vehicle: Node) -> None:
     @vehicle.on_command(common.MavCmd.DO_SET_SERVO)
-    def servo(_request) -> common.MavResult:
-        try:
-            vehicle.wait_for_autopilot(timeout=0.01)
-        except MavstackError as error:
-            caught.append(str(error))
+    def servo(request) -> common.MavResult:
+        station = vehicle.component(*request.source)
+        station.ping(timeout=10)
         return common.MavResult.ACCEPTED
 
     with Node(url_of(vehicle)) as ground:
-        ground.wait_for_autopilot(timeout=10).command(common.MavCmd.DO_SET_SERVO)
-    assert "a callback would wait for its own thread" in caught[0]
+        assert ground.wait_for_autopilot(timeout=10).command(common.MavCmd.DO_SET_SERVO).result == 0
+
+
+def test_a_handler_that_returns_none_ends_its_command_later(vehicle: Node) -> None:
+    returned = Event()
+
+    @vehicle.on_command(common.MavCmd.DO_WINCH)
+    def winch(request) -> None:
+        Thread(target=finish, args=[request]).start()
+
+    def finish(request) -> None:
+        assert returned.wait(10)
+        vehicle.commands.server.complete(request, common.MavResult.DENIED)
+
+    with Node(url_of(vehicle)) as ground:
+        remote = ground.wait_for_autopilot(timeout=10)
+        returned.set()
+        with pytest.raises(CommandDenied, match="DENIED"):
+            remote.command(common.MavCmd.DO_WINCH, timeout=10)
+
+
+def test_a_blocking_call_in_a_listener_is_an_error(vehicle: Node) -> None:
+    caught: Queue[str] = Queue()
+
+    def call(_message) -> None:
+        try:
+            vehicle.wait_for_autopilot(timeout=0.01)
+        except MavstackError as error:
+            caught.put(str(error))
+
+    vehicle.add_listener(common.Heartbeat, call)
+    with Node(url_of(vehicle)):
+        assert "a callback would wait for its own thread" in caught.get(timeout=10)
 
 
 def test_ctrl_c_cancels_the_operation_on_both_ends(vehicle: Node) -> None:

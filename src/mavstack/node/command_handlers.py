@@ -73,12 +73,25 @@ class CommandHandlers(ReadOnly):
 
         def decorate(handler: AnyHandler) -> AnyHandler:
             if iscoroutinefunction(handler):
-                self.server.support(command, lambda request: self._start(handler, request))
+                self.run_as_task(command, handler)
             else:
                 self.server.support(command, lambda request: self._call(handler, request))
             return handler
 
         return decorate
+
+    def run_as_task(
+        self, command: int, handler: Callable[..., Coroutine[Any, Any, Any]], *, none_is_pending: bool = False
+    ) -> None:
+        """Register an async function as the handler of a command.
+
+        Args:
+            command: The MAV_CMD.
+            handler: The function; `register` describes its argument and its result.
+            none_is_pending: True if a handler that returns None leaves the command running, until the program
+                ends it by `server.complete`; otherwise None is an error.
+        """
+        self.server.support(command, lambda request: self._start(handler, request, none_is_pending))
 
     def progress(self, request: CommandRequest, percent: int) -> None:
         """Report the progress of a long command to its sender.
@@ -113,16 +126,29 @@ class CommandHandlers(ReadOnly):
             self._report(request, error)
             return common.MavResult.FAILED
 
-    def _start(self, handler: Callable[..., Coroutine[Any, Any, Any]], request: CommandRequest) -> None:
+    def _start(
+        self,
+        handler: Callable[..., Coroutine[Any, Any, Any]],
+        request: CommandRequest,
+        none_is_pending: bool,
+    ) -> None:
         self._tasks[request] = task = asyncio.get_running_loop().create_task(handler(request))
         # The callback is called even for a task that is cancelled before its first step.
-        task.add_done_callback(lambda ended: self._on_task_ended(request, ended))
+        task.add_done_callback(lambda ended: self._on_task_ended(request, ended, none_is_pending))
 
-    def _on_task_ended(self, request: CommandRequest, task: asyncio.Task[Any]) -> None:
+    def _on_task_ended(
+        self,
+        request: CommandRequest,
+        task: asyncio.Task[Any],
+        none_is_pending: bool,
+    ) -> None:
         del self._tasks[request]
         result, detail = int(common.MavResult.FAILED), 0
         try:
-            result, detail = _checked(task.result())
+            outcome = task.result()
+            if outcome is None and none_is_pending:
+                return
+            result, detail = _checked(outcome)
         except asyncio.CancelledError:
             result = int(common.MavResult.CANCELLED)
         except Exception as error:  # noqa: BLE001 (as above)

@@ -10,8 +10,11 @@ from mavstack.sync.proxy import Blocking, register
 from mavstack.vehicle import Connection as AsyncConnection
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import TracebackType
     from typing import Self
+
+    from mavstack.node.command_handlers import AnyHandler
 
 
 class Node(Blocking):
@@ -31,6 +34,11 @@ class Node(Blocking):
         """Open the links; see `mavstack.Node.open`."""
         self._portal.wait(self._inner.open())
         return self
+
+    def on_command(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
+        """Register a function as the handler of a command; in its thread it may make blocking calls."""
+        decorator: Callable[[AnyHandler], AnyHandler] = self.commands.register(command)
+        return decorator
 
     def close(self) -> None:
         """Close the links and end the thread. Idempotent."""

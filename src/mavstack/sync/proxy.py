@@ -19,7 +19,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import cached_property, wraps
 from importlib import import_module
-from inspect import getattr_static, isawaitable
+from inspect import getattr_static, isawaitable, iscoroutinefunction
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from mavstack.node.read_only import ReadOnly, is_settable_property, refused_assignment
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.node.blocking_portal import BlockingPortal
+    from mavstack.node.command_handlers import AnyHandler
 
 #: Packages whose objects belong to the loop's thread.
 PACKAGES = ("mavstack.node.", "mavstack.vehicle.")
@@ -151,18 +153,51 @@ class BlockingGroup(Blocking):
         portal = self._portal
 
         async def run(vehicle: object) -> object:
-            worker = portal.worker(lambda: work(self._wrap(vehicle)))
-            try:
-                return await asyncio.shield(worker.result)
-            except asyncio.CancelledError:
-                worker.cancel()
-                await asyncio.wait([worker.result])
-                worker.result.exception()  # retrieved, so that the loop does not report it
-                raise
+            return await _run_in_thread(portal, lambda: work(self._wrap(vehicle)))
 
         return self._blocking(self._inner.each)(run, **options)
 
 
+class BlockingCommandHandlers(Blocking):
+    """The blocking proxy of command handlers: plain functions run in a thread of their own.
+
+    A handler may therefore make blocking calls, also to its own node. The sender of the command receives
+    IN_PROGRESS until it returns, as for an async handler.
+    """
+
+    def register(self, command: int) -> Callable[[AnyHandler], AnyHandler]:
+        """Register a function as the handler of a command; see `mavstack.Node.on_command`."""
+        portal, inner = self._portal, self._inner
+
+        def decorate(handler: AnyHandler) -> AnyHandler:
+            async def run(request: object) -> object:
+                return await _run_in_thread(portal, lambda: handler(request))
+
+            if iscoroutinefunction(handler):
+                portal.call(lambda: inner.run_as_task(command, handler))
+            else:
+                portal.call(lambda: inner.run_as_task(command, run, none_is_pending=True))
+            return handler
+
+        return decorate
+
+
+async def _run_in_thread(portal: BlockingPortal, work: Callable[[], object]) -> object:
+    """Run a function in a thread of its own; a cancellation ends its blocking calls."""
+    worker = portal.worker(work)
+    try:
+        return await asyncio.shield(worker.result)
+    except asyncio.CancelledError:
+        worker.cancel()
+        await asyncio.wait([worker.result])
+        worker.result.exception()  # retrieved, so that the loop does not report it
+        raise
+
+
+#: Proxies that differ from the general one, by the name of the async class.
+_BASES: Mapping[str, type[Blocking]] = MappingProxyType(
+    {"Group": BlockingGroup, "CommandHandlers": BlockingCommandHandlers}
+)
 #: The blocking class of each async class, once it is needed.
 _classes: dict[type, type[Blocking]] = {}
 
@@ -174,7 +209,7 @@ def blocking_class(kind: type) -> type[Blocking]:
         public = next((each for each in kind.__mro__ if CLASSES.get(each.__name__) == _module_of(each)), None)
         if public is None:
             return Blocking
-        base: type[Blocking] = BlockingGroup if public.__name__ == "Group" else Blocking
+        base: type[Blocking] = _BASES.get(public.__name__, Blocking)
         for parent in public.__mro__[1:]:
             if CLASSES.get(parent.__name__) == _module_of(parent):
                 base = blocking_class(parent)
