@@ -68,6 +68,7 @@ def vehicle_url():
         yield f"udpout://127.0.0.1:{vehicle.port}"
 
 
+@pytest.mark.xdist_group("commands of the README, in their order")
 @pytest.mark.parametrize("command", COMMANDS, ids=str.strip)
 def test_the_commands_of_the_readme_run(command, vehicle_url):
     words = shlex.split(command)

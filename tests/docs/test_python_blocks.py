@@ -48,7 +48,7 @@ follow_imports = silent
 disallow_untyped_defs = False
 disallow_incomplete_defs = False
 disallow_untyped_calls = False
-[mypy-pymavlink.*]
+[mypy-mypackage.*,pymavlink.*]
 ignore_missing_imports = True
 """
 BLOCKING_PREAMBLE = """\

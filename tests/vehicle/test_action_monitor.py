@@ -141,7 +141,8 @@ def test_armed_or_disarmed_instead(wanted):
         await asyncio.sleep(1)
         asyncio.get_running_loop().call_later(6.0, made.script.arm, not wanted)
         _, error = await monitored(made, ActionGoal(lambda: False, armed=wanted), seconds=20)
-        assert str(error) == f"work on 1/1 failed: it was {'disarmed' if wanted else 'armed'}"
+        reason = "disarmed 20 m above home" if wanted else "armed"
+        assert str(error) == f"work on 1/1 failed: it was {reason}"
 
     play(scenario)
 

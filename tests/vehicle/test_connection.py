@@ -12,6 +12,7 @@ from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.services.mission import MissionItem
+from mavstack.sim.vehicle_types import DEFAULT_HOME as HOME
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.sim.virtual import run_virtually
 from mavstack.vehicle import NodeOptions, VehicleLost, VehicleRebooted, VehicleReturned, connect
@@ -26,8 +27,7 @@ CAMERA = {"type": TYPE.CAMERA, "autopilot": AUTOPILOT.INVALID, "uptime": None}
 
 def plan(count=60):
     return [
-        MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47.1 + number * 1e-5, param6=8.1, param7=20.0)
-        for number in range(count)
+        MissionItem.waypoint(HOME.latitude + number * 1e-5, HOME.longitude, 20.0) for number in range(count)
     ]
 
 

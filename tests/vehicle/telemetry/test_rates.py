@@ -90,7 +90,8 @@ def test_a_lost_vehicle_gets_no_requests():
     async def scenario(peer):
         await peer.vehicle.set_message_rate(common.Attitude, 10)
         asked = []
-        peer.vehicle.component.set_message_rate = lambda *arguments: asked.append(arguments)
+        component = peer.vehicle.component
+        object.__setattr__(component, "set_message_rate", lambda *arguments: asked.append(arguments))
         await peer.node.close()
         await asyncio.sleep(60)
         assert not peer.vehicle.alive
