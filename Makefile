@@ -12,13 +12,13 @@ demo: $(VENV)/package ## Fly seven simulated vehicles and show their live pictur
 
 test: lint ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
 	cargo test --release --locked -p mavstack-core
-	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n auto --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
 
 flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
-	$(BIN)/pytest -n auto --dist loadgroup -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
+	$(BIN)/pytest -n auto --dist loadgroup --durations 10 -m "flight and not nightly and not interop" --seeds $(or $(SEEDS),60)
 
 interop: $(VENV)/installed ## Run the other tests with programs that are not ours, several at a time: they mostly wait
-	$(BIN)/pytest -n $(or $(WORKERS),6) --dist loadscope -m "interop and not smoke and not nightly"
+	$(BIN)/pytest -n $(or $(WORKERS),6) --dist loadscope --durations 10 -m "interop and not smoke and not nightly"
 
 nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS (10000) each
 	$(BIN)/pytest -n auto --dist loadgroup -m nightly --seeds 300 --timeout 1800

@@ -36,6 +36,7 @@ def running(words, **options) -> Iterator[subprocess.Popen]:
         process.wait()
 
 
+@pytest.mark.flight
 def test_exit_codes():
     assert run("--version").returncode == 0
     assert run("nonsense").returncode == 2
@@ -44,6 +45,7 @@ def test_exit_codes():
     assert failed.stderr.count("\n") == 1
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
 @pytest.mark.parametrize(
     "words", [["watch", "udpin://127.0.0.1:0", "--json"], ["demo", "--out", "udpout://127.0.0.1:9"]]

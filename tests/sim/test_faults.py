@@ -184,6 +184,7 @@ def test_satellites(copter) -> None:
     assert body.sensors.gps_fix >= 3
 
 
+@pytest.mark.fast_cases(1)
 def test_compass_and_barometer(copter) -> None:
     body = copter.vehicle.body
     copter.inject("compass 40", "baro 12").run(8)
@@ -213,6 +214,7 @@ def boot_times(one: VehicleHarness) -> list[int]:
     return [message.time_boot_ms for message in one.received if hasattr(message, "time_boot_ms")]
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", FIRMWARES)
 def test_a_reboot_on_the_ground(firmware) -> None:
     one = grounded("copter", firmware)
@@ -261,6 +263,7 @@ def waypoint() -> MissionItem:
     return MissionItem(CMD.NAV_WAYPOINT, param5=47.4, param6=8.5456, param7=30.0, frame=frame)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", FIRMWARES)
 def test_a_reboot_in_the_air_stops_the_motors_and_the_vehicle_falls(firmware) -> None:
     one = airborne("copter", firmware)
@@ -295,6 +298,7 @@ def test_faults_outlive_a_reboot() -> None:
     assert copter.autopilot.radio.present
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", FIRMWARES)
 def test_a_link_that_is_cut_lets_nothing_through_until_it_is_whole(firmware) -> None:
     enabled = {"FS_GCS_ENABLE": 1, "FS_GCS_TIMEOUT": 2} if firmware == "ardupilot" else {
@@ -419,6 +423,7 @@ def test_px4_takes_failures_by_command(unit, kind, what) -> None:
 SKY = SimulationHarness()
 
 
+@pytest.mark.flight
 def test_px4_takes_one_motor_and_a_failing_link_by_command() -> None:
     copter = airborne("copter", "px4")
     assert copter.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MOTOR, TYPE.OFF, 2) == RESULT.ACCEPTED

@@ -25,7 +25,7 @@ def everything_sent(seed: int, seconds: float = 6.0) -> bytes:
     return bytes(sent)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_the_same_seed_gives_the_same_bytes():
     first = everything_sent(7)
     assert len(first) > 50_000
@@ -87,6 +87,7 @@ def test_a_target_in_the_air_is_there_at_once(kind, firmware):
     assert vehicle.autopilot.armed or not kind.flies
 
 
+@pytest.mark.flight
 def test_waiting_for_what_never_comes_ends():
     simulation = Simulation()
     simulation.add()

@@ -197,7 +197,7 @@ def test_a_call_during_a_silence_ends_in_its_typed_timeout(kind):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_running_call_continues_after_a_short_silence():
     async def scenario(world, vehicle):
         async def cut():
@@ -240,6 +240,7 @@ async def outcome(work):
         return None
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 def test_the_cache_is_cleared_at_a_reboot(kind):
     async def scenario(world, vehicle):

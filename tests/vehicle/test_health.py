@@ -38,6 +38,7 @@ def texts_of(health):
 # Simulated vehicles
 
 
+@pytest.mark.fast_cases(4)
 @pytest.mark.parametrize("kind", ALL, ids=named)
 def test_every_vehicle_gets_ready_by_itself(kind):
     async def scenario(world, vehicle):

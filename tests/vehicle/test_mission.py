@@ -55,7 +55,7 @@ def test_flown_to_its_end(kind, ending):
     fly(kind, scenario)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @COPTERS
 def test_paused_and_resumed(kind):
     async def scenario(world, vehicle):

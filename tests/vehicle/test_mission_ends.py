@@ -26,7 +26,7 @@ def there_and_back(world, firmware):
     return Plan.of([*home, *flown])
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", COPTERS, ids=named)
 def test_it_ends_when_the_vehicle_returned_and_can_be_flown_again(kind):
     async def scenario(world, vehicle):
@@ -43,7 +43,7 @@ def test_it_ends_when_the_vehicle_returned_and_can_be_flown_again(kind):
     fly(kind, scenario)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_an_older_version_that_does_not_report_the_item_count():
     async def scenario(world, vehicle):
         server = world.simulated.mission

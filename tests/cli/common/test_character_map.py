@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -45,6 +46,7 @@ def test_empty_map():
     assert rows(draw_map([], 5, 2)) == ["     ", "     "]
 
 
+@pytest.mark.flight
 @given(st.lists(st.lists(places, max_size=5), max_size=4), st.integers(0, 80), st.integers(0, 30))
 def test_random_places_fit_any_window(tracks, columns, height):
     things = [MapObject("1", "", track, track[-1] if track else None) for track in tracks]

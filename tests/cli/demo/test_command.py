@@ -27,7 +27,7 @@ def test_summary_as_json(mav):
     assert summary["texts"]
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_summary_without_a_terminal(mav):
     result = mav("demo", "--for", "5")
     assert (result.code, result.err) == (0, "")
@@ -36,12 +36,13 @@ def test_summary_without_a_terminal(mav):
     assert "PX4 VTOL" in result.out
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_equal_seeds_give_equal_flights(mav):
     first, second, other = (mav("demo", "--for", "8", "--json", "--seed", seed).out for seed in (3, 3, 4))
     assert first == second != other
 
 
+@pytest.mark.flight
 def test_no_output_with_out_in_a_pipe(mav):
     result = mav("demo", "--out", "udpout://127.0.0.1:9", "--for", "0.1")
     assert (result.code, result.out, result.err) == (0, "", "")

@@ -154,6 +154,7 @@ def test_unsafe_names_are_refused(mav, harness, tmp_path, monkeypatch, name):
     assert list(tmp_path.parent.glob("**/*evil*")) == []
 
 
+@pytest.mark.flight
 def test_interrupted_download_keeps_the_old_file_and_resumes(mav, harness, tmp_path, monkeypatch):
     data = noise(400_000)
     harness.put(LOG, data)
@@ -202,6 +203,7 @@ class CutAfter:
         self.harness.vehicle.cut(False)
 
 
+@pytest.mark.flight
 def test_partial_data_of_another_file_is_downloaded_again(mav, harness, tmp_path):
     harness.put(LOG, noise(200_000, seed=2))
     (tmp_path / ".00000001.BIN.part").write_bytes(noise(100_000, seed=3))

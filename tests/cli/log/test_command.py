@@ -73,6 +73,7 @@ def test_list(mav, monkeypatch, tmp_path):
     ]
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(("via", "way"), [("auto", "ftp"), ("ftp", "ftp"), ("log", "log")])
 def test_download_path_is_selected(mav, harness, tmp_path, via, way):
     told = json.loads(mav("log", "get", "1", "-o", "x.BIN", "--via", via, "--json").out)

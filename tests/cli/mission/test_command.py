@@ -100,6 +100,7 @@ def files(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.fast_cases(1)
 def test_uploaded_plans_are_downloaded_equal(mav, field):
     result = mav("mission", "upload", "flight.plan", "--verify")
     assert (result.code, result.err) == (0, "")
@@ -120,6 +121,7 @@ def test_uploaded_plans_are_downloaded_equal(mav, field):
     assert got.settings.vehicle_type == common.MavType.QUADROTOR
 
 
+@pytest.mark.fast_cases(1)
 def test_jump_targets_follow_the_numbering_of_the_vehicle(mav, field):
     assert (
         mav("mission", "upload", "flight.plan", "--mission").out == "vehicle 1: mission: 5 items uploaded\n"
@@ -130,6 +132,7 @@ def test_jump_targets_follow_the_numbering_of_the_vehicle(mav, field):
     assert (target.command, target.param1) == (common.MavCmd.NAV_WAYPOINT, 3)  # the one with a hold of 3 s
 
 
+@pytest.mark.flight
 def test_standard_output_has_the_default_format(mav, copter):
     assert mav("mission", "upload", "flight.plan").code == 0
     result = mav("mission", "download")
@@ -140,6 +143,7 @@ def test_standard_output_has_the_default_format(mav, copter):
     assert result.out == "RALLY 47.396 8.544 25 0 0 0\nRALLY 47.395 8.545 15.5 0 0 0\n"
 
 
+@pytest.mark.flight
 def test_lossy_format_needs_force(mav, copter, files):
     assert mav("mission", "upload", "flight.plan", "--fence").code == 0
     result = mav("mission", "download", "back.fen")
@@ -153,6 +157,7 @@ def test_lossy_format_needs_force(mav, copter, files):
     assert len(read_plan("back.fen").fence) == 5
 
 
+@pytest.mark.flight
 def test_json_output_can_be_uploaded(mav, copter, files):
     mav("mission", "upload", "flight.plan")
     shown = mav("mission", "show", "--json")
@@ -171,6 +176,7 @@ def test_json_output_can_be_uploaded(mav, copter, files):
     ]
 
 
+@pytest.mark.fast_cases(1)
 def test_start_and_wait_for_completion(mav, field):
     mav("mission", "upload", "hop.waypoints")
     result = mav("mission", "start", "--wait")
@@ -179,6 +185,7 @@ def test_start_and_wait_for_completion(mav, field):
     assert field.vehicle.body.on_ground
 
 
+@pytest.mark.fast_cases(1)
 def test_start(mav, field):
     mav("mission", "upload", "flight.waypoints")
     result = mav("mission", "start")
@@ -186,6 +193,7 @@ def test_start(mav, field):
     assert field.vehicle.autopilot.armed
 
 
+@pytest.mark.fast_cases(1)
 def test_start_without_a_mission_does_not_arm(mav, field):
     for words in (("start",), ("start", "--wait")):
         result = mav("mission", *words)
@@ -196,6 +204,7 @@ def test_start_without_a_mission_does_not_arm(mav, field):
         assert not field.vehicle.autopilot.armed
 
 
+@pytest.mark.flight
 def test_clear_deletes_only_the_mission(mav, copter):
     mav("mission", "upload", "flight.plan")
     assert mav("mission", "clear").out == "vehicle 1: mission: cleared\n"
@@ -289,6 +298,7 @@ def test_convert(mav, files):
     assert not (files / "out.txt").exists()
 
 
+@pytest.mark.flight
 def test_unsupported_pattern_is_refused(mav, copter, files):
     pattern = '{"type": "ComplexItem", "complexItemType": "StructureScan", "version": 3}, '
     (files / "scan.plan").write_text(FLIGHT.replace('"items": [', f'"items": [{pattern}'))
@@ -303,6 +313,7 @@ def test_unsupported_pattern_is_refused(mav, copter, files):
     assert mav("mission", "upload", "scan.plan", "--force").code == 0
 
 
+@pytest.mark.flight
 def test_invalid_plan_is_not_uploaded(mav, copter, files):
     (files / "bad.plan").write_text(FLIGHT.replace("47.3980", "147.3980").replace("8.5450", "908.5450"))
     result = mav("mission", "upload", "bad.plan")
@@ -440,6 +451,7 @@ def test_verify_reports_a_difference(mav, monkeypatch):
 EXAMPLES = [line.strip() for line in command.EXAMPLES.splitlines()[1:]]
 
 
+@pytest.mark.flight
 def test_examples_of_the_help_run(mav, copter, capsys):
     ran = 0
     for line in [EXAMPLES[0], *EXAMPLES]:

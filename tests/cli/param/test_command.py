@@ -140,6 +140,7 @@ def test_link_cannot_be_opened(mav):
     assert result.err.count("\n") == 1
 
 
+@pytest.mark.flight
 def test_no_vehicle(mav, harness):
     result = mav("param", "list", "--system", "77", "--timeout", "3")
     assert result.code == 1
@@ -183,6 +184,7 @@ FRAME_TYPE      0 -> 3        takes effect after a reboot
 """
 
 
+@pytest.mark.flight
 def test_load_reports_the_outcome_of_each_parameter(mav, harness, tmp_path):
     path = tmp_path / "a.parm"
     path.write_text("RTL_ALT 3000\nSTAT_BOOTCNT 77\nFRAME_CLASS 300\nFOO_BAR 3\nRTL_SPEED 0\nFRAME_TYPE 3\n")
@@ -236,6 +238,7 @@ def test_invalid_file_is_reported_before_connecting(mav, monkeypatch, tmp_path):
     assert mav("param", "diff", tmp_path / "missing").code == 1
 
 
+@pytest.mark.flight
 def test_diff_with_the_vehicle(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     mav("param", "save", path)
@@ -254,6 +257,7 @@ def test_diff_with_the_vehicle(mav, harness, tmp_path):
     assert told["different"] == [{"name": "RTL_ALT", "ours": 1500, "theirs": 1501}]
 
 
+@pytest.mark.flight
 def test_diff_with_some_parameters_of_the_vehicle(mav, harness, tmp_path):
     path = tmp_path / "a.param"
     path.write_text("RTL_ALT,1500\n")

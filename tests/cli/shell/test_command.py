@@ -43,6 +43,7 @@ def test_command_option(simulate, mav, kind):
     assert -harness.vehicle.body.truth.down == pytest.approx(10, abs=1.5)
 
 
+@pytest.mark.flight
 def test_script_option(simulate, mav, tmp_path):
     simulate()
     (script := tmp_path / "flight.txt").write_text("mode guided\narm throttle # up\n\nbad\ndisarm\n")
@@ -55,6 +56,7 @@ def test_script_option(simulate, mav, tmp_path):
     assert result.out == "armed\ndisarmed\n"
 
 
+@pytest.mark.flight
 def test_lines_from_a_pipe(simulate, mav, pipe):
     simulate()
     pipe("arm throttle\ndisarm\n")
@@ -62,6 +64,7 @@ def test_lines_from_a_pipe(simulate, mav, pipe):
     assert (result.code, result.out) == (0, "armed\ndisarmed\n")
 
 
+@pytest.mark.flight
 def test_no_vehicle_is_a_failure(simulate, mav):
     simulate()
     result = mav("shell", "--system", 9, "--timeout", 2, "--command", "info")
@@ -69,12 +72,14 @@ def test_no_vehicle_is_a_failure(simulate, mav):
     assert result.err.splitlines()[-1].startswith("waiting for vehicle 9")
 
 
+@pytest.mark.flight
 def test_selected_vehicle(simulate, mav):
     harness = simulate(COPTER, PX4_COPTER)
     assert mav("shell", "--system", 2, "--command", "arm").code == 0
     assert [vehicle.autopilot.armed for vehicle in harness.simulation.vehicles] == [False, True]
 
 
+@pytest.mark.flight
 def test_missing_script(simulate, mav, tmp_path):
     simulate()
     result = mav("shell", "--script", tmp_path / "none.txt")
@@ -82,6 +87,7 @@ def test_missing_script(simulate, mav, tmp_path):
     assert "No such file or directory" in result.err
 
 
+@pytest.mark.flight
 def test_output_option(simulate, mav, monkeypatch):
     simulate()
     behind = MemoryNetwork()

@@ -114,7 +114,7 @@ def test_remote_listing_is_cached():
     in_shell(COPTER, scenario)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_silent_vehicle_does_not_block_completion():
     async def scenario(session, world):
         async def silence(path):
@@ -130,6 +130,7 @@ def test_silent_vehicle_does_not_block_completion():
     in_shell(COPTER, scenario)
 
 
+@pytest.mark.flight
 @given(st.text(st.one_of(st.sampled_from("\"'; \\/"), st.characters(exclude_categories=["Cs"])), max_size=25))
 def test_any_text_can_be_completed(text):
     words, length = completed(text)

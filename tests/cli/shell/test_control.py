@@ -128,7 +128,7 @@ def test_exit_ends_the_line():
     alone(scenario)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_outputs_are_added_listed_and_removed(capsys):
     async def scenario(session, world):
         network = world.network.__class__()

@@ -17,7 +17,7 @@ def height(world):
     return -world.simulated.body.truth.down
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_a_flight(kind, capsys):
     async def scenario(session, world):
@@ -53,6 +53,7 @@ def test_mode_names_are_commands(kind, capsys):
     assert name.lower() in capsys.readouterr().out.lower()
 
 
+@pytest.mark.flight
 def test_without_wait_commands_return_immediately():
     async def scenario(session, world):
         await run_line(session, "set wait off; mode guided; arm; takeoff 30")
@@ -61,6 +62,7 @@ def test_without_wait_commands_return_immediately():
     in_shell(COPTER, scenario)
 
 
+@pytest.mark.flight
 def test_timeout_setting():
     with pytest.raises(ActionTimeout, match="not done in 2 s"):
         type_lines("set timeout 2; mode guided; arm throttle; takeoff 80")
@@ -81,6 +83,7 @@ def test_force_arms_a_vehicle_that_is_not_ready():
     in_shell(COPTER, scenario, ready=False)
 
 
+@pytest.mark.flight
 def test_home_is_shown_and_set(capsys):
     async def scenario(session, world):
         await run_line(session, "home; home set; home 47.3978 8.5457 490; home")
@@ -99,6 +102,7 @@ def test_reboot(kind):
     in_shell(kind, scenario)
 
 
+@pytest.mark.flight
 def test_relative_yaw():
     async def scenario(session, world):
         await run_line(session, "mode guided; arm; takeoff 10; setyaw 90; setyaw 30 20 1; sleep 5")

@@ -21,7 +21,7 @@ def test_info_page(kind, capsys):
         assert word in out
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_status_of_messages(capsys):
     type_lines("status HEARTBEAT; sleep 2; status GPS_R* SYS_STATUS")
     lines = capsys.readouterr().out.splitlines()
@@ -29,13 +29,13 @@ def test_status_of_messages(capsys):
     assert {line.split()[0] for line in lines[1:]} == {"GPS_RAW_INT", "SYS_STATUS"}
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_unknown_message():
     with pytest.raises(UsageError, match="there is no message NO_SUCH"):
         type_lines("status no_such")
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_watch_ends_after_its_duration(capsys):
     type_lines("watch HEARTBEAT 3.5")
     assert 3 <= len(capsys.readouterr().out.splitlines()) <= 4
@@ -47,13 +47,13 @@ def test_watch_without_duration_needs_an_interactive_shell():
         type_lines("watch HEARTBEAT")
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_watch_requests_a_rate(capsys):
     type_lines("set rate 10; watch ATTITUDE 3")
     assert len(capsys.readouterr().out.splitlines()) > 20
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_version_link_and_ping(capsys):
     type_lines("version; link; ping")
     out = capsys.readouterr().out
@@ -61,6 +61,7 @@ def test_version_link_and_ping(capsys):
         assert word in out
 
 
+@pytest.mark.flight
 def test_health(capsys):
     async def scenario(session, world):
         await run_line(session, "health; ready 90; health")
@@ -76,6 +77,7 @@ def test_waiting_for_readiness_times_out():
         type_lines("ready 1", ready=False)
 
 
+@pytest.mark.flight
 def test_vehicles_are_listed_and_selected(capsys):
     async def scenario(session, world):
         await world.wait_until(lambda: len(session.connection.vehicles) == 2)

@@ -66,7 +66,7 @@ def test_unexpected_error_is_reported_and_the_shell_continues(capsys):
     assert captured.out == "timeout  0\n"
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_ctrl_c_cancels_only_the_command(capsys):
     async def scenario(session, world):
         loop = asyncio.get_running_loop()
@@ -83,6 +83,7 @@ def test_ctrl_c_cancels_only_the_command(capsys):
     assert captured.out == "armed\ntimeout  0\n"
 
 
+@pytest.mark.flight
 def test_question_without_answer_is_refused(capsys):
     async def scenario(session, world):
         typist = Typist("log erase", "set timeout")
@@ -109,6 +110,7 @@ def test_history_file_cannot_be_made(tmp_path, monkeypatch):
     assert history_file() is None
 
 
+@pytest.mark.flight
 def test_prompt_with_completion_and_history(tmp_path, monkeypatch):
     from prompt_toolkit.application import create_app_session
     from prompt_toolkit.input import create_pipe_input

@@ -17,6 +17,7 @@ from mavstack.services.statustext import StatusText
 from tests.cli.shell.shell_session import COPTER, PX4_COPTER, alone, in_shell
 
 
+@pytest.mark.flight
 def test_notifications_go_to_stderr(capsys):
     async def scenario(session, world):
         async with Notifications(session):
@@ -30,6 +31,7 @@ def test_notifications_go_to_stderr(capsys):
     assert captured.out == ""
 
 
+@pytest.mark.flight
 def test_vehicle_lost_and_returned(capsys):
     async def scenario(session, world):
         async with Notifications(session):
@@ -60,6 +62,7 @@ def test_severity_setting():
     alone(scenario)
 
 
+@pytest.mark.flight
 def test_system_id_is_shown_for_several_vehicles():
     async def scenario(session, world):
         await world.wait_until(lambda: len(session.connection.vehicles) == 2)
@@ -78,6 +81,7 @@ def test_link_down():
     alone(scenario)
 
 
+@pytest.mark.flight
 def test_the_prompt(capsys):
     async def scenario(session, world):
         def prompt():

@@ -60,6 +60,7 @@ def test_words_before_the_cursor(text, unfinished):
     assert split_unfinished(text) == UnfinishedLine(*unfinished)
 
 
+@pytest.mark.flight
 @given(LINES)
 def test_any_line_is_split_or_refused(line):
     try:
@@ -76,6 +77,7 @@ def test_any_text_can_be_completed(text):
     assert all(isinstance(each, str) for each in words)
 
 
+@pytest.mark.flight
 @given(st.lists(st.text("abc ;#'\"\\", min_size=1), min_size=1))
 def test_quoted_words_are_preserved(words):
     import shlex

@@ -22,6 +22,7 @@ def test_a_command_by_name_and_number(name):
     in_shell(COPTER, scenario)
 
 
+@pytest.mark.flight
 def test_refused_command():
     with pytest.raises(CommandDenied, match="UNSUPPORTED"):
         type_lines("long 4242")
@@ -39,7 +40,7 @@ def test_command_int_with_a_position(place):
     in_shell(COPTER, scenario)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_channels_are_overridden_and_released(capsys):
     async def scenario(session, world):
         async with session.connection.packets() as _:
@@ -58,7 +59,7 @@ def test_channels_are_overridden_and_released(capsys):
     assert out[-1] == "overridden: none"
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_leaving_releases_channels():
     async def scenario(session, world):
         await run_line(session, "rc all 1400; sleep 1")
@@ -68,7 +69,7 @@ def test_leaving_releases_channels():
     in_shell(COPTER, scenario)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_nsh_line(capsys):
     type_lines("nsh ver all", "nsh param show SYS_AUTOSTART", kind=PX4_COPTER)
     out = capsys.readouterr().out
@@ -78,7 +79,7 @@ def test_nsh_line(capsys):
     assert "ver all" not in out
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_vehicle_without_a_shell():
     with pytest.raises(MavstackError, match="no shell answered"):
         type_lines("nsh ls")

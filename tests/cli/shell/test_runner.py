@@ -47,6 +47,7 @@ async def each(*lines):
         yield line
 
 
+@pytest.mark.flight
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(lines=st.lists(st.one_of(LINES, st.text(max_size=30)), max_size=3))
 def test_any_line_runs_or_fails_cleanly(lines, tmp_path, monkeypatch):

@@ -39,6 +39,7 @@ def test_parameters(kind, name, capsys, tmp_path):
     assert "1 set" in out
 
 
+@pytest.mark.flight
 def test_param_fetch_counts_parameters(capsys):
     async def scenario(session, world):
         await run_line(session, "param fetch")
@@ -67,6 +68,7 @@ def test_a_mission(kind, capsys, tmp_path):
     assert kept.read_text().startswith("QGC WPL 110")
 
 
+@pytest.mark.flight
 def test_a_fence(capsys, tmp_path):
     fence = tmp_path / "area.fen"
     fence.write_text(
@@ -82,11 +84,13 @@ def test_a_fence(capsys, tmp_path):
     assert out.count("fence enabled") == out.count("fence disabled") == 1
 
 
+@pytest.mark.flight
 def test_rally_points_are_listed(capsys):
     type_lines("rally list; rally clear")
     assert "rally points: cleared" in capsys.readouterr().out
 
 
+@pytest.mark.flight
 def test_files(capsys, tmp_path):
     (given := tmp_path / "patrol.lua").write_text("return 1\n")
     got = tmp_path / "got.lua"
@@ -102,6 +106,7 @@ def test_files(capsys, tmp_path):
     assert "mine/" in capsys.readouterr().out
 
 
+@pytest.mark.flight
 def test_logs(capsys, tmp_path):
     async def scenario(session, world):
         await run_line(session, "mode guided; arm throttle; sleep 3; disarm; sleep 3; log list")
@@ -159,6 +164,7 @@ def test_help_of_subcommands(name, capsys):
     assert "--url" not in out
 
 
+@pytest.mark.flight
 def test_partial_failure_is_reported_once(capsys):
     with pytest.raises(AlreadyReported):
         type_lines("param get RTL_ALT NO_SUCH_PARAM")

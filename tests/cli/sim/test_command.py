@@ -43,6 +43,7 @@ def test_one_port_per_vehicle(mav):
     assert links == [f"udpout://127.0.0.1:{port}" for port in (9001, 9002, 9003)]
 
 
+@pytest.mark.flight
 def test_faults_from_the_command_line_and_from_a_file(mav, tmp_path):
     script = tmp_path / "faults.txt"
     script.write_text("# a bad day\n1 gps off\n2.5 1: battery 15   # nearly empty\n")
@@ -109,6 +110,7 @@ def test_impairments_become_url_options(mav, capsys):
     assert _impaired("udpout://127.0.0.1:9", Arguments) == "udpout://127.0.0.1:9"
 
 
+@pytest.mark.flight
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
 def test_faults_from_stdin_and_ctrl_c():
     command = [sys.executable, "-m", "mavstack", "sim", "--out", NOWHERE, "--json"]
@@ -127,6 +129,7 @@ def test_faults_from_stdin_and_ctrl_c():
     assert (process.returncode, err) == (130, "")
 
 
+@pytest.mark.flight
 def test_runs_without_stdin():
     command = [sys.executable, "-m", "mavstack", "sim", "--out", NOWHERE, "--for", "0.5"]
     result = subprocess.run(

@@ -40,6 +40,7 @@ def test_a_flight(simulate, mav, kind):
     assert not harness.vehicle.autopilot.armed
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_modes(simulate, mav, kind):
     harness = simulate(kind)
@@ -52,6 +53,7 @@ def test_modes(simulate, mav, kind):
     assert harness.vehicle.autopilot.mode.name == name or kind == PX4_COPTER
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_info(simulate, mav, kind):
     simulate(kind)
@@ -81,6 +83,7 @@ def test_waiting_for_readiness_times_out(simulate, mav):
     assert result.err.startswith("mav vehicle: waiting for the readiness of 1/1 failed")
 
 
+@pytest.mark.flight
 def test_home(simulate, mav):
     simulate()
     assert mav("vehicle", "home", "here").code == 0
@@ -89,6 +92,7 @@ def test_home(simulate, mav):
     assert mav("vehicle", "home").out == moved.out
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", BOTH, ids=named)
 def test_reboot(simulate, mav, kind):
     simulate(kind)
@@ -118,6 +122,7 @@ def test_force(simulate, mav):
     assert not harness.vehicle.autopilot.armed
 
 
+@pytest.mark.flight
 def test_action_timeout(simulate, mav):
     simulate()
     mav("vehicle", "mode", "guided")
@@ -127,6 +132,7 @@ def test_action_timeout(simulate, mav):
     assert "not done in 2 s" in result.err
 
 
+@pytest.mark.flight
 def test_one_line_per_vehicle(simulate, mav):
     harness = simulate(COPTER, PX4_COPTER, COPTER)
     result = mav("vehicle", "arm", "--all")
@@ -138,6 +144,7 @@ def test_one_line_per_vehicle(simulate, mav):
     assert mav("vehicle", "info", "--all").out.count("\n  state") == 3
 
 
+@pytest.mark.flight
 def test_failure_of_one_vehicle_does_not_stop_others(simulate, mav):
     simulate(COPTER, PX4_COPTER)
     result = mav("vehicle", "mode", "offboard", "--all", "--json")
@@ -151,6 +158,7 @@ def test_failure_of_one_vehicle_does_not_stop_others(simulate, mav):
     assert plain.err.startswith("mav vehicle: vehicle 2: ")
 
 
+@pytest.mark.flight
 def test_missing_vehicle(simulate, mav):
     simulate()
     for words in (["--system", "9"], ["--systems", "1,9"]):
@@ -174,6 +182,7 @@ def test_wrong_usage(mav, words):
     assert "Traceback" not in result.err
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     "words", [["takeoff", "-5"], ["goto", "95", "8"], ["orbit", "47", "8", "--radius", "0"]]
 )
@@ -184,7 +193,7 @@ def test_invalid_values(simulate, mav, words):
     assert result.err.count("\n") == 1
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_examples_of_the_help_run(simulate, mav):
     simulate(COPTER, COPTER, COPTER, COPTER, COPTER)
     for line in EXAMPLES.splitlines()[1:]:

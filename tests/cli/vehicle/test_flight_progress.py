@@ -23,6 +23,7 @@ class Terminal(io.StringIO):
         return True
 
 
+@pytest.mark.flight
 def test_shown_on_a_terminal_and_erased(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr("sys.stderr", terminal)
@@ -37,6 +38,7 @@ def test_shown_on_a_terminal_and_erased(monkeypatch):
     assert text.endswith("\r\x1b[K")
 
 
+@pytest.mark.flight
 def test_no_output_in_a_pipe(capsys):
     async def scenario(session, world):
         async with FlightProgress(session.vehicle, "waiting"):

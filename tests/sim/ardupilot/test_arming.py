@@ -71,7 +71,7 @@ def test_arming_check_bits() -> None:
     assert harness.command(CMD.COMPONENT_ARM_DISARM, 1) == RESULT.ACCEPTED
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_prearm_problems_are_repeated_every_30_s() -> None:
     harness = ArdupilotHarness("copter")
     low_voltage(harness)
@@ -99,6 +99,7 @@ def test_arming_and_disarming_texts() -> None:
     assert any(isinstance(message, common.GpsGlobalOrigin) for message in harness.received)
 
 
+@pytest.mark.flight
 def test_idle_copter_disarms() -> None:
     harness = ArdupilotHarness("copter")
     harness.vehicle.parameters.set("DISARM_DELAY", 3)
@@ -107,6 +108,7 @@ def test_idle_copter_disarms() -> None:
     assert not harness.autopilot.armed
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     ("break_check", "healthy"), [(lambda harness: harness.set_mode("RTL"), True), (low_voltage, False)]
 )

@@ -46,6 +46,7 @@ def test_every_accepted_command_acts(vehicle_type: VehicleType, command: int) ->
     assert not before, "the case would pass without the command"
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize("vehicle_type", TYPES)
 def test_every_other_command_is_unsupported(vehicle_type: VehicleType) -> None:
     harness = ArdupilotHarness(vehicle_type)
@@ -64,6 +65,7 @@ def test_boat_supports_the_commands_of_a_rover() -> None:
     assert rover == boat
 
 
+@pytest.mark.flight
 def test_takeoff_needs_guided_armed_and_a_height() -> None:
     harness = ArdupilotHarness("copter")
     takeoff = (CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0)
@@ -119,6 +121,7 @@ def test_disabled_payloads_fail() -> None:
         assert harness.command(command, 0, 1, 1) == RESULT.FAILED
 
 
+@pytest.mark.flight
 def test_invalid_numbers_raise_no_error() -> None:
     harness = ArdupilotHarness("copter")
     take_off(harness)
@@ -153,6 +156,7 @@ def test_commanded_home_survives_arming() -> None:
     assert harness.command(CMD.DO_SET_HOME, 0, 0, 0, 0, *harness.at(5, 0), 500, frame=99) == RESULT.DENIED
 
 
+@pytest.mark.flight
 def test_cancel_calibration() -> None:
     harness = ArdupilotHarness("copter")
     assert harness.command(CMD.PREFLIGHT_CALIBRATION, 0, 0, 1) == RESULT.IN_PROGRESS

@@ -35,7 +35,7 @@ def test_copter_takes_off_repositions_and_returns() -> None:
     assert harness.texts[-1] == "Disarming motors"
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_plane_takes_off_in_takeoff_mode_and_circles() -> None:
     harness = ArdupilotHarness("plane")
     assert harness.command(CMD.NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 50) == RESULT.FAILED
@@ -100,7 +100,7 @@ def test_sub_dives_and_surfaces() -> None:
     harness.run_until(lambda: position(harness)[2] < 1, timeout=30)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_smart_rtl_retraces_the_path() -> None:
     harness = ArdupilotHarness("copter")
     harness.take_off()

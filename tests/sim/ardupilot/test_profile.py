@@ -53,6 +53,7 @@ def test_every_mode_can_be_entered(vehicle_type: VehicleType) -> None:
         assert heartbeat.base_mode & common.MavModeFlag.SAFETY_ARMED
 
 
+@pytest.mark.flight
 def test_mode_that_needs_a_position_is_refused_without_one() -> None:
     harness = ArdupilotHarness("copter")
     harness.take_off()
@@ -80,6 +81,7 @@ def test_auto_without_a_mission_is_refused_while_armed() -> None:
     assert harness.received_texts[-1] == "Mode change to AUTO failed: init failed"
 
 
+@pytest.mark.fast_cases(4)
 @pytest.mark.parametrize("vehicle_type", list(VehicleType))
 def test_version_and_banner(vehicle_type: VehicleType) -> None:
     harness = ArdupilotHarness(vehicle_type)
@@ -96,6 +98,7 @@ def test_version_and_banner(vehicle_type: VehicleType) -> None:
     assert any(text.startswith(f"{firmware} V4.6.") for text in harness.texts)
 
 
+@pytest.mark.flight
 def test_boot_and_gps_texts() -> None:
     harness = ArdupilotHarness("copter")
     for text in ("ArduPilot Ready", "EKF3 IMU0 is using GPS", "Field Elevation Set: 488m"):
@@ -126,6 +129,7 @@ def test_flight_parameters_follow_parameters() -> None:
     assert harness.vehicle.body.limits.tilt == pytest.approx(0.2618, abs=1e-3)
 
 
+@pytest.mark.flight
 def test_reboot_command() -> None:
     harness = ArdupilotHarness("copter")
     harness.accepted(CMD.PREFLIGHT_REBOOT_SHUTDOWN, 1)

@@ -35,6 +35,7 @@ def winds_around(polygon: Polygon, place: tuple[float, float]) -> bool:
     return abs(total) > pi
 
 
+@pytest.mark.flight
 @given(STARS, PLACES)
 def test_inside_is_what_the_corners_go_round(radii: list[float], place: tuple[float, float]) -> None:
     polygon = star(radii)
@@ -42,6 +43,7 @@ def test_inside_is_what_the_corners_go_round(radii: list[float], place: tuple[fl
     assert polygon.contains(place) == winds_around(polygon, place)
 
 
+@pytest.mark.flight
 @given(STARS, PLACES, METRES, METRES)
 def test_a_polygon_can_be_moved(
     radii: list[float], place: tuple[float, float], north: float, east: float
@@ -52,6 +54,7 @@ def test_a_polygon_can_be_moved(
     assert moved.contains((place[0] + north, place[1] + east)) == polygon.contains(place)
 
 
+@pytest.mark.flight
 @given(STARS, some.integers(0, 11), some.booleans(), PLACES)
 def test_where_the_corners_begin_and_which_way_they_go_does_not_matter(
     radii: list[float], first: int, backwards: bool, place: tuple[float, float]
@@ -64,6 +67,7 @@ def test_where_the_corners_begin_and_which_way_they_go_does_not_matter(
     assert turned.edge_distance(place) == pytest.approx(polygon.edge_distance(place))
 
 
+@pytest.mark.flight
 @given(PLACES, PLACES, PLACES)
 def test_the_distance_to_a_line_against_many_points_of_it(
     place: tuple[float, float], begin: tuple[float, float], end: tuple[float, float]
@@ -128,6 +132,7 @@ def test_how_far_beyond() -> None:
     assert Fence().edge_distance((2, 0)) == inf
 
 
+@pytest.mark.flight
 @given(STARS, STARS, PLACES)
 def test_what_is_permitted_is_no_breach(
     first: list[float], second: list[float], place: tuple[float, float]

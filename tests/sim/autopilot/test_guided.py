@@ -93,6 +93,7 @@ def test_a_yaw_of_a_turned_frame_counts_from_its_heading() -> None:
     assert flight.body.truth.yaw == pytest.approx(1.5, abs=0.1)
 
 
+@pytest.mark.flight
 def test_frames_that_the_firmware_ignores_change_nothing() -> None:
     flight = guided(setpoint_frames=frozenset({F.LOCAL_NED}))
     assert not flight.autopilot.guided.set(LocalSetpoint(position=(9.0, 0.0, 0.0), frame=F.BODY_NED))
@@ -134,7 +135,7 @@ def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:
         assert flight.body.truth.down == pytest.approx(4.0, abs=0.7)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("repeated", [False, True])
 def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
     flight = guided(VehicleType.PLANE, 40.0)
@@ -150,7 +151,7 @@ def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
         assert flight.height == pytest.approx(60.0, abs=6.0)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_vtol_flies_far_on_its_wing_and_hovers_there() -> None:
     flight = guided(VehicleType.VTOL, 40.0, forward_beyond=200.0)
     flight.autopilot.guided.go_to((800.0, 0.0, -40.0))
@@ -167,6 +168,7 @@ def test_a_vtol_flies_far_on_its_wing_and_hovers_there() -> None:
 # Velocities
 
 
+@pytest.mark.flight
 def test_a_velocity_is_flown_until_it_is_too_old() -> None:
     flight = guided(setpoint_timeout=3.0)
     tell(flight, LocalSetpoint(velocity=(3.0, -2.0, -0.5)))
@@ -182,6 +184,7 @@ def test_a_velocity_is_flown_until_it_is_too_old() -> None:
     assert flight.distance(here[:2]) < 1.0
 
 
+@pytest.mark.flight
 def test_a_repeated_velocity_stays_in_effect() -> None:
     flight = guided(setpoint_timeout=1.0)
     stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0), yaw_rate=0.3), 8.0)
@@ -189,6 +192,7 @@ def test_a_repeated_velocity_stays_in_effect() -> None:
     assert flight.body.truth.yaw_rate == pytest.approx(0.3, abs=0.1)
 
 
+@pytest.mark.flight
 def test_a_velocity_of_a_turned_frame_goes_where_it_looks() -> None:
     flight = guided()
     face(flight, pi / 2)
@@ -197,6 +201,7 @@ def test_a_velocity_of_a_turned_frame_goes_where_it_looks() -> None:
     assert abs(flight.body.truth.velocity_north) < 0.5
 
 
+@pytest.mark.flight
 def test_velocities_of_a_global_setpoint_are_of_the_ground() -> None:
     flight = guided()
     face(flight, pi / 2)
@@ -204,6 +209,7 @@ def test_velocities_of_a_global_setpoint_are_of_the_ground() -> None:
     assert flight.body.truth.velocity_north == pytest.approx(2.0, abs=0.5)
 
 
+@pytest.mark.flight
 def test_a_position_with_a_velocity_moves_on() -> None:
     flight = guided()
     for beat in range(60):
@@ -213,6 +219,7 @@ def test_a_position_with_a_velocity_moves_on() -> None:
     assert flight.body.truth.east == pytest.approx(5.0, abs=1.0)
 
 
+@pytest.mark.flight
 def test_axes_may_be_mixed() -> None:
     flight = guided()
     stream(flight, LocalSetpoint(position=(None, None, -18.0), velocity=(1.5, 0.0, None)), 8.0)
@@ -220,12 +227,14 @@ def test_axes_may_be_mixed() -> None:
     assert flight.body.truth.velocity_north == pytest.approx(1.5, abs=0.4)
 
 
+@pytest.mark.flight
 def test_an_acceleration_speeds_it_up() -> None:
     flight = guided()
     stream(flight, LocalSetpoint(acceleration=(1.0, 0.0, 0.0)), 4.0)
     assert flight.body.truth.velocity_north == pytest.approx(4.0, abs=1.2)
 
 
+@pytest.mark.flight
 def test_a_heading_alone_turns_it_on_the_spot() -> None:
     flight = guided()
     stream(flight, LocalSetpoint(yaw=2.0), 5.0)
@@ -256,6 +265,7 @@ def lean(roll: float, pitch: float, yaw: float = 0.0) -> tuple[float, float, flo
     )
 
 
+@pytest.mark.flight
 def test_an_attitude_leans_it_and_its_thrust_lifts_it() -> None:
     flight = guided(setpoint_timeout=1.0)
     stream(flight, AttitudeSetpoint(lean(0.1, -0.15, 0.6), thrust=0.55), 2.0)
@@ -276,12 +286,14 @@ def test_thrust_may_mean_climbing(thrust: float, climb: float) -> None:
     assert flight.body.truth.velocity_down == pytest.approx(-climb, abs=0.35)
 
 
+@pytest.mark.flight
 def test_rates_turn_it() -> None:
     flight = guided()
     stream(flight, AttitudeSetpoint(rates=(0.0, 0.0, 0.7), thrust=0.5), 2.0)
     assert flight.body.truth.yaw_rate == pytest.approx(0.7, abs=0.15)
 
 
+@pytest.mark.flight
 def test_a_rover_drives_at_a_share_of_its_speed_to_a_heading() -> None:
     flight = guided(VehicleType.ROVER)
     stream(flight, AttitudeSetpoint(lean(0.0, 0.0, radians(90)), thrust=0.5), 8.0)
@@ -291,6 +303,7 @@ def test_a_rover_drives_at_a_share_of_its_speed_to_a_heading() -> None:
 # Modes, and the ground
 
 
+@pytest.mark.flight
 def test_setpoints_are_not_followed_in_other_modes() -> None:
     flight = guided()
     flight.enter(HOLD)
@@ -311,6 +324,7 @@ def test_on_the_ground_only_a_take_off_is_followed(kind: VehicleType) -> None:
     flight.run_until(lambda: flight.height > 25.0, timeout=60)
 
 
+@pytest.mark.flight
 def test_guided_takes_off_then_follows_the_target() -> None:
     flight = AutopilotHarness()
     flight.arm()
@@ -328,6 +342,7 @@ def test_guided_takes_off_then_follows_the_target() -> None:
     assert flight.distance((10.0, 0.0)) < 1.0
 
 
+@pytest.mark.flight
 def test_flown_into_the_ground_it_stays_there_and_disarms() -> None:
     flight = guided(height=5.0)
     for _ in range(20):
@@ -344,6 +359,7 @@ def offboard(flight: AutopilotHarness) -> None:
     flight.fly(Offboard)
 
 
+@pytest.mark.flight
 def test_a_stream_lives_from_its_second_setpoint_while_it_is_quick() -> None:
     flight = guided(setpoint_timeout=1.0)
     target = flight.autopilot.guided
@@ -361,6 +377,7 @@ def test_a_stream_lives_from_its_second_setpoint_while_it_is_quick() -> None:
     assert not target.stream_alive, "one a second is no stream"
 
 
+@pytest.mark.flight
 def test_offboard_takes_off_by_a_position_and_follows() -> None:
     flight = AutopilotHarness(setpoint_timeout=1.0)
     stream(flight, LocalSetpoint(position=(0.0, 0.0, -5.0)), 1.0)
@@ -372,6 +389,7 @@ def test_offboard_takes_off_by_a_position_and_follows() -> None:
     assert flight.distance((5.0, 5.0)) < 1.0
 
 
+@pytest.mark.flight
 def test_offboard_that_starves_does_what_the_firmware_does() -> None:
     flight = AutopilotHarness(setpoint_timeout=1.0).in_the_air(10.0)
     stream(flight, LocalSetpoint(velocity=(2.0, 0.0, 0.0)), 1.0)

@@ -39,6 +39,7 @@ def test_a_wing_has_reached_a_point_that_it_has_passed() -> None:
     assert maneuvers.has_reached((100.0, 0.0, -50.0))
 
 
+@pytest.mark.fast_cases(5)
 @pytest.mark.parametrize(("kind", "circles"), [(kind, kind is VehicleType.PLANE) for kind in VehicleType])
 def test_who_circles(kind: VehicleType, circles: bool) -> None:
     assert AutopilotHarness(kind).autopilot.maneuvers.circles == circles
@@ -50,6 +51,7 @@ def test_a_vtol_circles_when_it_is_to_fly_forward() -> None:
     assert flight.autopilot.maneuvers.circles
 
 
+@pytest.mark.flight
 def test_its_height_is_what_the_rangefinder_says_near_the_ground() -> None:
     flight = AutopilotHarness().in_the_air(12.0)
     flight.body.drift_barometer(4.0)
@@ -57,6 +59,7 @@ def test_its_height_is_what_the_rangefinder_says_near_the_ground() -> None:
     assert flight.autopilot.maneuvers.height == pytest.approx(flight.height, abs=0.5)
 
 
+@pytest.mark.flight
 def test_it_comes_to_rest_ahead_of_where_it_is() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(GUIDED)
@@ -69,6 +72,7 @@ def test_it_comes_to_rest_ahead_of_where_it_is() -> None:
     assert flight.distance(stop) < 1.5
 
 
+@pytest.mark.flight
 def test_a_speed_and_a_yaw_that_are_chosen_count_at_once() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(GUIDED)
@@ -87,6 +91,7 @@ def test_a_speed_and_a_yaw_that_are_chosen_count_at_once() -> None:
     assert maneuvers.yaw is None
 
 
+@pytest.mark.flight
 def test_what_is_repeated_keeps_the_yaw_it_was_given() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(GUIDED)

@@ -118,6 +118,7 @@ def test_axes_that_are_not_there_are_centred() -> None:
 # Hands that fly
 
 
+@pytest.mark.flight
 def test_sticks_fly_a_copter_and_let_go_of_it() -> None:
     copter = airborne(mode="LOITER")
     copter.repeated_message = lambda: common.ManualControl(target=1, x=500, y=0, z=500, r=0)
@@ -133,6 +134,7 @@ def test_sticks_fly_a_copter_and_let_go_of_it() -> None:
     assert copter.height > before + 1
 
 
+@pytest.mark.flight
 def test_channels_drive_a_rover() -> None:
     rover = airborne("rover", mode="MANUAL")
     rover.repeated_message = lambda: common.RcChannelsOverride(
@@ -143,6 +145,7 @@ def test_channels_drive_a_rover() -> None:
     assert rover.vehicle.body.truth.velocity_north > 1
 
 
+@pytest.mark.flight
 def test_sticks_fly_a_px4_in_position_mode() -> None:
     copter = airborne("copter", "px4")
     copter.repeated_message = lambda: common.ManualControl(target=1, x=0, y=600, z=500, r=0)
@@ -150,6 +153,7 @@ def test_sticks_fly_a_px4_in_position_mode() -> None:
     assert copter.vehicle.body.truth.velocity_east > 1
 
 
+@pytest.mark.flight
 def test_when_the_hands_cease_the_radio_failsafe_acts() -> None:
     copter = airborne(mode="ALT_HOLD", FS_THR_ENABLE=1).inject("radio off")
     copter.repeated_message = lambda: common.RcChannelsOverride(
@@ -195,6 +199,7 @@ def test_where_the_switch_stands_at_first_changes_nothing() -> None:
     assert copter.mode == "GUIDED", "only a switch that moves counts"
 
 
+@pytest.mark.flight
 def test_a_mode_that_cannot_be_entered_is_explained() -> None:
     copter = airborne(FLTMODE1=5).inject("gps off").run(7)
     copter.autopilot.radio.move(5, 1100)

@@ -54,6 +54,7 @@ def test_home_may_count_as_one(counts: int, found: bool) -> None:
     assert (flight.autopilot.rally.nearest() is not None) == found
 
 
+@pytest.mark.flight
 def test_px4_takes_home_if_it_is_nearer() -> None:
     assert at(50, point(150, 0), firmware=PX4).autopilot.rally.nearest() is None
     assert at(100, point(150, 0), firmware=PX4).autopilot.rally.nearest() is not None

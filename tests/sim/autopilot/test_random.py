@@ -131,7 +131,7 @@ def test_anything_may_be_asked_at_any_time(kind: VehicleType, flown: list[Any], 
             assert truth.down == 0.0
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(kind=st.sampled_from(list(VehicleType)), targets=st.lists(setpoints, min_size=1, max_size=15))
 def test_a_guided_vehicle_follows_any_setpoints(kind: VehicleType, targets: list[Any]) -> None:

@@ -119,6 +119,7 @@ def px4() -> list[VehicleHarness]:
     return apply_causes(PX4, "px4")
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     "index", range(len(ARDUPILOT)), ids=[f"{refusal.kind}-{refusal.text}" for refusal in ARDUPILOT]
 )

@@ -186,6 +186,7 @@ def test_fs_options_opens_the_gripper(results) -> None:
     assert results["radio-no-gripper"].autopilot.payload.gripper_closed
 
 
+@pytest.mark.flight
 def test_lands_if_rtl_is_impossible() -> None:
     copter = airborne(mode="ALT_HOLD", FS_EKF_THRESH=0).inject("gps off")
     open_throttle(copter)
@@ -194,6 +195,7 @@ def test_lands_if_rtl_is_impossible() -> None:
     assert "Mode change to RTL failed: requires position" in copter.texts
 
 
+@pytest.mark.flight
 def test_recovery_is_reported_and_keeps_the_mode() -> None:
     copter = airborne(FS_THR_ENABLE=1, FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
     copter.inject("radio off")
@@ -208,6 +210,7 @@ def test_recovery_is_reported_and_keeps_the_mode() -> None:
     assert not copter.critical
 
 
+@pytest.mark.flight
 def test_failsafe_acts_once_and_allows_a_mode_change() -> None:
     copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
     copter.sends_heartbeats = False
@@ -218,6 +221,7 @@ def test_failsafe_acts_once_and_allows_a_mode_change() -> None:
     assert copter.texts.count("GCS Failsafe") == 1
 
 
+@pytest.mark.flight
 def test_delays_follow_their_parameters() -> None:
     copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=4, RC_FS_TIMEOUT=1.5, BATT_FS_LOW_ACT=1)
     start = copter.vehicle.now
@@ -231,6 +235,7 @@ def test_delays_follow_their_parameters() -> None:
     assert copter.texts.time_of(low) - start == pytest.approx(10, abs=0.3)  # BATT_LOW_TIMER
 
 
+@pytest.mark.flight
 def test_only_the_ground_station_of_sysid_mygcs_is_monitored() -> None:
     copter = airborne(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=2)
     copter.source = Address(254, 190)

@@ -168,6 +168,7 @@ def test_long_failsafe_keeps_rtl_after_recovery() -> None:
     assert not plane.critical
 
 
+@pytest.mark.flight
 def test_ground_station_recovery_is_reported() -> None:
     plane = airborne("plane", mode="FBWA", FS_GCS_ENABL=1, FS_LONG_TIMEOUT=2)
     plane.sends_heartbeats = False

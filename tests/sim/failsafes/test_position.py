@@ -114,6 +114,7 @@ def test_px4_descends_without_a_position(px4, case) -> None:
     assert px4[case.name].critical == case.armed
 
 
+@pytest.mark.flight
 def test_ardupilot_acts_six_seconds_after_the_last_fix() -> None:
     copter = airborne()
     start = copter.vehicle.now
@@ -134,6 +135,7 @@ def test_ardupilot_reports_recovery_and_keeps_the_mode() -> None:
     assert rover.mode == "HOLD"
 
 
+@pytest.mark.flight
 def test_px4_resumes_the_chosen_mode_after_recovery() -> None:
     copter = airborne("copter", "px4").inject("gps off").run(6)
     assert copter.mode == "Descend"
@@ -142,6 +144,7 @@ def test_px4_resumes_the_chosen_mode_after_recovery() -> None:
     assert not copter.critical
 
 
+@pytest.mark.flight
 def test_px4_with_manual_control_enters_altitude_mode() -> None:
     from mavstack.dialects import common
 
@@ -182,6 +185,7 @@ def test_gps_jump_raises_the_position_variance() -> None:
     assert copter.vehicle.body.health.position_variance > 5
 
 
+@pytest.mark.flight
 def test_motor_failure_is_detected_as_thrust_loss_and_crash() -> None:
     copter = airborne().inject("motor 2 off")
     copter.run_until(lambda: not copter.armed, timeout=30)
@@ -191,6 +195,7 @@ def test_motor_failure_is_detected_as_thrust_loss_and_crash() -> None:
     assert copter.vehicle.body.on_ground
 
 
+@pytest.mark.flight
 def test_stays_armed_without_fs_crash_check() -> None:
     copter = airborne(FS_CRASH_CHECK=0).inject("motor 2 off").run(14)
     assert copter.vehicle.body.on_ground
@@ -198,6 +203,7 @@ def test_stays_armed_without_fs_crash_check() -> None:
     assert not copter.texts.first("Crash")
 
 
+@pytest.mark.flight
 def test_gentle_landing_is_no_crash() -> None:
     copter = airborne(mode="LAND", LAND_SPEED=150)
     copter.run_until(lambda: not copter.armed, timeout=60)
@@ -205,6 +211,7 @@ def test_gentle_landing_is_no_crash() -> None:
     assert not copter.texts.first("Potential")
 
 
+@pytest.mark.flight
 def test_arming_without_gps_is_refused() -> None:
     copter = grounded("copter", "ardupilot")
     copter.enter("GUIDED").inject("gps off").run(7)

@@ -178,6 +178,7 @@ def test_termination_is_final(results, name) -> None:
     assert harness.autopilot.arm()
 
 
+@pytest.mark.flight
 def test_mode_change_during_the_delay_cancels_the_action() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=3)
     copter.sends_heartbeats = False
@@ -190,6 +191,7 @@ def test_mode_change_during_the_delay_cancels_the_action() -> None:
     assert ACTIVATED not in copter.texts
 
 
+@pytest.mark.flight
 def test_mode_change_after_the_action_is_kept_until_the_next_loss() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
     copter.sends_heartbeats = False
@@ -205,6 +207,7 @@ def test_mode_change_after_the_action_is_kept_until_the_next_loss() -> None:
     assert copter.mode == "Return", "each loss triggers the action"
 
 
+@pytest.mark.flight
 def test_link_recovery_does_not_end_the_action() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
     copter.sends_heartbeats = False
@@ -215,6 +218,7 @@ def test_link_recovery_does_not_end_the_action() -> None:
     assert copter.texts[-1] == STATION_BACK
 
 
+@pytest.mark.flight
 def test_manual_control_recovery_is_reported() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0)
     hold_sticks(copter)
@@ -228,6 +232,7 @@ def test_manual_control_recovery_is_reported() -> None:
     assert copter.mode == "Return"
 
 
+@pytest.mark.flight
 def test_more_urgent_action_replaces_the_first() -> None:
     copter = airborne("copter", "px4", NAV_DLL_ACT=2, COM_DL_LOSS_T=1, COM_FAIL_ACT_T=0)
     copter.sends_heartbeats = False
@@ -238,6 +243,7 @@ def test_more_urgent_action_replaces_the_first() -> None:
     assert "Emergency battery level: switching to Land" in copter.texts
 
 
+@pytest.mark.flight
 def test_battery_that_was_low_at_arming_gives_a_warning_only() -> None:
     copter = airborne("copter", "px4", COM_FAIL_ACT_T=0)
     copter.autopilot.disarm("test")

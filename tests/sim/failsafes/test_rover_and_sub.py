@@ -121,6 +121,7 @@ def test_failsafe_action_and_status_texts(results, case) -> None:
     assert harness.critical == (case.armed and case.name not in WITHOUT_TEXTS)
 
 
+@pytest.mark.flight
 def test_rover_failsafe_clears_when_radio_and_ground_station_recover() -> None:
     rover = airborne("rover", FS_ACTION=2, FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=1)
     rover.inject("radio off")

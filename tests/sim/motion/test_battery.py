@@ -23,6 +23,7 @@ def test_hover_current_voltage_and_consumption():
     assert after.temperature > full.temperature
 
 
+@pytest.mark.flight
 def test_climbing_draws_more_than_hovering_and_stopped_almost_nothing():
     world, body = single_body(VehicleType.COPTER)
     step_for(world, 1)

@@ -57,6 +57,7 @@ def test_spoofed_gps_moves_the_vehicle():
     assert body.sensors.gps_latitude > body.frame.to_global(*body.truth[:3])[0] + 0.0002
 
 
+@pytest.mark.flight
 def test_compass_offset_turns_the_estimate():
     world, body = hovering()
     body.offset_compass(0.4)
@@ -68,6 +69,7 @@ def test_compass_offset_turns_the_estimate():
     assert absolute_angle(math.atan2(-readings.magnetic_y, readings.magnetic_x) - body.estimate.yaw) < 0.3
 
 
+@pytest.mark.flight
 def test_barometer_drift_changes_the_altitude():
     world, body = hovering(30)
     pressure = body.sensors.pressure
@@ -106,6 +108,7 @@ def test_quad_with_two_failed_motors_falls():
     assert step_for(world, 10, lambda: body.on_ground) < 6
 
 
+@pytest.mark.flight
 def test_repaired_motor_lifts_again():
     world, body = hovering(60)
     body.fail_motor(2, True)

@@ -51,12 +51,14 @@ def test_goes_to_a_point_and_holds_there(wind):
     assert max(speed(m) for m in held) < 1.2
 
 
+@pytest.mark.flight
 def test_follows_the_line_in_wind():
     world, body = hovering(wind=8.0)
     body.go_to(100, 0, -20, speed=8)
     assert max(abs(m.east) for m in record(world, body, 20)) < 2.0
 
 
+@pytest.mark.flight
 def test_joins_a_parallel_line():
     world, body = hovering()
     body.go_to(100, 20, -20, start=(0, 20, -20), speed=6)
@@ -144,6 +146,7 @@ def test_sticks_tilt_the_copter():
     assert body.truth.yaw_rate > 1.0
 
 
+@pytest.mark.flight
 def test_lands_at_a_sink_rate_and_falls_when_stopped():
     world, body = hovering(5)
     body.fly_velocity(0, 0, 1.0)
@@ -159,6 +162,7 @@ def test_lands_at_a_sink_rate_and_falls_when_stopped():
     assert speed(body.truth) == 0.0
 
 
+@pytest.mark.flight
 def test_limits_bound_the_speed():
     world, body = hovering()
     body.set_limit("speed", 3.0)
@@ -178,6 +182,7 @@ def test_starts_at_home():
     assert body.frame.to_global(0, 0, 0) == pytest.approx(HOME[:3])
 
 
+@pytest.mark.flight
 def test_joins_a_line_that_begins_ahead_within_the_demanded_speed():
     world, body = hovering()
     body.go_to(40, 0, -20, start=(15, 0, -20), speed=4)

@@ -73,7 +73,7 @@ def assert_physical(body: Body, wind: float) -> None:
     assert all(math.isfinite(value) for name, value in readings._asdict().items() if name != "distance")
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(PLANS, PLACES, WINDS)
 def test_random_demands_keep_the_state_physical(plan, heights, wind):

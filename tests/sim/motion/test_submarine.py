@@ -40,6 +40,7 @@ def test_goes_to_a_point_and_holds_there():
     assert all(absolute_angle(m.roll) < 0.1 and absolute_angle(m.pitch) < 0.1 for m in motions)
 
 
+@pytest.mark.flight
 def test_circles():
     world, body = diving()
     body.circle(0, 0, 10, 5)
@@ -47,6 +48,7 @@ def test_circles():
     assert all(abs(horizontal_distance(m, 0, 0) - 5) < 1.2 for m in record(world, body, 15))
 
 
+@pytest.mark.flight
 def test_speed_is_limited_by_the_thrusters():
     world, body = diving()
     body.fly_velocity(50, 0, 0)
@@ -54,6 +56,7 @@ def test_speed_is_limited_by_the_thrusters():
     assert 1.0 < speed(body.truth) < 1.8
 
 
+@pytest.mark.flight
 def test_floats_up_when_stopped_and_stays_at_the_surface():
     world, body = diving(2.0)
     body.stop()
@@ -65,6 +68,7 @@ def test_floats_up_when_stopped_and_stays_at_the_surface():
     assert body.truth.down == 0.0
 
 
+@pytest.mark.flight
 def test_rests_on_the_bottom():
     world, body = diving(39.0)
     body.fly_velocity(0, 0, 0.5)
@@ -74,6 +78,7 @@ def test_rests_on_the_bottom():
     assert body.truth.velocity_down == 0.0
 
 
+@pytest.mark.flight
 def test_sticks_and_attitudes():
     world, body = diving()
     body.sticks(0, 1.0, 0, 0)

@@ -38,6 +38,7 @@ def test_go_to_a_point_and_hold_there(pair):
         assert all(m.down == 0.0 for m in motions)
 
 
+@pytest.mark.fast_cases(1)
 def test_follow_a_line(pair):
     world, bodies = pair
     for body in bodies:
@@ -58,6 +59,7 @@ def test_circle(pair):
         assert all(m.north * m.velocity_east < m.east * m.velocity_north for m in motions)
 
 
+@pytest.mark.fast_cases(1)
 def test_speed_and_heading_of_a_velocity(pair):
     world, bodies = pair
     for body in bodies:
@@ -72,6 +74,7 @@ def test_speed_and_heading_of_a_velocity(pair):
         assert 0.75 * max_speed < speed(body.truth) < max_speed
 
 
+@pytest.mark.flight
 def test_rover_stops():
     world, body = single_body(ROVER)
     body.fly_velocity(4, 0, 0)
@@ -128,6 +131,7 @@ def test_surface_vehicles_ignore_altitude(pair):
         assert horizontal_distance(body.truth, 30, 20) < bound
 
 
+@pytest.mark.fast_cases(1)
 def test_speed_stays_near_the_demand_while_accelerating(pair):
     world, bodies = pair
     for body in bodies:

@@ -31,7 +31,7 @@ def test_hovers_and_goes_to_points_like_a_copter():
     assert not body.flies_forward
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("wind", [0.0, 8.0])
 def test_transitions_both_ways_and_keeps_its_altitude(wind):
     world, body = hovering(wind=wind)
@@ -63,7 +63,7 @@ def test_lift_motors_stop_in_forward_flight():
     assert body.servos[2] > 1200
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_circles_in_forward_flight():
     world, body = hovering()
     body.go_to(400, 0, -50)
@@ -77,6 +77,7 @@ def test_circles_in_forward_flight():
     )
 
 
+@pytest.mark.flight
 def test_stays_in_hover_without_a_transition_demand():
     world, body = hovering()
     step_for(world, 5)

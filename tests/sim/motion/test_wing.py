@@ -76,6 +76,7 @@ def test_keeps_its_airspeed_and_bank():
     assert 14 < min(speeds) < max(speeds) < 23
 
 
+@pytest.mark.flight
 def test_velocity_sets_course_airspeed_and_climb():
     world, body = cruising()
     body.fly_velocity(0, 15, -2)
@@ -88,6 +89,7 @@ def test_velocity_sets_course_airspeed_and_climb():
     assert abs(body.airspeed - 15) < 1.5
 
 
+@pytest.mark.flight
 def test_stalls_when_held_nose_up_without_power_and_recovers():
     world, body = cruising(200)
     body.hold_attitude(0, 0.5, None, 0.0, yaw_rate=0.0)
@@ -133,6 +135,7 @@ def test_lands_and_rolls_out():
     assert speed(body.truth) < 0.01
 
 
+@pytest.mark.flight
 def test_sticks_move_the_surfaces():
     world, body = cruising(200)
     body.sticks(0.5, 0, 0.4, 0)
@@ -145,6 +148,7 @@ def test_sticks_move_the_surfaces():
     assert body.truth.roll_rate < -0.3
 
 
+@pytest.mark.flight
 def test_stays_on_the_ground_in_wind():
     world, body = single_body(VehicleType.PLANE, wind=8.0)
     body.idle()
@@ -167,6 +171,7 @@ def test_no_airspeed_limit_makes_it_stall(limit):
     assert abs(body.truth.down + 90) < 5
 
 
+@pytest.mark.flight
 def test_wheels_hold_the_heading_in_a_cross_wind():
     world, body = single_body(VehicleType.PLANE, wind=6.0)
     body.place(0, 0, 0, 0)  # to the north, the wind comes from the west

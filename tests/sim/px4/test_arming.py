@@ -11,6 +11,7 @@ ARMING_DENIED = "Arming denied: Resolve system health failures first"
 FORCE = 21196
 
 
+@pytest.mark.flight
 def test_armed_vehicle_disarms_without_takeoff() -> None:
     harness = Px4Harness()
     harness.arm()
@@ -38,6 +39,7 @@ def test_disarmed_by_command_on_the_ground() -> None:
     assert harness.texts[-1] == "Disarmed by external command"
 
 
+@pytest.mark.flight
 def test_disarming_in_the_air_is_denied_unless_forced() -> None:
     harness = Px4Harness().take_off()
     assert harness.command(CMD.COMPONENT_ARM_DISARM, 0) == RESULT.TEMPORARILY_REJECTED
@@ -61,6 +63,7 @@ def test_arming_is_denied_before_the_estimate_is_valid() -> None:
     assert harness.command(CMD.COMPONENT_ARM_DISARM, 1, FORCE) == RESULT.TEMPORARILY_REJECTED
 
 
+@pytest.mark.fast_cases(3)
 @pytest.mark.parametrize(
     ("fault", "reason"),
     [
@@ -100,6 +103,7 @@ def test_arming_depends_on_the_mode(mode: tuple[int, int], reason: str) -> None:
     assert harness.texts[-2:] == [reason, ARMING_DENIED]
 
 
+@pytest.mark.flight
 def test_com_arm_wo_gps_requires_gps() -> None:
     harness = Px4Harness()
     harness.vehicle.parameters.set("COM_ARM_WO_GPS", 0)
@@ -121,6 +125,7 @@ def test_nav_dll_act_requires_a_ground_station() -> None:
     assert not list(harness.vehicle.profile.arming_problems(harness.autopilot))
 
 
+@pytest.mark.flight
 def test_arming_is_denied_while_calibrating() -> None:
     harness = Px4Harness()
     assert harness.command(CMD.PREFLIGHT_CALIBRATION, 1) == RESULT.ACCEPTED

@@ -186,6 +186,7 @@ def test_command_in_progress_acts(command: int) -> None:
     assert has_effect(harness)
 
 
+@pytest.mark.flight
 def test_go_around() -> None:
     harness = Px4Harness().take_off(20)
     assert harness.command(CMD.DO_GO_AROUND) == RESULT.TEMPORARILY_REJECTED
@@ -221,6 +222,7 @@ def test_vtol_takeoff_continues_on_the_wing() -> None:
     assert abs(harness.height - 60) < 12
 
 
+@pytest.mark.fast_cases(5)
 @pytest.mark.parametrize("vehicle_type", list(VehicleType))
 def test_all_other_commands_are_unsupported(vehicle_type: VehicleType) -> None:
     harness = Px4Harness(vehicle_type.value)

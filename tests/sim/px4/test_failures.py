@@ -42,6 +42,7 @@ def test_failure_is_a_fault_until_cleared(unit: int, failure_type: int) -> None:
         assert harness.texts[-1].startswith("Cleared: ")
 
 
+@pytest.mark.flight
 def test_failure_of_one_motor() -> None:
     harness = Px4Harness().take_off(20)
     assert harness.command(CMD.INJECT_FAILURE, UNIT.SYSTEM_MOTOR, TYPE.OFF, 2) == RESULT.ACCEPTED

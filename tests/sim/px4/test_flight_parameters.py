@@ -86,7 +86,7 @@ def test_fixed_wing_flight_parameters(parameter: str, value: float, name: str, e
     assert getattr(actual, name) == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_vtol_flight_parameters_follow_the_transition() -> None:
     harness = Px4Harness("vtol").take_off(40)
     assert harness.autopilot.flight_parameters.cruise_speed == 5.0

@@ -14,7 +14,7 @@ from tests.vehicle.world import PX4, fly
 COPTER = (VehicleType.COPTER, PX4)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_mission_is_finished_when_the_return_begins():
     async def scenario(world, vehicle):
         states, reached, texts = [], [], []
@@ -35,7 +35,7 @@ def test_mission_is_finished_when_the_return_begins():
     fly(COPTER, scenario)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_mission_item_reached_is_repeated_ten_times():
     async def scenario(world, vehicle):
         reached = []

@@ -105,6 +105,7 @@ def test_boots_in_hold_and_uninitialised() -> None:
     assert harness.heartbeat == (0b11101, (4, 3), int(common.MavState.STANDBY))
 
 
+@pytest.mark.flight
 def test_mode_selection_disarmed_and_armed() -> None:
     harness = Px4Harness()
     assert harness.set_mode(1) == RESULT.ACCEPTED
@@ -117,6 +118,7 @@ def test_mode_selection_disarmed_and_armed() -> None:
     assert harness.mode == "Hold"
 
 
+@pytest.mark.flight
 def test_refusal_is_explained_to_ground_stations_only() -> None:
     harness = Px4Harness().take_off()
     sent = len(harness.texts)
@@ -172,6 +174,7 @@ def test_set_mode_message(copter: Px4Harness) -> None:
     copter.set_mode(4, 3)
 
 
+@pytest.mark.flight
 def test_manual_control_allows_the_pilots_modes() -> None:
     harness = Px4Harness().take_off()
 

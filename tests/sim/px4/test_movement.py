@@ -25,6 +25,7 @@ def distance(harness: Px4Harness, north: float, east: float) -> float:
     return hypot(truth.north - north, truth.east - east)
 
 
+@pytest.mark.flight
 def test_takeoff_without_altitude_uses_mis_takeoff_alt() -> None:
     harness = Px4Harness()
     harness.command(CMD.NAV_TAKEOFF, 0, 0, 0, nan, nan, nan, nan)
@@ -41,12 +42,14 @@ def test_takeoff_without_altitude_uses_mis_takeoff_alt() -> None:
     assert harness.height == pytest.approx(2.5, abs=0.7)
 
 
+@pytest.mark.flight
 def test_takeoff_altitude_is_above_mean_sea_level() -> None:
     harness = Px4Harness().take_off(12)
     harness.run(3.0)
     assert harness.height == pytest.approx(12, abs=1)
 
 
+@pytest.mark.flight
 def test_takeoff_never_descends() -> None:
     harness = Px4Harness().take_off(15)
     assert harness.command(CMD.NAV_TAKEOFF, 0, 0, 0, nan, nan, nan, FIELD_ALTITUDE + 3) == RESULT.ACCEPTED
@@ -56,6 +59,7 @@ def test_takeoff_never_descends() -> None:
     assert harness.mode == "Hold"
 
 
+@pytest.mark.flight
 def test_landing_is_reported_and_ends_disarmed_in_hold() -> None:
     harness = Px4Harness().take_off(6)
     assert harness.command(CMD.NAV_LAND) == RESULT.ACCEPTED
@@ -65,6 +69,7 @@ def test_landing_is_reported_and_ends_disarmed_in_hold() -> None:
     assert harness.mode == "Hold"
 
 
+@pytest.mark.flight
 def test_stays_armed_after_landing_without_com_disarm_land() -> None:
     harness = Px4Harness()
     harness.vehicle.parameters.set("COM_DISARM_LAND", -1.0)
@@ -90,6 +95,7 @@ def test_return_is_reported_and_lands() -> None:
     assert distance(harness, 0, 0) < 2
 
 
+@pytest.mark.flight
 def test_rearming_right_after_landing_stays_armed() -> None:
     harness = Px4Harness().take_off(5)
     harness.command(CMD.NAV_LAND)
@@ -99,6 +105,7 @@ def test_rearming_right_after_landing_stays_armed() -> None:
     assert harness.autopilot.armed
 
 
+@pytest.mark.flight
 def test_reposition_needs_hold_or_the_change_mode_flag() -> None:
     harness = Px4Harness().take_off()
     harness.command(CMD.NAV_RETURN_TO_LAUNCH)
@@ -116,6 +123,7 @@ def test_reposition_altitude_is_above_mean_sea_level_in_any_frame(frame: int) ->
     assert harness.height == pytest.approx(22, abs=1.5)
 
 
+@pytest.mark.flight
 def test_reposition_without_position_keeps_the_position() -> None:
     harness = Px4Harness().take_off()
     latitude, longitude = position(harness, 30, 0)
@@ -147,6 +155,7 @@ def test_orbit_radius_and_direction(clockwise: int) -> None:
         assert turning * clockwise > 0
 
 
+@pytest.mark.flight
 def test_orbit_radius_is_limited() -> None:
     harness = Px4Harness().take_off()
     harness.vehicle.parameters.set("MC_ORBIT_RAD_MAX", 30.0)
@@ -156,7 +165,7 @@ def test_orbit_radius_is_limited() -> None:
     assert distance(harness, 0, 0) == pytest.approx(30, abs=3)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_plane_orbits_in_hold() -> None:
     harness = Px4Harness("plane").take_off(50)
     assert harness.command(CMD.DO_ORBIT, -90, 0, 0, nan, LATITUDE, LONGITUDE, 548) == RESULT.ACCEPTED
@@ -167,6 +176,7 @@ def test_plane_orbits_in_hold() -> None:
         assert distance(harness, 0, 0) == pytest.approx(90, abs=12)
 
 
+@pytest.mark.flight
 def test_change_speed_and_restore_the_default() -> None:
     harness = Px4Harness().take_off()
     harness.command(CMD.DO_CHANGE_SPEED, 1, 8)
@@ -193,6 +203,7 @@ def items(*commands: tuple[int, float, float, float]) -> list[MissionItem]:
     ]
 
 
+@pytest.mark.flight
 def test_mission_with_landing_stays_in_mission_and_disarms() -> None:
     harness = Px4Harness()
     plan = items(
@@ -218,6 +229,7 @@ def test_mission_with_landing_stays_in_mission_and_disarms() -> None:
     assert list(dict.fromkeys(reached)) == [0, 1, 2, 3]
 
 
+@pytest.mark.flight
 def test_mission_that_ends_in_the_air_holds() -> None:
     harness = Px4Harness()
     harness.upload(items((CMD.NAV_TAKEOFF, 0, 0, 10), (CMD.NAV_WAYPOINT, 30, 0, 10)))
@@ -276,6 +288,7 @@ def test_descends_without_a_position(vehicle_type: str) -> None:
         assert "Disarmed by landing" in harness.texts
 
 
+@pytest.mark.flight
 def test_landing_without_a_position_becomes_descend() -> None:
     harness = Px4Harness().take_off(10)
     harness.vehicle.parameters.set("COM_DISARM_LAND", 2.0)

@@ -18,6 +18,7 @@ def stream(harness: Px4Harness, setpoint: LocalSetpoint | AttitudeSetpoint, seco
 NORTHWARD = LocalSetpoint(velocity=(2.0, 0.0, 0.0))
 
 
+@pytest.mark.flight
 def test_offboard_needs_and_follows_a_setpoint_stream() -> None:
     harness = Px4Harness().take_off()
     assert harness.set_mode(6) == RESULT.TEMPORARILY_REJECTED
@@ -29,6 +30,7 @@ def test_offboard_needs_and_follows_a_setpoint_stream() -> None:
     assert harness.vehicle.body.truth.velocity_north == pytest.approx(2, abs=0.3)
 
 
+@pytest.mark.flight
 def test_slow_stream_is_not_enough() -> None:
     harness = Px4Harness().take_off()
     for _ in range(5):
@@ -60,6 +62,7 @@ def test_com_obl_rc_act_when_the_stream_ends(action: int, mode: str) -> None:
     assert harness.heartbeat[2] == common.MavState.ACTIVE
 
 
+@pytest.mark.flight
 def test_com_of_loss_t_delays_the_failsafe() -> None:
     harness = Px4Harness().take_off()
     harness.vehicle.parameters.set("COM_OF_LOSS_T", 4.0)
@@ -72,6 +75,7 @@ def test_com_of_loss_t_delays_the_failsafe() -> None:
     assert harness.mode == "Return"
 
 
+@pytest.mark.flight
 def test_arming_and_takeoff_in_offboard() -> None:
     harness = Px4Harness()
     up = LocalSetpoint(position=(5.0, 0.0, -8.0), yaw=0.0)
@@ -91,6 +95,7 @@ def test_unsupported_frames_are_ignored() -> None:
     assert harness.set_mode(6) == RESULT.TEMPORARILY_REJECTED
 
 
+@pytest.mark.flight
 def test_attitude_setpoint() -> None:
     harness = Px4Harness().take_off(30)
     lean = AttitudeSetpoint(attitude=(0.9962, 0.0872, 0.0, 0.0), thrust=0.52)

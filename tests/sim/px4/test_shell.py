@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -83,6 +84,7 @@ def test_parameters_are_shown_and_set() -> None:
     assert run(harness, "param compare MPC_XY_CRUISE 3") == "not equal\n"
 
 
+@pytest.mark.flight
 def test_commander_flies() -> None:
     harness = Px4Harness()
     assert "INFO  [commander] Disarmed\n" in run(harness, "commander status")
@@ -125,6 +127,7 @@ def test_reboot() -> None:
     assert harness.command(CMD.COMPONENT_ARM_DISARM, 1) == RESULT.ACCEPTED
 
 
+@pytest.mark.flight
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.binary(max_size=200))
 def test_random_bytes(data: bytes) -> None:

@@ -52,7 +52,7 @@ def test_flights_at_any_rate(rate):
     assert vehicle.autopilot.altitude == pytest.approx(10, abs=1.5)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_maximum_number_of_vehicles():
     simulation = Simulation(rate=10)
     while len(simulation.vehicles) < MAX_SYSTEMS:
@@ -80,6 +80,7 @@ def test_added_vehicle_does_not_change_others():
         assert first.autopilot.altitude == pytest.approx(10, abs=1.5)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", Firmware)
 def test_repeated_reboots(firmware):
     random = Random(3)
@@ -156,7 +157,7 @@ def used_memory() -> int:
     return sum(statistic.size for statistic in statistics)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_memory_is_bounded_under_a_flood(monkeypatch):
     """Send random messages from many sources; the memory that stays allocated is bounded."""
     monkeypatch.setattr("mavstack.node.routes.MAX_ADDRESSES", 64)
@@ -219,7 +220,7 @@ def sent_bytes(seed: int, *, watched: bool) -> dict[str, bytes]:
     return sent
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_reading_state_does_not_change_the_sent_bytes():
     first = sent_bytes(4, watched=False)
     assert len(first) >= len(ALL_VEHICLES)

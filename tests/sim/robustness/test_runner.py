@@ -104,6 +104,7 @@ def test_closed_runner_leaves_no_ports():
     run_virtually(work())
 
 
+@pytest.mark.fast_cases(7)
 @pytest.mark.parametrize("seed", range(20))
 def test_cancellation_at_any_moment(seed):
     """Cancel at any moment, as Ctrl-C does."""

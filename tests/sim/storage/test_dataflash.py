@@ -201,6 +201,7 @@ def test_random_samples_are_written(samples, tmp_path_factory) -> None:
     assert found["MSG"][-1]["Message"] == "after it all"
 
 
+@pytest.mark.flight
 @settings(max_examples=60)
 @given(
     time=st.integers(-(2**70), 2**70),

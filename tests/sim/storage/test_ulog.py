@@ -199,6 +199,7 @@ def test_invalid_table_is_refused() -> None:
         Topic(0, "x", "uint64_t")
 
 
+@pytest.mark.flight
 @settings(max_examples=60)
 @given(samples=st.lists(any_sample(), max_size=3))
 def test_random_samples_are_written(samples) -> None:
@@ -212,6 +213,7 @@ def test_random_samples_are_written(samples) -> None:
         assert len(values_of(log, "vehicle_attitude")["timestamp"]) == len(samples)
 
 
+@pytest.mark.flight
 @settings(max_examples=60)
 @given(
     time=st.integers(-(2**70), 2**70),

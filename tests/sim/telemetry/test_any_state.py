@@ -105,7 +105,7 @@ def _send_all(flight: Flight) -> set[type[Message]]:
     return types
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     body=BODIES,

@@ -272,7 +272,7 @@ def test_ardupilot_charge_state_follows_the_voltage(low, critical, state):
     assert _request(flight, common.BatteryStatus).charge_state == common.MavBatteryChargeState[state]
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_vtol_state():
     flight = Flight(VehicleType.VTOL, PX4).fly(20.0)
     state = common.MavVtolState
@@ -304,6 +304,7 @@ def test_wind_direction(firmware):
         assert message.speed == pytest.approx(speed, abs=0.01)
 
 
+@pytest.mark.flight
 def test_angle_of_attack_in_a_climb():
     flight = Flight(VehicleType.PLANE, ARDUPILOT).fly(20.0)
     message = _request(flight, dialect.AoaSsa)
@@ -311,6 +312,7 @@ def test_angle_of_attack_in_a_climb():
     assert abs(message.SSA) < 15.0
 
 
+@pytest.mark.flight
 def test_simstate_is_the_true_position():
     flight = Flight(VehicleType.COPTER, ARDUPILOT).fly(10.0)
     flight.body.spoof_gps(80.0, 0.0)
@@ -322,6 +324,7 @@ def test_simstate_is_the_true_position():
     assert abs(estimated.lat - true.lat) > 1000
 
 
+@pytest.mark.flight
 def test_rangefinder_is_sent_if_enabled():
     flight = Flight(VehicleType.COPTER, ARDUPILOT).fly(10.0)
     assert flight.rates(1.0)["DistanceSensor"] == 0
@@ -340,6 +343,7 @@ def test_rangefinder_on_the_ground_reads_the_minimum():
     assert message.current_distance == message.min_distance
 
 
+@pytest.mark.flight
 def test_px4_sends_the_true_state_on_request():
     flight = Flight(VehicleType.COPTER, PX4).fly(10.0)
     message, true = _request(flight, common.HilStateQuaternion), flight.body.truth
@@ -358,6 +362,7 @@ def test_fence_status_while_enabled():
     assert flight.rates(2.0)["FenceStatus"] == pytest.approx(8, abs=1)
 
 
+@pytest.mark.flight
 def test_orbit_status_while_orbiting():
     flight = Flight(VehicleType.COPTER, PX4).fly(10.0)
     assert flight.rates(1.0)["OrbitExecutionStatus"] == 0
@@ -378,6 +383,7 @@ def test_system_time_is_simulated_time():
     assert message.time_boot_ms == pytest.approx(5000, abs=1)
 
 
+@pytest.mark.flight
 def test_reboot_restarts_time_and_estimate():
     flight = Flight(VehicleType.COPTER, ARDUPILOT).fly(5.0)
     flight.vehicle.reboot()

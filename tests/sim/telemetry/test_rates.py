@@ -94,6 +94,7 @@ def test_parameter_change_in_flight_changes_the_rate():
     assert flight.rates(5.0)["Attitude"] <= 1
 
 
+@pytest.mark.flight
 def test_ardupilot_follows_request_data_stream():
     flight = Flight(VehicleType.COPTER, ARDUPILOT, **{f"SR0_{name}": 0 for name, _, _ in GROUPS})
     flight.run(3.0)
@@ -145,6 +146,7 @@ def test_px4_shared_link_carries_what_mavsdk_and_a_ground_station_need():
     } | onboard
 
 
+@pytest.mark.flight
 def test_px4_total_rates_match_sitl():
     flight = Flight(VehicleType.COPTER, PX4)
     flight.run(3.0)
@@ -168,6 +170,7 @@ def test_px4_ignores_request_data_stream():
     assert counts["DataStream"] == 0
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", Firmware)
 def test_message_interval_can_be_set_and_reset(firmware):
     flight = Flight(VehicleType.COPTER, firmware)
@@ -179,6 +182,7 @@ def test_message_interval_can_be_set_and_reset(firmware):
         assert flight.rates(5.0)["Attitude"] == pytest.approx(count, abs=2)
 
 
+@pytest.mark.fast_cases(4)
 @pytest.mark.parametrize("firmware", Firmware)
 @pytest.mark.parametrize(
     "message_type", [common.ExtendedSysState, common.HomePosition, common.AttitudeQuaternion]

@@ -23,6 +23,7 @@ RANGES = [
 ]
 
 
+@pytest.mark.fast_cases(4)
 @pytest.mark.parametrize(("scale", "low", "high"), RANGES, ids=lambda value: getattr(value, "__name__", ""))
 @given(value=ANY_FLOAT)
 def test_result_is_in_range(scale, low, high, value):

@@ -90,13 +90,14 @@ def test_cancelled(call, moment):
     play(lambda made: check_cancelled(made, call, moment), latency=0.25)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @settings(max_examples=60, deadline=None)
 @given(st.sampled_from(CANCELLED), st.floats(0.0, 12.0), st.sampled_from([0.0, 0.1, 0.4]))
 def test_cancelled_at_any_moment(call, moment, latency):
     play(lambda made: check_cancelled(made, call, moment), latency=latency)
 
 
+@pytest.mark.flight
 @settings(max_examples=25, deadline=None)
 @given(st.sampled_from(CANCELLED), st.floats(0.0, 12.0))
 def test_cancelled_while_nothing_answers(call, moment):

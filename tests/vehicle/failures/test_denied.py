@@ -62,6 +62,7 @@ def says_before(made: Scene, text: str) -> None:
     made.script.sayer.text = text
 
 
+@pytest.mark.fast_cases(55)
 @pytest.mark.parametrize("call", REFUSED, ids=named)
 @pytest.mark.parametrize("text", [REASON, LONG], ids=["short", "long"])
 def test_a_reason_before_the_refusal(call, text):
@@ -96,6 +97,7 @@ def test_a_reason_after_the_refusal(call):
     play(scenario)
 
 
+@pytest.mark.fast_cases(95)
 @pytest.mark.parametrize(
     ("call", "code"),
     [(call, code) for call in REFUSED for code in call.codes],

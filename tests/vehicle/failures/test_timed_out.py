@@ -121,6 +121,7 @@ def test_silence_in_the_middle(call):
     play(scenario)
 
 
+@pytest.mark.fast_cases(40)
 @pytest.mark.parametrize("call", [call for call in CALLS if call.name not in ENDLESS], ids=named)
 @pytest.mark.parametrize("moment", [0.3, 1.1])
 def test_silence_at_any_moment_ends_every_call(call, moment):
@@ -138,6 +139,7 @@ def test_silence_at_any_moment_ends_every_call(call, moment):
     play(scenario, latency=0.25)
 
 
+@pytest.mark.fast_cases(84)
 @pytest.mark.parametrize("call", CALLS, ids=named)
 @pytest.mark.parametrize("moment", [0.0, 0.7])
 def test_closing_the_connection_in_the_middle(call, moment):
@@ -160,6 +162,7 @@ def test_closing_the_connection_in_the_middle(call, moment):
     play(scenario, latency=0.25)
 
 
+@pytest.mark.fast_cases(55)
 @pytest.mark.parametrize("call", [call for call in CALLS if call.name not in ENDLESS], ids=named)
 def test_the_peer_closes_its_link_in_the_middle(call):
     async def scenario(made):

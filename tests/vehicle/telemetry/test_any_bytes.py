@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,6 +21,7 @@ READ = (
 payloads = st.binary(max_size=255) | st.binary(min_size=1, max_size=1).map(lambda byte: byte * 255)
 
 
+@pytest.mark.flight
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(READ), payloads), min_size=1, max_size=8))
 def test_no_reader_raises(told):

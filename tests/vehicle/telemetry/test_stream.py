@@ -56,6 +56,7 @@ def test_a_missing_message_is_requested_for_good(kind):
     fly(kind, scenario, prepare=reduce_telemetry)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", COPTERS, ids=lambda kind: kind[1])
 def test_several_messages_in_the_order_of_arrival(kind):
     async def scenario(world, vehicle):
@@ -177,6 +178,7 @@ def test_an_unanswered_request_is_repeated():
     with_peer(scenario)
 
 
+@pytest.mark.flight
 def test_a_stream_without_references_ends():
     async def scenario(peer):
         task = asyncio.create_task(sending(peer, common.Attitude()))

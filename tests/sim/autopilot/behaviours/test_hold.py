@@ -43,7 +43,7 @@ def test_on_the_ground_it_stays_there_until_it_disarms(behaviour: type[Hold], ki
     assert not flight.autopilot.armed
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])
 def test_a_wing_circles_where_it_is(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind).in_the_air(50.0)
@@ -57,7 +57,7 @@ def test_a_wing_circles_where_it_is(kind: VehicleType) -> None:
         assert flight.height == pytest.approx(50.0, abs=6.0)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_vtol_holds_as_the_transition_says() -> None:
     flight = AutopilotHarness(VehicleType.VTOL).in_the_air(40.0)
     flight.enter(HOLD)
@@ -71,6 +71,7 @@ def test_a_vtol_holds_as_the_transition_says() -> None:
     assert flight.speed < 1.0
 
 
+@pytest.mark.flight
 def test_hold_goes_where_a_command_says_and_takes_no_setpoints() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(HOLD)
@@ -81,6 +82,7 @@ def test_hold_goes_where_a_command_says_and_takes_no_setpoints() -> None:
     assert flight.height == pytest.approx(14.0, abs=1.0)
 
 
+@pytest.mark.flight
 def test_another_mode_forgets_where_it_was_to_go() -> None:
     flight = AutopilotHarness().in_the_air(10.0)
     flight.enter(HOLD)

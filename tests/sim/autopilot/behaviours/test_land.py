@@ -80,7 +80,7 @@ def test_landing_on_the_ground_disarms() -> None:
     assert flight.height < 0.1
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("direction", [None, 0.0, 100.0])
 def test_a_plane_approaches_glides_flares_and_rolls_out(direction: float | None) -> None:
     flight = AutopilotHarness(VehicleType.PLANE)
@@ -105,7 +105,7 @@ def test_a_plane_approaches_glides_flares_and_rolls_out(direction: float | None)
     assert flight.distance((100.0, 50.0)) < 100.0
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_plane_in_a_mission_lands_from_where_it_is() -> None:
     flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.fly(Hold)

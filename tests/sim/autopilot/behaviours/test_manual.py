@@ -64,6 +64,7 @@ def test_the_throttle_climbs_and_centred_it_stays_as_high(behaviour: type[Manual
     assert flight.body.truth.velocity_down > 1.2
 
 
+@pytest.mark.flight
 def test_leaning_in_altitude_hold_keeps_the_altitude() -> None:
     flight = manual_control(AltitudeHold)
     hold_sticks(flight, 6.0, pitch=-0.7)
@@ -90,6 +91,7 @@ def test_the_yaw_stick_turns_a_copter(behaviour: type[Manual]) -> None:
     assert flight.body.truth.yaw_rate == pytest.approx(1.5 * 0.457, abs=0.15)
 
 
+@pytest.mark.flight
 def test_acro_turns_at_rates() -> None:
     flight = manual_control(Acro)
     hold_sticks(flight, 0.5, roll=0.3)
@@ -109,6 +111,7 @@ def test_on_the_ground_with_the_throttle_closed_it_stays_and_disarms(behaviour: 
     assert not flight.autopilot.armed
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize("behaviour", ALL)
 def test_the_throttle_lifts_it_off(behaviour: type[Manual]) -> None:
     flight = AutopilotHarness()
@@ -140,7 +143,7 @@ def test_a_wing_banks_into_a_turn(kind: VehicleType, behaviour: type[Manual]) ->
     assert 0.15 < turned(flight.body.truth.yaw - before) < 3.0
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_wing_keeps_its_course_and_altitude() -> None:
     flight = manual_control(PositionHold, VehicleType.PLANE, 60.0)
     hold_sticks(flight, 12.0)

@@ -74,7 +74,7 @@ def test_the_mode_can_circle_where_it_is() -> None:
     assert flight.distance((here.north, here.east, here.down)) == pytest.approx(6.0, abs=1.0)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_the_mode_circles_a_point_one_radius_ahead(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind, circle_radius=6.0, circle_speed=1.0)
@@ -96,7 +96,7 @@ def test_the_mode_circles_a_point_one_radius_ahead(kind: VehicleType) -> None:
     assert len(seen) >= 5, "it goes round"
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_plane_circles_where_it_is() -> None:
     flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.run(15)
@@ -108,7 +108,7 @@ def test_a_plane_circles_where_it_is() -> None:
         assert flight.distance(here[:2]) == pytest.approx(60.0, abs=15.0)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_plane_orbits_with_the_radius_of_the_command() -> None:
     flight = AutopilotHarness(VehicleType.PLANE).in_the_air(40.0)
     flight.enter(GUIDED)

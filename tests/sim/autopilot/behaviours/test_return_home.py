@@ -24,7 +24,7 @@ def away(
     return flight
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.VTOL])
 def test_it_climbs_returns_at_the_return_altitude_and_lands(kind: VehicleType) -> None:
     flight = away(kind, 60.0, 40.0, 10.0, return_altitude=25.0)
@@ -53,7 +53,7 @@ def test_near_home_it_climbs_only_a_cone() -> None:
     assert max(-down for _, _, down in flight.track) == pytest.approx(1.5 * away_from_home, abs=1.5)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_it_waits_lower_and_for_ever_if_that_is_wanted() -> None:
     flight = away(VehicleType.COPTER, 40.0, 0.0, 30.0, return_descend_altitude=12.0, return_loiter_time=inf)
     flight.enter(RETURN)
@@ -63,7 +63,7 @@ def test_it_waits_lower_and_for_ever_if_that_is_wanted() -> None:
     assert flight.distance() < 1.5
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_rally_point_is_where_it_comes_back_to() -> None:
     flight = away(VehicleType.COPTER, 60.0, 0.0, 20.0)
     flight.autopilot.rally = SimpleNamespace(destination=lambda: (30.0, 20.0, 0.0))
@@ -96,7 +96,7 @@ def test_a_plane_circles_home_for_ever_if_that_is_wanted() -> None:
         assert flight.height == pytest.approx(70.0, abs=5.0)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_plane_lands_at_home() -> None:
     flight = AutopilotHarness(VehicleType.PLANE, return_loiter_time=5.0).in_the_air(50.0)
     flight.enter(RETURN)
@@ -143,7 +143,7 @@ def test_a_rover_returns_and_stays(kind: VehicleType) -> None:
     assert flight.autopilot.armed
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_sub_returns_at_its_depth_and_surfaces() -> None:
     flight = AutopilotHarness(VehicleType.SUB)
     flight.arm()
@@ -156,7 +156,7 @@ def test_a_sub_returns_at_its_depth_and_surfaces() -> None:
     flight.run_until(lambda: flight.body.truth.down < 0.5, timeout=60)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("altitude", "wait_at", "height"), [(-inf, inf, 45.0), (30.0, inf, 30.0), (30.0, 40.0, 40.0)]
 )

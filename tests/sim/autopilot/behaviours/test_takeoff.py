@@ -28,6 +28,7 @@ def test_it_rises_straight_to_its_altitude_and_stays(kind: VehicleType) -> None:
     assert flight.speed < 0.5
 
 
+@pytest.mark.flight
 def test_it_is_up_at_a_place_in_local_metres() -> None:
     flight = AutopilotHarness()
     flight.arm()
@@ -36,6 +37,7 @@ def test_it_is_up_at_a_place_in_local_metres() -> None:
     assert flight.height == pytest.approx(7.0, abs=1.0)
 
 
+@pytest.mark.flight
 def test_a_take_off_in_the_air_never_sinks() -> None:
     flight = AutopilotHarness().in_the_air(20.0)
     flight.fly(lambda autopilot: Takeoff(autopilot, 5.0))
@@ -68,7 +70,7 @@ def test_a_plane_rolls_climbs_ahead_and_circles(wind: float) -> None:
     assert flight.autopilot.landed_state == LANDED.IN_AIR
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_a_vtol_continues_in_forward_flight() -> None:
     flight = AutopilotHarness(VehicleType.VTOL)
     flight.arm()
@@ -80,6 +82,7 @@ def test_a_vtol_continues_in_forward_flight() -> None:
     assert flight.distance() < 200.0
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_what_does_not_fly_stays(kind: VehicleType) -> None:
     flight = AutopilotHarness(kind)

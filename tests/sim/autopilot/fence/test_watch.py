@@ -147,6 +147,7 @@ def test_fence_type_says_what_counts(bits: int, found: Breach) -> None:
     assert flight.autopilot.fence.breaches == found
 
 
+@pytest.mark.flight
 def test_a_fence_that_is_off() -> None:
     flight = fenced(*square(30), FENCE_ENABLE=0)
     flight.fly(Away)
@@ -158,6 +159,7 @@ def test_a_fence_that_is_off() -> None:
     assert not flight.autopilot.fence.switch(7)
 
 
+@pytest.mark.flight
 def test_switching_off_ends_a_breach() -> None:
     flight = fenced(*square(30), FENCE_ACTION=0)
     breach(flight)
@@ -196,6 +198,7 @@ def test_ardupilots_copter(action: int, mode: int) -> None:
     assert flight.autopilot.system_status == common.MavState.CRITICAL
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(("action", "mode"), [(0, OTHER), (1, RETURN), (2, HOLD), (3, RETURN), (4, HOLD)])
 def test_ardupilots_rover(action: int, mode: int) -> None:
     flight = fenced(*square(20), kind=VehicleType.ROVER, FENCE_ACTION=action)
@@ -227,6 +230,7 @@ def test_px4(action: int, mode: int, armed: bool) -> None:
     assert flight.autopilot.terminated == (not armed)
 
 
+@pytest.mark.flight
 def test_px4_without_an_action_does_not_look() -> None:
     flight = fenced(*square(30), firmware=PX4, GF_ACTION=0)
     flight.fly(Away)
@@ -257,6 +261,7 @@ def test_going_on_outwards_is_another_breach() -> None:
     assert flight.autopilot.fence.count == 3
 
 
+@pytest.mark.flight
 def test_a_copter_that_is_far_beyond_lands() -> None:
     flight = fenced(*square(30))
     flight.body.place(180.0, 0.0, -20.0, 0.0)
@@ -287,7 +292,7 @@ def plane(*items: MissionItem, **parameters: float) -> MissionHarness:
     return flight
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_to_the_return_point() -> None:
     point = item(CMD.NAV_FENCE_RETURN_POINT, at=(50.0, 60.0, 0.0), frame=FRAME.GLOBAL)
     flight = plane(*square(300), point, FENCE_RET_ALT=70)
@@ -307,7 +312,7 @@ def test_to_a_rally_point() -> None:
     assert return_of(flight) == pytest.approx((100, 100, -80), abs=1.5)
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 def test_home_without_either() -> None:
     flight = plane(FENCE_RADIUS=300, FENCE_ALT_MAX=100)
     assert return_of(flight)[:2] == pytest.approx((0, 0), abs=2)
@@ -346,6 +351,7 @@ def test_px4_is_not_armed_outside() -> None:
     assert flight.status_texts == ["Geofence invalid, doesn't contain Home position"]
 
 
+@pytest.mark.flight
 def test_another_fence_counts_at_once() -> None:
     flight = fenced(*square(30))
     breach(flight)

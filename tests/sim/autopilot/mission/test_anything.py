@@ -95,7 +95,7 @@ def test_what_is_accepted_can_be_flown(kind: VehicleType, firmware: Firmware) ->
     check()
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", [VehicleType.COPTER, VehicleType.SUB])
 def test_even_a_store_of_anything_is_flown(kind: VehicleType) -> None:
     """As from a file that an older version wrote."""

@@ -43,6 +43,7 @@ def test_back_to_the_beginning() -> None:
     assert flight.reached == [1, 1, 2, 3, 4]
 
 
+@pytest.mark.flight
 def test_another_current_item_before_the_mission() -> None:
     flight = MissionHarness(firmware=PX4)
     flight.load(takeoff(10), waypoint(20, 0, 10), waypoint(20, 20, 10))
@@ -108,6 +109,7 @@ def test_time_stands_still_in_a_pause() -> None:
     assert flight.run_until(lambda: flight.mission.sequence == 2, timeout=9) > 3
 
 
+@pytest.mark.flight
 def test_a_pause_during_the_takeoff() -> None:
     flight = MissionHarness()
     flight.load(takeoff(30), waypoint(20, 0, 30))
@@ -131,6 +133,7 @@ def test_without_a_mission_there_is_nothing_to_pause() -> None:
 # Another mission in flight
 
 
+@pytest.mark.flight
 def test_ardupilot_flies_on_at_the_same_number() -> None:
     flight = flying()
     flight.load(takeoff(10), waypoint(0, -40, 10), waypoint(0, -60, 10))
@@ -173,6 +176,7 @@ def test_px4_begins_the_new_mission() -> None:
     assert flight.distance((0, -60)) < 5
 
 
+@pytest.mark.flight
 def test_ardupilot_keeps_the_mission_that_it_flies() -> None:
     flight = flying()
     assert flight.clear() == RESULT.ERROR
@@ -182,6 +186,7 @@ def test_ardupilot_keeps_the_mission_that_it_flies() -> None:
     assert flight.mission.state == STATE.NO_MISSION
 
 
+@pytest.mark.flight
 def test_px4_holds_when_its_mission_is_gone() -> None:
     flight = flying(PX4)
     assert flight.clear() == RESULT.ACCEPTED
@@ -199,6 +204,7 @@ def test_a_shorter_mission_ends_it() -> None:
     assert flight.status_texts[-1] == "Auto mission changed but failed to restart command"
 
 
+@pytest.mark.flight
 def test_disarming_ends_it() -> None:
     flight = flying()
     flight.autopilot.disarm("test")
@@ -207,6 +213,7 @@ def test_disarming_ends_it() -> None:
     assert flight.mission.state == STATE.PAUSED
 
 
+@pytest.mark.flight
 def test_what_changes_is_told() -> None:
     flight = flying(PX4)
     told = [

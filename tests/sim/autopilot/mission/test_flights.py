@@ -95,6 +95,7 @@ def test_a_copter_holds_its_altitude_on_its_way() -> None:
 # How missions begin
 
 
+@pytest.mark.flight
 def test_ardupilots_copter_must_begin_with_a_takeoff_on_the_ground() -> None:
     flight = MissionHarness()
     flight.load(waypoint(30, 0))
@@ -105,6 +106,7 @@ def test_ardupilots_copter_must_begin_with_a_takeoff_on_the_ground() -> None:
     flight.reach(3)
 
 
+@pytest.mark.flight
 def test_px4s_copter_takes_off_by_itself() -> None:
     flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(waypoint(30, 0, 15))
@@ -140,6 +142,7 @@ def test_no_mission(kind: VehicleType, firmware: Firmware, text: str) -> None:
     assert flight.mission.state == STATE.NO_MISSION
 
 
+@pytest.mark.flight
 def test_a_part_of_a_mission() -> None:
     flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(takeoff(10), waypoint(20, 0, 10), waypoint(20, 20, 10), waypoint(0, 20, 10))
@@ -186,7 +189,7 @@ def test_ardupilots_plane_returns() -> None:
     assert flight.mission.state == STATE.COMPLETE
 
 
-@pytest.mark.flight
+@pytest.mark.nightly
 @pytest.mark.parametrize(("kind", "reached"), [(_T.PLANE, [1]), (_T.VTOL, [1, 2])])
 def test_ardupilots_wings_are_disarmed_where_they_landed(kind: VehicleType, reached: list[int]) -> None:
     flight = MissionHarness(kind, land_disarm_delay=3.0)
@@ -198,6 +201,7 @@ def test_ardupilots_wings_are_disarmed_where_they_landed(kind: VehicleType, reac
     assert abs(flight.height) < 0.3
 
 
+@pytest.mark.flight
 def test_a_rover_stops() -> None:
     flight = MissionHarness(_T.ROVER)
     flight.load(waypoint(20, 0, 0))
@@ -220,6 +224,7 @@ def test_px4_stays_in_its_mission_and_disarms_after_a_landing() -> None:
     assert not flight.autopilot.armed
 
 
+@pytest.mark.flight
 def test_px4_holds_where_its_mission_ends_in_the_air() -> None:
     flight = MissionHarness(firmware=Firmware.PX4)
     flight.load(takeoff(8), waypoint(20, 0, 8))
@@ -244,6 +249,7 @@ def test_a_complete_mission_begins_anew() -> None:
     assert flight.reached == [0, 1, 2, 0, 1, 2]
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("restart", "expected"), [(0, 3), (1, 2)])
 def test_mis_restart_selects_whether_a_mission_resumes(restart: int, expected: int) -> None:
     flight = MissionHarness()

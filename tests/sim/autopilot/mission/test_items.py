@@ -80,6 +80,7 @@ def do(*items: MissionItem, firmware: Firmware = ARDUPILOT) -> MissionHarness:
 # Waypoints
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_a_hold_time(firmware: Firmware) -> None:
     flight = fly(waypoint(10, 0, 10, param1=8), waypoint(20, 0, 10), firmware=firmware)
@@ -87,24 +88,28 @@ def test_a_hold_time(firmware: Firmware) -> None:
     assert flight.run_until(lambda: flight.mission.sequence == flight.first + 2, timeout=12) > 7
 
 
+@pytest.mark.flight
 def test_px4_takes_an_acceptance_radius() -> None:
     flight = fly(waypoint(40, 0, 10, param2=15), waypoint(40, 40, 10), firmware=PX4)
     flight.reach(2)
     assert flight.distance((40, 0)) == pytest.approx(14, abs=2)
 
 
+@pytest.mark.flight
 def test_px4_takes_a_heading() -> None:
     flight = fly(waypoint(20, 0, 10, param4=135), firmware=PX4)
     flight.ended()
     assert degrees(flight.body.truth.yaw) == pytest.approx(135, abs=10)
 
 
+@pytest.mark.flight
 def test_a_copter_looks_where_it_flies_without_one() -> None:
     flight = fly(waypoint(0, 40, 10, param4=nan), firmware=PX4)
     flight.run(4)
     assert degrees(flight.body.truth.yaw) == pytest.approx(90, abs=15)
 
 
+@pytest.mark.flight
 def test_a_plane_passes_by_at_a_distance() -> None:
     flight = MissionHarness(PLANE)
     flight.load(takeoff(40), waypoint(400, 0, 40, param3=100), waypoint(400, 500, 40))
@@ -113,6 +118,7 @@ def test_a_plane_passes_by_at_a_distance() -> None:
     assert flight.distance((500, 0)) < 40
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(
     ("frame", "altitude"),
     [
@@ -133,6 +139,7 @@ def test_altitudes_count_from_where_the_frame_says(frame: int, altitude: float) 
     assert flight.distance((15, 0)) < 2.5
 
 
+@pytest.mark.flight
 def test_no_place_means_here() -> None:
     flight = fly(item(CMD.NAV_WAYPOINT, 0, 0, 0, 0, 0, 0, 14, frame=FRAME.GLOBAL_RELATIVE_ALT))
     flight.ended()
@@ -144,6 +151,7 @@ def test_no_place_means_here() -> None:
 # Staying
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_loitering_without_end(firmware: Firmware) -> None:
     flight = fly(item(CMD.NAV_LOITER_UNLIM, at=(15, 0, 10)), waypoint(0, 0, 10), firmware=firmware)
@@ -152,6 +160,7 @@ def test_loitering_without_end(firmware: Firmware) -> None:
     assert flight.mission.sequence == flight.first + 1
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_loitering_for_a_time(firmware: Firmware) -> None:
     flight = fly(item(CMD.NAV_LOITER_TIME, 12, at=(10, 0, 10)), waypoint(0, 0, 10), firmware=firmware)
@@ -173,6 +182,7 @@ def turned(flight: MissionHarness, centre: tuple[float, float], until: int) -> f
     return total / (2 * pi)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize(("radius", "direction"), [(12.0, 1), (-12.0, -1)])
 def test_turns_of_a_copter(radius: float, direction: int) -> None:
     flight = fly(item(CMD.NAV_LOITER_TURNS, 2, 0, radius, at=(0, 0, 10)), waypoint(0, 0, 10))
@@ -180,6 +190,7 @@ def test_turns_of_a_copter(radius: float, direction: int) -> None:
     assert turned(flight, (0, 0), 3) * direction == pytest.approx(2, abs=0.35)
 
 
+@pytest.mark.flight
 def test_turns_of_a_plane() -> None:
     flight = MissionHarness(PLANE)
     flight.load(takeoff(40), item(CMD.NAV_LOITER_TURNS, 2, 0, 80, at=(300, 0, 40)), waypoint(0, 0, 40))
@@ -189,6 +200,7 @@ def test_turns_of_a_plane() -> None:
     assert turned(flight, (300, 0), 3) == pytest.approx(2, abs=0.4)
 
 
+@pytest.mark.flight
 def test_a_plane_circles_while_it_waits() -> None:
     flight = MissionHarness(PLANE, PX4)
     flight.load(takeoff(40), item(CMD.NAV_LOITER_TIME, 30, 0, 70, at=(300, 0, 40)), waypoint(0, 0, 40))
@@ -202,6 +214,7 @@ def test_a_plane_circles_while_it_waits() -> None:
     assert 28 < flight.now - begun < 40
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("kind", [COPTER, PLANE])
 def test_loitering_to_an_altitude(kind: VehicleType) -> None:
     flight = MissionHarness(kind)
@@ -212,12 +225,14 @@ def test_loitering_to_an_altitude(kind: VehicleType) -> None:
     assert flight.distance((100, 0)) < 80
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_a_delay(firmware: Firmware) -> None:
     flight = fly(item(CMD.NAV_DELAY, 8), waypoint(10, 0, 10), firmware=firmware)
     assert flight.run_until(lambda: flight.mission.sequence == flight.first + 2, timeout=9) > 7
 
 
+@pytest.mark.flight
 def test_a_delay_until_a_time_of_day() -> None:
     flight = MissionHarness(disarm_delay=inf)
     later = (flight.now + 30) % 86400
@@ -231,6 +246,7 @@ def test_a_delay_until_a_time_of_day() -> None:
 # Up and down
 
 
+@pytest.mark.flight
 def test_climbing_on_the_way() -> None:
     flight = MissionHarness(PLANE)
     flight.load(takeoff(40), item(CMD.NAV_CONTINUE_AND_CHANGE_ALT, 1, at=(0, 0, 80)), waypoint(0, 0, 80))
@@ -239,6 +255,7 @@ def test_climbing_on_the_way() -> None:
     assert flight.height > 70
 
 
+@pytest.mark.flight
 def test_a_landing_at_a_place_and_another_start() -> None:
     flight = fly(land(20, 0), takeoff(6), waypoint(0, 0, 6))
     flight.reach(3, timeout=60)
@@ -249,6 +266,7 @@ def test_a_landing_at_a_place_and_another_start() -> None:
     assert flight.height > 5
 
 
+@pytest.mark.flight
 def test_taking_off_and_landing_is_told_by_the_landed_state() -> None:
     flight = MissionHarness()
     flight.load(takeoff(10), land())
@@ -267,6 +285,7 @@ def test_taking_off_and_landing_is_told_by_the_landed_state() -> None:
     ]
 
 
+@pytest.mark.flight
 def test_returning_as_an_item() -> None:
     flight = fly(waypoint(30, 0, 10), item(CMD.NAV_RETURN_TO_LAUNCH))
     flight.run_until(lambda: not flight.autopilot.armed, timeout=120)
@@ -282,6 +301,7 @@ def test_returning_by_the_mode_for_it(kind: VehicleType, firmware: Firmware) -> 
     flight.run_until(lambda: flight.autopilot.mode.number == RETURN, timeout=90)
 
 
+@pytest.mark.flight
 def test_a_mode_that_is_chosen_as_the_mission_ends_stays() -> None:
     flight = MissionHarness(COPTER, PX4)
     flight.load(waypoint(15, 0, 8))
@@ -293,6 +313,7 @@ def test_a_mode_that_is_chosen_as_the_mission_ends_stays() -> None:
     assert flight.autopilot.mode.number == LAND
 
 
+@pytest.mark.flight
 def test_a_vtol_takes_off_flies_hovers_and_lands() -> None:
     flight = MissionHarness(VTOL, PX4)
     flight.load(
@@ -312,6 +333,7 @@ def test_a_vtol_takes_off_flies_hovers_and_lands() -> None:
     assert flight.distance((500, 100)) < 5
 
 
+@pytest.mark.flight
 def test_ardupilots_vtol_flies_waypoints_forward_unless_it_was_told_to_hover() -> None:
     flight = MissionHarness(VTOL)
     hover = item(CMD.DO_VTOL_TRANSITION, common.MavVtolState.MC)
@@ -343,6 +365,7 @@ def test_waiting_for_an_altitude() -> None:
     flight.reach(2, timeout=2)
 
 
+@pytest.mark.flight
 def test_placing_the_payload() -> None:
     flight = fly(item(CMD.DO_GRIPPER, 1, 1), item(CMD.NAV_PAYLOAD_PLACE, at=(10, 0, 0)), waypoint(0, 0, 10))
     flight.run_until(lambda: flight.autopilot.payload.gripper_closed, timeout=5)
@@ -364,6 +387,7 @@ def test_being_guided_until_a_limit() -> None:
 # Conditions
 
 
+@pytest.mark.flight
 def test_a_condition_of_time_holds_up_what_follows_but_not_the_flight() -> None:
     flight = fly(
         waypoint(5, 0, 10), item(CMD.CONDITION_DELAY, 4), item(CMD.DO_SET_SERVO, 9, 1900), waypoint(90, 0, 10)
@@ -376,6 +400,7 @@ def test_a_condition_of_time_holds_up_what_follows_but_not_the_flight() -> None:
     assert 10 < flight.distance() < 60
 
 
+@pytest.mark.flight
 def test_px4_waits_for_a_condition() -> None:
     flight = fly(item(CMD.CONDITION_DELAY, 4), waypoint(60, 0, 10), firmware=PX4)
     flight.run(3.5)
@@ -383,6 +408,7 @@ def test_px4_waits_for_a_condition() -> None:
     flight.reach(2, timeout=2)
 
 
+@pytest.mark.flight
 def test_a_condition_of_distance() -> None:
     flight = fly(
         waypoint(5, 0, 10),
@@ -394,6 +420,7 @@ def test_a_condition_of_distance() -> None:
     assert flight.distance((90, 0)) == pytest.approx(30, abs=3)
 
 
+@pytest.mark.flight
 def test_a_heading_holds_until_the_next_waypoint() -> None:
     flight = fly(waypoint(5, 0, 10), item(CMD.CONDITION_YAW, 90), waypoint(80, 0, 10), waypoint(0, 0, 10))
     flight.reach(4)
@@ -404,6 +431,7 @@ def test_a_heading_holds_until_the_next_waypoint() -> None:
     assert abs(degrees(flight.body.truth.yaw)) == pytest.approx(180, abs=15)
 
 
+@pytest.mark.flight
 def test_a_relative_heading() -> None:
     flight = fly(waypoint(5, 0, 10), item(CMD.CONDITION_YAW, 45, 0, -1, 1), waypoint(80, 0, 10))
     before = flight.body.truth.yaw
@@ -415,6 +443,7 @@ def test_a_relative_heading() -> None:
 # Speed, home, what is looked at
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_another_speed(firmware: Firmware) -> None:
     flight = fly(item(CMD.DO_CHANGE_SPEED, 1, 3, -1), waypoint(60, 0, 10), firmware=firmware)
@@ -424,6 +453,7 @@ def test_another_speed(firmware: Firmware) -> None:
     assert flight.mission.flying or flight.autopilot.maneuvers.speed is None
 
 
+@pytest.mark.flight
 def test_speeds_up_and_down_and_the_usual_ones_again() -> None:
     flight = fly(
         item(CMD.DO_CHANGE_SPEED, common.SpeedType.CLIMB_SPEED, 1.0),
@@ -444,6 +474,7 @@ def test_speeds_up_and_down_and_the_usual_ones_again() -> None:
     assert flight.body.truth.velocity_down > 1.0
 
 
+@pytest.mark.flight
 def test_home_elsewhere() -> None:
     flight = do(item(CMD.DO_SET_HOME, 0, at=(100, 50, DEFAULT_HOME.altitude - 1), frame=FRAME.GLOBAL))
     north, east, down = flight.autopilot.home_position
@@ -451,12 +482,14 @@ def test_home_elsewhere() -> None:
     assert down == pytest.approx(1, abs=0.1)
 
 
+@pytest.mark.flight
 def test_home_here() -> None:
     flight = fly(waypoint(20, 0, 10), item(CMD.DO_SET_HOME, 1), waypoint(0, 0, 10))
     flight.reach(4)
     assert flight.autopilot.home_position[0] == pytest.approx(20, abs=3)
 
 
+@pytest.mark.flight
 def test_a_region_of_interest() -> None:
     flight = fly(
         item(CMD.DO_SET_ROI_LOCATION, at=(30, 100, 0)),
@@ -475,6 +508,7 @@ def test_a_region_of_interest() -> None:
     assert abs(degrees(flight.body.truth.yaw)) == pytest.approx(180, abs=15)
 
 
+@pytest.mark.fast_cases(2)
 @pytest.mark.parametrize(
     ("region", "expected"),
     [
@@ -490,6 +524,7 @@ def test_regions_by_mode(region: MissionItem, expected: tuple[float, float]) -> 
     assert found[:2] == pytest.approx(expected, abs=0.2)
 
 
+@pytest.mark.flight
 def test_the_fence_is_switched() -> None:
     flight = do(item(CMD.DO_FENCE_ENABLE, 1))
     assert flight.autopilot.fence.switched is True
@@ -500,12 +535,14 @@ def test_the_fence_is_switched() -> None:
 # Payload
 
 
+@pytest.mark.flight
 def test_servos_and_relays() -> None:
     payload = do(item(CMD.DO_SET_SERVO, 9, 1900), item(CMD.DO_SET_RELAY, 2, 1)).autopilot.payload
     assert payload.servos == {9: 1900}
     assert payload.relays == {2: True}
 
 
+@pytest.mark.flight
 def test_servos_and_relays_to_and_fro() -> None:
     flight = fly(
         item(CMD.DO_REPEAT_SERVO, 9, 1900, 2, 2), item(CMD.DO_REPEAT_RELAY, 1, 2, 2), item(CMD.NAV_DELAY, 60)
@@ -527,6 +564,7 @@ def test_servos_and_relays_to_and_fro() -> None:
     ]
 
 
+@pytest.mark.flight
 def test_actuators() -> None:
     flight = do(item(CMD.DO_SET_ACTUATOR, 1, -1, nan, 0.5, nan, nan), firmware=PX4)
     assert flight.autopilot.payload.servos == {1: 2000, 2: 1000, 4: 1750}
@@ -562,6 +600,7 @@ def test_the_parachute_ends_the_flight() -> None:
     assert flight.autopilot.payload.parachute_released
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_pictures_by_distance(firmware: Firmware) -> None:
     flight = fly(
@@ -574,6 +613,7 @@ def test_pictures_by_distance(firmware: Firmware) -> None:
     assert [picture.image_index for picture in pictures] == list(range(len(pictures)))
 
 
+@pytest.mark.flight
 def test_pictures_by_time() -> None:
     flight = fly(
         item(CMD.IMAGE_START_CAPTURE, 0, 2, 0, nan),
@@ -588,6 +628,7 @@ def test_pictures_by_time() -> None:
     assert flight.autopilot.payload.images >= 5
 
 
+@pytest.mark.flight
 def test_a_few_pictures_one_picture_and_video() -> None:
     payload = do(item(CMD.IMAGE_START_CAPTURE, 0, 0.1, 3), item(CMD.NAV_DELAY, 2)).autopilot.payload
     assert payload.images == 3
@@ -598,6 +639,7 @@ def test_a_few_pictures_one_picture_and_video() -> None:
     assert (payload.zoom, payload.focus) == (40, 60)
 
 
+@pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("firmware", list(Firmware))
 def test_the_gimbal(firmware: Firmware) -> None:
     gimbal = do(item(CMD.DO_MOUNT_CONTROL, -45, 5, 30), firmware=firmware).autopilot.payload.gimbal
@@ -627,6 +669,7 @@ def test_the_nearest_start_of_a_landing() -> None:
     assert flight.mission.landing_start() == 4
 
 
+@pytest.mark.flight
 def test_texts_of_ardupilot() -> None:
     flight = fly(waypoint(10, 0, 10), item(CMD.DO_SET_SERVO, 9, 1900), waypoint(0, 0, 10))
     flight.ended()
@@ -642,6 +685,7 @@ def test_texts_of_ardupilot() -> None:
     assert flight.reached == [1, 2, 4]
 
 
+@pytest.mark.flight
 def test_texts_of_a_rover_that_waits() -> None:
     flight = MissionHarness(ROVER)
     flight.load(waypoint(10, 0, 0, param1=3))
@@ -650,6 +694,7 @@ def test_texts_of_a_rover_that_waits() -> None:
     assert "Reached waypoint #1. Loiter for 3 seconds" in flight.status_texts
 
 
+@pytest.mark.flight
 def test_an_unknown_item_in_the_store_is_passed_over() -> None:
     flight = MissionHarness(firmware=PX4)
     from mavstack.services.mission import Plan

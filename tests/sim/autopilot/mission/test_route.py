@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
@@ -94,6 +95,7 @@ def test_actions_without_end_end() -> None:
     assert route.leg(leg.then) is None
 
 
+@pytest.mark.flight
 @given(some.lists(some.sampled_from(["wp", "do", "jump", "tag", "jump to tag"]), max_size=12), some.data())
 def test_any_route_is_walked(kinds: list[str], data: some.DataObject) -> None:
     number = some.floats(-3, 14) | some.just(float("nan")) | some.just(float("inf"))
