@@ -58,7 +58,9 @@ def test_examples_of_the_help_run(mav, monkeypatch, tmp_path, example):
         path.write_text(OFFICIAL.read_text("utf-8"), "utf-8")
     if "import" in example:
         own.unlink()
+    if "--check" in example:
+        assert mav(*words_of([word for word in example if word != "--check"])).code == 0
     result = mav(*words_of(example))
     assert result.code == 0, result.err
     assert own.is_file()
-    assert result.out or "import" in example
+    assert result.out or "import" in example or "--check" in example

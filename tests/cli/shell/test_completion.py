@@ -104,7 +104,7 @@ def test_remote_listing_is_cached():
             listed.append(path)
             return await list_directory(path)
 
-        files.list = spied
+        object.__setattr__(files, "list", spied)
         assert (await complete(session, "ftp get /AP"))[0] == ["/APM/"]
         assert "/APM/LOGS/" in (await complete(session, "ftp list /APM/"))[0]
         assert (await complete(session, "ftp get /AP"))[0] == ["/APM/"]
@@ -122,7 +122,7 @@ def test_silent_vehicle_does_not_block_completion():
 
             await asyncio.sleep(1000)
 
-        session.vehicle.ftp.list = silence
+        object.__setattr__(session.vehicle.ftp, "list", silence)
         began = session.connection.now()
         assert (await complete(session, "ftp get /"))[0] == []
         assert session.connection.now() - began <= completion.LISTING_TIMEOUT + 0.1

@@ -149,9 +149,9 @@ def test_endless_mission_does_not_block_a_tick(number, kind, firmware, monkeypat
 
 
 def used_memory() -> int:
-    """Return the bytes in use, without the bounded caches of enum values and the tests' own objects."""
+    """Return the bytes in use, without the bounded caches of enum values and lookups, and the tests' own objects."""
     gc.collect()
-    names = ("*/enums.py", "*/enum.py", "*/hostile_peers.py", __file__)
+    names = ("*/enums.py", "*/enum.py", "*/service_index.py", "*/hostile_peers.py", __file__)
     others = [tracemalloc.Filter(False, name) for name in names]
     statistics = tracemalloc.take_snapshot().filter_traces(others).statistics("filename")
     return sum(statistic.size for statistic in statistics)
