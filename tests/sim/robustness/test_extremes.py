@@ -149,7 +149,7 @@ def test_endless_mission_does_not_block_a_tick(number, kind, firmware, monkeypat
 
 
 def used_memory() -> int:
-    """Return the bytes in use, without the bounded caches of enum values and lookups, and the tests' own objects."""
+    """Return the bytes in use, without bounded caches (enum values, lookups) and the tests' own objects."""
     gc.collect()
     names = ("*/enums.py", "*/enum.py", "*/service_index.py", "*/hostile_peers.py", __file__)
     others = [tracemalloc.Filter(False, name) for name in names]
@@ -178,7 +178,8 @@ def test_memory_is_bounded_under_a_flood(monkeypatch):
     flood()
     tracemalloc.start()
     try:
-        flood()
+        for _ in range(3):  # until the bounded tables of addresses are full
+            flood()
         before = used_memory()
         flood()
         assert used_memory() - before < 100_000
