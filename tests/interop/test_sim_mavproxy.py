@@ -10,6 +10,7 @@ from pymavlink import DFReader, mavwp
 
 from mavstack.services.mission import PlanType
 from mavstack.sim import Firmware, Simulation
+from mavstack.sim.telemetry.px4 import LinkMode, set_link_mode
 from tests.interop.mavproxy import mavproxy, needs_mavproxy
 from tests.interop.simulated import Flight
 from tests.sim.harness import running
@@ -101,6 +102,8 @@ async def mavproxy_flight(kind: str, firmware: str, directory, *, speed: float =
     """Yield a simulated vehicle with these parameters and MAVProxy connected to it."""
     simulation = Simulation()
     vehicle = simulation.add(kind, firmware)
+    if vehicle.firmware is Firmware.PX4:
+        set_link_mode(vehicle, LinkMode.NORMAL)  # MAVProxy loses messages of a fast link at this speed
     for name, value in parameters.items():
         vehicle.parameters.set(name, value)
     async with (
