@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import signal
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from threading import Lock
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -44,6 +45,7 @@ class LiveDisplay(ABC, Generic[Snapshot]):
         self._ended = False
         self._terminated = False
         self._previous_handler: Any = signal.SIG_DFL
+        self._task: asyncio.Task[Any] | None = None
         self._held_log = stderr_log_held()
 
     @abstractmethod
@@ -56,6 +58,8 @@ class LiveDisplay(ABC, Generic[Snapshot]):
 
     def __enter__(self) -> Self:
         self._held_log.__enter__()
+        with suppress(RuntimeError):  # no event loop runs
+            self._task = asyncio.current_task()
         self._previous_handler = signal.signal(signal.SIGTERM, self._terminate)
         self._live.start()
         return self
@@ -79,12 +83,13 @@ class LiveDisplay(ABC, Generic[Snapshot]):
     def _terminate(self, _number: int, _frame: object) -> None:
         """End as Ctrl-C does: the event loop turns SIGINT into an orderly end wherever the signal arrives.
 
-        In a background job of a shell SIGINT is ignored; the exception then ends the event loop.
+        In a background job of a shell SIGINT is ignored; then the task of the display is cancelled instead.
         """
         self._terminated = True
-        if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-            raise SystemExit(128 + signal.SIGTERM)
-        signal.raise_signal(signal.SIGINT)
+        if signal.getsignal(signal.SIGINT) is signal.SIG_IGN and self._task is not None:
+            self._task.get_loop().call_soon_threadsafe(self._task.cancel)
+        else:
+            signal.raise_signal(signal.SIGINT)
 
     def _render(self, snapshot: Snapshot) -> None:
         with self._rendering:
