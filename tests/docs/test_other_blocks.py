@@ -101,6 +101,7 @@ def vehicle_url():
 
 
 @pytest.mark.interop
+@pytest.mark.xdist_group("runnable blocks")
 @pytest.mark.parametrize(
     "block", [block for block in BLOCKS if block.directive == "runnable"], ids=lambda block: block.name
 )

@@ -60,7 +60,10 @@ TEST_PARAMETERS = {
 LOG_MAGIC = {True: b"\xa3\x95", False: b"ULog\x01\x12\x35"}
 
 
-@pytest.fixture(scope="module", params=["ardupilot", "px4", "real"])
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in ("ardupilot", "px4", "real")],
+)
 def autopilot(request: pytest.FixtureRequest) -> Iterator[Autopilot]:
     url = autopilots.real()
     if request.param == "real":
