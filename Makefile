@@ -5,6 +5,9 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust/core rust/python -name '*.rs' -o -name Cargo.toml) Cargo.toml pyproject.toml
 
+# Modules are compiled once, not by every worker and every `mav` that a test starts.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: rust demo test flights interop nightly check lint docs format bench fuzz generate clean
 
 demo: $(VENV)/package ## Fly seven simulated vehicles and show their live picture
