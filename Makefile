@@ -8,13 +8,13 @@ SOURCES := $(shell find rust/core rust/python -name '*.rs' -o -name Cargo.toml) 
 # Modules are compiled once, not by every worker and every `mav` that a test starts.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: rust demo test flights interop nightly check lint docs format bench fuzz generate clean
+.PHONY: rust demo test flights interop nightly check lint lint-python lint-rust rust-tests docs format bench fuzz generate clean
 
 demo: $(VENV)/package ## Fly seven simulated vehicles and show their live picture
 	@$(BIN)/mav demo
 
-test: lint ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
-	cargo test --release --locked -p mavstack-core
+test: $(VENV)/installed ## Run the fast tier: lint, types, unit and property tests, one smoke test per peer
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync lint-python rust-tests
 	$(BIN)/pytest -n auto --dist loadgroup --durations 10 -m "not nightly and not flight and (not interop or smoke)" --seeds $(or $(SEEDS),60)
 
 flights: $(VENV)/installed ## Run the tests that take seconds of processor time each, mostly simulated flights
@@ -30,15 +30,22 @@ nightly: $(VENV)/installed ## Run the long tests, the randomised ones over SEEDS
 check: $(VENV)/installed ## Run the Python tests of the fast tier alone
 	$(BIN)/pytest -n auto --dist loadgroup -m "not nightly and not flight and not interop" --seeds $(or $(SEEDS),60)
 
-lint: $(VENV)/installed ## Check style, types, layers, vocabulary and generated files
+lint: lint-python lint-rust ## Check style, types, layers, vocabulary and generated files
+
+lint-python: $(VENV)/installed
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	$(BIN)/python -m tools.vocabulary
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	cargo fmt --all --check
-	cargo clippy --all-targets --release --locked -- -D warnings
 	$(BIN)/python -m mavstack.dialects.generate --check
 	$(BIN)/python -m mavstack.sync.generate --check
+
+lint-rust: | rust
+	cargo fmt --all --check
+	cargo clippy --quiet --all-targets --release --locked -- -D warnings
+
+rust-tests: lint-rust
+	cargo test --quiet --release --locked -p mavstack-core
 
 docs: $(VENV)/installed ## Build the documentation site in site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
