@@ -42,9 +42,14 @@ class WindModel:
         self.east = -speed * math.sin(bearing)
         self.gusts = speed * share
 
+    @property
+    def is_calm(self) -> bool:
+        """True without any wind."""
+        return not (self.north or self.east)
+
     def update(self, state: StateArray) -> None:
         """Compute the air velocity at each body."""
-        if not (self.north or self.east):
+        if self.is_calm:
             state.air.fill(0.0)
             return
         share = 0.5 + 0.5 * np.minimum(np.maximum(state.position[2] * -0.1, 0.0), 1.0)

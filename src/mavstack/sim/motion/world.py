@@ -7,7 +7,8 @@ and share the guidance; plane, vtol, copter and sub have attitude dynamics. A st
     noise and wind -> guidance -> loops -> air, surfaces, motors -> rates, attitude -> position -> battery,
     sensors and estimate
 
-where the loops use the estimate of the previous step. Only the laws of present types are run.
+where the loops use the estimate of the previous step. Only the laws of present types are run, and none from
+guidance to position while all bodies are at rest.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from mavstack.sim.motion import (
     ground,
     guidance,
     multirotor,
+    rest,
     submarine,
     surface,
     vtol,
@@ -106,6 +108,8 @@ class World:
     def _bind(self, data: Array) -> None:
         """Create the views of the slices of all types and laws."""
         self.state = StateArray(np.ascontiguousarray(data))
+        #: All bodies stand still, so that only a demand, a wind or a new position moves them.
+        self._at_rest = False
         counts = [
             sum(1 for body in self.bodies if body.vehicle_type is vehicle_type) for vehicle_type in ORDER
         ]
@@ -125,7 +129,7 @@ class World:
 
     def place(self, column: int, place: tuple[float, float, float], yaw: float) -> None:
         """Move one body and its estimate to a position, at rest and level."""
-        state = self.state
+        state, self._at_rest = self.state, False
         for name in ("velocity", "acceleration", "rates", "velocity_command", "integral", "thrust"):
             getattr(state, name)[:, column] = 0.0
         state.position[:, column] = place
@@ -162,6 +166,15 @@ class World:
         state, step = self.state, self.step_length
         self._noise.wander(state.wander, self.tick)
         self.wind.update(state)
+        if not (self._at_rest and self.wind.is_calm) or rest.has_demand(state):
+            self._move(step)
+        battery.discharge(state, step)
+        estimate.update_gps(state, self.tick, self._gps_period)
+        estimate.update(state, step)
+
+    def _move(self, step: float) -> None:
+        """Compute the motion of one step."""
+        state = self.state
         relative = state.velocity - state.air
         state.airspeed[:] = length(relative)
         state.force[:] = relative * -(state.drag_linear + state.drag_quadratic * state.airspeed)
@@ -179,10 +192,8 @@ class World:
         attitude.integrate_rates(state, step)
         attitude.update_axes(state)
         ground.integrate(state, step)
+        self._at_rest = self.wind.is_calm and rest.come_to_rest(state)
         self._record_outputs()
-        battery.discharge(state, step)
-        estimate.update_gps(state, self.tick, self._gps_period)
-        estimate.update(state, step)
 
     def _fly(self, step: float) -> None:
         """Run bodies with wings or lifting motors."""
