@@ -14,7 +14,7 @@ from mavstack.security import SigningKey
 from mavstack.services import Address, Client, Event, Outgoing, Priority, Service, message_ids
 from mavstack.services.command import Command, CommandClient
 from mavstack.wire import Packet, Parser, encode
-from tests.services.network import GROUND, START, VEHICLE, Air, Network
+from tests.services.network import GROUND, START, VEHICLE, HalfDuplexRadio, Network
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -176,16 +176,16 @@ def test_timers_fire_once_when_due_and_follow_changes() -> None:
 
 def test_bulk_messages_wait_for_room() -> None:
     network = Network()
-    air = Air()
+    radio = HalfDuplexRadio()
     ground = network.node(GROUND)
     vehicle = network.node(VEHICLE)
-    network.connect(ground, vehicle, air=air, bandwidth=5760.0)
+    network.connect(ground, vehicle, radio=radio, bandwidth=5760.0)
     recorder = ground.engine.add(Recorder(GROUND))
     vehicle.engine.add(BulkSender(VEHICLE, GROUND, total=1000))
     begin = network.now
     assert network.run(lambda: len(recorder.received) == 1000, timeout=60)
-    assert air.overflowed == 0
-    min_duration = air.carried / 5760
+    assert radio.overflowed == 0
+    min_duration = radio.carried / 5760
     assert min_duration <= network.now - begin <= min_duration * 1.1
 
 

@@ -36,7 +36,7 @@ class LinkPeer:
         for channel in self.link.channels:
             channel.write(data)
 
-    def heard(self, raw):
+    def has_received(self, raw):
         return raw in self.data
 
 
@@ -83,10 +83,10 @@ def test_received_packets_reach_the_output_unchanged():
         second.write(other := OTHER.encode(common.Heartbeat()))
         await asyncio.sleep(0.1)
         assert station.data.count(packets[0]) == 1
-        assert station.heard(packets[1])
-        assert station.heard(other)
-        assert not station.heard(b"garbage")
-        assert not second.heard(packets[0])
+        assert station.has_received(packets[1])
+        assert station.has_received(other)
+        assert not station.has_received(b"garbage")
+        assert not second.has_received(packets[0])
         assert output.sent == 3
 
     run_forwarding(scenario)
@@ -103,9 +103,9 @@ def test_packets_of_the_output_reach_their_target_unchanged():
         station.write(heartbeat := STATION.encode(common.Heartbeat(type=common.MavType.GCS)))
         await asyncio.sleep(0.1)
         assert second.data.count(command) == 1
-        assert not first.heard(command)
-        assert first.heard(heartbeat)
-        assert second.heard(heartbeat)
+        assert not first.has_received(command)
+        assert first.has_received(heartbeat)
+        assert second.has_received(heartbeat)
         assert output.received == 2
 
     run_forwarding(scenario)
@@ -118,7 +118,7 @@ def test_signed_packets_are_forwarded_unchanged():
         encoder = Encoder(1, 1, signing=SigningKey(bytes(range(32))).signing())
         first.write(raw := encoder.encode(common.Attitude(roll=0.5), 1_700_000_000.0))
         await asyncio.sleep(0.1)
-        assert station.heard(raw)
+        assert station.has_received(raw)
 
     run_forwarding(scenario)
 

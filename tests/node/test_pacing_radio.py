@@ -14,7 +14,7 @@ from mavstack.services.message_request import MessageServer
 from mavstack.services.mission import MissionClient, MissionItem, MissionServer, Plan
 from mavstack.services.parameters import ParameterClient, ParameterServer
 from tests.services.network import GROUND, Network, Node
-from tests.services.radio import Ether, every, radio_network
+from tests.services.radio import SharedMedium, call_every, radio_network
 
 if TYPE_CHECKING:
     from mavstack.node.engine import Engine
@@ -40,15 +40,15 @@ def fly(address: Address, engine: Engine) -> None:
 class Fleet:
     """Ten vehicles, and a ground station with its operations."""
 
-    def __init__(self, ether: Ether, share: float | None) -> None:
-        self.ether = ether
+    def __init__(self, medium: SharedMedium, share: float | None) -> None:
+        self.medium = medium
         self.network = Network(7)
         self.ground = self.network.node(GROUND, self.setup)
         self.vehicles: list[Node] = [
             self.network.node(address, lambda engine, address=address: fly(address, engine))
             for address in VEHICLES
         ]
-        self.radios = radio_network(self.network, ether, self.ground, self.vehicles, share)
+        self.radios = radio_network(self.network, medium, self.ground, self.vehicles, share)
         self.commands: list = []
 
     def setup(self, engine: Engine) -> None:
@@ -69,10 +69,10 @@ class Fleet:
 
 @pytest.mark.parametrize(("share", "status"), [(None, True), (5760 / 13, False)])
 def test_ten_vehicles_share_a_slow_radio(share: float | None, status: bool) -> None:
-    fleet = Fleet(Ether(tells_status=status), share)
+    fleet = Fleet(SharedMedium(sends_status=status), share)
     network, ground = fleet.network, fleet.ground
     network.run(timeout=10)
-    every(network, 1.0, fleet.command_a_vehicle)
+    call_every(network, 1.0, fleet.command_a_vehicle)
     listing = [client.download(network.now, idle_timeout=60.0) for client in fleet.parameter_clients]
     items = [MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47.0, param6=8.0 + step) for step in range(20)]
     plans = [client.upload(Plan.of(items), network.now) for client in fleet.mission_clients]

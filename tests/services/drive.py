@@ -28,7 +28,7 @@ def sent(service, now: float, has_room=always_room) -> list:
 
 
 def pass_time(service, until: float) -> list[tuple[float, object]]:
-    """Let the service's timers fire up to a time; what it sent, and when."""
+    """Fire the service's timers up to a time; return the (time, message) pairs that it sent."""
     out = []
     while (due := service.next_timeout()) is not None and due <= until:
         service.handle_timeout(due)
@@ -37,5 +37,5 @@ def pass_time(service, until: float) -> list[tuple[float, object]]:
 
 
 def garbage(kind, random: Random):
-    """A message of a kind with every byte drawn at random."""
+    """Return a message of `kind` with random bytes."""
     return kind.from_payload(random.randbytes(random.choice([0, 1, 255])))

@@ -29,7 +29,7 @@ VEHICLE = Address(1, 1)
 START = 1_700_000_000.0
 
 
-class Air:
+class HalfDuplexRadio:
     """A half-duplex radio: both directions share its bandwidth; each has a queue that drops the overflow."""
 
     def __init__(self, bandwidth: float = 5760.0, queue: int = 2048, latency: float = 0.01) -> None:
@@ -37,7 +37,7 @@ class Air:
         self.free_at = START
         self.carried = 0
         self.overflowed = 0
-        self._directions = [[], []]  # (end of transmission, size) of what is queued, each way
+        self._directions = [[], []]  # queued (end of transmission, size), per direction
 
     def depart(self, direction: int, size: int, now: float) -> float | None:
         waiting = self.waiting(direction, now)
@@ -61,38 +61,40 @@ class Air:
 class Pipe:
     """One direction between two engines."""
 
-    def __init__(self, impairment: Impairment, name: str, air: Air | None, direction: int) -> None:
+    def __init__(
+        self, impairment: Impairment, name: str, radio: HalfDuplexRadio | None, direction: int
+    ) -> None:
         self.flow = Flow(impairment, name)
         self.cut = False
-        self._air, self._direction = air, direction
-        self._on_air: list[tuple[float, bytes]] = []
+        self._radio, self._direction = radio, direction
+        self._in_transit: list[tuple[float, bytes]] = []
 
     def send(self, data: bytes, now: float) -> None:
         if self.cut:
             return
-        if self._air is None:
+        if self._radio is None:
             self.flow.send(data, now)
             return
-        departure = self._air.depart(self._direction, len(data), now)
+        departure = self._radio.depart(self._direction, len(data), now)
         if departure is not None:
-            self._on_air.append((departure + self._air.latency, data))
+            self._in_transit.append((departure + self._radio.latency, data))
 
     def receive(self, now: float) -> list[bytes]:
-        while self._on_air and self._on_air[0][0] <= now:
-            due, data = self._on_air.pop(0)
+        while self._in_transit and self._in_transit[0][0] <= now:
+            due, data = self._in_transit.pop(0)
             self.flow.send(data, due)
         arrived = self.flow.receive(now)
         return [] if self.cut else arrived
 
     def next_timeout(self) -> float | None:
         times = [time for time in (self.flow.next_timeout(),) if time is not None]
-        times += [due for due, _ in self._on_air[:1]]
+        times += [due for due, _ in self._in_transit[:1]]
         return min(times, default=None)
 
 
 @dataclass
 class Port:
-    """An engine's end of a wire: bytes leave by one pipe and come in by the other."""
+    """An engine's end of a link: bytes leave by one pipe and arrive by the other."""
 
     node: Node
     channel: ChannelState
@@ -109,7 +111,7 @@ class Node:
         self.setup = setup
         self.engine = Engine(address, common)
         self.ports: list[Port] = []
-        self.heard: list[Packet] = []
+        self.received: list[Packet] = []
         self.events: list[tuple[Service, Event]] = []
         if setup:
             setup(self.engine)
@@ -118,21 +120,21 @@ class Node:
         return [event for _, event in self.events if isinstance(event, kind)]
 
     def restart(self) -> None:
-        """Lose everything but what `setup` closes over."""
+        """Reboot: lose everything except the objects that `setup` closes over."""
         self.engine = Engine(self.address, common)
         for port in self.ports:
             port.channel = self.engine.open_channel(port.channel.name)
         if self.setup:
             self.setup(self.engine)
 
-    def take_in(self, now: float) -> None:
+    def receive(self, now: float) -> None:
         for port in self.ports:
             for data in port.inward.receive(now):
                 packets = self.engine.receive(port.channel, data, now)
                 if self.network.keep_packets:
-                    self.heard += packets
+                    self.received += packets
 
-    def give_out(self, now: float) -> bool:
+    def send(self, now: float) -> bool:
         data = self.engine.data_to_send(now)
         for channel, chunk in data:
             for port in self.ports:
@@ -143,7 +145,7 @@ class Node:
 
 
 class Network:
-    """Nodes, the wires between them, and the time."""
+    """Nodes, the links between them, and the virtual time."""
 
     def __init__(self, seed: int = 0, *, keep_packets: bool = False) -> None:
         self.now = START
@@ -165,25 +167,25 @@ class Network:
         other: Node,
         impairment: Impairment | None = None,
         *,
-        air: Air | None = None,
+        radio: HalfDuplexRadio | None = None,
         bandwidth: float | None = None,
     ) -> tuple[Pipe, Pipe]:
-        """Join two nodes; `bandwidth` is what both know of it."""
+        """Join two nodes; `bandwidth` is the one that both have configured."""
         model = replace(impairment or Impairment(), seed=self.seed)
         number = next(self._order)
-        known = {"bandwidth": bandwidth, "half_duplex": air is not None}
-        there, back = Pipe(model, f"{number} there", air, 0), Pipe(model, f"{number} back", air, 1)
+        known = {"bandwidth": bandwidth, "half_duplex": radio is not None}
+        there, back = Pipe(model, f"{number} there", radio, 0), Pipe(model, f"{number} back", radio, 1)
         one.ports.append(Port(one, one.engine.open_channel("wire", **known), there, back))
         other.ports.append(Port(other, other.engine.open_channel("wire", **known), back, there))
         return there, back
 
     def at(self, delay: float, action: Callable[[], None]) -> None:
-        """Do something `delay` seconds from now."""
+        """Call `action` in `delay` seconds."""
         self._actions.append((self.now + delay, next(self._order), action))
         self._actions.sort()
 
     def run(self, until: Callable[[], bool] = lambda: False, *, timeout: float = 600.0) -> bool:
-        """Let time pass until `until()` holds; False if it does not within `timeout` seconds."""
+        """Advance the time until `until()` is true; return False if it is not within `timeout` seconds."""
         end, stuck = self.now + timeout, 0
         while True:
             self._pump()
@@ -194,17 +196,17 @@ class Network:
                 self.now = end
                 return until()
             stuck = 0 if due > self.now else stuck + 1
-            assert stuck < 10_000, "time stands still: a timer is due for ever"
+            assert stuck < 10_000, "time stands still: a timer stays due"
             self.now = max(due, self.now)
 
     def _pump(self) -> None:
         while self._actions and self._actions[0][0] <= self.now:
             self._actions.pop(0)[2]()
         for node in self.nodes:
-            node.take_in(self.now)
+            node.receive(self.now)
             node.engine.handle_timeout(self.now)
         for node in self.nodes:
-            node.give_out(self.now)
+            node.send(self.now)
 
     def _next_timeout(self) -> float | None:
         times = [node.engine.next_timeout() for node in self.nodes]
@@ -214,7 +216,7 @@ class Network:
 
 
 def random_impairment(random: Random, *, worst_loss: float = 0.4) -> Impairment:
-    """Anything a link may do, drawn from a seed: some seeds are clean, some are terrible."""
+    """Draw the impairments of a link: some seeds are clean, some lose a large share of the packets."""
     latency = random.choice([0.0, 0.002, 0.02, 0.2])
     return Impairment(
         loss=random.choice([0.0, 0.01, 0.1, 0.2, random.uniform(0, worst_loss)]),

@@ -1,7 +1,7 @@
 """A radio network: one ground station, several vehicles, one half-duplex channel that all of them share.
 
 All vehicles receive the packets of the ground station, and it receives theirs. Each radio has a queue that
-drops what overflows, and tells its own side once in a while how much of it is free (RADIO_STATUS).
+drops what overflows, and reports its free part to its own node at intervals (RADIO_STATUS).
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ STATUS_INTERVAL = 1.0
 class Radio:
     """One node's radio: its queue, its transmissions, and what it has received."""
 
-    def __init__(self, ether: Ether) -> None:
-        self.heard_by: list[Radio] = []
+    def __init__(self, medium: SharedMedium) -> None:
+        self.receivers: list[Radio] = []
         self.received: list[tuple[float, bytes]] = []
         self.overflowed = 0
-        self._ether = ether
+        self._medium = medium
         self._queued: list[tuple[float, int]] = []  # (when its last byte leaves, size)
-        self._status_due = START + STATUS_INTERVAL if ether.tells_status else float("inf")
+        self._status_due = START + STATUS_INTERVAL if medium.sends_status else float("inf")
         self._encoder = Encoder(*RADIO)
 
     def send(self, data: bytes, now: float) -> None:
-        if self.waiting(now) + len(data) > self._ether.queue:
+        if self.waiting(now) + len(data) > self._medium.queue:
             self.overflowed += 1
             return
-        leaves = self._ether.transmit(len(data), now)
+        leaves = self._medium.transmit(len(data), now)
         self._queued.append((leaves, len(data)))
-        for other in self.heard_by:
+        for other in self.receivers:
             other.received.append((leaves + 0.005, data))
             other.received.sort()
 
@@ -50,7 +50,7 @@ class Radio:
         self.received = [item for item in self.received if item[0] > now]
         if now >= self._status_due:
             self._status_due += STATUS_INTERVAL
-            free = round(100 * (1 - self.waiting(now) / self._ether.queue))
+            free = round(100 * (1 - self.waiting(now) / self._medium.queue))
             arrived.append(self._encoder.encode(common.RadioStatus(rssi=200, txbuf=free), now))
         return arrived
 
@@ -59,8 +59,8 @@ class Radio:
         return min(due, self._status_due)
 
 
-class Silence:
-    """The way out of a port that only receives."""
+class ReceiveOnly:
+    """The outward pipe of a port that only receives."""
 
     def send(self, data: bytes, now: float) -> None:
         """The other port has sent it."""
@@ -69,11 +69,11 @@ class Silence:
         return None
 
 
-class Ether:
-    """The air that all radios share."""
+class SharedMedium:
+    """The radio frequency that all radios share."""
 
-    def __init__(self, bandwidth: float = 5760.0, queue: int = 2048, *, tells_status: bool = True) -> None:
-        self.bandwidth, self.queue, self.tells_status = bandwidth, queue, tells_status
+    def __init__(self, bandwidth: float = 5760.0, queue: int = 2048, *, sends_status: bool = True) -> None:
+        self.bandwidth, self.queue, self.sends_status = bandwidth, queue, sends_status
         self.free_at = START
         self.carried = 0
 
@@ -84,29 +84,32 @@ class Ether:
 
 
 def radio_network(
-    network: Network, ether: Ether, ground: Node, vehicles: list[Node], share: float | None = None
+    network: Network, medium: SharedMedium, ground: Node, vehicles: list[Node], share: float | None = None
 ) -> list[Radio]:
-    """Give each node a radio; `share` is what a vehicle knows that it may use, the ground that of three."""
-    base = Radio(ether)
+    """Give each node a radio.
+
+    `share` is the bandwidth configured for a vehicle's channel; the ground station's is three times that.
+    """
+    base = Radio(medium)
     radios = [base]
     ground.ports.append(
         Port(ground, ground.engine.open_channel("radio", bandwidth=share and 3 * share), base, base)
     )
     for vehicle in vehicles:
-        radio = Radio(ether)
-        radio.heard_by = [base]
-        base.heard_by.append(radio)
+        radio = Radio(medium)
+        radio.receivers = [base]
+        base.receivers.append(radio)
         channel = vehicle.engine.open_channel("radio", bandwidth=share)
         vehicle.ports.append(Port(vehicle, channel, radio, radio))
         radios.append(radio)
     return radios
 
 
-def every(network: Network, seconds: float, action: Callable[[], None]) -> None:
-    """Do something again and again."""
+def call_every(network: Network, seconds: float, action: Callable[[], None]) -> None:
+    """Call `action` after every `seconds`."""
 
-    def again() -> None:
+    def call() -> None:
         action()
-        network.at(seconds, again)
+        network.at(seconds, call)
 
-    network.at(seconds, again)
+    network.at(seconds, call)

@@ -21,7 +21,7 @@ from mavstack.services.extended_parameters import (
 from mavstack.services.extended_parameters.value import encode as encode_value
 from mavstack.services.extended_parameters.value import with_field
 from mavstack.wire import Packet
-from tests.services.extended_parameters.pairs import CAMERA, Pair
+from tests.services.extended_parameters.harness import CAMERA, ExtendedParameterHarness
 from tests.services.network import GROUND
 
 KIND = common.MavParamExtType
@@ -44,118 +44,121 @@ def set_packet(name: str, value, kind: int, sequence: int, source: Address = GRO
 
 
 def test_all_come_with_their_types() -> None:
-    pair = Pair(ROWS)
-    pair.run(listing := pair.client.download(pair.network.now))
+    harness = ExtendedParameterHarness(ROWS)
+    harness.run(listing := harness.client.download(harness.network.now))
     assert {name: parameter.value for name, parameter in listing.result().items()} == {
         name: value for name, (value, _) in ROWS.items()
     }
     assert listing.result()["CAM_ISO"].type == KIND.UINT32
-    assert pair.client.complete
+    assert harness.client.complete
 
 
 def test_one_is_read_by_name_and_index() -> None:
-    pair = Pair(ROWS)
-    reads = [pair.client.get(which, pair.network.now) for which in ("CAM_ISO", 1)]
-    pair.run(*reads)
+    harness = ExtendedParameterHarness(ROWS)
+    reads = [harness.client.get(which, harness.network.now) for which in ("CAM_ISO", 1)]
+    harness.run(*reads)
     assert [read.result() for read in reads] == [ExtendedParameter("CAM_ISO", 400, KIND.UINT32)] * 2
 
 
 def test_values_are_set_and_reported_to_all() -> None:
-    pair = Pair(ROWS)
+    harness = ExtendedParameterHarness(ROWS)
     sets = [
-        pair.client.set("CAM_MODE", "photo", pair.network.now),
-        pair.client.set("CAM_ISO", 800, pair.network.now),
-        pair.client.set("CAM_EV", 0.1, pair.network.now),
-        pair.client.set("CAM_RAW", b"\xfe\0\1", pair.network.now),
+        harness.client.set("CAM_MODE", "photo", harness.network.now),
+        harness.client.set("CAM_ISO", 800, harness.network.now),
+        harness.client.set("CAM_EV", 0.1, harness.network.now),
+        harness.client.set("CAM_RAW", b"\xfe\0\1", harness.network.now),
     ]
-    pair.run(*sets)
+    harness.run(*sets)
     assert [operation.error for operation in sets] == [None] * 4
-    assert sets[0].result().value == pair.server["CAM_MODE"] == "photo"
-    assert pair.client.parameters["CAM_ISO"].value == pair.server["CAM_ISO"] == 800
-    assert pair.server["CAM_EV"] == pytest.approx(0.1)
-    assert pair.server["CAM_RAW"] == b"\xfe\0\1"
-    assert len(pair.camera.events_of(ExtendedParameterWritten)) == 4
-    assert pair.ground.events_of(ExtendedParameterChanged)
+    assert sets[0].result().value == harness.server["CAM_MODE"] == "photo"
+    assert harness.client.parameters["CAM_ISO"].value == harness.server["CAM_ISO"] == 800
+    assert harness.server["CAM_EV"] == pytest.approx(0.1)
+    assert harness.server["CAM_RAW"] == b"\xfe\0\1"
+    assert len(harness.camera.events_of(ExtendedParameterWritten)) == 4
+    assert harness.ground.events_of(ExtendedParameterChanged)
 
 
 def test_a_refusal_is_denied_with_its_reason() -> None:
-    pair = Pair(ROWS)
-    pair.server.add("LOCKED", "x", handler=lambda _: ACK.FAILED)
-    pair.server.add("PICKY", "x", handler=lambda _: ACK.VALUE_UNSUPPORTED)
-    now = pair.network.now
+    harness = ExtendedParameterHarness(ROWS)
+    harness.server.add("LOCKED", "x", handler=lambda _: ACK.FAILED)
+    harness.server.add("PICKY", "x", handler=lambda _: ACK.VALUE_UNSUPPORTED)
+    now = harness.network.now
     wrong = [
-        pair.client.set("LOCKED", "y", now),
-        pair.client.set("PICKY", "y", now),
-        pair.client.set("CAM_ISO", 1.0, now, kind=KIND.REAL32),
-        pair.client.set("NONE", 1, now, kind=KIND.INT32),
+        harness.client.set("LOCKED", "y", now),
+        harness.client.set("PICKY", "y", now),
+        harness.client.set("CAM_ISO", 1.0, now, kind=KIND.REAL32),
+        harness.client.set("NONE", 1, now, kind=KIND.INT32),
     ]
-    assert pair.run(*wrong) < 1.0
+    assert harness.run(*wrong) < 1.0
     codes = [ACK.FAILED, ACK.VALUE_UNSUPPORTED, ACK.VALUE_UNSUPPORTED, ACK.VALUE_UNSUPPORTED]
     for operation, code in zip(wrong, codes, strict=True):
         assert isinstance(operation.error, ParameterDenied)
         assert operation.error.code == code
         assert code.name in str(operation.error)
-    assert (pair.server["LOCKED"], pair.server["CAM_ISO"]) == ("x", 400)
+    assert (harness.server["LOCKED"], harness.server["CAM_ISO"]) == ("x", 400)
 
 
 def test_a_long_change_is_waited_for() -> None:
-    pair = Pair()
-    pair.server.add("FORMAT", 0, handler=lambda _: None)
-    operation = pair.client.set("FORMAT", 1, pair.network.now)
+    harness = ExtendedParameterHarness()
+    harness.server.add("FORMAT", 0, handler=lambda _: None)
+    operation = harness.client.set("FORMAT", 1, harness.network.now)
 
     def finish() -> None:
-        (event,) = pair.camera.events_of(ExtendedSetStarted)
-        pair.server.complete(event.request, ACK.ACCEPTED, pair.network.now)
-        pair.server.complete(event.request, ACK.FAILED, pair.network.now)
-        pair.touch()
+        (event,) = harness.camera.events_of(ExtendedSetStarted)
+        harness.server.complete(event.request, ACK.ACCEPTED, harness.network.now)
+        harness.server.complete(event.request, ACK.FAILED, harness.network.now)
+        harness.touch()
 
-    pair.network.at(45.0, finish)
-    assert 45.0 <= pair.run(operation) < 46.0
-    assert operation.result().value == pair.server["FORMAT"] == 1
+    harness.network.at(45.0, finish)
+    assert 45.0 <= harness.run(operation) < 46.0
+    assert operation.result().value == harness.server["FORMAT"] == 1
     assert operation.attempts == 1
 
 
 def test_a_long_change_that_fails_is_denied() -> None:
-    pair = Pair()
-    pair.server.add("FORMAT", 0, handler=lambda _: None)
-    operation = pair.client.set("FORMAT", 1, pair.network.now)
-    pair.network.at(
+    harness = ExtendedParameterHarness()
+    harness.server.add("FORMAT", 0, handler=lambda _: None)
+    operation = harness.client.set("FORMAT", 1, harness.network.now)
+    harness.network.at(
         5.0,
-        lambda: (pair.server.complete(pair.server.running[0], ACK.FAILED, pair.network.now), pair.touch()),
+        lambda: (
+            harness.server.complete(harness.server.running[0], ACK.FAILED, harness.network.now),
+            harness.touch(),
+        ),
     )
-    pair.run(operation)
+    harness.run(operation)
     assert isinstance(operation.error, ParameterDenied)
-    assert pair.server["FORMAT"] == 0
+    assert harness.server["FORMAT"] == 0
 
 
 def test_a_long_change_that_falls_silent_ends_in_a_timeout() -> None:
-    pair = Pair()
-    pair.server.add("FORMAT", 0, handler=lambda _: None)
-    operation = pair.client.set("FORMAT", 1, pair.network.now)
+    harness = ExtendedParameterHarness()
+    harness.server.add("FORMAT", 0, handler=lambda _: None)
+    operation = harness.client.set("FORMAT", 1, harness.network.now)
 
     def cut() -> None:
-        for pipe in pair.pipes:
+        for pipe in harness.pipes:
             pipe.cut = True
 
-    pair.network.at(1.0, cut)
-    pair.run(operation)
+    harness.network.at(1.0, cut)
+    harness.run(operation)
     assert isinstance(operation.error, ParameterTimeout)
     assert "no further answer" in str(operation.error)
 
 
 def test_a_lost_end_of_a_long_change_is_seen_by_the_value() -> None:
-    pair = Pair()
-    pair.server.add("FORMAT", 0, handler=lambda _: None)
-    operation = pair.client.set("FORMAT", 1, pair.network.now)
+    harness = ExtendedParameterHarness()
+    harness.server.add("FORMAT", 0, handler=lambda _: None)
+    operation = harness.client.set("FORMAT", 1, harness.network.now)
 
-    def finish_unheard() -> None:
-        pair.pipes[1].cut = True
-        pair.server.complete(pair.server.running[0], ACK.ACCEPTED, pair.network.now)
-        pair.touch()
-        pair.network.at(0.5, lambda: setattr(pair.pipes[1], "cut", False))
+    def finish_unnoticed() -> None:
+        harness.pipes[1].cut = True
+        harness.server.complete(harness.server.running[0], ACK.ACCEPTED, harness.network.now)
+        harness.touch()
+        harness.network.at(0.5, lambda: setattr(harness.pipes[1], "cut", False))
 
-    pair.network.at(1.0, finish_unheard)
-    pair.run(operation)
+    harness.network.at(1.0, finish_unnoticed)
+    harness.run(operation)
     assert operation.result().value == 1
 
 

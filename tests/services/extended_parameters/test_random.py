@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import ParameterDenied, ParameterTimeout
 from mavstack.services.extended_parameters import ExtendedSetStarted
-from tests.services.extended_parameters.pairs import Pair
+from tests.services.extended_parameters.harness import ExtendedParameterHarness
 from tests.services.network import random_impairment, with_cuts
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def any_value(random: Random, kind: int) -> ExtendedValue:
     return random.randrange(100) / 4 if kind in (KIND.REAL32, KIND.REAL64) else random.randrange(100)
 
 
-class Camera(Pair):
+class Camera(ExtendedParameterHarness):
     """A pair whose server has a few parameters that take their time, and keeps its values over restarts."""
 
     def __init__(self, seed: int, random: Random) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from mavstack.errors import FileDenied, FileTimeout, RemoteProtocolError
 from mavstack.services.ftp import FtpServer, MemoryStore
-from tests.services.ftp.ends import Ends
+from tests.services.ftp.harness import FtpHarness
 from tests.services.network import VEHICLE
 
 DATA = Random(7).randbytes(200_000)
@@ -58,7 +58,7 @@ class PausingServer(FtpServer):
             yield from super().bulk_messages(now, has_room)
 
 
-class PausingEnds(Ends):
+class PausingHarness(FtpHarness):
     def __init__(self, **options) -> None:
         self.options = options
         super().__init__(1, MemoryStore({"f": DATA, "@v": DATA}), bandwidth=50_000)
@@ -80,45 +80,45 @@ class PausingEnds(Ends):
 @pytest.mark.parametrize("loses_sessions", [False, True])
 @pytest.mark.parametrize("seconds", [2.0, 8.0, 15.0])
 def test_a_download_continues_after_a_pause(seconds: float, loses_sessions: bool) -> None:
-    ends = PausingEnds(seconds=seconds, loses_sessions=loses_sessions)
-    operation = ends.download()
+    harness = PausingHarness(seconds=seconds, loses_sessions=loses_sessions)
+    operation = harness.download()
     assert operation.result() == DATA
     assert operation.verified
     if loses_sessions:
-        assert ends.server.openings == 2
+        assert harness.server.openings == 2
         assert operation.transfer.counts.packets < len(DATA) / 239 - 30, "it began at the offset reached"
 
 
 def test_a_generated_file_begins_again() -> None:
-    ends = PausingEnds(loses_sessions=True)
-    operation = ends.download("@v")
+    harness = PausingHarness(loses_sessions=True)
+    operation = harness.download("@v")
     assert operation.result() == DATA
     assert operation.transfer.counts.packets >= len(DATA) / 239
 
 
 def test_a_file_of_another_size_after_the_pause_is_an_error() -> None:
-    ends = PausingEnds(loses_sessions=True)
-    ends.server.sessions.drop = lambda session: (
-        ends.server.sessions._open.clear(),
-        ends.store.__setitem__("f", DATA[:-1]),
+    harness = PausingHarness(loses_sessions=True)
+    harness.server.sessions.drop = lambda session: (
+        harness.server.sessions._open.clear(),
+        harness.store.__setitem__("f", DATA[:-1]),
     )
     with pytest.raises(RemoteProtocolError, match="changed during an interruption"):
-        ends.download().result()
+        harness.download().result()
 
 
 def test_a_file_that_is_gone_after_the_pause_is_refused() -> None:
-    ends = PausingEnds(loses_sessions=True)
-    ends.server.sessions.drop = lambda session: (
-        ends.server.sessions._open.clear(),
-        "f" in ends.store and ends.store.remove("f"),
+    harness = PausingHarness(loses_sessions=True)
+    harness.server.sessions.drop = lambda session: (
+        harness.server.sessions._open.clear(),
+        "f" in harness.store and harness.store.remove("f"),
     )
     with pytest.raises(FileDenied, match="not found"):
-        ends.download().result()
+        harness.download().result()
 
 
 def test_a_vehicle_that_stays_silent_ends_in_a_timeout() -> None:
-    ends = PausingEnds(seconds=1e9)
-    began = ends.now
+    harness = PausingHarness(seconds=1e9)
+    began = harness.now
     with pytest.raises(FileTimeout):
-        ends.download().result()
-    assert ends.now - began < 45
+        harness.download().result()
+    assert harness.now - began < 45

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mavstack.errors import FileDenied
 from mavstack.services.ftp import DirectoryStore, Entry, MemoryStore, OverlayStore, VirtualFile
-from tests.services.ftp.ends import Ends
+from tests.services.ftp.harness import FtpHarness
 
 HOSTILE = ["..", "../x", "/../x", "sys/../../x", "a\0b", "y" * 300, "sys/" + "y" * 300]
 
@@ -209,32 +209,35 @@ def test_over_the_network(source) -> None:
         MemoryStore({"real/a": b"A" * 1000}),
         {"@SYS/info": VirtualFile(source.read), "@SYS/up": VirtualFile(lambda query: b"abc", source.write)},
     )
-    ends = Ends(store=store)
-    listing = ends.run(ends.client.list_directory("/", ends.now)).result()
+    harness = FtpHarness(store=store)
+    listing = harness.run(harness.client.list_directory("/", harness.now)).result()
     assert [entry.name for entry in listing] == ["@SYS", "real"]
-    assert ends.run(ends.client.download("@SYS/info", ends.now)).result() == b"made"
-    ends.run(ends.client.upload("@SYS/up", b"abc", ends.now)).result()
+    assert harness.run(harness.client.download("@SYS/info", harness.now)).result() == b"made"
+    harness.run(harness.client.upload("@SYS/up", b"abc", harness.now)).result()
     assert source.written == [b"abc"]
     source.refuses = True
-    refused = ends.run(ends.client.upload("@SYS/up", b"abc", ends.now))
+    refused = harness.run(harness.client.upload("@SYS/up", b"abc", harness.now))
     assert source.written == [b"abc"]
     assert refused.error is None or isinstance(refused.error, FileDenied)
-    for operation in (ends.client.remove("@SYS/info", ends.now), ends.client.download("no", ends.now)):
-        assert isinstance(ends.run(operation).error, FileDenied)
-    assert len(ends.server.sessions) == 0
+    for operation in (
+        harness.client.remove("@SYS/info", harness.now),
+        harness.client.download("no", harness.now),
+    ):
+        assert isinstance(harness.run(operation).error, FileDenied)
+    assert len(harness.server.sessions) == 0
 
 
 def test_an_upload_that_no_client_ends_harms_no_client(source) -> None:
     source.refuses = True
     store = OverlayStore(MemoryStore(), {"up": VirtualFile(source.read, source.write)})
-    ends = Ends(store=store)
-    operation = ends.client.upload("up", b"x" * 2000, ends.now)
-    ends.ground.engine.touch(ends.client)
-    ends.network.run(lambda: len(ends.server.sessions) > 0, timeout=5)
-    for pipe in ends.pipes:
+    harness = FtpHarness(store=store)
+    operation = harness.client.upload("up", b"x" * 2000, harness.now)
+    harness.ground.engine.touch(harness.client)
+    harness.network.run(lambda: len(harness.server.sessions) > 0, timeout=5)
+    for pipe in harness.pipes:
         pipe.cut = True
-    ends.network.run(lambda: operation.done and len(ends.server.sessions) == 0, timeout=120)
-    assert len(ends.server.sessions) == 0
+    harness.network.run(lambda: operation.done and len(harness.server.sessions) == 0, timeout=120)
+    assert len(harness.server.sessions) == 0
 
 
 def test_a_store_in_memory_can_be_full() -> None:

@@ -17,7 +17,7 @@ from mavstack.services import Address, Progress
 from mavstack.services.ftp import FtpClient, FtpError, FtpPayload, FtpServer, MemoryStore, Opcode
 from mavstack.services.ftp.sessions import IDLE_TIMEOUT, MAX_SESSIONS_PER_CLIENT
 from tests.services.drive import give, sent
-from tests.services.ftp.ends import Ends
+from tests.services.ftp.harness import FtpHarness
 from tests.services.network import GROUND, START, VEHICLE
 
 DATA = Random(1).randbytes(5000)
@@ -219,12 +219,12 @@ def test_what_changes_something_waits_for_the_rest(client) -> None:
 
 
 def test_a_file_with_another_checksum_is_an_error() -> None:
-    ends = Ends(store=MemoryStore({"f": DATA}))
-    operation = ends.client.download("f", ends.now)
-    ends.server._continue_crc = lambda work: FtpPayload(
+    harness = FtpHarness(store=MemoryStore({"f": DATA}))
+    operation = harness.client.download("f", harness.now)
+    harness.server._continue_crc = lambda work: FtpPayload(
         work.request.sequence + 1, Opcode.ACK, size=4, req_opcode=Opcode.CALCFILECRC, data=bytes(4)
     )
-    ends.run(operation)
+    harness.run(operation)
     with pytest.raises(RemoteProtocolError, match="changed during the download"):
         operation.result()
 
@@ -247,18 +247,18 @@ def test_a_virtual_file_may_be_shorter_than_announced(client) -> None:
 
 
 def test_progress_is_that_of_the_whole_operation() -> None:
-    ends = Ends(store=MemoryStore({"f": DATA}))
-    operation = ends.run(ends.client.download("f", ends.now))
-    told = [(event.done, event.total) for event in ends.ground.events_of(Progress)]
+    harness = FtpHarness(store=MemoryStore({"f": DATA}))
+    operation = harness.run(harness.client.download("f", harness.now))
+    told = [(event.done, event.total) for event in harness.ground.events_of(Progress)]
     assert told[-1] == (len(DATA), len(DATA))
-    assert {event.operation for event in ends.ground.events_of(Progress)} == {operation}
+    assert {event.operation for event in harness.ground.events_of(Progress)} == {operation}
 
 
 def test_a_range_of_a_file() -> None:
-    ends = Ends(store=MemoryStore({"f": DATA}))
-    operation = ends.run(ends.client.download("f", ends.now, offset=100, size=1000))
+    harness = FtpHarness(store=MemoryStore({"f": DATA}))
+    operation = harness.run(harness.client.download("f", harness.now, offset=100, size=1000))
     assert operation.result() == DATA[100:1100]
-    beyond = ends.run(ends.client.download("f", ends.now, offset=4990, size=1000))
+    beyond = harness.run(harness.client.download("f", harness.now, offset=4990, size=1000))
     assert beyond.result() == DATA[4990:]
 
 

@@ -9,7 +9,7 @@ from mavstack.links import Impairment
 from mavstack.services import Address
 from mavstack.services.ftp import FtpError, FtpServer, MemoryStore, Opcode
 from mavstack.services.ftp.sessions import IDLE_TIMEOUT_WHEN_FULL
-from tests.services.ftp.ends import Ends
+from tests.services.ftp.harness import FtpHarness
 from tests.services.ftp.test_pitfalls import START, VEHICLE, ask
 from tests.services.network import GROUND
 
@@ -48,40 +48,42 @@ def test_a_number_in_use_does_not_come_to_mean_another_file(server) -> None:
 
 
 def test_our_client_calls_each_session_otherwise() -> None:
-    ends = Ends(store=MemoryStore({"a": b"aaaa"}))
+    harness = FtpHarness(store=MemoryStore({"a": b"aaaa"}))
     numbers = []
-    add = ends.server.sessions.add
-    ends.server.sessions.add = lambda owner, number, *more, **options: (
+    add = harness.server.sessions.add
+    harness.server.sessions.add = lambda owner, number, *more, **options: (
         numbers.append(number) or add(owner, number, *more, **options)
     )
     for _ in range(3):
-        assert ends.run(ends.client.download("a", ends.now)).result() == b"aaaa"
+        assert harness.run(harness.client.download("a", harness.now)).result() == b"aaaa"
     assert numbers == [1, 2, 3]
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.2])
 def test_a_client_resets_its_own_sessions_and_no_client_elses(loss: float) -> None:
     """Those that an earlier run left open, under numbers that it does not know."""
-    ends = Ends(store=MemoryStore({"a": b"aaaa"}), impairment=Impairment(loss=loss))
+    harness = FtpHarness(store=MemoryStore({"a": b"aaaa"}), impairment=Impairment(loss=loss))
     other = Address(254, 1)
     for owner, number in ((GROUND, 3), (GROUND, 200), (other, 3)):
-        (opened,) = ask(ends.server, Opcode.OPENFILERO, b"a", session=number, source=owner, now=ends.now)
+        (opened,) = ask(
+            harness.server, Opcode.OPENFILERO, b"a", session=number, source=owner, now=harness.now
+        )
         assert opened.error is None
-    operation = ends.run(ends.client.reset_sessions(ends.now))
+    operation = harness.run(harness.client.reset_sessions(harness.now))
     assert operation.error is None
-    assert [(session.owner, session.number) for session in ends.server.sessions] == [(other, 3)]
-    assert ends.run(ends.client.reset_sessions(ends.now)).error is None  # that there is none is fine
+    assert [(session.owner, session.number) for session in harness.server.sessions] == [(other, 3)]
+    assert harness.run(harness.client.reset_sessions(harness.now)).error is None  # that there is none is fine
 
 
 def test_a_reset_waits_until_a_transfer_has_ended() -> None:
-    ends = Ends(store=MemoryStore({"a": bytes(5000)}))
-    reading = ends.client.download("a", ends.now)
-    reset = ends.run(ends.client.reset_sessions(ends.now))
+    harness = FtpHarness(store=MemoryStore({"a": bytes(5000)}))
+    reading = harness.client.download("a", harness.now)
+    reset = harness.run(harness.client.reset_sessions(harness.now))
     assert (reading.result(), reset.error) == (bytes(5000), None)
-    assert not ends.server.sessions
+    assert not harness.server.sessions
 
 
 def test_a_reset_that_no_client_answers_times_out() -> None:
-    ends = Ends(connect=False)
-    operation = ends.run(ends.client.reset_sessions(ends.now))
+    harness = FtpHarness(connect=False)
+    operation = harness.run(harness.client.reset_sessions(harness.now))
     assert isinstance(operation.error, FileTimeout)

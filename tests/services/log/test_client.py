@@ -11,14 +11,14 @@ from mavstack.services import Progress
 from mavstack.services.log import LogClient, LogEntry, LogServer
 from tests.services.log.autopilots import ArduPilotLogs, PX4Logs
 from tests.services.log.store import MemoryStore
-from tests.services.network import GROUND, START, VEHICLE, Air, Network
+from tests.services.network import GROUND, START, VEHICLE, HalfDuplexRadio, Network
 from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
 
 SIZES = [0, 1, 89, 90, 91, 900, 30_000]
 LOSSY = Impairment(loss=0.1, latency=0.02, seed=1)
 
 
-class Site:
+class LogHarness:
     """A vehicle with logs, and a ground station."""
 
     def __init__(
@@ -46,8 +46,8 @@ class Site:
     def list(self):
         return self.run(self.client.list_logs(self.network.now))
 
-    def heard(self, kind: type) -> list:
-        return [packet.message for packet in self.vehicle.heard if isinstance(packet.message, kind)]
+    def received(self, kind: type) -> list:
+        return [packet.message for packet in self.vehicle.received if isinstance(packet.message, kind)]
 
 
 KINDS = pytest.mark.parametrize("kind", [LogServer, ArduPilotLogs, PX4Logs])
@@ -57,100 +57,100 @@ LINKS = pytest.mark.parametrize("impairment", [None, LOSSY], ids=["clean", "loss
 @KINDS
 @LINKS
 def test_every_log_of_every_kind_of_autopilot(kind: type, impairment: Impairment | None) -> None:
-    site = Site(kind, impairment)
-    entries = site.list().result()
-    assert list(entries) == site.store.logs(), "ids may start at 0 or at 1"
+    harness = LogHarness(kind, impairment)
+    entries = harness.list().result()
+    assert list(entries) == harness.store.logs(), "ids may start at 0 or at 1"
     for entry in entries:
-        assert site.download(entry).result() == site.contents[entry.id]
+        assert harness.download(entry).result() == harness.contents[entry.id]
 
 
 @pytest.mark.parametrize("kind", [LogServer, ArduPilotLogs])
 def test_no_logs_are_reported_by_an_entry_of_none(kind: type) -> None:
-    assert Site(kind, sizes=[]).list().result() == ()
+    assert LogHarness(kind, sizes=[]).list().result() == ()
 
 
 def test_a_log_by_its_id_alone() -> None:
-    site = Site()
-    assert site.download(7).result() == site.contents[7]
-    error = site.download(77).error
+    harness = LogHarness()
+    assert harness.download(7).result() == harness.contents[7]
+    error = harness.download(77).error
     assert isinstance(error, RemoteDenied)
     assert str(error) == "downloading log 77 from 1/1 failed: there is no such log"
 
 
 def test_px4_that_restarted_within_a_log_is_listed_again() -> None:
-    site = Site(PX4Logs, air=Air(), bandwidth=5760.0)
-    entry = site.list().result()[-1]
+    harness = LogHarness(PX4Logs, radio=HalfDuplexRadio(), bandwidth=5760.0)
+    entry = harness.list().result()[-1]
 
     def restart() -> None:
-        site.server.listed, site.server.sending = False, None
+        harness.server.listed, harness.server.sending = False, None
 
-    site.network.at(2.0, restart)
-    assert site.download(entry).result() == site.contents[entry.id]
+    harness.network.at(2.0, restart)
+    assert harness.download(entry).result() == harness.contents[entry.id]
 
 
 def test_a_transfer_that_got_stuck_is_ended_and_begun_again() -> None:
-    site = Site(StuckLogs, air=Air(), bandwidth=5760.0)
-    entry = site.list().result()[-1]
-    site.network.at(2.0, lambda: setattr(site.server, "ends", 0))
-    assert site.download(entry).result() == site.contents[entry.id]
+    harness = LogHarness(StuckLogs, radio=HalfDuplexRadio(), bandwidth=5760.0)
+    entry = harness.list().result()[-1]
+    harness.network.at(2.0, lambda: setattr(harness.server, "ends", 0))
+    assert harness.download(entry).result() == harness.contents[entry.id]
 
 
 @KINDS
 def test_a_transfer_ends_by_log_request_end(kind: type) -> None:
-    site = Site(kind)
-    site.download(site.list().result()[-1])
-    site.network.run(timeout=1)
+    harness = LogHarness(kind)
+    harness.download(harness.list().result()[-1])
+    harness.network.run(timeout=1)
     kinds = common.LogRequestList | common.LogRequestData | common.LogRequestEnd
-    messages = [p.message for p in site.vehicle.heard if isinstance(p.message, kinds)]
+    messages = [p.message for p in harness.vehicle.received if isinstance(p.message, kinds)]
     assert isinstance(messages[-1], common.LogRequestEnd)
 
 
 def test_cancelling_sends_log_request_end_and_the_server_stops() -> None:
-    site = Site(air=Air(), bandwidth=5760.0)
-    operation = site.client.download(7, site.network.now)
-    site.network.at(1.0, lambda: site.client.cancel(operation, site.network.now))
-    site.network.at(1.0, lambda: site.ground.engine.touch(site.client))
-    site.run(operation)
+    harness = LogHarness(radio=HalfDuplexRadio(), bandwidth=5760.0)
+    operation = harness.client.download(7, harness.network.now)
+    harness.network.at(1.0, lambda: harness.client.cancel(operation, harness.network.now))
+    harness.network.at(1.0, lambda: harness.ground.engine.touch(harness.client))
+    harness.run(operation)
     assert isinstance(operation.error, RemoteCancelled)
-    assert not site.client.busy
-    site.network.run(timeout=1)
-    assert site.heard(common.LogRequestEnd)
-    before = len(site.ground.heard)
-    site.network.run(timeout=10)
-    assert len(site.ground.heard) == before
+    assert not harness.client.busy
+    harness.network.run(timeout=1)
+    assert harness.received(common.LogRequestEnd)
+    before = len(harness.ground.received)
+    harness.network.run(timeout=10)
+    assert len(harness.ground.received) == before
 
 
 def test_progress_is_reported_of_the_download() -> None:
-    site = Site()
-    operation = site.download(7)
-    told = [event for event in site.ground.events_of(Progress) if event.operation is operation]
+    harness = LogHarness()
+    operation = harness.download(7)
+    told = [event for event in harness.ground.events_of(Progress) if event.operation is operation]
     done = [event.done for event in told]
     assert done == sorted(done)
     assert (told[-1].done, told[-1].total) == (29_970, 30_000)
 
 
 def test_no_client_there_is_a_typed_error_in_time() -> None:
-    site = Site()
-    site.vehicle.restart()
-    assert isinstance(site.list().error, LogTimeout)
-    assert isinstance(site.download(LogEntry(1, 5, 5)).error, LogTimeout)
-    assert isinstance(site.run(site.client.erase(site.network.now)).error, LogTimeout)
-    assert site.network.now - START < 120
+    harness = LogHarness()
+    harness.vehicle.restart()
+    assert isinstance(harness.list().error, LogTimeout)
+    assert isinstance(harness.download(LogEntry(1, 5, 5)).error, LogTimeout)
+    assert isinstance(harness.run(harness.client.erase(harness.network.now)).error, LogTimeout)
+    assert harness.network.now - START < 120
 
 
 def test_a_vehicle_that_falls_silent_within_a_log() -> None:
-    site = Site(air=Air(), bandwidth=5760.0)
-    site.network.at(2.0, lambda: [setattr(pipe, "cut", True) for pipe in site.pipes])
-    operation = site.download(7)
+    harness = LogHarness(radio=HalfDuplexRadio(), bandwidth=5760.0)
+    harness.network.at(2.0, lambda: [setattr(pipe, "cut", True) for pipe in harness.pipes])
+    operation = harness.download(7)
     assert isinstance(operation.error, LogTimeout)
     assert "stopped sending" in str(operation.error)
 
 
 def test_the_limit_is_kept() -> None:
-    site = Site(air=Air(), bandwidth=5760.0)
-    operation = site.run(site.client.download(7, site.network.now, timeout=3.0))
+    harness = LogHarness(radio=HalfDuplexRadio(), bandwidth=5760.0)
+    operation = harness.run(harness.client.download(7, harness.network.now, timeout=3.0))
     assert isinstance(operation.error, LogTimeout)
-    assert site.network.now - START == pytest.approx(3.0)
+    assert harness.network.now - START == pytest.approx(3.0)
 
 
 class StuckLogs(ArduPilotLogs):
@@ -161,83 +161,83 @@ class StuckLogs(ArduPilotLogs):
 
 
 def test_what_another_left_unfinished_is_ended_before_a_list() -> None:
-    site = Site(StuckLogs)
-    site.server.sending = (1, 0, 1 << 30)
-    assert list(site.list().result()) == site.store.logs()
+    harness = LogHarness(StuckLogs)
+    harness.server.sending = (1, 0, 1 << 30)
+    assert list(harness.list().result()) == harness.store.logs()
 
 
 def test_an_id_that_means_another_log_now_is_refused() -> None:
-    site = Site()
-    entry = site.list().result()[6]
-    site.store.contents[7] = b"x" * 30_000
-    site.store.times[7] = 5
-    assert isinstance(site.download(entry).error, RemoteProtocolError)
+    harness = LogHarness()
+    entry = harness.list().result()[6]
+    harness.store.contents[7] = b"x" * 30_000
+    harness.store.times[7] = 5
+    assert isinstance(harness.download(entry).error, RemoteProtocolError)
 
 
 def test_a_log_replaced_while_it_is_read_is_refused() -> None:
-    site = Site(air=Air(), bandwidth=5760.0)
+    harness = LogHarness(radio=HalfDuplexRadio(), bandwidth=5760.0)
 
     def replace() -> None:
-        site.store.contents[7], site.store.times[7] = b"x" * 30_000, 5
+        harness.store.contents[7], harness.store.times[7] = b"x" * 30_000, 5
 
-    site.network.at(2.0, replace)
-    assert isinstance(site.download(7).error, RemoteProtocolError)
+    harness.network.at(2.0, replace)
+    assert isinstance(harness.download(7).error, RemoteProtocolError)
 
 
 def test_a_log_that_grows_while_it_is_read() -> None:
-    site = Site(air=Air(), bandwidth=5760.0)
+    harness = LogHarness(radio=HalfDuplexRadio(), bandwidth=5760.0)
 
     def grow() -> None:
-        site.store.contents[7] += b"more" * 100
+        harness.store.contents[7] += b"more" * 100
 
-    site.network.at(2.0, grow)
-    content = site.download(7).result()
-    assert site.store.contents[7].startswith(content)
+    harness.network.at(2.0, grow)
+    content = harness.download(7).result()
+    assert harness.store.contents[7].startswith(content)
     assert len(content) >= 30_000
 
 
 def test_a_size_that_is_too_large_is_approximate() -> None:
-    site = Site()
-    logs = site.store.logs
-    site.store.logs = lambda: [LogEntry(log.id, log.time_utc, log.size + 3000) for log in logs()]
-    assert site.download(7).result() == site.contents[7]
+    harness = LogHarness()
+    logs = harness.store.logs
+    harness.store.logs = lambda: [LogEntry(log.id, log.time_utc, log.size + 3000) for log in logs()]
+    assert harness.download(7).result() == harness.contents[7]
 
 
 def test_the_tails_of_other_clients_do_not_end_our_log() -> None:
-    site = Site(air=Air(), bandwidth=5760.0)
+    harness = LogHarness(radio=HalfDuplexRadio(), bandwidth=5760.0)
 
-    def overhear() -> None:
+    def send_to_other_client() -> None:
         for offset in range(0, 29_000, 90):
-            content = site.contents[7][offset : offset + 10]
-            site.vehicle.engine.send(
-                common.LogData(id=7, ofs=offset, count=10, data=content), site.network.now
+            content = harness.contents[7][offset : offset + 10]
+            harness.vehicle.engine.send(
+                common.LogData(id=7, ofs=offset, count=10, data=content), harness.network.now
             )
 
-    site.network.at(1.5, overhear)
-    assert site.download(7).result() == site.contents[7]
+    harness.network.at(1.5, send_to_other_client)
+    assert harness.download(7).result() == harness.contents[7]
 
 
 def test_a_wrong_offset_or_count_is_not_taken() -> None:
-    site = Site()
-    operation = site.client.download(7, START)
+    harness = LogHarness()
+    operation = harness.client.download(7, START)
     for ofs, count, number in ((90 << 20, 90, 7), (45, 90, 7), (0, 91, 7), (0, 255, 7), (0, 90, 6)):
-        site.client.receive(packet_of(common.LogData(id=number, ofs=ofs, count=count)), START)
-    assert site.run(operation).result() == site.contents[7]
+        harness.client.receive(packet_of(common.LogData(id=number, ofs=ofs, count=count)), START)
+    assert harness.run(operation).result() == harness.contents[7]
 
 
-class Hand:
-    """A download driven by hand, up to where its first chunks are asked for."""
+class ScriptedDownload:
+    """A download whose server is the test: the log list is answered, the first window is requested."""
 
     def __init__(self, size: int) -> None:
         self.client = LogClient(GROUND, VEHICLE)
         self.operation = self.client.download(LogEntry(1, 5, size), START)
         self.now = START
-        self.hear(common.LogEntry(id=1, num_logs=1, last_log_num=1, time_utc=5, size=size))
+        self.receive(common.LogEntry(id=1, num_logs=1, last_log_num=1, time_utc=5, size=size))
 
-    def hear(self, message) -> None:
+    def receive(self, message) -> None:
         self.client.receive(packet_of(message), self.now)
 
-    def asked(self) -> list[tuple[int, int]]:
+    def requested_ranges(self) -> list[tuple[int, int]]:
         sent = sent_by(self.client, self.now)
         return [(m.ofs, m.count) for m in sent if isinstance(m, common.LogRequestData)]
 
@@ -247,47 +247,49 @@ class Hand:
 
 
 def test_copies_of_one_answer_are_one_claim_that_the_log_ends() -> None:
-    hand = Hand(1000)
+    scripted = ScriptedDownload(1000)
     for claim in range(3):
-        assert hand.asked() == [(0, 1080)], claim
-        assert not hand.operation.done
+        assert scripted.requested_ranges() == [(0, 1080)], claim
+        assert not scripted.operation.done
         for _ in range(5):
-            hand.hear(common.LogData(id=1, ofs=0, count=3, data=b"abc"))
+            scripted.receive(common.LogData(id=1, ofs=0, count=3, data=b"abc"))
         if claim < 2:
-            assert hand.asked() == [], "an answer that may be doubled is not asked after at once"
-            hand.wait()
-    hand.hear(common.LogEntry(id=1, num_logs=1, last_log_num=1, time_utc=5, size=1000))
-    assert hand.operation.result() == b"abc"
+            assert scripted.requested_ranges() == [], (
+                "an answer that may be doubled is not asked after at once"
+            )
+            scripted.wait()
+    scripted.receive(common.LogEntry(id=1, num_logs=1, last_log_num=1, time_utc=5, size=1000))
+    assert scripted.operation.result() == b"abc"
 
 
 def test_memory_grows_by_what_was_requested() -> None:
-    hand = Hand(0xFFFFFFFF)
-    hand.hear(common.LogData(id=1, ofs=90 << 20, count=90))
-    (transfer,) = (part for part in hand.client._running if part is not hand.operation)
+    scripted = ScriptedDownload(0xFFFFFFFF)
+    scripted.receive(common.LogData(id=1, ofs=90 << 20, count=90))
+    (transfer,) = (part for part in scripted.client._running if part is not scripted.operation)
     assert len(transfer._collector._data) == 0
 
 
 def test_the_next_window_is_requested_with_the_last_chunk_of_the_one_before() -> None:
-    hand = Hand(90 * 1000 + 1)
-    ((offset, count),) = hand.asked()
+    scripted = ScriptedDownload(90 * 1000 + 1)
+    ((offset, count),) = scripted.requested_ranges()
     for start in range(offset, offset + count, 90):
-        hand.hear(common.LogData(id=1, ofs=start, count=90))
-    assert hand.asked() == [(count, 2 * count)]
+        scripted.receive(common.LogData(id=1, ofs=start, count=90))
+    assert scripted.requested_ranges() == [(count, 2 * count)]
 
 
 def test_gaps_are_requested_after_the_end() -> None:
-    hand = Hand(90 * 60 + 1)
-    assert hand.asked() == [(0, 61 * 90)]
+    scripted = ScriptedDownload(90 * 60 + 1)
+    assert scripted.requested_ranges() == [(0, 61 * 90)]
     for chunk in (*range(10), *range(12, 60)):
-        hand.hear(common.LogData(id=1, ofs=chunk * 90, count=90))
-    hand.hear(common.LogData(id=1, ofs=5400, count=1))
-    ((offset, count),) = hand.asked()
+        scripted.receive(common.LogData(id=1, ofs=chunk * 90, count=90))
+    scripted.receive(common.LogData(id=1, ofs=5400, count=1))
+    ((offset, count),) = scripted.requested_ranges()
     assert offset == 900
     assert count >= 180
 
 
 def listed(*entries: tuple[int, int], last: int = 9) -> tuple:
-    """A list driven by hand: (id, number of logs) of what comes; what is asked next, and the operation."""
+    """Answer a list request with (id, number of logs) entries; return the operation and its next requests."""
     client = LogClient(GROUND, VEHICLE)
     operation = client.list_logs(START)
     sent_by(client)
@@ -321,41 +323,41 @@ def test_two_operations_go_one_after_the_other() -> None:
     ("kind", "impairment"), [(LogServer, None), (LogServer, LOSSY)], ids=["clean", "lossy"]
 )
 def test_erasing_is_seen_to_have_happened(kind: type, impairment: Impairment | None) -> None:
-    site = Site(kind, impairment)
-    assert site.run(site.client.erase(site.network.now)).error is None
-    assert site.store.contents == {}
+    harness = LogHarness(kind, impairment)
+    assert harness.run(harness.client.erase(harness.network.now)).error is None
+    assert harness.store.contents == {}
 
 
 def test_erasing_that_does_nothing_is_a_typed_error() -> None:
-    site = Site()
-    site.store.erase = lambda: None
-    error = site.run(site.client.erase(site.network.now)).error
+    harness = LogHarness()
+    harness.store.erase = lambda: None
+    error = harness.run(harness.client.erase(harness.network.now)).error
     assert isinstance(error, RemoteDenied)
     assert "7 logs remain" in str(error)
 
 
 def test_a_slow_radio_is_used_well() -> None:
-    site = Site(air=(air := Air()), bandwidth=5760.0)
-    site.download(7)
+    harness = LogHarness(radio=(radio := HalfDuplexRadio()), bandwidth=5760.0)
+    harness.download(7)
     minimum = 30_000 / 90 * 102 / 5760
-    assert site.network.now - START < 1.25 * minimum
-    assert air.overflowed == 0
+    assert harness.network.now - START < 1.25 * minimum
+    assert radio.overflowed == 0
 
 
 @pytest.mark.parametrize("kind", [ArduPilotLogs, PX4Logs])
 def test_a_sender_that_overruns_a_radio_is_slowed_by_smaller_windows(kind: type) -> None:
-    site = Site(kind, air=(air := Air()), sizes=[100_000])
-    (entry,) = site.list().result()
-    assert site.download(entry).result() == site.contents[entry.id]
-    assert site.network.now - START < 1.4 * 100_000 / 90 * 102 / 5760
-    assert air.overflowed < 100
+    harness = LogHarness(kind, radio=(radio := HalfDuplexRadio()), sizes=[100_000])
+    (entry,) = harness.list().result()
+    assert harness.download(entry).result() == harness.contents[entry.id]
+    assert harness.network.now - START < 1.4 * 100_000 / 90 * 102 / 5760
+    assert radio.overflowed < 100
 
 
 def test_on_a_link_that_loses_much_windows_stay_large() -> None:
-    site = Site(impairment=LOSSY, sizes=[300_000])
-    site.download(1)
-    assert site.network.now - START < 8
-    assert len(site.heard(common.LogRequestData)) < 40
+    harness = LogHarness(impairment=LOSSY, sizes=[300_000])
+    harness.download(1)
+    assert harness.network.now - START < 8
+    assert len(harness.received(common.LogRequestData)) < 40
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -370,29 +372,29 @@ def test_garbage_never_raises(seed: int) -> None:
         feed_garbage(client, [common.LogEntry, common.LogData], seed)
 
 
-def growing(site: Site, replace: bool) -> None:
+def growing(harness: LogHarness, replace: bool) -> None:
     """The last log is written on, or another takes its id, while it is fetched."""
-    number = max(site.store.contents)
+    number = max(harness.store.contents)
 
     def change() -> None:
-        kept = Random(9).randbytes(30_000) if replace else site.store.contents[number]
-        site.store.contents[number] = kept + bytes(50_000)
-        site.store.times[number] = 1_700_000_000
+        kept = Random(9).randbytes(30_000) if replace else harness.store.contents[number]
+        harness.store.contents[number] = kept + bytes(50_000)
+        harness.store.times[number] = 1_700_000_000
 
-    site.network.at(0.2, change)
+    harness.network.at(0.2, change)
 
 
 def test_a_log_that_is_being_written_can_be_download() -> None:
-    site = Site(impairment=Impairment(latency=0.02, bandwidth=20_000.0, queue=1 << 20))
-    growing(site, replace=False)
-    download = site.download(max(site.store.contents))
+    harness = LogHarness(impairment=Impairment(latency=0.02, bandwidth=20_000.0, queue=1 << 20))
+    growing(harness, replace=False)
+    download = harness.download(max(harness.store.contents))
     content = download.result()
     assert len(content) >= 30_000
-    assert site.store.contents[max(site.store.contents)].startswith(content)
+    assert harness.store.contents[max(harness.store.contents)].startswith(content)
 
 
 def test_a_larger_log_in_its_place_is_not_taken_for_it() -> None:
-    site = Site(impairment=Impairment(latency=0.02, bandwidth=20_000.0, queue=1 << 20))
-    growing(site, replace=True)
+    harness = LogHarness(impairment=Impairment(latency=0.02, bandwidth=20_000.0, queue=1 << 20))
+    growing(harness, replace=True)
     with pytest.raises(RemoteProtocolError, match="another log"):
-        site.download(max(site.store.contents)).result()
+        harness.download(max(harness.store.contents)).result()

@@ -6,7 +6,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, InvalidArgumentError, MessageTimeout
 from mavstack.services.command import Command, CommandClient, CommandOperation
 from mavstack.services.message_request import RequestMessage
-from tests.services.message_request.peers import Peers
+from tests.services.message_request.harness import RequestHarness
 from tests.services.network import GROUND, START, VEHICLE
 from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
 
@@ -25,10 +25,10 @@ def asked(params: tuple[float, ...] = (), **kwargs) -> tuple[CommandClient, Requ
 
 
 def test_a_message_by_its_class_and_by_its_id() -> None:
-    peers = Peers()
+    harness = RequestHarness()
     for kind in (common.HomePosition, 242):
-        assert peers.run(RequestMessage(kind)).result() == common.HomePosition(altitude=584_000)
-    assert peers.commands_heard() == [REQUEST, REQUEST]
+        assert harness.run(RequestMessage(kind)).result() == common.HomePosition(altitude=584_000)
+    assert harness.received_commands() == [REQUEST, REQUEST]
 
 
 def test_request_message_is_tried_before_the_older_command() -> None:
@@ -107,29 +107,29 @@ def test_if_both_are_refused_the_error_tells_the_better_refusal() -> None:
     ],
 )
 def test_older_commands_and_their_params(kind: type, params: tuple[float, ...], command: Command) -> None:
-    peers = Peers(old=True)
+    harness = RequestHarness(old=True)
     got = []
-    peers.commands.support(command.command, lambda request: got.append(request.command) or 0)
-    peers.begin(RequestMessage(kind, params))
-    assert peers.network.run(lambda: bool(got), timeout=10)
+    harness.commands.support(command.command, lambda request: got.append(request.command) or 0)
+    harness.begin(RequestMessage(kind, params))
+    assert harness.network.run(lambda: bool(got), timeout=10)
     assert got == [command]
 
 
 def test_accepted_but_not_sent_is_requested_again_and_then_times_out() -> None:
-    peers = Peers(old=True)
-    peers.commands.support(REQUEST, lambda _: common.MavResult.ACCEPTED)
-    operation = peers.run(RequestMessage(common.VfrHud))
+    harness = RequestHarness(old=True)
+    harness.commands.support(REQUEST, lambda _: common.MavResult.ACCEPTED)
+    operation = harness.run(RequestMessage(common.VfrHud))
     assert isinstance(operation.error, MessageTimeout)
     assert "did not arrive" in str(operation.error)
     assert operation.error.attempts == 4
 
 
 def test_accepted_but_not_sent_then_the_older_command_is_tried() -> None:
-    peers = Peers(old=True)
-    peers.commands.support(REQUEST, lambda _: common.MavResult.ACCEPTED)
-    peers.begin(RequestMessage(common.HomePosition))
-    peers.let_pass(60)
-    assert common.MavCmd.GET_HOME_POSITION in peers.commands_heard()
+    harness = RequestHarness(old=True)
+    harness.commands.support(REQUEST, lambda _: common.MavResult.ACCEPTED)
+    harness.begin(RequestMessage(common.HomePosition))
+    harness.run_for(60)
+    assert common.MavCmd.GET_HOME_POSITION in harness.received_commands()
 
 
 def test_silence_is_a_typed_error() -> None:
@@ -165,11 +165,11 @@ def test_cancelling_leaves_nothing_running() -> None:
 
 
 def test_many_at_once() -> None:
-    peers = Peers()
-    operations = [peers.begin(RequestMessage(common.HomePosition)) for _ in range(5)]
-    operations.append(peers.begin(RequestMessage(common.VfrHud)))
-    operations.append(peers.begin(CommandOperation(Command(common.MavCmd.DO_SET_SERVO))))
-    assert peers.network.run(lambda: all(operation.done for operation in operations), timeout=60)
+    harness = RequestHarness()
+    operations = [harness.begin(RequestMessage(common.HomePosition)) for _ in range(5)]
+    operations.append(harness.begin(RequestMessage(common.VfrHud)))
+    operations.append(harness.begin(CommandOperation(Command(common.MavCmd.DO_SET_SERVO))))
+    assert harness.network.run(lambda: all(operation.done for operation in operations), timeout=60)
     assert all(operation.error is None for operation in operations[:5])
     assert [operation.error.code for operation in operations[5:]] == [4, 3]
 

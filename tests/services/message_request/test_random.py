@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, CommandTimeout, MessageTimeout
 from mavstack.services.message_request import GetMessageInterval, Interval, RequestMessage, SetMessageInterval
-from tests.services.message_request.peers import Peers
+from tests.services.message_request.harness import RequestHarness
 from tests.services.network import random_impairment, with_cuts
 
 if TYPE_CHECKING:
@@ -19,17 +19,17 @@ DEADLINE = 300.0
 
 def scenario(seed: int) -> None:
     random = Random(seed)
-    peers = Peers(seed, random_impairment(random))
-    with_cuts(peers.network, peers.pipes)
+    harness = RequestHarness(seed, random_impairment(random))
+    with_cuts(harness.network, harness.pipes)
     if random.random() < 0.2:
-        peers.network.at(random.uniform(0, 3), peers.vehicle.restart)
-    home = peers.begin(RequestMessage(common.HomePosition))
-    denied = peers.begin(RequestMessage(common.GpsRawInt))
+        harness.network.at(random.uniform(0, 3), harness.vehicle.restart)
+    home = harness.begin(RequestMessage(common.HomePosition))
+    denied = harness.begin(RequestMessage(common.GpsRawInt))
     rate = Interval.hertz(random.choice([1, 2, 5]))
-    setting = peers.begin(SetMessageInterval(common.Attitude, rate))
-    getting = peers.begin(GetMessageInterval(common.Attitude))
+    setting = harness.begin(SetMessageInterval(common.Attitude, rate))
+    getting = harness.begin(GetMessageInterval(common.Attitude))
     operations = [home, denied, setting, getting]
-    assert peers.network.run(lambda: all(operation.done for operation in operations), timeout=DEADLINE)
+    assert harness.network.run(lambda: all(operation.done for operation in operations), timeout=DEADLINE)
     if home.error is None:
         assert home.result().altitude == 584_000
     else:

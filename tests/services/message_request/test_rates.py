@@ -17,7 +17,7 @@ from mavstack.services.message_request import (
     group_of,
     stream_groups,
 )
-from tests.services.message_request.peers import Peers
+from tests.services.message_request.harness import RequestHarness
 from tests.services.network import START, VEHICLE
 
 
@@ -47,20 +47,20 @@ def test_groups_are_disjoint() -> None:
 
 
 def test_set_and_get() -> None:
-    peers = Peers()
-    assert peers.run(GetMessageInterval(common.Attitude)).result() == Interval.hertz(4)
-    assert peers.run(SetMessageInterval(common.Attitude, Interval.hertz(10))).result().whole_group is None
-    assert peers.run(GetMessageInterval(common.Attitude)).result() == Interval.hertz(10)
-    assert peers.run(SetMessageInterval(common.Attitude, OFF)).error is None
-    assert peers.run(GetMessageInterval(30)).result() == OFF
-    assert peers.run(SetMessageInterval(common.Attitude, DEFAULT)).error is None
-    assert peers.run(GetMessageInterval(30)).result() == Interval.hertz(4)
-    assert peers.run(GetMessageInterval(common.GpsRawInt)).result() == DEFAULT
+    harness = RequestHarness()
+    assert harness.run(GetMessageInterval(common.Attitude)).result() == Interval.hertz(4)
+    assert harness.run(SetMessageInterval(common.Attitude, Interval.hertz(10))).result().whole_group is None
+    assert harness.run(GetMessageInterval(common.Attitude)).result() == Interval.hertz(10)
+    assert harness.run(SetMessageInterval(common.Attitude, OFF)).error is None
+    assert harness.run(GetMessageInterval(30)).result() == OFF
+    assert harness.run(SetMessageInterval(common.Attitude, DEFAULT)).error is None
+    assert harness.run(GetMessageInterval(30)).result() == Interval.hertz(4)
+    assert harness.run(GetMessageInterval(common.GpsRawInt)).result() == DEFAULT
 
 
 def test_a_refusal_is_a_typed_error() -> None:
-    peers = Peers()
-    operation = peers.run(SetMessageInterval(common.GpsRawInt, Interval.hertz(1)))
+    harness = RequestHarness()
+    operation = harness.run(SetMessageInterval(common.GpsRawInt, Interval.hertz(1)))
     assert isinstance(operation.error, CommandDenied)
 
 
@@ -86,31 +86,31 @@ class OldStreams(Service):
 
 @pytest.mark.parametrize("answer", [common.Attitude, common.DataStream])
 def test_who_knows_no_intervals_is_requested_the_group(answer: type) -> None:
-    peers = Peers(old=True)
-    streams = peers.vehicle.engine.add(OldStreams(answer))
-    outcome = peers.run(SetMessageInterval(common.Attitude, Interval.hertz(4))).result()
+    harness = RequestHarness(old=True)
+    streams = harness.vehicle.engine.add(OldStreams(answer))
+    outcome = harness.run(SetMessageInterval(common.Attitude, Interval.hertz(4))).result()
     assert outcome.whole_group == common.MavDataStream.EXTRA1
     assert streams.requests == [(10, 4, 1)]
 
 
 def test_a_group_that_stays_silent_is_a_typed_error() -> None:
-    peers = Peers(old=True)
-    streams = peers.vehicle.engine.add(OldStreams(None))
-    operation = peers.run(SetMessageInterval(common.Attitude, Interval.hertz(4)))
+    harness = RequestHarness(old=True)
+    streams = harness.vehicle.engine.add(OldStreams(None))
+    operation = harness.run(SetMessageInterval(common.Attitude, Interval.hertz(4)))
     assert isinstance(operation.error, MessageTimeout)
     assert len(streams.requests) == 5
 
 
 def test_a_group_is_turned_off_more_than_once() -> None:
-    peers = Peers(old=True)
-    streams = peers.vehicle.engine.add(OldStreams(None))
-    assert peers.run(SetMessageInterval(common.Attitude, OFF)).error is None
+    harness = RequestHarness(old=True)
+    streams = harness.vehicle.engine.add(OldStreams(None))
+    assert harness.run(SetMessageInterval(common.Attitude, OFF)).error is None
     assert [request[2] for request in streams.requests] == [0, 0, 0]
 
 
 @pytest.mark.parametrize(("kind", "interval"), [(common.Attitude, DEFAULT), (common.Ping, Interval(9))])
 def test_what_streams_cannot_say_stays_refused(kind: type, interval: Interval) -> None:
-    peers = Peers(old=True)
-    operation = peers.run(SetMessageInterval(kind, interval))
+    harness = RequestHarness(old=True)
+    operation = harness.run(SetMessageInterval(kind, interval))
     assert operation.error.code == common.MavResult.UNSUPPORTED
-    assert peers.network.now - START < 10
+    assert harness.network.now - START < 10

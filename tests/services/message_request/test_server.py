@@ -6,8 +6,8 @@ from mavstack.dialects import common
 from mavstack.services import BROADCAST, Priority
 from mavstack.services.command import Command, CommandOperation, CommandServer
 from mavstack.services.message_request import MessageServer, RequestMessage
-from tests.services.message_request.peers import Peers
-from tests.services.network import GROUND, START, VEHICLE, Air
+from tests.services.message_request.harness import RequestHarness
+from tests.services.network import GROUND, START, VEHICLE, HalfDuplexRadio
 from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
 
 
@@ -18,130 +18,132 @@ def stream_request(group: int, rate: int = 10, on: int = 1) -> common.RequestDat
 
 
 def test_a_default_rate_is_kept() -> None:
-    peers = Peers()
-    peers.let_pass(10.1)
-    assert len(peers.heard(common.Attitude)) == 41
-    assert peers.heard(common.HomePosition) == []
+    harness = RequestHarness()
+    harness.run_for(10.1)
+    assert len(harness.received(common.Attitude)) == 41
+    assert harness.received(common.HomePosition) == []
 
 
 def test_a_rate_that_was_requested_is_kept() -> None:
-    peers = Peers()
-    peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 20_000)))
-    before = len(peers.heard(common.Attitude))
-    peers.let_pass(10)
-    assert len(peers.heard(common.Attitude)) - before == pytest.approx(500, abs=2)
+    harness = RequestHarness()
+    harness.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 20_000)))
+    before = len(harness.received(common.Attitude))
+    harness.run_for(10)
+    assert len(harness.received(common.Attitude)) - before == pytest.approx(500, abs=2)
 
 
 @pytest.mark.parametrize("wanted", [-2.0, float("nan"), float("inf")])
 def test_an_interval_that_is_none_is_denied(wanted: float) -> None:
-    peers = Peers()
-    operation = peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, wanted)))
+    harness = RequestHarness()
+    operation = harness.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, wanted)))
     assert operation.error.code == common.MavResult.DENIED
-    assert peers.messages.interval_of(30) == 250_000
+    assert harness.messages.interval_of(30) == 250_000
 
 
 def test_no_rate_floods() -> None:
-    peers = Peers()
-    peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 1.0)))
-    assert peers.messages.interval_of(common.Attitude) == 1_000
+    harness = RequestHarness()
+    harness.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 1.0)))
+    assert harness.messages.interval_of(common.Attitude) == 1_000
 
 
 def test_a_producer_with_nothing_to_tell() -> None:
-    peers = Peers()
-    operation = peers.run(RequestMessage(common.VfrHud))
+    harness = RequestHarness()
+    operation = harness.run(RequestMessage(common.VfrHud))
     assert operation.error.code == common.MavResult.FAILED
 
 
 def test_instances_by_request_and_by_the_older_command() -> None:
-    peers = Peers()
+    harness = RequestHarness()
 
     def storage(number: float, now: float) -> common.StorageInformation | None:
         return common.StorageInformation(storage_id=int(number)) if number in (1, 2) else None
 
-    peers.messages.provide_instances(common.StorageInformation, storage)
-    assert peers.run(RequestMessage(common.StorageInformation, (2,))).result().storage_id == 2
-    peers.run(CommandOperation(Command(common.MavCmd.REQUEST_STORAGE_INFORMATION, 1, 1)))
-    assert peers.heard(common.StorageInformation)[-1].storage_id == 1
-    assert peers.run(RequestMessage(common.StorageInformation, (9,))).error is not None
-    assert peers.messages.interval_of(common.StorageInformation) == -1
+    harness.messages.provide_instances(common.StorageInformation, storage)
+    assert harness.run(RequestMessage(common.StorageInformation, (2,))).result().storage_id == 2
+    harness.run(CommandOperation(Command(common.MavCmd.REQUEST_STORAGE_INFORMATION, 1, 1)))
+    assert harness.received(common.StorageInformation)[-1].storage_id == 1
+    assert harness.run(RequestMessage(common.StorageInformation, (9,))).error is not None
+    assert harness.messages.interval_of(common.StorageInformation) == -1
 
 
 def test_data_streams_of_the_older_way() -> None:
-    peers = Peers()
-    client, server = peers.ground.engine, peers.messages
-    client.send(stream_request(common.MavDataStream.EXTRA1), peers.network.now)
-    peers.let_pass(1)
+    harness = RequestHarness()
+    client, server = harness.ground.engine, harness.messages
+    client.send(stream_request(common.MavDataStream.EXTRA1), harness.network.now)
+    harness.run_for(1)
     assert server.interval_of(common.Attitude) == 100_000
-    assert peers.heard(common.DataStream) == [common.DataStream(stream_id=10, message_rate=10, on_off=1)]
-    client.send(stream_request(common.MavDataStream.EXTRA1, on=0), peers.network.now)
-    peers.let_pass(1)
+    assert harness.received(common.DataStream) == [common.DataStream(stream_id=10, message_rate=10, on_off=1)]
+    client.send(stream_request(common.MavDataStream.EXTRA1, on=0), harness.network.now)
+    harness.run_for(1)
     assert server.interval_of(common.Attitude) == -1
-    client.send(stream_request(common.MavDataStream.ALL, 2), peers.network.now)
-    peers.let_pass(1)
+    client.send(stream_request(common.MavDataStream.ALL, 2), harness.network.now)
+    harness.run_for(1)
     assert server.interval_of(common.Attitude) == 500_000
     assert server.interval_of(common.HomePosition) == -1, "what is sent only on request stays so"
 
 
 def test_groups_are_those_that_the_component_says() -> None:
-    peers = Peers()
-    client, server = peers.ground.engine, peers.messages
+    harness = RequestHarness()
+    client, server = harness.ground.engine, harness.messages
     attitude, home = (kind.__mavlink_row__[0] for kind in (common.Attitude, common.HomePosition))
     server.data_streams = {common.MavDataStream.ALL: frozenset({attitude, home}), 10: frozenset({home})}
-    client.send(stream_request(common.MavDataStream.EXTRA1), peers.network.now)
-    peers.let_pass(1)
+    client.send(stream_request(common.MavDataStream.EXTRA1), harness.network.now)
+    harness.run_for(1)
     assert server.interval_of(common.HomePosition) == 100_000
     assert server.interval_of(common.Attitude) == 250_000, "it is in another group here"
-    client.send(stream_request(common.MavDataStream.ALL, 2), peers.network.now)
-    peers.let_pass(1)
+    client.send(stream_request(common.MavDataStream.ALL, 2), harness.network.now)
+    harness.run_for(1)
     assert server.interval_of(common.HomePosition) == server.interval_of(common.Attitude) == 500_000
     server.data_streams = {}
-    heard = len(peers.heard(common.DataStream))
-    client.send(stream_request(common.MavDataStream.ALL, 1), peers.network.now)
-    peers.let_pass(1)
+    received = len(harness.received(common.DataStream))
+    client.send(stream_request(common.MavDataStream.ALL, 1), harness.network.now)
+    harness.run_for(1)
     assert server.interval_of(common.Attitude) == 500_000, "no such request is known"
-    assert len(peers.heard(common.DataStream)) == heard
+    assert len(harness.received(common.DataStream)) == received
 
 
 def test_the_program_may_change_its_default_rates() -> None:
-    peers = Peers()
-    peers.let_pass(1)
-    before = len(peers.heard(common.Attitude))
-    peers.messages.set_interval(common.Attitude, 0.05, peers.network.now)
-    peers.vehicle.engine.touch(peers.messages)
-    peers.let_pass(5)
-    assert len(peers.heard(common.Attitude)) - before == pytest.approx(100, abs=2)
-    peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 1_000_000)))
-    peers.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 0)))
-    assert peers.messages.interval_of(common.Attitude) == 50_000
-    peers.messages.set_interval(common.Attitude, 0, peers.network.now)
-    peers.vehicle.engine.touch(peers.messages)
-    before = len(peers.heard(common.Attitude))
-    peers.let_pass(5)
-    assert len(peers.heard(common.Attitude)) - before <= 1
+    harness = RequestHarness()
+    harness.run_for(1)
+    before = len(harness.received(common.Attitude))
+    harness.messages.set_interval(common.Attitude, 0.05, harness.network.now)
+    harness.vehicle.engine.touch(harness.messages)
+    harness.run_for(5)
+    assert len(harness.received(common.Attitude)) - before == pytest.approx(100, abs=2)
+    harness.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 1_000_000)))
+    harness.run(CommandOperation(Command(common.MavCmd.SET_MESSAGE_INTERVAL, 30, 0)))
+    assert harness.messages.interval_of(common.Attitude) == 50_000
+    harness.messages.set_interval(common.Attitude, 0, harness.network.now)
+    harness.vehicle.engine.touch(harness.messages)
+    before = len(harness.received(common.Attitude))
+    harness.run_for(5)
+    assert len(harness.received(common.Attitude)) - before <= 1
 
 
 def test_a_full_link_thins_telemetry_instead_of_queueing_it() -> None:
-    air = Air()
-    peers = Peers(air=air, bandwidth=5760.0)
-    now = peers.network.now
+    radio = HalfDuplexRadio()
+    harness = RequestHarness(radio=radio, bandwidth=5760.0)
+    now = harness.network.now
     for kind in (common.GlobalPositionInt, common.RawImu, common.SysStatus):
-        peers.messages.provide(kind, lambda _, kind=kind: kind(), interval=0.01, now=now)
-    peers.messages.provide(
+        harness.messages.provide(kind, lambda _, kind=kind: kind(), interval=0.01, now=now)
+    harness.messages.provide(
         common.SystemTime,
         lambda now: common.SystemTime(time_unix_usec=round(now * 1e6)),
         interval=0.01,
         now=now,
     )
-    peers.vehicle.engine.touch(peers.messages)
+    harness.vehicle.engine.touch(harness.messages)
     worst = 0.0
     for _ in range(400):
-        peers.let_pass(0.05)
-        worst = max(worst, air.waiting(1, peers.network.now))
-    assert air.overflowed == 0
+        harness.run_for(0.05)
+        worst = max(worst, radio.waiting(1, harness.network.now))
+    assert radio.overflowed == 0
     assert worst < 5760 * 0.25
-    counts = [len(peers.heard(kind)) for kind in (common.GlobalPositionInt, common.RawImu, common.SysStatus)]
+    counts = [
+        len(harness.received(kind)) for kind in (common.GlobalPositionInt, common.RawImu, common.SysStatus)
+    ]
     assert min(counts) > 0.8 * max(counts), "all kinds are thinned alike"
-    ages = [p.timestamp for p in peers.ground.heard if isinstance(p.message, common.SystemTime)]
+    ages = [p.timestamp for p in harness.ground.received if isinstance(p.message, common.SystemTime)]
     assert len(ages) > 100
 
 

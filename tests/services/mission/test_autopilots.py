@@ -11,14 +11,14 @@ from mavstack.errors import MissionDenied, MissionTimeout, RemoteCancelled
 from mavstack.links import Impairment
 from mavstack.services.mission import MissionClient, PlanType
 from tests.services.mission.autopilots import ArduPilot, Autopilot, Px4
-from tests.services.mission.by_hand import plan_of
+from tests.services.mission.scripted_peer import plan_of
 from tests.services.network import GROUND, VEHICLE, Network
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
 
 
-class World:
+class TransferHarness:
     def __init__(self, kind: type[Autopilot], seed: int, impairment: Impairment) -> None:
         self.network = Network(seed)
         self.ground, vehicle = self.network.node(GROUND), self.network.node(VEHICLE)
@@ -41,13 +41,13 @@ def test_200_items_at_20_ms_and_10_percent_loss(kind, maximum) -> None:
     """
     up, down = [], []
     for seed in range(7):
-        world = World(kind, seed, Impairment(latency=0.02, loss=0.1))
+        harness = TransferHarness(kind, seed, Impairment(latency=0.02, loss=0.1))
         plan = plan_of(200)
-        upload = world.client.upload(plan, world.network.now)
-        up.append(world.run(upload))
-        assert upload.result().items == plan.items == tuple(world.autopilot.plan)
-        download = world.client.download(world.network.now)
-        down.append(world.run(download))
+        upload = harness.client.upload(plan, harness.network.now)
+        up.append(harness.run(upload))
+        assert upload.result().items == plan.items == tuple(harness.autopilot.plan)
+        download = harness.client.download(harness.network.now)
+        down.append(harness.run(download))
         assert download.result().items == plan.items
     print(f"{kind.__name__}: up {median(up):.2f} s, down {median(down):.2f} s")
     assert median(up) <= maximum
@@ -57,23 +57,25 @@ def test_200_items_at_20_ms_and_10_percent_loss(kind, maximum) -> None:
 def scenario_with(kind: type[Autopilot], seed: int) -> int:
     """Three plans up and down; gives how many of the six transfers succeeded."""
     succeeded = 0
-    world = World(kind, seed, Impairment(latency=0.02, loss=0.15, duplicate=0.1, reorder=0.1, hold=0.1))
-    network = world.network
+    harness = TransferHarness(
+        kind, seed, Impairment(latency=0.02, loss=0.15, duplicate=0.1, reorder=0.1, hold=0.1)
+    )
+    network = harness.network
     for number in range(3):
         plan = plan_of(network.random.choice([1, 2, 5, 12]), PlanType.MISSION, speed=float(number))
-        upload = world.client.upload(plan, network.now)
-        world.run(upload)
+        upload = harness.client.upload(plan, network.now)
+        harness.run(upload)
         if upload.error is None:
-            assert tuple(world.autopilot.plan) == plan.items
+            assert tuple(harness.autopilot.plan) == plan.items
             succeeded += 1
         else:
             assert isinstance(upload.error, MissionTimeout | MissionDenied | RemoteCancelled)
-        held = tuple(world.autopilot.plan)
-        download = world.client.download(network.now)
-        world.run(download)
+        held = tuple(harness.autopilot.plan)
+        download = harness.client.download(network.now)
+        harness.run(download)
         if download.error is None:
-            assert download.result().items == tuple(world.autopilot.plan)
-            assert held == tuple(world.autopilot.plan) or upload.error is not None
+            assert download.result().items == tuple(harness.autopilot.plan)
+            assert held == tuple(harness.autopilot.plan) or upload.error is not None
             succeeded += 1
     return succeeded
 

@@ -22,7 +22,7 @@ from mavstack.services.mission import (
     PlanType,
     set_current_item,
 )
-from tests.services.mission.by_hand import Vehicle, kinds, plan_of, seqs, to_ground
+from tests.services.mission.scripted_peer import Vehicle, kinds, plan_of, seqs, to_ground
 from tests.services.network import GROUND, VEHICLE
 
 Result = common.MavMissionResult

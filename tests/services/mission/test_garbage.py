@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionClient, MissionServer, PlanType
-from tests.services.mission.by_hand import Hand, plan_of
+from tests.services.mission.scripted_peer import Hand, plan_of
 from tests.services.network import GROUND, VEHICLE
 
 CLASSES = [

@@ -6,8 +6,8 @@ from statistics import median
 
 from mavstack.links import Impairment
 from mavstack.services.mission import MissionClient, MissionServer
-from tests.services.mission.by_hand import plan_of
-from tests.services.network import GROUND, VEHICLE, Air, Network
+from tests.services.mission.scripted_peer import plan_of
+from tests.services.network import GROUND, VEHICLE, HalfDuplexRadio, Network
 
 ITEMS = 200
 
@@ -59,10 +59,10 @@ def test_20_ms_and_1_percent_loss() -> None:
 
 def test_half_duplex_radio_is_used_to_its_end() -> None:
     for bandwidth in (None, 5760.0):
-        air = Air(bandwidth=5760.0, latency=0.0)
-        up, down = transfer(0, air=air, bandwidth=bandwidth)
-        minimum = air.carried / air.bandwidth
+        radio = HalfDuplexRadio(bandwidth=5760.0, latency=0.0)
+        up, down = transfer(0, radio=radio, bandwidth=bandwidth)
+        minimum = radio.carried / radio.bandwidth
         print(f"{ITEMS} items, radio: up {up:.2f} s, down {down:.2f} s, minimum {minimum / 2:.2f} s")
         assert up + down <= 1.05 * minimum
-        assert air.overflowed == 0
+        assert radio.overflowed == 0
         assert max(up, down) <= 2.9

@@ -19,7 +19,7 @@ from mavstack.services.mission import (
     PlanStore,
     PlanType,
 )
-from tests.services.mission.by_hand import Station, kinds, plan_of, seqs, to_vehicle, waypoints
+from tests.services.mission.scripted_peer import Station, kinds, plan_of, seqs, to_vehicle, waypoints
 from tests.services.network import GROUND, VEHICLE
 
 Result = common.MavMissionResult

@@ -7,7 +7,7 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services.mission import MissionClient, PlanType
 from mavstack.services.mission.stale_messages import QUIET, SETTLE, UPLOAD_EXPIRES_AFTER
-from tests.services.mission.by_hand import Vehicle, kinds, plan_of
+from tests.services.mission.scripted_peer import Vehicle, kinds, plan_of
 from tests.services.network import GROUND, VEHICLE
 
 Result = common.MavMissionResult

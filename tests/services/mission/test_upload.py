@@ -8,7 +8,7 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, MissionDenied, MissionTimeout, RemoteCancelled
 from mavstack.services import OperationEnded, Progress
 from mavstack.services.mission import MissionClient, MissionItem, Plan, PlanType
-from tests.services.mission.by_hand import Vehicle, kinds, plan_of, seqs, to_ground, waypoints
+from tests.services.mission.scripted_peer import Vehicle, kinds, plan_of, seqs, to_ground, waypoints
 from tests.services.network import GROUND, VEHICLE
 
 Result = common.MavMissionResult

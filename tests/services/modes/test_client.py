@@ -30,7 +30,7 @@ PX4, ARDUPILOT = common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA
 ARDUPILOT_MODES = modes_of(ARDUPILOT, 2, [0, 4, 5, 6], {6: 5})
 
 
-class Pair:
+class ModeHarness:
     """A vehicle with modes and a ground station, joined by a perfect wire."""
 
     def __init__(self, modes=ARDUPILOT_MODES, *, autopilot=ARDUPILOT, commands=True, obeys=True, **options):
@@ -64,67 +64,69 @@ class Pair:
 
 @pytest.mark.parametrize("mode", ["GUIDED", "guided", 4])
 def test_a_mode_by_name_or_number_is_confirmed_by_heartbeat(mode):
-    pair = Pair()
-    assert pair.run(SetMode(mode)).result() == 4
-    assert pair.modes.current.custom_mode == 4
-    heartbeats = [p.message for p in pair.ground.heard if p.name == "HEARTBEAT"]
+    harness = ModeHarness()
+    assert harness.run(SetMode(mode)).result() == 4
+    assert harness.modes.current.custom_mode == 4
+    heartbeats = [p.message for p in harness.ground.received if p.name == "HEARTBEAT"]
     assert heartbeats[-1].custom_mode == 4
 
 
 def test_px4_gets_main_and_sub_mode_and_stays_armed():
-    pair = Pair(modes_of(PX4, 2, [1 << 16, 4 << 16 | 5 << 24]), autopilot=PX4)
-    assert pair.run(SetMode("RTL")).result() == 4 << 16 | 5 << 24
-    command = next(p.message for p in pair.vehicle.heard if p.name == "COMMAND_LONG")
+    harness = ModeHarness(modes_of(PX4, 2, [1 << 16, 4 << 16 | 5 << 24]), autopilot=PX4)
+    assert harness.run(SetMode("RTL")).result() == 4 << 16 | 5 << 24
+    command = next(p.message for p in harness.vehicle.received if p.name == "COMMAND_LONG")
     assert (command.param1, command.param2, command.param3) == (129.0, 4.0, 5.0)
 
 
 def test_accepted_but_never_entered_is_an_error_that_is_reported():
-    pair = Pair(obeys=False)
-    operation = pair.run(SetMode("GUIDED"))
+    harness = ModeHarness(obeys=False)
+    operation = harness.run(SetMode("GUIDED"))
     with pytest.raises(ModeTimeout, match="accepted, but not entered: the vehicle reports STABILIZE"):
         operation.result()
 
 
 def test_a_heartbeat_from_before_the_command_proves_nothing():
-    pair = Pair(obeys=False)
-    pair.beacon.custom_mode = 4
+    harness = ModeHarness(obeys=False)
+    harness.beacon.custom_mode = 4
     operation = SetMode("GUIDED")
-    pair.client.begin(operation, pair.network.now)
-    pair.ground.engine.touch(pair.client)
-    assert pair.network.run(lambda: any(p.name == "HEARTBEAT" for p in pair.ground.heard), timeout=5.0)
-    pair.beacon.custom_mode = 5
-    assert pair.network.run(lambda: operation.done, timeout=60.0)
+    harness.client.begin(operation, harness.network.now)
+    harness.ground.engine.touch(harness.client)
+    assert harness.network.run(
+        lambda: any(p.name == "HEARTBEAT" for p in harness.ground.received), timeout=5.0
+    )
+    harness.beacon.custom_mode = 5
+    assert harness.network.run(lambda: operation.done, timeout=60.0)
     assert isinstance(operation.error, ModeTimeout)
 
 
 def test_a_refused_mode_is_denied_with_the_vehicles_result():
-    pair = Pair(may_enter=lambda mode, source: "no GPS")
-    error = pair.run(SetMode("LOITER")).error
+    harness = ModeHarness(may_enter=lambda mode, source: "no GPS")
+    error = harness.run(SetMode("LOITER")).error
     assert isinstance(error, CommandDenied)
     assert error.code == common.MavResult.FAILED
 
 
 def test_an_old_autopilot_gets_the_message_set_mode():
-    pair = Pair(commands=False)
-    assert pair.run(SetMode("GUIDED")).result() == 4
-    message = next(p.message for p in pair.vehicle.heard if p.name == "SET_MODE")
+    harness = ModeHarness(commands=False)
+    assert harness.run(SetMode("GUIDED")).result() == 4
+    message = next(p.message for p in harness.vehicle.received if p.name == "SET_MODE")
     assert (message.target_system, message.base_mode, message.custom_mode) == (1, 129, 4)
 
 
 def test_one_that_takes_neither_is_denied():
-    pair = Pair(commands=False, obeys=False)
-    error = pair.run(SetMode("GUIDED")).error
+    harness = ModeHarness(commands=False, obeys=False)
+    error = harness.run(SetMode("GUIDED")).error
     assert isinstance(error, CommandDenied)
     assert error.code == common.MavResult.UNSUPPORTED
 
 
 def test_a_name_that_only_the_vehicle_knows_is_found_in_its_list():
-    pair = Pair([*ARDUPILOT_MODES, AvailableMode(77, "My Script")])
-    assert pair.run(SetMode("my script")).result() == 77
+    harness = ModeHarness([*ARDUPILOT_MODES, AvailableMode(77, "My Script")])
+    assert harness.run(SetMode("my script")).result() == 77
 
 
 def test_a_name_that_no_client_knows_is_denied_with_those_that_there_are():
-    error = Pair().run(SetMode("HOVERCRAFT")).error
+    error = ModeHarness().run(SetMode("HOVERCRAFT")).error
     assert isinstance(error, RemoteDenied)
     assert "GUIDED" in str(error)
 
@@ -139,7 +141,7 @@ STANDARD_PX4 = [
 
 
 def test_a_refusal_lists_every_mode_by_the_one_name_that_it_has():
-    error = Pair(STANDARD_PX4, autopilot=PX4).run(SetMode("HOVERCRAFT")).error
+    error = ModeHarness(STANDARD_PX4, autopilot=PX4).run(SetMode("HOVERCRAFT")).error
     assert "the vehicle has MANUAL, POSCTL, LOITER, RTL, Follow the Bees" in str(error)
 
 
@@ -148,31 +150,31 @@ def test_a_refusal_lists_every_mode_by_the_one_name_that_it_has():
     [("hold", 0x03040000), ("Loiter", 0x03040000), ("position", 0x30000), ("follow-the bees", 0x0B040000)],
 )
 def test_the_names_of_px4_and_of_the_vehicle_are_accepted(name, number):
-    assert Pair(STANDARD_PX4, autopilot=PX4).run(SetMode(name)).result() == number
+    assert ModeHarness(STANDARD_PX4, autopilot=PX4).run(SetMode(name)).result() == number
 
 
 @pytest.mark.parametrize("changed", [False, True])
 def test_an_unknown_name_is_refused_soon_by_a_vehicle_that_lists_its_modes_slowly(changed):
-    pair = Pair([*modes_of(ARDUPILOT, 2, range(20)), AvailableMode(77, "My Script")])
-    send, due = pair.modes.bulk_messages, [0]
+    harness = ModeHarness([*modes_of(ARDUPILOT, 2, range(20)), AvailableMode(77, "My Script")])
+    send, due = harness.modes.bulk_messages, [0]
 
     def tick():
         due[0] = 1
-        pair.vehicle.engine.touch(pair.modes)
-        pair.network.at(0.3, tick)
+        harness.vehicle.engine.touch(harness.modes)
+        harness.network.at(0.3, tick)
 
     def slowly(now, has_room):
         if due[0]:
             due[0] = 0
             yield from islice(send(now, has_room), 1)
 
-    pair.modes.bulk_messages = slowly
+    harness.modes.bulk_messages = slowly
     tick()
-    began = pair.network.now
-    error = pair.run(SetMode("HOVERCRAFT", changed=changed), timeout=60).error
+    began = harness.network.now
+    error = harness.run(SetMode("HOVERCRAFT", changed=changed), timeout=60).error
     assert isinstance(error, RemoteDenied)
     assert "STABILIZE" in str(error)
-    took = pair.network.now - began
+    took = harness.network.now - began
     assert 6 < took < 60 if changed else took < 3.5
 
 
@@ -193,61 +195,61 @@ def test_the_monitor_names_a_mode_that_the_tables_do_not_have():
 
 
 def test_without_a_heartbeat_nothing_is_sent():
-    pair = Pair()
-    pair.vehicle.engine.remove(pair.beacon)
-    pair.beacon = HeartbeatSender(VEHICLE)
-    assert isinstance(pair.run(SetMode("GUIDED")).error, ModeTimeout)
-    assert not [p for p in pair.vehicle.heard if p.name == "COMMAND_LONG"]
+    harness = ModeHarness()
+    harness.vehicle.engine.remove(harness.beacon)
+    harness.beacon = HeartbeatSender(VEHICLE)
+    assert isinstance(harness.run(SetMode("GUIDED")).error, ModeTimeout)
+    assert not [p for p in harness.vehicle.received if p.name == "COMMAND_LONG"]
 
 
 def test_a_standard_mode_is_confirmed_by_current_mode():
-    pair = Pair()
-    assert pair.run(SetStandardMode(common.MavStandardMode.SAFE_RECOVERY)).result() == 6
-    assert isinstance(pair.run(SetStandardMode(common.MavStandardMode.ORBIT)).error, CommandDenied)
+    harness = ModeHarness()
+    assert harness.run(SetStandardMode(common.MavStandardMode.SAFE_RECOVERY)).result() == 6
+    assert isinstance(harness.run(SetStandardMode(common.MavStandardMode.ORBIT)).error, CommandDenied)
 
 
 def test_all_modes_are_listed():
     modes = [AvailableMode(n, f"Mode {n}", properties=n % 4) for n in range(100)]
-    assert pair_list(Pair(modes)) == modes
+    assert pair_list(ModeHarness(modes)) == modes
 
 
-def pair_list(pair):
-    return list(pair.run(ListModes()).result())
+def pair_list(harness):
+    return list(harness.run(ListModes()).result())
 
 
 def test_gaps_in_the_list_are_requested_by_index():
-    pair = Pair()
-    original = pair.modes._list
+    harness = ModeHarness()
+    original = harness.modes._list
 
     def lossy(index, target):
         result = original(index, target)
         if index == 0:
-            for waiting in pair.modes._listings.values():
+            for waiting in harness.modes._listings.values():
                 waiting.remove(3)
         return result
 
-    pair.modes._list = lossy
-    assert pair_list(pair) == ARDUPILOT_MODES
-    asked = [p.message.param2 for p in pair.vehicle.heard if p.name == "COMMAND_LONG"]
+    harness.modes._list = lossy
+    assert pair_list(harness) == ARDUPILOT_MODES
+    asked = [p.message.param2 for p in harness.vehicle.received if p.name == "COMMAND_LONG"]
     assert asked == [0.0, 3.0]
 
 
 def test_a_set_that_changes_while_it_is_listed_is_never_mixed():
-    pair = Pair()
+    harness = ModeHarness()
     new = modes_of(ARDUPILOT, 2, [0, 1, 2, 3])
-    original = pair.modes._list
+    original = harness.modes._list
 
     def change(index, target):
         result = original(index, target)
-        if index == 0 and pair.modes.modes != tuple(new):
-            for waiting in pair.modes._listings.values():
+        if index == 0 and harness.modes.modes != tuple(new):
+            for waiting in harness.modes._listings.values():
                 waiting.pop()
-            pair.network.at(0.5, lambda: (pair.modes.offer(new, pair.network.now), None))
-            pair.network.at(0.5, lambda: pair.vehicle.engine.touch(pair.modes))
+            harness.network.at(0.5, lambda: (harness.modes.offer(new, harness.network.now), None))
+            harness.network.at(0.5, lambda: harness.vehicle.engine.touch(harness.modes))
         return result
 
-    pair.modes._list = change
-    assert pair_list(pair) == new
+    harness.modes._list = change
+    assert pair_list(harness) == new
 
 
 def test_modes_of_two_sets_are_not_put_together():

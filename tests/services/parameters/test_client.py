@@ -24,7 +24,7 @@ from mavstack.services.parameters import (
 from mavstack.services.parameters.value import NO_INDEX
 from mavstack.wire import Packet
 from tests.services.network import GROUND, VEHICLE, Network
-from tests.services.parameters.tables import Pair
+from tests.services.parameters.harness import ParameterHarness
 from tests.services.parameters.test_listing import ByHand
 
 KIND = common.MavParamType
@@ -33,93 +33,96 @@ ERROR = common.MavParamError
 
 @pytest.mark.parametrize("encoding", Encoding)
 def test_one_parameter_is_read_by_name_and_by_index(encoding) -> None:
-    pair = Pair(20, encoding=encoding)
-    name, value, kind = pair.rows[7]
-    reads = [pair.client.get(which, pair.network.now) for which in (name, 7)]
-    pair.run(*reads)
+    harness = ParameterHarness(20, encoding=encoding)
+    name, value, kind = harness.rows[7]
+    reads = [harness.client.get(which, harness.network.now) for which in (name, 7)]
+    harness.run(*reads)
     assert [read.result() for read in reads] == [Parameter(name, value, kind)] * 2
     assert reads[0].result().index == 7
 
 
 def test_a_name_of_16_characters_is_read_and_set() -> None:
-    pair = Pair(0)
-    pair.server.add("ABCDEFGHIJKLMNOP", 1.5)
-    pair.run(set_ := pair.client.set("ABCDEFGHIJKLMNOP", 2.5, pair.network.now))
-    assert set_.result().value == pair.server["ABCDEFGHIJKLMNOP"] == 2.5
+    harness = ParameterHarness(0)
+    harness.server.add("ABCDEFGHIJKLMNOP", 1.5)
+    harness.run(set_ := harness.client.set("ABCDEFGHIJKLMNOP", 2.5, harness.network.now))
+    assert set_.result().value == harness.server["ABCDEFGHIJKLMNOP"] == 2.5
 
 
 @pytest.mark.parametrize("encoding", Encoding)
 def test_a_value_is_set_and_read_back(encoding) -> None:
-    pair = Pair(0, encoding=encoding)
-    pair.server.add("SPEED", 1.0)
-    pair.server.add("COUNT", 5, KIND.INT16)
-    sets = [pair.client.set("SPEED", 0.1, pair.network.now), pair.client.set("COUNT", -300, pair.network.now)]
-    pair.run(*sets)
+    harness = ParameterHarness(0, encoding=encoding)
+    harness.server.add("SPEED", 1.0)
+    harness.server.add("COUNT", 5, KIND.INT16)
+    sets = [
+        harness.client.set("SPEED", 0.1, harness.network.now),
+        harness.client.set("COUNT", -300, harness.network.now),
+    ]
+    harness.run(*sets)
     assert sets[0].result().text == "0.1"
     assert sets[1].result() == Parameter("COUNT", -300, KIND.INT16)
-    assert (pair.server["SPEED"], pair.server["COUNT"]) == (pytest.approx(0.1), -300)
+    assert (harness.server["SPEED"], harness.server["COUNT"]) == (pytest.approx(0.1), -300)
 
 
 def test_an_integer_that_a_cast_would_change_is_refused() -> None:
-    pair = Pair(0, encoding=Encoding.C_CAST)
-    pair.server.add("RTL_ALT", 5, KIND.INT32)
-    pair.run(operation := pair.client.set("RTL_ALT", 99999999, pair.network.now))
+    harness = ParameterHarness(0, encoding=Encoding.C_CAST)
+    harness.server.add("RTL_ALT", 5, KIND.INT32)
+    harness.run(operation := harness.client.set("RTL_ALT", 99999999, harness.network.now))
     with pytest.raises(InvalidArgumentError, match=r"RTL_ALT cannot be set to 99999999.* become 100000000"):
         operation.result()
-    assert pair.server["RTL_ALT"] == 5
-    pair.run(operation := pair.client.set("RTL_ALT", 100000000, pair.network.now))
+    assert harness.server["RTL_ALT"] == 5
+    harness.run(operation := harness.client.set("RTL_ALT", 100000000, harness.network.now))
     assert operation.result() == Parameter("RTL_ALT", 100000000, KIND.INT32)
     assert not operation.result().exact
 
 
 @pytest.mark.parametrize("encoding", Encoding)
 def test_a_double_loses_digits_and_an_event_reports_it(encoding) -> None:
-    pair = Pair(0, encoding=encoding)
-    pair.server.add("PRECISE", 5.0, KIND.REAL64)
-    pair.run(operation := pair.client.set("PRECISE", 16777217.0, pair.network.now))
+    harness = ParameterHarness(0, encoding=encoding)
+    harness.server.add("PRECISE", 5.0, KIND.REAL64)
+    harness.run(operation := harness.client.set("PRECISE", 16777217.0, harness.network.now))
     assert operation.result() == Parameter("PRECISE", 16777216.0, KIND.REAL64)
-    assert pair.ground.events_of(ParameterRounded) == [ParameterRounded("PRECISE", 16777217.0, 16777216.0)]
+    assert harness.ground.events_of(ParameterRounded) == [ParameterRounded("PRECISE", 16777217.0, 16777216.0)]
 
 
 def test_bytewise_loses_nothing() -> None:
-    pair = Pair(0)
-    pair.server.add("SERIAL", 5, KIND.INT32)
+    harness = ParameterHarness(0)
+    harness.server.add("SERIAL", 5, KIND.INT32)
     for value in (16777217, 0x7F800001, -1, -(1 << 31)):
-        pair.run(operation := pair.client.set("SERIAL", value, pair.network.now))
-        assert operation.result().value == pair.server["SERIAL"] == value
+        harness.run(operation := harness.client.set("SERIAL", value, harness.network.now))
+        assert operation.result().value == harness.server["SERIAL"] == value
         assert operation.result().exact
-    assert pair.ground.events_of(ParameterRounded) == []
+    assert harness.ground.events_of(ParameterRounded) == []
 
 
 def test_a_type_that_is_given_saves_the_asking() -> None:
-    pair = Pair(0)
-    pair.server.add("X", 5, KIND.UINT8)
-    pair.run(operation := pair.client.set("X", 9, pair.network.now, kind=KIND.UINT8))
+    harness = ParameterHarness(0)
+    harness.server.add("X", 5, KIND.UINT8)
+    harness.run(operation := harness.client.set("X", 9, harness.network.now, kind=KIND.UINT8))
     assert operation.result().value == 9
-    assert [packet.name for packet in pair.vehicle.heard] == ["PARAM_SET"]
+    assert [packet.name for packet in harness.vehicle.received] == ["PARAM_SET"]
 
 
 def test_a_value_that_the_type_cannot_hold_is_our_own_error() -> None:
-    pair = Pair(0)
-    pair.server.add("X", 5, KIND.UINT8)
-    pair.run(operation := pair.client.set("X", 256, pair.network.now))
+    harness = ParameterHarness(0)
+    harness.server.add("X", 5, KIND.UINT8)
+    harness.run(operation := harness.client.set("X", 256, harness.network.now))
     assert isinstance(operation.error, LocalProtocolError)
-    assert "PARAM_SET" not in [packet.name for packet in pair.vehicle.heard]
+    assert "PARAM_SET" not in [packet.name for packet in harness.vehicle.received]
 
 
 def test_a_param_error_is_denied_with_its_reason() -> None:
-    pair = Pair(3)
-    pair.server.add("FIXED", 1, read_only=True)
-    pair.server.add("SMALL", 1, minimum=0, maximum=9)
+    harness = ParameterHarness(3)
+    harness.server.add("FIXED", 1, read_only=True)
+    harness.server.add("SMALL", 1, minimum=0, maximum=9)
     wrong = [
-        pair.client.get("NO_SUCH", pair.network.now),
-        pair.client.get(99, pair.network.now),
-        pair.client.set("FIXED", 2, pair.network.now),
-        pair.client.set("SMALL", 10, pair.network.now),
-        pair.client.set("SMALL", 1.0, pair.network.now, kind=KIND.REAL32),
-        pair.client.set("NO_SUCH", 10, pair.network.now),
+        harness.client.get("NO_SUCH", harness.network.now),
+        harness.client.get(99, harness.network.now),
+        harness.client.set("FIXED", 2, harness.network.now),
+        harness.client.set("SMALL", 10, harness.network.now),
+        harness.client.set("SMALL", 1.0, harness.network.now, kind=KIND.REAL32),
+        harness.client.set("NO_SUCH", 10, harness.network.now),
     ]
-    assert pair.run(*wrong) < 1.0
+    assert harness.run(*wrong) < 1.0
     codes = [
         ERROR.DOES_NOT_EXIST,
         ERROR.DOES_NOT_EXIST,
@@ -132,7 +135,7 @@ def test_a_param_error_is_denied_with_its_reason() -> None:
         assert isinstance(operation.error, ParameterDenied)
         assert operation.error.code == code
         assert code.name in str(operation.error)
-    assert (pair.server["FIXED"], pair.server["SMALL"]) == (1, 1)
+    assert (harness.server["FIXED"], harness.server["SMALL"]) == (1, 1)
 
 
 def test_an_unknown_name_that_gets_silence_ends_in_a_timeout() -> None:
@@ -195,23 +198,23 @@ def test_a_component_that_answers_only_changes_is_requested_the_value() -> None:
 
 
 def test_sets_of_one_name_go_one_after_the_other() -> None:
-    pair = Pair(0)
-    pair.server.add("X", 0.0)
-    sets = [pair.client.set("X", float(value), pair.network.now) for value in range(1, 6)]
-    pair.run(*sets)
+    harness = ParameterHarness(0)
+    harness.server.add("X", 0.0)
+    sets = [harness.client.set("X", float(value), harness.network.now) for value in range(1, 6)]
+    harness.run(*sets)
     assert [operation.result().value for operation in sets] == [1.0, 2.0, 3.0, 4.0, 5.0]
-    assert pair.server["X"] == 5.0
+    assert harness.server["X"] == 5.0
 
 
 def test_the_cache_follows_what_others_change() -> None:
-    pair = Pair(0)
-    pair.server.add("X", 1.0)
-    pair.run(pair.client.download(pair.network.now))
-    pair.server.set("X", 7.0)
-    pair.touch()
-    pair.network.run(timeout=0.1)
-    assert pair.client.parameters["X"].value == 7.0
-    first, second = pair.ground.events_of(ParameterChanged)
+    harness = ParameterHarness(0)
+    harness.server.add("X", 1.0)
+    harness.run(harness.client.download(harness.network.now))
+    harness.server.set("X", 7.0)
+    harness.touch()
+    harness.network.run(timeout=0.1)
+    assert harness.client.parameters["X"].value == 7.0
+    first, second = harness.ground.events_of(ParameterChanged)
     assert (first.previous, second.previous) == (None, Parameter("X", 1.0))
     assert second.parameter == Parameter("X", 7.0)
 
@@ -232,21 +235,21 @@ def value_packet(name: str, value: float, sequence: int) -> Packet:
 
 
 def test_another_encoding_forgets_what_was_read() -> None:
-    pair = Pair(5)
-    pair.run(pair.client.download(pair.network.now))
-    pair.client.encoding = Encoding.C_CAST
-    assert (dict(pair.client.parameters), pair.client.complete) == ({}, False)
+    harness = ParameterHarness(5)
+    harness.run(harness.client.download(harness.network.now))
+    harness.client.encoding = Encoding.C_CAST
+    assert (dict(harness.client.parameters), harness.client.complete) == ({}, False)
 
 
 def test_a_packed_file_fills_the_cache() -> None:
-    pair = Pair(0)
+    harness = ParameterHarness(0)
     for number in range(50):
-        pair.server.add(f"P{number}", number, KIND.INT16, default=1)
-    assert pair.client.load_packed(pair.server.table.packed(with_defaults=True, block_size=239), 1.0)
-    assert pair.client.complete
-    assert [parameter.value for parameter in pair.client.parameters.values()] == list(range(50))
-    assert pair.client.defaults["P7"] == 1
-    assert not pair.client.load_packed(b"nothing", 1.0)
+        harness.server.add(f"P{number}", number, KIND.INT16, default=1)
+    assert harness.client.load_packed(harness.server.table.packed(with_defaults=True, block_size=239), 1.0)
+    assert harness.client.complete
+    assert [parameter.value for parameter in harness.client.parameters.values()] == list(range(50))
+    assert harness.client.defaults["P7"] == 1
+    assert not harness.client.load_packed(b"nothing", 1.0)
 
 
 def test_what_was_reported_during_a_download_is_newer_than_the_file() -> None:

@@ -10,14 +10,14 @@ from mavstack.links import Impairment
 from mavstack.services import Address, Progress
 from mavstack.services.parameters import Encoding, ParameterClient, Snapshot
 from mavstack.services.parameters.value import NO_INDEX
-from tests.services.network import GROUND, START, VEHICLE, Air, Network
-from tests.services.parameters.tables import Pair, table_of, values_of
+from tests.services.network import GROUND, START, VEHICLE, HalfDuplexRadio, Network
+from tests.services.parameters.harness import ParameterHarness, table_of, values_of
 
 PX4_COUNT = 955
 
 
-def requests_of(pair: Pair, name: str = "PARAM_REQUEST_READ") -> list:
-    return [packet.message for packet in pair.vehicle.heard if packet.name == name]
+def requests_of(harness: ParameterHarness, name: str = "PARAM_REQUEST_READ") -> list:
+    return [packet.message for packet in harness.vehicle.received if packet.name == name]
 
 
 class ByHand:
@@ -46,9 +46,9 @@ class ByHand:
     def run(self, seconds: float) -> list:
         """Let time pass; gives what the vehicle heard."""
         self.ground.engine.touch(self.client)
-        del self.vehicle.heard[:]
+        del self.vehicle.received[:]
         self.network.run(timeout=seconds)
-        return [packet.message for packet in self.vehicle.heard]
+        return [packet.message for packet in self.vehicle.received]
 
 
 def indexes(messages) -> set[int]:
@@ -57,13 +57,13 @@ def indexes(messages) -> set[int]:
 
 @pytest.mark.parametrize("encoding", Encoding)
 def test_all_parameters_come(encoding) -> None:
-    pair = Pair(200, encoding=encoding)
-    listing = pair.client.download(pair.network.now)
-    pair.run(listing)
-    assert values_of(listing.result()) == table_of(pair.server)
-    assert list(listing.result()) == list(table_of(pair.server))
-    assert pair.client.complete
-    assert requests_of(pair) == []
+    harness = ParameterHarness(200, encoding=encoding)
+    listing = harness.client.download(harness.network.now)
+    harness.run(listing)
+    assert values_of(listing.result()) == table_of(harness.server)
+    assert list(listing.result()) == list(table_of(harness.server))
+    assert harness.client.complete
+    assert requests_of(harness) == []
 
 
 def test_an_unsolicited_value_does_not_mask_a_missing_index() -> None:
@@ -100,19 +100,19 @@ def test_a_count_that_changes_while_listing_starts_it_again() -> None:
 
 
 def test_a_count_that_shrinks_is_no_endless_wait() -> None:
-    pair = Pair(30, air=Air(5760.0), bandwidth=5760.0)
-    listing = pair.client.download(pair.network.now)
-    name = pair.rows[3][0]
+    harness = ParameterHarness(30, radio=HalfDuplexRadio(5760.0), bandwidth=5760.0)
+    listing = harness.client.download(harness.network.now)
+    name = harness.rows[3][0]
 
     def shrink() -> None:
-        pair.server.table.remove(name)
-        del pair.rows[3]
-        pair.touch()
+        harness.server.table.remove(name)
+        del harness.rows[3]
+        harness.touch()
 
-    pair.network.at(0.05, shrink)
-    pair.run(listing)
-    assert values_of(listing.result()) == table_of(pair.server)
-    assert name not in pair.client.parameters
+    harness.network.at(0.05, shrink)
+    harness.run(listing)
+    assert values_of(listing.result()) == table_of(harness.server)
+    assert name not in harness.client.parameters
 
 
 def test_a_table_that_never_stops_changing_ends_in_a_timeout() -> None:
@@ -188,51 +188,51 @@ def test_a_count_that_cannot_be_harms_nothing(count) -> None:
 
 
 def test_a_restarted_vehicle_continues_where_it_was() -> None:
-    pair = Pair(100, impairment=Impairment(bandwidth=5760.0, queue=1 << 16))
-    listing = pair.client.download(pair.network.now)
-    pair.network.at(0.3, pair.vehicle.restart)
-    pair.run(listing)
-    assert values_of(listing.result()) == table_of(pair.server)
+    harness = ParameterHarness(100, impairment=Impairment(bandwidth=5760.0, queue=1 << 16))
+    listing = harness.client.download(harness.network.now)
+    harness.network.at(0.3, harness.vehicle.restart)
+    harness.run(listing)
+    assert values_of(listing.result()) == table_of(harness.server)
 
 
 def test_two_lists_of_one_client_go_one_after_the_other() -> None:
-    pair = Pair(50)
-    lists = [pair.client.download(pair.network.now) for _ in range(2)]
-    pair.run(*lists)
+    harness = ParameterHarness(50)
+    lists = [harness.client.download(harness.network.now) for _ in range(2)]
+    harness.run(*lists)
     assert [len(listing.result()) for listing in lists] == [50, 50]
-    assert len(requests_of(pair, "PARAM_REQUEST_LIST")) == 2
+    assert len(requests_of(harness, "PARAM_REQUEST_LIST")) == 2
 
 
 def test_progress_is_reported() -> None:
-    pair = Pair(10)
-    listing = pair.client.download(pair.network.now)
-    pair.run(listing)
-    assert [(event.done, event.total) for event in pair.ground.events_of(Progress)][-1] == (10, 10)
+    harness = ParameterHarness(10)
+    listing = harness.client.download(harness.network.now)
+    harness.run(listing)
+    assert [(event.done, event.total) for event in harness.ground.events_of(Progress)][-1] == (10, 10)
 
 
 # The hash
 
 
 def test_a_known_hash_saves_the_transfer() -> None:
-    first = Pair(300)
+    first = ParameterHarness(300)
     first.run(first.client.download(first.network.now))
     snapshot = first.client.snapshot()
     assert snapshot is not None
     assert snapshot.hash == first.server.table.hash()
-    again = Pair(300, air=Air(), bandwidth=5760.0)
+    again = ParameterHarness(300, radio=HalfDuplexRadio(), bandwidth=5760.0)
     listing = again.client.download(again.network.now, known=snapshot)
     assert again.run(listing) < 0.3
     assert values_of(listing.result()) == table_of(again.server)
     again.network.run(timeout=5.0)
-    values = [packet for packet in again.ground.heard if packet.name == "PARAM_VALUE"]
+    values = [packet for packet in again.ground.received if packet.name == "PARAM_VALUE"]
     assert len(values) < 30  # the list was stopped
 
 
 def test_a_changed_hash_means_download() -> None:
-    first = Pair(50)
+    first = ParameterHarness(50)
     first.run(first.client.download(first.network.now))
     snapshot = first.client.snapshot()
-    again = Pair(50)
+    again = ParameterHarness(50)
     again.server.set(again.rows[7][0], 1)
     listing = again.client.download(again.network.now, known=snapshot)
     again.run(listing)
@@ -240,44 +240,44 @@ def test_a_changed_hash_means_download() -> None:
 
 
 def test_a_vehicle_without_hash_is_download_without_delay() -> None:
-    pair = Pair(50, hash_check=False)
-    listing = pair.client.download(pair.network.now, known=Snapshot((), 5))
-    assert pair.run(listing) < 0.2
+    harness = ParameterHarness(50, hash_check=False)
+    listing = harness.client.download(harness.network.now, known=Snapshot((), 5))
+    assert harness.run(listing) < 0.2
     assert len(listing.result()) == 50
 
 
 def test_the_hash_of_older_values_is_not_kept() -> None:
-    pair = Pair(20)
-    pair.run(pair.client.download(pair.network.now))
-    pair.run(pair.client.set(pair.rows[0][0], 1, pair.network.now))
-    snapshot = pair.client.snapshot()
+    harness = ParameterHarness(20)
+    harness.run(harness.client.download(harness.network.now))
+    harness.run(harness.client.set(harness.rows[0][0], 1, harness.network.now))
+    snapshot = harness.client.snapshot()
     assert snapshot is not None
     assert snapshot.hash is None
 
 
 def test_cancelling_stops_the_list() -> None:
-    pair = Pair(300, air=Air(), bandwidth=5760.0)
-    listing = pair.client.download(pair.network.now)
-    pair.network.run(timeout=0.5)
-    pair.ground.engine.touch(pair.client)
-    pair.network.run(timeout=0.5)
-    pair.client.cancel(listing, pair.network.now)
-    pair.ground.engine.touch(pair.client)
-    pair.network.run(timeout=0.5)
+    harness = ParameterHarness(300, radio=HalfDuplexRadio(), bandwidth=5760.0)
+    listing = harness.client.download(harness.network.now)
+    harness.network.run(timeout=0.5)
+    harness.ground.engine.touch(harness.client)
+    harness.network.run(timeout=0.5)
+    harness.client.cancel(listing, harness.network.now)
+    harness.ground.engine.touch(harness.client)
+    harness.network.run(timeout=0.5)
     assert isinstance(listing.error, RemoteCancelled)
-    heard = len(pair.ground.heard)
-    pair.network.run(timeout=5.0)
-    assert len(pair.ground.heard) == heard
+    heard = len(harness.ground.received)
+    harness.network.run(timeout=5.0)
+    assert len(harness.ground.received) == heard
 
 
 # How long it takes
 
 
 def seconds_for(**link) -> float:
-    pair = Pair(PX4_COUNT, **link)
-    listing = pair.client.download(pair.network.now)
-    seconds = pair.run(listing)
-    assert values_of(listing.result()) == table_of(pair.server)
+    harness = ParameterHarness(PX4_COUNT, **link)
+    listing = harness.client.download(harness.network.now)
+    seconds = harness.run(listing)
+    assert values_of(listing.result()) == table_of(harness.server)
     return seconds
 
 
@@ -296,48 +296,51 @@ def test_ten_percent_of_loss_costs_a_second_or_two(seed) -> None:
 
 
 def test_a_half_duplex_radio_is_used_to_the_full() -> None:
-    air = Air(5760.0)
-    seconds = seconds_for(air=air, bandwidth=5760.0)
+    radio = HalfDuplexRadio(5760.0)
+    seconds = seconds_for(radio=radio, bandwidth=5760.0)
     assert seconds < 1.05 * PX4_COUNT * 37 / 5760.0
-    assert air.overflowed == 0
+    assert radio.overflowed == 0
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_half_duplex_radio_that_loses_some(seed) -> None:
     impairment = Impairment(loss=0.05)
-    assert seconds_for(air=Air(5760.0), bandwidth=5760.0, impairment=impairment, seed=seed) < 1.25 * 6.13
+    assert (
+        seconds_for(radio=HalfDuplexRadio(5760.0), bandwidth=5760.0, impairment=impairment, seed=seed)
+        < 1.25 * 6.13
+    )
 
 
 def test_a_vehicle_that_does_not_pace_itself_is_survived() -> None:
-    air = Air(5760.0)
-    seconds = seconds_for(air=air)
-    assert air.overflowed > 500  # the radio's queue dropped most of the list
+    radio = HalfDuplexRadio(5760.0)
+    seconds = seconds_for(radio=radio)
+    assert radio.overflowed > 500  # the radio's queue dropped most of the list
     assert seconds < 1.6 * PX4_COUNT * 37 / 5760.0
 
 
 def test_a_radio_that_tells_its_queue_is_used_well() -> None:
-    air = Air(5760.0)
-    pair = Pair(PX4_COUNT, air=air)
+    radio = HalfDuplexRadio(5760.0)
+    harness = ParameterHarness(PX4_COUNT, radio=radio)
 
     def report() -> None:
-        for node, direction in ((pair.ground, 0), (pair.vehicle, 1)):
-            free = air.free_percent(direction, pair.network.now)
-            node.ports[0].channel.pacer.radio_status(free, pair.network.now)
-        pair.network.at(0.5, report)
+        for node, direction in ((harness.ground, 0), (harness.vehicle, 1)):
+            free = radio.free_percent(direction, harness.network.now)
+            node.ports[0].channel.pacer.radio_status(free, harness.network.now)
+        harness.network.at(0.5, report)
 
     report()
-    listing = pair.client.download(pair.network.now)
-    seconds = pair.run(listing)
-    assert values_of(listing.result()) == table_of(pair.server)
+    listing = harness.client.download(harness.network.now)
+    seconds = harness.run(listing)
+    assert values_of(listing.result()) == table_of(harness.server)
     assert seconds < 1.25 * 6.13
 
 
 def test_two_clients_list_at_once_over_one_radio() -> None:
     from mavstack.services.parameters import ParameterClient
 
-    pair = Pair(200, air=Air(5760.0), bandwidth=5760.0)
-    other = pair.ground.engine.add(ParameterClient(Address(255, 191), VEHICLE))
-    lists = [pair.client.download(START), other.download(START)]
-    pair.ground.engine.touch(other)
-    assert pair.run(*lists) < 1.3 * 2 * 200 * 37 / 5760.0
-    assert values_of(lists[0].result()) == values_of(lists[1].result()) == table_of(pair.server)
+    harness = ParameterHarness(200, radio=HalfDuplexRadio(5760.0), bandwidth=5760.0)
+    other = harness.ground.engine.add(ParameterClient(Address(255, 191), VEHICLE))
+    lists = [harness.client.download(START), other.download(START)]
+    harness.ground.engine.touch(other)
+    assert harness.run(*lists) < 1.3 * 2 * 200 * 37 / 5760.0
+    assert values_of(lists[0].result()) == values_of(lists[1].result()) == table_of(harness.server)

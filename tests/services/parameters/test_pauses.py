@@ -10,8 +10,8 @@ import pytest
 from mavstack.links import Impairment
 from mavstack.services.parameters import ParameterServer
 from mavstack.services.service import always_room
-from tests.services.network import START, VEHICLE, Air
-from tests.services.parameters.tables import Pair, table_of, values_of
+from tests.services.network import START, VEHICLE, HalfDuplexRadio
+from tests.services.parameters.harness import ParameterHarness, table_of, values_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,7 +52,7 @@ class PausingServer(ParameterServer):
         return min(ends, default=None)
 
 
-class PausingPair(Pair):
+class PausingHarness(ParameterHarness):
     """A vehicle with such a server."""
 
     def __init__(self, pause: float, *arguments, **link) -> None:
@@ -70,12 +70,12 @@ class PausingPair(Pair):
 
 @pytest.mark.parametrize("pause", [0.15, 0.4, 1.0])
 def test_a_list_that_pauses_is_not_download_twice(pause) -> None:
-    pair = PausingPair(pause, COUNT, air=Air(5760.0), bandwidth=5760.0)
-    listing = pair.client.download(pair.network.now)
-    seconds = pair.run(listing)
-    assert values_of(listing.result()) == table_of(pair.server)
+    harness = PausingHarness(pause, COUNT, radio=HalfDuplexRadio(5760.0), bandwidth=5760.0)
+    listing = harness.client.download(harness.network.now)
+    seconds = harness.run(listing)
+    assert values_of(listing.result()) == table_of(harness.server)
     assert seconds < 1.05 * COUNT * 37 / 5760.0 + len(PAUSES) * pause
-    assert sum(packet.name == "PARAM_REQUEST_READ" for packet in pair.vehicle.heard) < COUNT / 4
+    assert sum(packet.name == "PARAM_REQUEST_READ" for packet in harness.vehicle.received) < COUNT / 4
 
 
 class HeldUpServer(ParameterServer):
@@ -100,7 +100,7 @@ class HeldUpServer(ParameterServer):
         self._next_burst, self._left_in_burst = None, 32
 
 
-class HeldUpPair(Pair):
+class HeldUpHarness(ParameterHarness):
     """A vehicle with such a server."""
 
     def _setup(self, engine) -> None:
@@ -111,8 +111,8 @@ class HeldUpPair(Pair):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_single_requests_do_not_hold_up_the_list(seed) -> None:
-    pair = HeldUpPair(COUNT, impairment=Impairment(latency=0.02, loss=0.1), seed=seed)
-    listing = pair.client.download(pair.network.now)
-    seconds = pair.run(listing)
-    assert values_of(listing.result()) == table_of(pair.server)
+    harness = HeldUpHarness(COUNT, impairment=Impairment(latency=0.02, loss=0.1), seed=seed)
+    listing = harness.client.download(harness.network.now)
+    seconds = harness.run(listing)
+    assert values_of(listing.result()) == table_of(harness.server)
     assert seconds < 5.0  # the list takes one second, a tenth of it singly two

@@ -10,7 +10,7 @@ from mavstack.errors import ParameterDenied, ParameterTimeout, RemoteError
 from mavstack.services import Address
 from mavstack.services.parameters import Encoding, ParameterClient, ParameterServer
 from tests.services.network import GROUND, VEHICLE, Network, random_impairment, with_cuts
-from tests.services.parameters.tables import any_table, any_value, table_of, values_of
+from tests.services.parameters.harness import any_table, any_value, table_of, values_of
 
 if TYPE_CHECKING:
     from mavstack.services.parameters import Value

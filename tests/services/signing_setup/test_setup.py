@@ -18,111 +18,113 @@ from mavstack.services.signing_setup import (
 from mavstack.services.signing_setup.key_change import MIN_PROOF_PACKETS, KeyChange
 from mavstack.wire import Encoder, Packet
 from tests.services.network import GROUND, START, VEHICLE
-from tests.services.signing_setup.pair import Pair
+from tests.services.signing_setup.harness import SigningHarness
 
 OLD, NEW = SigningKey.from_passphrase("old"), SigningKey.from_passphrase("new")
 
 
 @pytest.mark.parametrize(("old", "new"), [(None, NEW), (OLD, NEW), (OLD, None)])
 def test_a_key_is_set_changed_and_taken_away(old, new):
-    pair = Pair(key=old)
-    operation = pair.run(pair.install(new))
+    harness = SigningHarness(key=old)
+    operation = harness.run(harness.install(new))
     assert operation.result() is None
-    assert pair.server.key == new
-    assert pair.network.now < START + 3.0
-    pair.assert_they_hear_each_other()
-    assert pair.signed == (new is not None,) * 2
-    for node in (pair.ground, pair.vehicle):
+    assert harness.server.key == new
+    assert harness.network.now < START + 3.0
+    harness.assert_heartbeats_arrive()
+    assert harness.signed == (new is not None,) * 2
+    for node in (harness.ground, harness.vehicle):
         (settled,) = node.events_of(KeySettled)
         assert (settled.key, settled.changed) == (new, True)
     if new is not None:
-        assert all(port.channel.signing for node in pair.network.nodes for port in node.ports)
-        assert pair.ground.ports[0].channel._other is None
+        assert all(port.channel.signing for node in harness.network.nodes for port in node.ports)
+        assert harness.ground.ports[0].channel._other is None
 
 
 def test_afterwards_the_old_way_is_refused():
-    pair = Pair()
-    pair.run(pair.install(NEW))
-    pair.network.run(timeout=2.0)
-    channel = pair.vehicle.ports[0].channel
-    data = pair.ground.ports[0].channel
+    harness = SigningHarness()
+    harness.run(harness.install(NEW))
+    harness.network.run(timeout=2.0)
+    channel = harness.vehicle.ports[0].channel
+    data = harness.ground.ports[0].channel
     data.signing = None
     before = channel.signing.refusals.unsigned
-    pair.network.run(timeout=5.0)
+    harness.network.run(timeout=5.0)
     assert channel.signing.refusals.unsigned > before
 
 
 def test_a_refused_setup_leaves_neither_side_deaf():
-    pair = Pair(key=OLD, policy=lambda request: "armed")
-    operation = pair.run(pair.install(NEW))
+    harness = SigningHarness(key=OLD, policy=lambda request: "armed")
+    operation = harness.run(harness.install(NEW))
     assert isinstance(operation.error, RemoteDenied)
-    assert pair.server.key == OLD
-    assert pair.vehicle.events_of(SigningRefused)[0].reason == "armed"
-    assert any("armed" in p.message.text for p in pair.ground.heard if p.name == "STATUSTEXT")
-    pair.assert_they_hear_each_other()
-    assert [event.changed for event in pair.ground.events_of(KeySettled)] == [False]
+    assert harness.server.key == OLD
+    assert harness.vehicle.events_of(SigningRefused)[0].reason == "armed"
+    assert any("armed" in p.message.text for p in harness.ground.received if p.name == "STATUSTEXT")
+    harness.assert_heartbeats_arrive()
+    assert [event.changed for event in harness.ground.events_of(KeySettled)] == [False]
 
 
 @pytest.mark.parametrize("trusted", [True, False])
 def test_by_default_only_a_trusted_channel_may_set_keys(trusted):
-    pair = Pair(trusted=trusted)
-    operation = pair.run(pair.install(NEW))
+    harness = SigningHarness(trusted=trusted)
+    operation = harness.run(harness.install(NEW))
     assert (operation.error is None) is trusted
-    pair.assert_they_hear_each_other()
+    harness.assert_heartbeats_arrive()
 
 
 def test_without_a_policy_no_client_may():
-    pair = Pair()
-    pair.vehicle.engine.remove(pair.server)
-    server = pair.vehicle.engine.add(SigningSetupServer(VEHICLE))
-    assert isinstance(pair.run(pair.install(NEW)).error, RemoteDenied)
+    harness = SigningHarness()
+    harness.vehicle.engine.remove(harness.server)
+    server = harness.vehicle.engine.add(SigningSetupServer(VEHICLE))
+    assert isinstance(harness.run(harness.install(NEW)).error, RemoteDenied)
     assert server.key is None
 
 
 def test_one_that_ignores_the_message_leaves_neither_side_deaf():
-    pair = Pair(key=OLD)
-    pair.vehicle.engine.remove(pair.server)
-    assert isinstance(pair.run(pair.install(NEW)).error, RemoteDenied)
-    pair.assert_they_hear_each_other()
+    harness = SigningHarness(key=OLD)
+    harness.vehicle.engine.remove(harness.server)
+    assert isinstance(harness.run(harness.install(NEW)).error, RemoteDenied)
+    harness.assert_heartbeats_arrive()
 
 
 def test_one_that_takes_the_key_but_cannot_hear_us_goes_back_and_so_do_we():
-    pair = Pair(key=OLD)
-    operation = pair.install(NEW)
-    assert pair.network.run(lambda: pair.server.on_trial, timeout=5.0)
-    there, _ = pair.pipes
+    harness = SigningHarness(key=OLD)
+    operation = harness.install(NEW)
+    assert harness.network.run(lambda: harness.server.on_trial, timeout=5.0)
+    there, _ = harness.pipes
     there.cut = True  # the component sends, but receives nothing
-    pair.network.at(12.0, lambda: setattr(there, "cut", False))
-    pair.run(operation)
-    pair.network.run(timeout=30.0)
+    harness.network.at(12.0, lambda: setattr(there, "cut", False))
+    harness.run(operation)
+    harness.network.run(timeout=30.0)
     assert isinstance(operation.error, RemoteDenied)
-    assert pair.server.key == OLD
-    pair.assert_they_hear_each_other()
-    assert not pair.client.changing
+    assert harness.server.key == OLD
+    harness.assert_heartbeats_arrive()
+    assert not harness.client.changing
 
 
 def test_one_that_took_the_key_while_we_received_nothing_is_followed():
     """The operation gives up, the vehicle has changed: we speak its way as soon as we hear it."""
-    pair = Pair(key=OLD)
-    operation = pair.install(NEW, timeout=5.0)
-    assert pair.network.run(lambda: pair.client._change and pair.client._change.uses_new, timeout=5.0)
-    _, back = pair.pipes
+    harness = SigningHarness(key=OLD)
+    operation = harness.install(NEW, timeout=5.0)
+    assert harness.network.run(
+        lambda: harness.client._change and harness.client._change.uses_new, timeout=5.0
+    )
+    _, back = harness.pipes
     back.cut = True
-    pair.run(operation)
+    harness.run(operation)
     assert isinstance(operation.error, RemoteTimeout)
-    assert pair.server.key == NEW
-    assert pair.client.changing
+    assert harness.server.key == NEW
+    assert harness.client.changing
     back.cut = False
-    pair.network.run(timeout=30.0)
-    assert [event.changed for event in pair.ground.events_of(KeySettled)] == [True]
-    pair.assert_they_hear_each_other()
+    harness.network.run(timeout=30.0)
+    assert [event.changed for event in harness.ground.events_of(KeySettled)] == [True]
+    harness.assert_heartbeats_arrive()
 
 
 def test_a_vehicle_that_answers_no_timesync_is_believed_after_its_trial():
-    pair = Pair(answers=False)
-    assert pair.run(pair.install(NEW)).error is None
-    assert pair.server.key == NEW
-    pair.assert_they_hear_each_other()
+    harness = SigningHarness(answers=False)
+    assert harness.run(harness.install(NEW)).error is None
+    assert harness.server.key == NEW
+    harness.assert_heartbeats_arrive()
 
 
 def test_a_vehicle_without_a_trial_as_ardupilot_is_confirmed_too():
@@ -130,65 +132,65 @@ def test_a_vehicle_without_a_trial_as_ardupilot_is_confirmed_too():
         handles = message_ids(common.SetupSigning)
 
         def receive(self, packet, now):
-            channel = pair.vehicle.engine.arrived_on
+            channel = harness.vehicle.engine.arrived_on
             key = SigningKey(packet.message.secret_key)
             channel.signing = key.signing(3, timestamp=packet.message.initial_timestamp)
 
-    pair = Pair(key=OLD)
-    pair.vehicle.engine.remove(pair.server)
-    pair.vehicle.engine.add(AtOnce(VEHICLE))
-    assert pair.run(pair.install(NEW)).error is None
-    pair.assert_they_hear_each_other()
+    harness = SigningHarness(key=OLD)
+    harness.vehicle.engine.remove(harness.server)
+    harness.vehicle.engine.add(AtOnce(VEHICLE))
+    assert harness.run(harness.install(NEW)).error is None
+    harness.assert_heartbeats_arrive()
 
 
 def test_nothing_is_sent_before_the_target_is_received_nor_to_others():
-    pair = Pair()
-    stranger = pair.network.node(Address(9, 9))
-    pair.network.connect(pair.ground, stranger)
-    there, back = pair.pipes
+    harness = SigningHarness()
+    stranger = harness.network.node(Address(9, 9))
+    harness.network.connect(harness.ground, stranger)
+    there, back = harness.pipes
     there.cut = back.cut = True
-    operation = pair.install(NEW)
-    pair.network.run(timeout=3.0)
+    operation = harness.install(NEW)
+    harness.network.run(timeout=3.0)
     assert operation.attempts == 0
     there.cut = back.cut = False
-    assert pair.run(operation).error is None
-    assert [p for p in pair.vehicle.heard if p.name == "SETUP_SIGNING"]
-    assert not [p for p in stranger.heard if p.name == "SETUP_SIGNING"]
+    assert harness.run(operation).error is None
+    assert [p for p in harness.vehicle.received if p.name == "SETUP_SIGNING"]
+    assert not [p for p in stranger.received if p.name == "SETUP_SIGNING"]
 
 
 def test_silence_is_a_timeout_and_changes_nothing():
-    pair = Pair(key=OLD)
-    for pipe in pair.pipes:
+    harness = SigningHarness(key=OLD)
+    for pipe in harness.pipes:
         pipe.cut = True
-    assert isinstance(pair.run(pair.install(NEW)).error, RemoteTimeout)
-    for pipe in pair.pipes:
+    assert isinstance(harness.run(harness.install(NEW)).error, RemoteTimeout)
+    for pipe in harness.pipes:
         pipe.cut = False
-    pair.assert_they_hear_each_other()
+    harness.assert_heartbeats_arrive()
 
 
 def test_cancelling_half_way_leaves_neither_side_deaf():
-    pair = Pair(key=OLD)
-    operation = pair.install(NEW)
-    assert pair.network.run(lambda: pair.server.on_trial, timeout=5.0)
-    pair.client.cancel(operation, pair.network.now)
-    pair.ground.engine.touch(pair.client)
+    harness = SigningHarness(key=OLD)
+    operation = harness.install(NEW)
+    assert harness.network.run(lambda: harness.server.on_trial, timeout=5.0)
+    harness.client.cancel(operation, harness.network.now)
+    harness.ground.engine.touch(harness.client)
     assert isinstance(operation.error, RemoteCancelled)
-    pair.network.run(timeout=40.0)
-    assert not pair.client.changing
-    pair.assert_they_hear_each_other()
-    second = pair.run(pair.install(OLD))
+    harness.network.run(timeout=40.0)
+    assert not harness.client.changing
+    harness.assert_heartbeats_arrive()
+    second = harness.run(harness.install(OLD))
     assert second.error is None
-    pair.assert_they_hear_each_other()
+    harness.assert_heartbeats_arrive()
 
 
 def test_a_second_change_waits_until_the_first_is_settled():
-    pair = Pair()
-    first, second = pair.install(OLD), pair.install(NEW)
-    pair.run(second)
+    harness = SigningHarness()
+    first, second = harness.install(OLD), harness.install(NEW)
+    harness.run(second)
     assert first.error is None
     assert second.error is None
-    assert pair.server.key == NEW
-    pair.assert_they_hear_each_other()
+    assert harness.server.key == NEW
+    harness.assert_heartbeats_arrive()
 
 
 def test_a_damaged_signature_is_not_taken_for_the_old_way():
@@ -206,20 +208,20 @@ def test_a_damaged_signature_is_not_taken_for_the_old_way():
 
 
 def test_the_same_key_again_is_confirmed_without_asking():
-    pair = Pair(key=OLD)
-    operation = pair.run(pair.install(OLD))
+    harness = SigningHarness(key=OLD)
+    operation = harness.run(harness.install(OLD))
     assert operation.error is None
     assert operation.attempts == 0
-    pair.assert_they_hear_each_other()
+    harness.assert_heartbeats_arrive()
 
 
 def test_a_key_shows_in_no_text():
-    pair = Pair()
-    operation = pair.run(pair.install(NEW))
+    harness = SigningHarness()
+    operation = harness.run(harness.install(NEW))
     secret = NEW.secret_bytes()
-    texts = [repr(operation.__dict__), operation.description, repr(pair.server.__dict__)]
-    texts += [repr(event) for node in pair.network.nodes for _, event in node.events]
-    texts += [repr(p.message) for p in pair.vehicle.heard]
+    texts = [repr(operation.__dict__), operation.description, repr(harness.server.__dict__)]
+    texts += [repr(event) for node in harness.network.nodes for _, event in node.events]
+    texts += [repr(p.message) for p in harness.vehicle.received]
     assert any("SetupSigning" in text for text in texts)
     for text in texts:
         assert secret.hex() not in text

@@ -7,7 +7,7 @@ from tests.services.network import START
 
 
 def observe(*times: tuple[float, float]) -> list[bool]:
-    """Whether each (seconds since boot, seconds that passed) shows a start."""
+    """Return for each (seconds since boot, elapsed seconds) whether it shows a reboot."""
     detector = RebootDetector()
     return [detector.observe(round(boot * 1000), START + passed) for boot, passed in times]
 

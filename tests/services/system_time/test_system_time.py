@@ -10,7 +10,7 @@ from tests.services.network import GROUND, START, VEHICLE, Network
 from tests.services.telemetry_helpers import feed_garbage, packet_of, sent_by
 
 
-def heard(unix: float, boot: float) -> common.SystemTime:
+def system_time(unix: float, boot: float) -> common.SystemTime:
     return common.SystemTime(time_unix_usec=round(unix * 1e6), time_boot_ms=round(boot * 1000))
 
 
@@ -21,7 +21,7 @@ def test_the_time_is_broadcast_at_its_interval() -> None:
     observer = ground.engine.add(SystemTimeObserver(GROUND))
     network.connect(ground, vehicle)
     network.run(timeout=10)
-    assert len(ground.heard) == 21
+    assert len(ground.received) == 21
     clock = observer.clock_of(VEHICLE)
     assert clock.unix_time == pytest.approx(clock.received_at)
     assert clock.since_boot == pytest.approx(10.0)
@@ -54,20 +54,20 @@ def test_a_rate_must_be_one() -> None:
 
 def test_a_time_of_0_is_not_known_and_one_after_a_fix_is_reported() -> None:
     observer = SystemTimeObserver(GROUND)
-    observer.receive(packet_of(heard(0, 5)), START)
-    observer.receive(packet_of(heard(86_400, 6)), START + 1)
+    observer.receive(packet_of(system_time(0, 5)), START)
+    observer.receive(packet_of(system_time(86_400, 6)), START + 1)
     assert observer.clock_of(VEHICLE).unix_time is None
     assert observer.clock_of(VEHICLE).offset is None
-    observer.receive(packet_of(heard(START + 100, 7)), START + 2)
-    observer.receive(packet_of(heard(START + 101, 8)), START + 3)
+    observer.receive(packet_of(system_time(START + 100, 7)), START + 2)
+    observer.receive(packet_of(system_time(START + 101, 8)), START + 3)
     assert observer.events() == [UnixTimeKnown(VEHICLE, START + 100)]
     assert observer.clock_of(VEHICLE).offset == pytest.approx(98.0)
 
 
 def test_a_reboot_is_reported_and_unsets_the_clock() -> None:
     observer = SystemTimeObserver(GROUND)
-    observer.receive(packet_of(heard(START, 500)), START)
-    observer.receive(packet_of(heard(0, 1)), START + 5)
+    observer.receive(packet_of(system_time(START, 500)), START)
+    observer.receive(packet_of(system_time(0, 1)), START + 5)
     assert observer.events() == [UnixTimeKnown(VEHICLE, START), Rebooted(VEHICLE)]
     assert observer.clock_of(VEHICLE).unix_time is None
 
@@ -76,7 +76,7 @@ def test_systems_are_reported_apart_and_the_table_is_bounded() -> None:
     observer = SystemTimeObserver(GROUND)
     for number in range(600):
         source = Address(1 + number % 250, 1 + number // 250)
-        observer.receive(packet_of(heard(0, 1000 - number), source), START)
+        observer.receive(packet_of(system_time(0, 1000 - number), source), START)
     assert observer.events() == []
     assert len(observer._clocks) == 256
 

@@ -9,7 +9,7 @@ from mavstack.dialects import common
 from mavstack.errors import MessageTimeout
 from mavstack.services.version import ProtocolVersion, RequestAutopilotVersion, RequestProtocolVersion
 from tests.services.network import random_impairment, with_cuts
-from tests.services.version.test_version import VERSION, Versioned
+from tests.services.version.test_version import VERSION, VersionHarness
 
 if TYPE_CHECKING:
     from tests.seeds import Seeds
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 def scenario(seed: int) -> None:
     random = Random(seed)
-    peers = Versioned(seed, random_impairment(random))
-    with_cuts(peers.network, peers.pipes)
+    harness = VersionHarness(seed, random_impairment(random))
+    with_cuts(harness.network, harness.pipes)
     if random.random() < 0.3:
-        peers.commands.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.UNSUPPORTED)
-    autopilot, protocol = peers.begin(RequestAutopilotVersion()), peers.begin(RequestProtocolVersion())
-    assert peers.network.run(lambda: autopilot.done and protocol.done, timeout=300)
+        harness.commands.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.UNSUPPORTED)
+    autopilot, protocol = harness.begin(RequestAutopilotVersion()), harness.begin(RequestProtocolVersion())
+    assert harness.network.run(lambda: autopilot.done and protocol.done, timeout=300)
     for operation, right in ((autopilot, VERSION), (protocol, ProtocolVersion())):
         if operation.error is None:
             assert operation.result() == right

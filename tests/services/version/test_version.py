@@ -15,7 +15,7 @@ from mavstack.services.version import (
     git_hash,
     provide_versions,
 )
-from tests.services.message_request.peers import Peers
+from tests.services.message_request.harness import RequestHarness
 from tests.services.network import VEHICLE
 
 VERSION = AutopilotVersion(
@@ -31,42 +31,42 @@ VERSION = AutopilotVersion(
 )
 
 
-class Versioned(Peers):
+class VersionHarness(RequestHarness):
     def provide(self) -> None:
         provide_versions(self.messages, VERSION)
 
 
 def test_both_versions_are_answered() -> None:
-    peers = Versioned()
-    assert peers.run(RequestAutopilotVersion()).result() == VERSION
-    assert peers.run(RequestProtocolVersion()).result() == ProtocolVersion()
+    harness = VersionHarness()
+    assert harness.run(RequestAutopilotVersion()).result() == VERSION
+    assert harness.run(RequestProtocolVersion()).result() == ProtocolVersion()
 
 
 def test_request_message_comes_first() -> None:
-    peers = Versioned()
-    peers.run(RequestAutopilotVersion())
-    assert peers.commands_heard() == [common.MavCmd.REQUEST_MESSAGE]
+    harness = VersionHarness()
+    harness.run(RequestAutopilotVersion())
+    assert harness.received_commands() == [common.MavCmd.REQUEST_MESSAGE]
 
 
 def test_a_server_answers_the_older_commands_too() -> None:
-    peers = Versioned()
-    peers.commands.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.UNSUPPORTED)
-    assert peers.run(RequestAutopilotVersion()).result() == VERSION
-    assert peers.run(RequestProtocolVersion()).error is None
-    assert set(peers.commands_heard()) == {512, 519, 520}
+    harness = VersionHarness()
+    harness.commands.support(common.MavCmd.REQUEST_MESSAGE, lambda _: common.MavResult.UNSUPPORTED)
+    assert harness.run(RequestAutopilotVersion()).result() == VERSION
+    assert harness.run(RequestProtocolVersion()).error is None
+    assert set(harness.received_commands()) == {512, 519, 520}
 
 
 def test_no_client_there_is_a_typed_error() -> None:
-    peers = Peers(old=True)
-    peers.vehicle.setup = None
-    peers.vehicle.restart()
-    assert isinstance(peers.run(RequestAutopilotVersion()).error, MessageTimeout)
+    harness = RequestHarness(old=True)
+    harness.vehicle.setup = None
+    harness.vehicle.restart()
+    assert isinstance(harness.run(RequestAutopilotVersion()).error, MessageTimeout)
 
 
 def test_an_autopilot_without_any_way_denies() -> None:
-    peers = Peers(old=True)
-    assert isinstance(peers.commands, CommandServer)
-    assert peers.run(RequestProtocolVersion()).error.code == common.MavResult.UNSUPPORTED
+    harness = RequestHarness(old=True)
+    assert isinstance(harness.commands, CommandServer)
+    assert harness.run(RequestProtocolVersion()).error.code == common.MavResult.UNSUPPORTED
 
 
 @pytest.mark.parametrize(
@@ -130,6 +130,6 @@ def test_which_protocols_are_spoken(protocol: ProtocolVersion, speaks: list[int]
 
 
 def test_a_camera_is_requested_like_an_autopilot() -> None:
-    peers = Versioned()
-    assert peers.client.target == VEHICLE
-    assert peers.run(RequestMessage(common.AutopilotVersion)).result() == VERSION.to_message()
+    harness = VersionHarness()
+    assert harness.client.target == VEHICLE
+    assert harness.run(RequestMessage(common.AutopilotVersion)).result() == VERSION.to_message()

@@ -41,7 +41,7 @@ class ParameterNetwork:
 
     def received_values(self) -> list[tuple[str, float]]:
         self.network.run(timeout=1.0)
-        messages = [packet.message for packet in self.ground.heard]
+        messages = [packet.message for packet in self.ground.received]
         return [(m.param_id, m.param_value) for m in messages if isinstance(m, common.ParamValue)]
 
 
@@ -167,7 +167,7 @@ def test_reset_restores_defaults_but_keeps_counters() -> None:
     setup.parameters.set("RTL_ALT", 3000)
     setup.run(setup.client.set("WPNAV_SPEED", 750.0, setup.network.now))
     setup.parameters.on_any_change(lambda *change: changes.append(change))
-    setup.ground.heard.clear()
+    setup.ground.received.clear()
     setup.parameters.reset()
     assert sorted(changes) == [("RTL_ALT", 1500), ("WPNAV_SPEED", 1000.0)]
     assert sorted(setup.received_values()) == sorted(changes)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 CAMERA = Address(1, 100)
 
 
-class Pair:
+class ExtendedParameterHarness:
     """A client on the ground and a server on a camera, joined by one link."""
 
     def __init__(

@@ -1,4 +1,4 @@
-"""A vehicle and a ground station whose channels sign, and what each receives of the other."""
+"""A vehicle and a ground station with signed channels, joined by a simulated link."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from mavstack.services.timesync import TimesyncServer
 from tests.services.network import GROUND, VEHICLE, Network
 
 
-class Pair:
-    """`key`: what both begin with; `policy` of the vehicle, else its trusted channels."""
+class SigningHarness:
+    """A vehicle and a ground station that both begin with `key`.
+
+    `policy` is the vehicle's rule for accepting keys; None accepts them over its trusted channels.
+    """
 
     def __init__(self, seed=0, *, key=None, impairment=None, policy=None, trusted=True, answers=True):
         self.network = Network(seed, keep_packets=True)
@@ -60,15 +63,15 @@ class Pair:
         assert self.network.run(lambda: operation.done, timeout=120.0)
         return operation
 
-    def assert_they_hear_each_other(self):
-        """Both hear the other's heartbeat through their signing: neither is deaf."""
-        self.ground.heard.clear()
-        self.vehicle.heard.clear()
+    def assert_heartbeats_arrive(self):
+        """Both receive the other's heartbeats through their signing."""
+        self.ground.received.clear()
+        self.vehicle.received.clear()
         self.network.run(timeout=5.0)
-        assert [packet for packet in self.ground.heard if packet.name == "HEARTBEAT"]
-        assert [packet for packet in self.vehicle.heard if packet.name == "HEARTBEAT"]
+        assert [packet for packet in self.ground.received if packet.name == "HEARTBEAT"]
+        assert [packet for packet in self.vehicle.received if packet.name == "HEARTBEAT"]
 
     @property
     def signed(self):
-        """Whether what each sends is signed: (ground, vehicle)."""
-        return self.vehicle.heard[-1].signed, self.ground.heard[-1].signed
+        """Whether the last packets of (ground, vehicle) are signed."""
+        return self.vehicle.received[-1].signed, self.ground.received[-1].signed

@@ -14,8 +14,11 @@ if TYPE_CHECKING:
     from mavstack.services import Operation
 
 
-class Peers:
-    """`old`: the vehicle knows only the commands that `support` gives it."""
+class RequestHarness:
+    """A vehicle and a ground station.
+
+    If `old`, the vehicle has no message server and knows only the commands that `support` adds.
+    """
 
     def __init__(
         self, seed: int = 0, impairment: Impairment | None = None, *, old: bool = False, **link
@@ -49,12 +52,12 @@ class Peers:
         self.ground.engine.touch(self.client)
         return operation
 
-    def let_pass(self, seconds: float) -> None:
+    def run_for(self, seconds: float) -> None:
         self.network.run(timeout=seconds)
 
-    def heard(self, kind: type) -> list:
-        return [packet.message for packet in self.ground.heard if isinstance(packet.message, kind)]
+    def received(self, kind: type) -> list:
+        return [packet.message for packet in self.ground.received if isinstance(packet.message, kind)]
 
-    def commands_heard(self) -> list[int]:
+    def received_commands(self) -> list[int]:
         kinds = common.CommandLong | common.CommandInt
-        return [int(p.message.command) for p in self.vehicle.heard if isinstance(p.message, kinds)]
+        return [int(p.message.command) for p in self.vehicle.received if isinstance(p.message, kinds)]

@@ -12,7 +12,7 @@ from tests.services.network import GROUND, VEHICLE, Network
 if TYPE_CHECKING:
     from mavstack.links import Impairment
     from mavstack.services.parameters import Parameter, Value
-    from tests.services.network import Air, Node, Pipe
+    from tests.services.network import HalfDuplexRadio, Node, Pipe
 
 KIND = common.MavParamType
 SMALL_KINDS = (KIND.INT8, KIND.UINT8, KIND.INT16, KIND.UINT16, KIND.INT32, KIND.UINT32, KIND.REAL32)
@@ -47,7 +47,7 @@ def table_of(server: ParameterServer) -> dict[str, Value]:
     return {definition.name: definition.value for definition in server.table}
 
 
-class Pair:
+class ParameterHarness:
     """A client on the ground and a server on a vehicle, joined by one link."""
 
     def __init__(
@@ -57,7 +57,7 @@ class Pair:
         seed: int = 0,
         encoding: Encoding = Encoding.BYTEWISE,
         impairment: Impairment | None = None,
-        air: Air | None = None,
+        radio: HalfDuplexRadio | None = None,
         bandwidth: float | None = None,
         hash_check: bool | None = None,
     ) -> None:
@@ -69,7 +69,7 @@ class Pair:
         self.ground: Node = self.network.node(GROUND)
         self.client = self.ground.engine.add(ParameterClient(GROUND, VEHICLE, encoding))
         self.pipes: tuple[Pipe, Pipe] = self.network.connect(
-            self.ground, self.vehicle, impairment, air=air, bandwidth=bandwidth
+            self.ground, self.vehicle, impairment, radio=radio, bandwidth=bandwidth
         )
 
     def _setup(self, engine) -> None:

@@ -1,4 +1,4 @@
-"""Both ends of a file transfer, in a network."""
+"""An FTP client and server in a simulated network."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from mavstack.services.ftp import FtpClient, FtpServer, MemoryStore
 from tests.services.network import GROUND, VEHICLE, Network
 
 
-class Ends:
+class FtpHarness:
     def __init__(
         self, seed: int = 0, store=None, impairment=None, *, paced=True, connect=True, **link
     ) -> None:
@@ -42,7 +42,7 @@ class Ends:
         self.network.run(lambda: not self.client.busy, timeout=timeout)
 
 
-class SpreadingServer(FtpServer):
+class Px4BurstServer(FtpServer):
     """Bursts without pacing, as PX4 over UDP: four packets per 1.25 ms, whatever the link carries."""
 
     TICK, PACKETS = 0.00125, 4
@@ -71,8 +71,8 @@ class SpreadingServer(FtpServer):
         return earliest(super().next_timeout(), self._tick)
 
 
-class SpreadingEnds(Ends):
+class Px4BurstHarness(FtpHarness):
     def serve(self, engine) -> None:
-        self.servers.append(engine.add(SpreadingServer(self.vehicle_address, self.store)))
+        self.servers.append(engine.add(Px4BurstServer(self.vehicle_address, self.store)))
 
     vehicle_address = VEHICLE
