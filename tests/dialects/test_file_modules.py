@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from mypy import api
 
 import mavstack
 from mavstack.dialects import Dialect, common
 from mavstack.dialects.file_modules import outdated_files, write_dialect_module
 from mavstack.errors import DialectError
+from tests.type_checkers import run_mypy
 
 OTHER = """<mavlink><enums><enum name="NOZZLE"><entry value="1" name="NOZZLE_FLAT"/></enum></enums>
 <messages><message id="42001" name="TANK"><field type="float" name="level"/></message></messages></mavlink>"""
@@ -68,8 +68,8 @@ def test_a_type_checker_knows_the_messages_of_a_users_dialect(definition, tmp_pa
     (folder / "right.py").write_text(RIGHT)
     for index, text in enumerate(WRONG):
         (folder / f"wrong{index}.py").write_text(f"import my_sprayer\n{text}\n")
-    arguments = ["--config-file=", "--strict", "--cache-dir", str(tmp_path / "cache"), str(folder)]
-    output, errors, _ = api.run(arguments)
+    checked = run_mypy("--config-file=", "--cache-dir", str(tmp_path / "cache"), str(folder))
+    output, errors = checked.stdout, checked.stderr
     lines = [line for line in output.splitlines() if ": error: " in line]
     assert errors == ""
     assert sorted({Path(line.split(":")[0]).name for line in lines}) == [

@@ -4,11 +4,11 @@ import ast
 from pathlib import Path
 
 import pytest
-from mypy import api
 
 import mavstack.dialects
 from mavstack.dialects import Dialect, generate
 from mavstack.dialects.tables import official_names
+from tests.type_checkers import run_mypy
 
 HERE = Path(mavstack.dialects.__file__).parent
 
@@ -89,9 +89,8 @@ def test_type_checkers_accept_valid_and_refuse_invalid_use(tmp_path):
     for index, text in enumerate(WRONG):
         (tmp_path / f"wrong{index}.py").write_text(text)
     # "--config-file=" prevents mypy from reading the configuration of the project.
-    output, errors, _ = api.run(
-        ["--config-file=", "--strict", "--cache-dir", str(tmp_path / "cache"), str(tmp_path)]
-    )
+    checked = run_mypy("--config-file=", "--cache-dir", str(tmp_path / "cache"), str(tmp_path))
+    output, errors = checked.stdout, checked.stderr
     lines = [line for line in output.splitlines() if ": error: " in line]
     assert errors == ""
     assert sorted({Path(line.split(":")[0]).name for line in lines}) == [

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import ast
-import subprocess
-import sys
 from typing import TYPE_CHECKING
 
 from mavstack.sync import generate
+from tests.type_checkers import run_mypy
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,8 +57,7 @@ def test_the_stub_shows_no_internal_class() -> None:
 def test_type_checkers_see_blocking_calls(tmp_path: Path) -> None:
     program = tmp_path / "program.py"
     program.write_text(PROGRAM)
-    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", str(program)]
-    lines = subprocess.run(command, capture_output=True, text=True, check=False).stdout.splitlines()
+    lines = run_mypy(str(program)).stdout.splitlines()
     assert [line.partition(": ")[2].partition("  [")[0] for line in lines] == [
         'note: Revealed type is "int"',
         'note: Revealed type is "float"',

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.type_checkers import run_mypy
+
 HERE = Path(__file__).parent
 PROGRAMS = ("async_programs.py", "blocking_programs.py")
 #: Mistakes in a blocking program, and a word of the message of a type checker.
@@ -20,14 +22,9 @@ MISTAKES = {
 }
 
 
-def mypy(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_mypy_accepts_typical_programs(program: str) -> None:
-    checked = mypy(str(HERE / program))
+    checked = run_mypy(str(HERE / program))
     assert (checked.stdout, checked.returncode) == ("", 0)
 
 
@@ -36,7 +33,7 @@ def test_mypy_rejects_mistakes(number: int, tmp_path: Path) -> None:
     text, word = list(MISTAKES.items())[number]
     program = tmp_path / "mistake.py"
     program.write_text(text)
-    checked = mypy(str(program))
+    checked = run_mypy(str(program))
     assert checked.returncode == 1
     assert word in checked.stdout
 
