@@ -10,7 +10,7 @@ the engine collects its messages after them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heapreplace
 from math import inf, isfinite
@@ -28,10 +28,13 @@ if TYPE_CHECKING:
     from mavstack.services.command import CommandRequest, CommandServer
     from mavstack.wire import Packet
 
-#: Makes a message for a time in Unix seconds; None if there is none.
-Producer: TypeAlias = Callable[[float], Message | None]
-#: Makes the message of an index or id (param 2 of a request) for a time; None if there is none.
-InstanceProducer: TypeAlias = Callable[[float, float], Message | None]
+#: One message, several (of all instances, such as gimbals), or None if there is none.
+Made: TypeAlias = Message | Sequence[Message] | None
+#: Makes a message for a time in Unix seconds.
+Producer: TypeAlias = Callable[[float], Made]
+#: Makes the message of an index or id (param 2 of a request) for a time; all of them for the index 0, where
+#: the definition of the message says so.
+InstanceProducer: TypeAlias = Callable[[float, float], Made]
 
 #: The shortest interval of a message, whatever is requested, in microseconds.
 MIN_INTERVAL = 1_000
@@ -136,8 +139,7 @@ class MessageServer(Service):
                 return
             _, order, stream = queue[0]
             heapreplace(queue, (stream.sent(now), order, stream))
-            message = stream.produce(now)
-            if message is not None:
+            for message in _each(stream.produce(now)):
                 yield Outgoing(message, BROADCAST, Priority.STREAM)
             queue = self._queued()  # a new one after a change of rate
 
@@ -177,15 +179,14 @@ class MessageServer(Service):
     ) -> common.MavResult:
         now = request.received_at
         if message_id in self._instances:
-            message = self._instances[int(message_id)](instance, now)
+            messages = _each(self._instances[int(message_id)](instance, now))
         elif message_id in self._streams:
-            message = self._streams[int(message_id)].produce(now)
+            messages = _each(self._streams[int(message_id)].produce(now))
         else:
             return common.MavResult.DENIED
-        if message is None:
-            return common.MavResult.FAILED
-        self.send(message, target)
-        return common.MavResult.ACCEPTED
+        for message in messages:
+            self.send(message, target)
+        return common.MavResult.ACCEPTED if messages else common.MavResult.FAILED
 
     def _set_message_interval(self, request: CommandRequest) -> common.MavResult:
         wanted = request.command.param2
@@ -219,6 +220,13 @@ class MessageServer(Service):
             if (everything and (stream.default > 0 or not on)) or (members and message_id in members):
                 self._change(stream, round(1e6 / rate) if on else -1, now)
         self.send(common.DataStream(stream_id=group, message_rate=rate, on_off=int(on)), source)
+
+
+def _each(made: Made) -> Sequence[Message]:
+    """Return the messages that a producer made."""
+    if made is None:
+        return ()
+    return (made,) if isinstance(made, Message) else made
 
 
 def _microseconds(interval: float) -> int:

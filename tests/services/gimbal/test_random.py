@@ -1,0 +1,75 @@
+"""Gimbals over random networks: the gimbal points where it shall, or a typed error follows in time."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING
+
+import pytest
+
+from mavstack.dialects import common
+from mavstack.errors import ActionTimeout, CommandDenied, RemoteError, RemoteTimeout
+from mavstack.services.gimbal import GimbalSetpoint, ListGimbals, PointGimbal, TakeControl
+from tests.services.drive import garbage, give
+from tests.services.gimbal.pairs import MANAGER, Pair
+from tests.services.network import GROUND, random_impairment, with_cuts
+
+if TYPE_CHECKING:
+    from tests.seeds import Seeds
+
+
+def scenario(seed: int) -> None:
+    random = Random(seed)
+    pair = Pair(*random.choice([(1,), (1, 2)]), seed=seed, impairment=random_impairment(random))
+    with_cuts(pair.network, pair.pipes)
+    if random.random() < 0.2:
+        pair.network.at(random.uniform(0, 5), pair.manager.restart)
+    listing = pair.run(ListGimbals())
+    if listing.error is None:
+        numbers = [each.device_id for each in listing.result()]
+        assert set(numbers) <= set(pair.device_ids)
+    else:
+        assert isinstance(listing.error, RemoteTimeout)
+    taken = pair.run(TakeControl(GROUND))
+    pitch = random.uniform(-80, 20)
+    pointing = PointGimbal(GimbalSetpoint(pitch=pitch), 1, lambda: pair.monitor.attitude(1))
+    pointed = pair.run(pointing)
+    if pointed.error is None:
+        assert taken.error is None or pair.server.status(1).primary == GROUND
+        assert pointed.result().pitch == pytest.approx(pitch, abs=2.0)
+    else:
+        assert isinstance(pointed.error, CommandDenied | ActionTimeout | RemoteTimeout)
+
+
+def test_gimbals_over_bad_links(seeds: Seeds) -> None:
+    seeds.check(scenario)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        common.GimbalManagerSetPitchyaw,
+        common.GimbalManagerSetAttitude,
+        common.GimbalManagerSetManualControl,
+        common.GlobalPositionInt,
+        common.Attitude,
+        common.GimbalManagerInformation,
+        common.GimbalManagerStatus,
+        common.GimbalDeviceInformation,
+        common.GimbalDeviceAttitudeStatus,
+    ],
+)
+def test_garbage_does_no_harm(kind) -> None:
+    random = Random(1)
+    pair = Pair()
+    pair.run(TakeControl(GROUND)).result()
+    for _ in range(200):
+        message = garbage(kind, random)
+        give(pair.server, message, GROUND, pair.network.now)
+        give(pair.server, message, MANAGER._replace(component=1), pair.network.now)
+        give(pair.monitor, message, MANAGER, pair.network.now)
+    pair.let_pass(1)
+    assert len(pair.monitor.informations) <= 16
+    assert pair.monitor.attitude() is None or isinstance(pair.monitor.attitude().pitch, float)
+    operation = pair.run(PointGimbal(GimbalSetpoint(pitch=-5), 1, lambda: None, wait=False))
+    assert operation.error is None or isinstance(operation.error, RemoteError)
