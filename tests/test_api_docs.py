@@ -10,8 +10,11 @@ import pytest
 from mavstack import errors
 from mavstack.errors import MavstackError
 from mavstack.node import Node, RemoteComponent
+from mavstack.node.camera import Camera
+from mavstack.node.camera_settings import CameraSettings
 from mavstack.node.extended_params import ExtendedParams
 from mavstack.node.ftp import Ftp
+from mavstack.node.gimbal import Gimbal
 from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
 from mavstack.node.params import Params
@@ -29,7 +32,21 @@ from mavstack.vehicle import (
     VehiclePlan,
 )
 
-PARTS = (Params, ExtendedParams, Ftp, Logs, Modes, Plans, Shell, Mission, VehiclePlan, GuidedSession)
+PARTS = (
+    Camera,
+    CameraSettings,
+    Gimbal,
+    Params,
+    ExtendedParams,
+    Ftp,
+    Logs,
+    Modes,
+    Plans,
+    Shell,
+    Mission,
+    VehiclePlan,
+    GuidedSession,
+)
 CLASSES = (Node, Connection, RemoteComponent, Vehicle, Group, MessageStream, ValueStream, *PARTS)
 #: Coroutines that raise no error of Mavstack.
 RAISES_NOTHING = {

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mavstack.node.firmware import has_home_item_first
+from mavstack.services import Address
+from mavstack.services.camera import CameraMonitor
 from mavstack.services.command import CommandClient
 from mavstack.services.extended_parameters import ExtendedParameterClient
 from mavstack.services.ftp import FtpClient
+from mavstack.services.gimbal import GimbalMonitor
 from mavstack.services.log import LogClient
 from mavstack.services.mission import MissionClient
 from mavstack.services.modes import ModeMonitor
@@ -20,7 +23,7 @@ from mavstack.services.timesync import TimesyncClient
 if TYPE_CHECKING:
     from mavstack.node.host import NodeHost
     from mavstack.security import SigningKey
-    from mavstack.services import Address
+    from mavstack.services import Operation
     from mavstack.services.heartbeat import ComponentInfo
 
 
@@ -50,8 +53,29 @@ class ComponentClients:
                 self.host.wake(client)
         if self.has("modes"):
             self.modes.clear_cache()
+        for name in ("cameras", "gimbals"):
+            if self.has(name):
+                getattr(self, name).clear_cache()
         if self.has("mission"):
             self.mission.clear_progress()
+
+    def sibling(self, component: int) -> ComponentClients:
+        """Return the clients of another component of the same system."""
+        return ComponentClients(self.host, Address(self.address.system, component))
+
+    @cached_property
+    def cameras(self) -> CameraMonitor:
+        """The monitor of the component's cameras, from the first use on."""
+        return self.host.serve(CameraMonitor(self.host.address, self.address, self._begin_command))
+
+    @cached_property
+    def gimbals(self) -> GimbalMonitor:
+        """The monitor of the component's gimbals, from the first use on."""
+        return self.host.serve(GimbalMonitor(self.host.address, self.address))
+
+    def _begin_command(self, operation: Operation[Any], now: float) -> None:
+        self.command.begin(operation, now)
+        self.host.engine.touch(self.command)
 
     @cached_property
     def command(self) -> CommandClient:

@@ -1,6 +1,6 @@
-"""A remote component and its parts: commands, messages, parameters, files, logs, modes, plans, control.
+"""A remote component and its parts: commands, messages, parameters, files, logs, modes, plans, payloads.
 
-Each part (`params`, `mission`, `ftp` …) is created on first use. Operations run concurrently; those that the
+Each part (`params`, `mission` …) is created on first use. Operations run concurrently; those that the
 protocol forbids to overlap are queued. Every call ends with its result or a typed error of `mavstack.errors`,
 and a cancelled task cancels the operation on both ends.
 """
@@ -17,18 +17,14 @@ from mavstack.node.ftp import Ftp
 from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
 from mavstack.node.params import Params
+from mavstack.node.payloads import PayloadParts
 from mavstack.node.plans import Plans
 from mavstack.node.read_only import ReadOnly
 from mavstack.node.shell import Shell
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.services.command import Command, CommandOperation
 from mavstack.services.manual_control import ManualControlSender, OverrideSender
-from mavstack.services.message_request import (
-    GetMessageInterval,
-    Interval,
-    RequestMessage,
-    SetMessageInterval,
-)
+from mavstack.services.message_request import GetMessageInterval, Interval, RequestMessage, SetMessageInterval
 from mavstack.services.mission import PlanType
 from mavstack.services.setpoints import SetpointStreamer
 from mavstack.services.version import RequestAutopilotVersion, RequestProtocolVersion
@@ -55,7 +51,7 @@ if TYPE_CHECKING:
 AnyMessage = TypeVar("AnyMessage", bound="Message")
 
 
-class RemoteComponent(ReadOnly):
+class RemoteComponent(PayloadParts, ReadOnly):
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
 
     _constructed = frozenset({"address"})
@@ -393,7 +389,7 @@ class RemoteComponent(ReadOnly):
 
     @property
     def clock(self) -> TimesyncClient:
-        """The client that follows the component's clock (TIMESYNC) from the first use on; see `estimate`."""
+        """The client that follows the component's clock (TIMESYNC), from the first use on; see `estimate`."""
         return self._clients.clock
 
     def __repr__(self) -> str:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from mavstack.dialects import common
 from mavstack.node.command_handlers import CommandHandlers
 from mavstack.node.key_change import trusted_channels
+from mavstack.services.camera import CameraServer
+from mavstack.services.gimbal import GimbalManagerServer
 from mavstack.services.message_request import MessageServer
 from mavstack.services.statustext import StatustextSender
 
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.host import NodeHost
     from mavstack.services import Client, Operation, Service
+    from mavstack.services.camera import CameraDevice
+    from mavstack.services.gimbal import GimbalDevice
     from mavstack.services.heartbeat import HeartbeatSender
     from mavstack.services.signing_setup import SigningRequest
 
@@ -127,6 +131,40 @@ class Serving:
         """
         self._statustext_sender.send_text(text, severity)
         self.wake(self._statustext_sender)
+
+    def serve_camera(self, *devices: CameraDevice) -> CameraServer:
+        """Offer a camera by the camera protocol v2, or several that are attached to this autopilot.
+
+        Args:
+            devices: The camera; for attached cameras each with a device id from 1 to 6.
+
+        Returns:
+            The server of the cameras.
+
+        Raises:
+            InvalidArgumentError: There is no camera, or two have one device id.
+        """
+        server = CameraServer(self._host.address, devices)
+        server.answer(self.commands.server, self.message_server)
+        self.wake(self.message_server)
+        return self.serve(server)
+
+    def serve_gimbal(self, *devices: GimbalDevice) -> GimbalManagerServer:
+        """Offer gimbals by the gimbal protocol v2, as their gimbal manager.
+
+        Args:
+            devices: The gimbals, each with a device id of its own.
+
+        Returns:
+            The server of the gimbals.
+
+        Raises:
+            InvalidArgumentError: There is no gimbal, or two have one device id.
+        """
+        server = GimbalManagerServer(self._host.address, devices)
+        server.answer(self.commands.server, self.message_server)
+        self.wake(self.message_server)
+        return self.serve(server)
 
     @cached_property
     def message_server(self) -> MessageServer:

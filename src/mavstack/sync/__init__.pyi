@@ -19,6 +19,18 @@ from mavstack.services import Address
 from mavstack.services import Client
 from mavstack.services import Operation
 from mavstack.services import Service
+from mavstack.services.camera import CameraDefinition
+from mavstack.services.camera import CameraDevice
+from mavstack.services.camera import CameraInformation
+from mavstack.services.camera import CameraServer
+from mavstack.services.camera import CameraStatus
+from mavstack.services.camera import CaptureStatus
+from mavstack.services.camera import CapturedImage
+from mavstack.services.camera import ImageCaptured
+from mavstack.services.camera import SettingValue
+from mavstack.services.camera import Storage
+from mavstack.services.camera import TrackedTarget
+from mavstack.services.camera import VideoStream
 from mavstack.services.command import CommandRequest
 from mavstack.services.command import CommandResult
 from mavstack.services.command import CommandServer
@@ -26,6 +38,12 @@ from mavstack.services.extended_parameters import ExtendedParameter
 from mavstack.services.extended_parameters import ExtendedParameterChanged
 from mavstack.services.extended_parameters import ExtendedValue
 from mavstack.services.ftp import Entry
+from mavstack.services.gimbal import GimbalAttitude
+from mavstack.services.gimbal import GimbalDevice
+from mavstack.services.gimbal import GimbalInformation
+from mavstack.services.gimbal import GimbalManagerServer
+from mavstack.services.gimbal import GimbalStatus
+from mavstack.services.gimbal import GimbalValue
 from mavstack.services.heartbeat import ComponentInfo
 from mavstack.services.log import LogEntry
 from mavstack.services.manual_control import ChannelOverride
@@ -64,7 +82,7 @@ from typing import Self
 from typing import TypeVar
 from typing import Unpack
 
-__all__ = ['CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
+__all__ = ['Camera', 'CameraSettings', 'CommandHandlers', 'Connection', 'ControlStream', 'ExtendedParams', 'Ftp', 'Gimbal', 'Group', 'GuidedSession', 'Listener', 'Logs', 'MessageStream', 'Mission', 'Modes', 'Node', 'Params', 'Plans', 'RemoteComponent', 'Results', 'Shell', 'Subscription', 'ValueStream', 'Vehicle', 'VehiclePlan', 'connect']
 AnyEvent = TypeVar('AnyEvent')
 AnyHandler = TypeVar('AnyHandler', bound='Callable[..., Any]')
 AnyMessage = TypeVar('AnyMessage', bound=Message)
@@ -251,6 +269,400 @@ class ExtendedParams:
     def changes(self) -> Subscription[ExtendedParameterChanged]:
         """Subscribe to changes of extended parameters, made by any component."""
 
+class Camera:
+    """A camera: a component of its own, or one that is attached to the autopilot (camera protocol v2)."""
+    device_id: int
+
+    def take_photo(self, *, timeout: float | None=None) -> CapturedImage:
+        """Take one image, and wait until the camera reports it (MAV_CMD_IMAGE_START_CAPTURE).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The image: its index, place, time and file.
+
+        Raises:
+            CommandDenied: The camera refused, such as in video mode.
+            CommandTimeout: The camera does not answer.
+            MessageTimeout: The camera accepted, and reported no image.
+            RemoteDenied: The camera reported that the capture failed.
+        """
+
+    def start_photos(self, interval: float, *, count: int | None=None, timeout: float | None=None) -> None:
+        """Take a series of images (MAV_CMD_IMAGE_START_CAPTURE); `images` reports each of them.
+
+        Args:
+            interval: Seconds between two images.
+            count: The number of images; None: until `stop_photos`.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: The interval or the count is not positive.
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def stop_photos(self, *, timeout: float | None=None) -> None:
+        """End a series of images (MAV_CMD_IMAGE_STOP_CAPTURE).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def start_video(self, *, stream: int=..., status_rate: float=1.0, timeout: float | None=None) -> None:
+        """Begin a recording (MAV_CMD_VIDEO_START_CAPTURE).
+
+        Args:
+            stream: The number of the stream to record; 0: all.
+            status_rate: Hertz at which the camera reports `capture_status` meanwhile; 0: not.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: The rate is negative.
+            CommandDenied: The camera refused, such as in photo mode.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def stop_video(self, *, stream: int=..., timeout: float | None=None) -> None:
+        """End a recording (MAV_CMD_VIDEO_STOP_CAPTURE).
+
+        Args:
+            stream: The number of the stream; 0: all.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def start_streaming(self, stream: int=1, *, timeout: float | None=None) -> None:
+        """Begin to send a video stream (MAV_CMD_VIDEO_START_STREAMING).
+
+        Args:
+            stream: The number of the stream.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The camera refused, or has no such stream.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def stop_streaming(self, stream: int=1, *, timeout: float | None=None) -> None:
+        """End a video stream (MAV_CMD_VIDEO_STOP_STREAMING).
+
+        Args:
+            stream: The number of the stream.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The camera refused, or has no such stream.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def set_mode(self, mode: str | int, *, timeout: float | None=None) -> None:
+        """Set the mode (MAV_CMD_SET_CAMERA_MODE), and wait until the camera reports it.
+
+        Args:
+            mode: "photo", "video", "survey", or a CAMERA_MODE.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: There is no such mode.
+            CommandDenied: The camera refused, such as while it records.
+            CommandTimeout: The camera does not answer.
+            ModeTimeout: The camera accepted, and did not enter the mode.
+        """
+
+    def set_zoom(self, value: float, *, kind: int=..., timeout: float | None=None) -> None:
+        """Zoom (MAV_CMD_SET_CAMERA_ZOOM).
+
+        Args:
+            value: Percent of the range, 0 to 100; of another kind, what that kind means.
+            kind: A CAMERA_ZOOM_TYPE: RANGE, STEP or CONTINUOUS (-1 to 1), FOCAL_LENGTH (mm), HORIZONTAL_FOV
+                (degrees).
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: The value is out of range.
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def set_focus(self, value: float=0.0, *, kind: int=..., timeout: float | None=None) -> None:
+        """Focus (MAV_CMD_SET_CAMERA_FOCUS).
+
+        Args:
+            value: Percent of the range, 0 to 100; of another kind, what that kind means.
+            kind: A SET_FOCUS_TYPE: RANGE, STEP or CONTINUOUS (-1 to 1), METERS, or one of AUTO.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: The value is out of range.
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def format_storage(self, storage: int=1, *, reset_image_log: bool=True, timeout: float | None=None) -> None:
+        """Erase a storage (MAV_CMD_STORAGE_FORMAT).
+
+        Args:
+            storage: The number of the storage.
+            reset_image_log: Count images from 0 again.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The camera refused, or has no such storage.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def reset_settings(self, *, timeout: float | None=None) -> None:
+        """Reset the settings of the camera (MAV_CMD_RESET_CAMERA_SETTINGS).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def track_point(self, x: float, y: float, *, radius: float=0.0, timeout: float | None=None) -> None:
+        """Track a point of the image (MAV_CMD_CAMERA_TRACK_POINT).
+
+        Args:
+            x: Share of the width, 0 (left) to 1.
+            y: Share of the height, 0 (top) to 1.
+            radius: Share of the width, 0 to 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: A value is not from 0 to 1.
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def track_rectangle(self, left: float, top: float, right: float, bottom: float, *, timeout: float | None=None) -> None:
+        """Track a rectangle of the image (MAV_CMD_CAMERA_TRACK_RECTANGLE).
+
+        Args:
+            left: Share of the width, 0 to 1.
+            top: Share of the height, 0 to 1; y grows downwards.
+            right: Share of the width, 0 to 1.
+            bottom: Share of the height, 0 to 1.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: A value is not from 0 to 1, or the rectangle is empty.
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    def stop_tracking(self, *, timeout: float | None=None) -> None:
+        """End the tracking (MAV_CMD_CAMERA_STOP_TRACKING).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The camera refused.
+            CommandTimeout: The camera does not answer.
+        """
+
+    @property
+    def address(self) -> Address:
+        """The component of the camera: its system and component id."""
+
+    @property
+    def information(self) -> CameraInformation | None:
+        """The identity and abilities; None until received (`get_information` requests them)."""
+
+    @property
+    def status(self) -> CameraStatus | None:
+        """The last mode, zoom and focus that the camera reported; None until received."""
+
+    @property
+    def capture_status(self) -> CaptureStatus | None:
+        """The last report on series of images and recordings; None until received."""
+
+    @property
+    def tracked(self) -> TrackedTarget | None:
+        """The last report on the tracked target; None until received."""
+
+    @property
+    def streams(self) -> Mapping[int, VideoStream]:
+        """The video streams received so far, by number."""
+
+    @property
+    def storages(self) -> Mapping[int, Storage]:
+        """The storages received so far, by number."""
+
+    def images(self) -> Subscription[ImageCaptured]:
+        """Subscribe to the images that the component's cameras capture, for any reason.
+
+        A lost message is requested again, so that each image arrives once, if the camera keeps a log.
+
+        Returns:
+            An iterator over events with an `image`; close it, or use it as a context manager.
+        """
+
+    def get_information(self, *, timeout: float | None=None) -> CameraInformation:
+        """Request the identity and abilities (CAMERA_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The information.
+
+        Raises:
+            CommandDenied: The component has no camera.
+            MessageTimeout: The component does not answer.
+        """
+
+    def get_status(self, *, timeout: float | None=None) -> CameraStatus:
+        """Request the mode, zoom and focus (CAMERA_SETTINGS).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The status.
+
+        Raises:
+            CommandDenied: The camera does not report it.
+            MessageTimeout: The camera does not answer.
+        """
+
+    def get_capture_status(self, *, timeout: float | None=None) -> CaptureStatus:
+        """Request the state of captures (CAMERA_CAPTURE_STATUS).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The status.
+
+        Raises:
+            CommandDenied: The camera does not report it.
+            MessageTimeout: The camera does not answer.
+        """
+
+    def list_storages(self, *, timeout: float | None=None) -> tuple[Storage, ...]:
+        """List the storages of the camera's component (STORAGE_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The storages.
+
+        Raises:
+            CommandDenied: The component has no storage.
+            MessageTimeout: The component does not answer.
+        """
+
+    def list_streams(self, *, timeout: float | None=None) -> tuple[VideoStream, ...]:
+        """List the video streams (VIDEO_STREAM_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The streams.
+
+        Raises:
+            CommandDenied: The camera has no video stream.
+            MessageTimeout: The camera does not answer.
+        """
+
+    @cached_property
+    def settings(self) -> CameraSettings:
+        """The settings, with their options from the camera definition file."""
+
+class CameraSettings:
+    """The settings of one camera, by the names of its definition file."""
+
+    @property
+    def definition(self) -> CameraDefinition | None:
+        """The definition; None until `load`."""
+
+    @property
+    def values(self) -> Mapping[str, SettingValue]:
+        """The values received so far, by name."""
+
+    @property
+    def available(self) -> tuple[str, ...]:
+        """The names of the settings that have an effect with the present values."""
+
+    def options(self, name: str) -> Mapping[str, SettingValue]:
+        """Return the options of a setting that remain with the present values.
+
+        Args:
+            name: The name of the setting.
+
+        Returns:
+            The values by the names of the options; empty if the setting has no options.
+
+        Raises:
+            InvalidArgumentError: The definition was not loaded, or has no such setting.
+        """
+
+    def load(self, definition: CameraDefinition | bytes | None=None, *, timeout: float | None=None) -> CameraDefinition:
+        """Download the definition file and all values.
+
+        Args:
+            definition: A definition, or the content of its file, if it is known already; None: download it.
+            timeout: Seconds for each of the downloads; None: until retries are exhausted or progress stalls.
+
+        Returns:
+            The definition.
+
+        Raises:
+            RemoteDenied: The camera has no definition file, or one that MAVLink FTP does not reach.
+            CommandDenied: The component has no camera.
+            MessageTimeout: The camera does not answer.
+            FileDenied: The file cannot be read.
+            FileTimeout: The download of the file stalled.
+            DialectError: The file is damaged, or no camera definition.
+            ParameterTimeout: The camera does not send its values.
+        """
+
+    def get(self, name: str, *, timeout: float | None=None) -> SettingValue | bytes:
+        """Get the value of a setting (PARAM_EXT_REQUEST_READ).
+
+        Args:
+            name: The name of the setting.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The value.
+
+        Raises:
+            ParameterTimeout: The camera does not answer, or has no such setting.
+        """
+
+    def set(self, name: str, value: SettingValue, *, timeout: float | None=None) -> SettingValue | bytes:
+        """Set a setting (PARAM_EXT_SET), then read those that change with it.
+
+        Args:
+            name: The name of the setting.
+            value: The name of an option, or the value.
+            timeout: Seconds for each request; None: until retries are exhausted.
+
+        Returns:
+            The value that the camera holds now.
+
+        Raises:
+            InvalidArgumentError: The definition does not allow the value at present.
+            ParameterDenied: The camera refused the value.
+            ParameterTimeout: The camera does not answer, or has no such setting.
+        """
+
 class Ftp:
     """The files of a remote component, by MAVLink FTP (FILE_TRANSFER_PROTOCOL).
 
@@ -384,6 +796,195 @@ class Ftp:
         Raises:
             FileDenied: The component refused.
             FileTimeout: The component does not answer.
+        """
+
+class Gimbal:
+    """A gimbal, through its gimbal manager (gimbal protocol v2)."""
+    device_id: int
+
+    @property
+    def address(self) -> Address:
+        """The component that manages the gimbal: its system and component id."""
+
+    @property
+    def information(self) -> GimbalInformation | None:
+        """The ranges and abilities; None until received (`get_information` requests them)."""
+
+    @property
+    def status(self) -> GimbalStatus | None:
+        """The components in control; None until received."""
+
+    @property
+    def attitude(self) -> GimbalAttitude | None:
+        """The last attitude, in degrees; None until received."""
+
+    def get_information(self, *, timeout: float | None=None) -> GimbalInformation:
+        """Request the ranges and abilities (GIMBAL_MANAGER_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The information, of the first gimbal for the device id 0.
+
+        Raises:
+            CommandDenied: The component manages no such gimbal.
+            MessageTimeout: The component does not answer.
+        """
+
+    def get_status(self, *, timeout: float | None=None) -> GimbalStatus:
+        """Request the components in control (GIMBAL_MANAGER_STATUS).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The status, of the first gimbal for the device id 0.
+
+        Raises:
+            CommandDenied: The component manages no such gimbal.
+            MessageTimeout: The component does not answer.
+        """
+
+    def take_control(self, *, secondary: bool=False, force: bool=False, timeout: float | None=None) -> None:
+        """Take control of the gimbal (MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE).
+
+        Args:
+            secondary: Take secondary control, and leave primary control as it is.
+            force: Take control from another component.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            RemoteDenied: Another component is in control, and `force` is not set.
+            CommandDenied: The manager refused, or manages no such gimbal.
+            CommandTimeout: The manager does not answer.
+        """
+
+    def release_control(self, *, timeout: float | None=None) -> None:
+        """Give up control of the gimbal, for other components.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The manager refused, or manages no such gimbal.
+            CommandTimeout: The manager does not answer.
+        """
+
+    def point(self, pitch: float | None=None, yaw: float | None=None, *, pitch_rate: float | None=None, yaw_rate: float | None=None, yaw_lock: bool=False, wait: bool=True, timeout: float | None=None) -> GimbalAttitude | None:
+        """Point the gimbal (MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW).
+
+        Args:
+            pitch: Degrees above the horizon, -90 straight down; None leaves it.
+            yaw: Degrees to the right of the nose, or of north with `yaw_lock`; None leaves it.
+            pitch_rate: Degrees per second; None: the gimbal's own.
+            yaw_rate: Degrees per second; None: the gimbal's own.
+            yaw_lock: Keep the direction when the vehicle turns.
+            wait: Wait until the gimbal points there.
+            timeout: Seconds for the whole call; None: until retries are exhausted or the gimbal stops.
+
+        Returns:
+            The attitude; None if the gimbal does not report it and `wait` is False.
+
+        Raises:
+            InvalidArgumentError: No angle is given, or one is out of range.
+            CommandDenied: The manager refused: this component is not in control, or there is no such gimbal.
+            CommandTimeout: The manager does not answer.
+            ActionTimeout: The gimbal does not reach the angles, or does not report its attitude.
+        """
+
+    def turn(self, pitch_rate: float=0.0, yaw_rate: float=0.0, *, yaw_lock: bool=False, timeout: float | None=None) -> None:
+        """Turn the gimbal at constant rates (MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW); 0 stops it.
+
+        Args:
+            pitch_rate: Degrees per second, positive up.
+            yaw_rate: Degrees per second, positive to the right.
+            yaw_lock: Keep the direction when the vehicle turns.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The manager refused: this component is not in control, or there is no such gimbal.
+            CommandTimeout: The manager does not answer.
+        """
+
+    def center(self, *, wait: bool=True, timeout: float | None=None) -> GimbalAttitude | None:
+        """Point the gimbal to its neutral position, mostly ahead and level.
+
+        Args:
+            wait: Wait until the gimbal is there.
+            timeout: Seconds for the whole call; None: until retries are exhausted or the gimbal stops.
+
+        Returns:
+            The attitude; None if the gimbal does not report it and `wait` is False.
+
+        Raises:
+            CommandDenied: The manager refused.
+            CommandTimeout: The manager does not answer.
+            ActionTimeout: The gimbal does not report that it is there.
+        """
+
+    def retract(self, *, wait: bool=True, timeout: float | None=None) -> GimbalAttitude | None:
+        """Retract the gimbal to its safe position.
+
+        Args:
+            wait: Wait until the gimbal is there.
+            timeout: Seconds for the whole call; None: until retries are exhausted or the gimbal stops.
+
+        Returns:
+            The attitude; None if the gimbal does not report it and `wait` is False.
+
+        Raises:
+            CommandDenied: The manager refused.
+            CommandTimeout: The manager does not answer.
+            ActionTimeout: The gimbal does not report that it is there.
+        """
+
+    def set_roi(self, latitude: float, longitude: float, altitude: float=0.0, *, timeout: float | None=None) -> None:
+        """Keep a location in view (MAV_CMD_DO_SET_ROI_LOCATION).
+
+        Args:
+            latitude: Degrees.
+            longitude: Degrees.
+            altitude: Metres above home.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            InvalidArgumentError: A value is not finite, or no location on the Earth.
+            CommandDenied: The manager refused.
+            CommandTimeout: The manager does not answer.
+        """
+
+    def set_roi_system(self, system: int, *, timeout: float | None=None) -> None:
+        """Keep another vehicle in view (MAV_CMD_DO_SET_ROI_SYSID).
+
+        Args:
+            system: The system id of the other vehicle, whose positions the manager receives.
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The manager refused.
+            CommandTimeout: The manager does not answer.
+        """
+
+    def clear_roi(self, *, timeout: float | None=None) -> None:
+        """Keep nothing in view any more (MAV_CMD_DO_SET_ROI_NONE).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Raises:
+            CommandDenied: The manager refused.
+            CommandTimeout: The manager does not answer.
+        """
+
+    def control(self, rate: float=20.0) -> ControlStream[GimbalValue]:
+        """Stream setpoints or stick positions while a block runs.
+
+        Args:
+            rate: Hertz at which the last one is repeated.
+
+        Returns:
+            A context manager with `set(value)`, for a `GimbalSetpoint` or `GimbalSticks`.
         """
 
 class Logs:
@@ -698,6 +1299,66 @@ class Shell:
 
 class RemoteComponent:
     """A component of another system; from `Node.component`, `wait_for_autopilot` or `wait_for_component`."""
+
+    @cached_property
+    def camera(self) -> Camera:
+        """The component as a camera (camera protocol v2)."""
+
+    @cached_property
+    def gimbal(self) -> Gimbal:
+        """All gimbals that the component manages, as one (gimbal protocol v2)."""
+
+    def attached_camera(self, device_id: int) -> Camera:
+        """Return a camera that is attached to this autopilot.
+
+        Args:
+            device_id: 1 to 6.
+
+        Returns:
+            The camera; the same object for the same id.
+
+        Raises:
+            InvalidArgumentError: The id is out of range.
+        """
+
+    def gimbal_device(self, device_id: int) -> Gimbal:
+        """Return one of the gimbals that the component manages.
+
+        Args:
+            device_id: 1 to 6, or the component id of the gimbal device.
+
+        Returns:
+            The gimbal; the same object for the same id.
+
+        Raises:
+            InvalidArgumentError: The id is out of range.
+        """
+
+    def list_cameras(self, *, timeout: float | None=None) -> tuple[Camera, ...]:
+        """List the cameras of the component: itself, or those attached to an autopilot (CAMERA_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The cameras; none if the component has no camera.
+
+        Raises:
+            MessageTimeout: The component does not answer.
+        """
+
+    def list_gimbals(self, *, timeout: float | None=None) -> tuple[Gimbal, ...]:
+        """List the gimbals that the component manages (GIMBAL_MANAGER_INFORMATION).
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The gimbals; none if the component manages no gimbal.
+
+        Raises:
+            MessageTimeout: The component does not answer.
+        """
     address: Address
 
     @property
@@ -953,7 +1614,7 @@ class RemoteComponent:
 
     @property
     def clock(self) -> TimesyncClient:
-        """The client that follows the component's clock (TIMESYNC) from the first use on; see `estimate`."""
+        """The client that follows the component's clock (TIMESYNC), from the first use on; see `estimate`."""
 
 class Node:
     """The local MAVLink component; open it with `async with`, or with `open()` and `close()`.
@@ -1129,6 +1790,32 @@ class Node:
         Args:
             text: The text.
             severity: The MAV_SEVERITY.
+        """
+
+    def serve_camera(self, *devices: CameraDevice) -> CameraServer:
+        """Offer a camera by the camera protocol v2, or several that are attached to this autopilot.
+
+        Args:
+            devices: The camera; for attached cameras each with a device id from 1 to 6.
+
+        Returns:
+            The server of the cameras.
+
+        Raises:
+            InvalidArgumentError: There is no camera, or two have one device id.
+        """
+
+    def serve_gimbal(self, *devices: GimbalDevice) -> GimbalManagerServer:
+        """Offer gimbals by the gimbal protocol v2, as their gimbal manager.
+
+        Args:
+            devices: The gimbals, each with a device id of its own.
+
+        Returns:
+            The server of the gimbals.
+
+        Raises:
+            InvalidArgumentError: There is no gimbal, or two have one device id.
         """
 
     @cached_property
@@ -1604,6 +2291,71 @@ class Mission(VehiclePlan):
 
 class Vehicle:
     """One vehicle; made by `Connection.wait_for_vehicle` and found in `Connection.vehicles`."""
+    connection: Node
+    component: RemoteComponent
+
+    @property
+    def cameras(self) -> tuple[Camera, ...]:
+        """The cameras that are known: by their heartbeats, and the attached ones after `find_cameras`."""
+
+    def camera(self, component: int | None=None) -> Camera:
+        """Return a camera of the vehicle.
+
+        Args:
+            component: The component id of the camera, or 1 to 6 for one that is attached to the autopilot;
+                None: the first one that is known.
+
+        Returns:
+            The camera.
+
+        Raises:
+            InvalidArgumentError: The id is out of range.
+            ActionUnsupported: No camera of the vehicle is known.
+        """
+
+    def wait_for_camera(self, component: int | None=None, *, timeout: float | None=...) -> Camera:
+        """Wait for the heartbeat of a camera of the vehicle.
+
+        Args:
+            component: The component id of the camera; None: the first one.
+            timeout: Seconds to wait; None waits for ever.
+
+        Returns:
+            The camera.
+
+        Raises:
+            RemoteTimeout: There was none in time; the text names the components that were heard.
+        """
+
+    def find_cameras(self, *, timeout: float | None=None) -> tuple[Camera, ...]:
+        """Ask the autopilot for attached cameras (CAMERA_INFORMATION), and return all that are known.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The cameras; `cameras` holds the same from then on.
+
+        Raises:
+            MessageTimeout: The autopilot does not answer.
+        """
+
+    @property
+    def gimbal(self) -> Gimbal:
+        """All gimbals that the autopilot manages, as one; `find_gimbals` returns each of them."""
+
+    def find_gimbals(self, *, timeout: float | None=None) -> tuple[Gimbal, ...]:
+        """Ask the autopilot and the other components for the gimbals that they manage.
+
+        Args:
+            timeout: Seconds for the whole call; None: until retries are exhausted.
+
+        Returns:
+            The gimbals; those of the autopilot first.
+
+        Raises:
+            MessageTimeout: The autopilot does not answer.
+        """
 
     def latest(self, message: type[AnyMessage], component: int | None=None) -> AnyMessage | None:
         """Return the last message of a class.
@@ -1933,8 +2685,6 @@ class Vehicle:
         Returns:
             The stream.
         """
-    connection: Node
-    component: RemoteComponent
 
     @property
     def address(self) -> Address:

@@ -11,6 +11,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, MessageTimeout
 from mavstack.node.read_only import ReadOnly
 from mavstack.vehicle.health import Health, health_of
+from mavstack.vehicle.payloads import VehiclePayloads
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.telemetry import Telemetry, TelemetryStreams
 from mavstack.vehicle.vehicle_type import VehicleType
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 POSITION_TIMEOUT = 10.0
 
 
-class VehicleState(TelemetryStreams, ReadOnly):
+class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
     """The identity, telemetry and health of one vehicle."""
 
     _constructed = frozenset({"connection", "component", "telemetry"})

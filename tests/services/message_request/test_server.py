@@ -192,3 +192,11 @@ def test_garbage_never_raises(seed: int) -> None:
                 commands.receive(packet_of(message, GROUND), START + value if value < 99 else START)
                 sent_by(commands)
                 sent_by(server, START + 1)
+
+
+def test_a_producer_may_make_several_messages() -> None:
+    peers = Peers()
+    both = [common.GimbalManagerStatus(gimbal_device_id=1), common.GimbalManagerStatus(gimbal_device_id=2)]
+    peers.messages.provide(common.GimbalManagerStatus, lambda now: both, interval=1.0, now=START)
+    peers.let_pass(3.1)
+    assert [each.gimbal_device_id for each in peers.heard(common.GimbalManagerStatus)] == [1, 2] * 4

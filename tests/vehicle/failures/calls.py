@@ -15,6 +15,7 @@ from mavstack.errors import (
     ParameterTimeout,
     RemoteDenied,
 )
+from tests.vehicle.failures.payload_calls import PAYLOAD_CALLS
 from tests.vehicle.failures.rows import (
     FALLING_BACK,
     FTP,
@@ -373,3 +374,4 @@ SHELL = [
     Call("Shell.__aexit__", open_shell, silent=None, why_not="closing a shell has no acknowledgement"),
 ]
 CALLS = [*VEHICLE, *TELEMETRY, *MISSION, *GUIDANCE, *PARAMETERS, *FILES, *LOGS, *MODES, *SHELL]
+CALLS += PAYLOAD_CALLS

@@ -49,6 +49,16 @@ ACCEPTED = {
     CMD.MISSION_START: None,
     CMD.PREFLIGHT_REBOOT_SHUTDOWN: None,
     CMD.RUN_PREARM_CHECKS: None,
+    **dict.fromkeys(
+        (
+            *(CMD.IMAGE_START_CAPTURE, CMD.IMAGE_STOP_CAPTURE, CMD.VIDEO_START_CAPTURE),
+            *(CMD.VIDEO_STOP_CAPTURE, CMD.VIDEO_START_STREAMING, CMD.VIDEO_STOP_STREAMING),
+            *(CMD.SET_CAMERA_MODE, CMD.SET_CAMERA_ZOOM, CMD.SET_CAMERA_FOCUS, CMD.STORAGE_FORMAT),
+            *(CMD.RESET_CAMERA_SETTINGS, CMD.CAMERA_TRACK_POINT, CMD.CAMERA_TRACK_RECTANGLE),
+            *(CMD.CAMERA_STOP_TRACKING, CMD.DO_GIMBAL_MANAGER_CONFIGURE, CMD.DO_GIMBAL_MANAGER_PITCHYAW),
+            *(CMD.DO_SET_ROI_LOCATION, CMD.DO_SET_ROI_SYSID, CMD.DO_SET_ROI_NONE),
+        )
+    ),
 }
 #: Requests other than commands that can be refused.
 ASKED_FOR = (
@@ -172,6 +182,7 @@ class Scripted(Everything):
         )
         self.publish(common.SysStatus, self._status, interval=0.5)
         self.publish(common.HomePosition, self._home)
+        self.publish(common.CameraSettings, lambda now: common.CameraSettings())
 
     def _position(self, now):
         return common.GlobalPositionInt(
@@ -235,6 +246,14 @@ class Scene:
     node: Connection
     vehicle: Vehicle
     listening: set = field(default_factory=set)
+
+    @property
+    def camera(self):
+        return self.vehicle.component.camera
+
+    @property
+    def gimbal(self):
+        return self.vehicle.gimbal
 
     def say(self, text: str, severity: int = SEVERITY.CRITICAL, after: float = 0.0) -> None:
         """Let the vehicle send a status text, now or after some seconds."""

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from inspect import iscoroutinefunction
 
+from mavstack.node.camera import Camera
+from mavstack.node.camera_settings import CameraSettings
 from mavstack.node.ftp import Ftp
+from mavstack.node.gimbal import Gimbal
 from mavstack.node.logs import Logs
 from mavstack.node.modes import Modes
 from mavstack.node.params import Params
@@ -17,7 +20,7 @@ from tests.vehicle.failures.calls import CALLS
 
 FACES = (
     *(Vehicle, Telemetry, MessageStream, Mission, VehiclePlan, GuidedSession),
-    *(Params, Ftp, Logs, Modes, Shell),
+    *(Params, Ftp, Logs, Modes, Shell, Camera, CameraSettings, Gimbal),
 )
 
 

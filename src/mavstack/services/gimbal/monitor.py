@@ -18,7 +18,8 @@ from mavstack.services.service import Event, Service
 if TYPE_CHECKING:
     from mavstack.wire import Packet
 
-Key, Value = TypeVar("Key"), TypeVar("Value")
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 #: A manager has at most this many gimbals here; a flood of ids from outside fills no memory.
 MAX_GIMBALS = 16

@@ -17,58 +17,39 @@ from mavstack.services.command import Command, CommandOperation
 from mavstack.services.gimbal.control import RELEASE, UNCHANGED
 from mavstack.services.gimbal.rotation import wrap
 from mavstack.services.gimbal.values import ALL_DEVICES, GimbalAttitude, GimbalInformation, GimbalStatus
-from mavstack.services.message_request import RequestMessage
+from mavstack.services.message_request import ListInstances, RequestMessage
 from mavstack.services.operation import Operation, Procedure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
     from mavstack.services.gimbal.setpoint import GimbalSetpoint
-    from mavstack.wire import Packet
 
 #: Degrees within which an angle counts as reached.
-TOLERANCE = 2.0
+TOLERANCE = 1.0
 #: Seconds without progress after which pointing fails, and the progress that counts, degrees.
 STALL_TIMEOUT = 5.0
 MIN_PROGRESS = 0.5
-#: Seconds after the last answer after which a manager is taken to have no further gimbals.
-LISTING_IDLE_TIMEOUT = 1.0
 #: Seconds for the message that tells who is in control; a manager that does not send it has no owner.
 STATUS_TIMEOUT = 3.0
 
 
-class ListGimbals(Operation[tuple[GimbalInformation, ...]]):
+class ListGimbals(Procedure[tuple[GimbalInformation, ...]]):
     """The listing of the gimbals that a component manages (GIMBAL_MANAGER_INFORMATION for all devices)."""
 
     timeout_error = MessageTimeout
-    handles = message_ids(common.GimbalManagerInformation)
 
     def __init__(self, *, timeout: float | None = None) -> None:
-        super().__init__("listing the gimbals of", timeout=timeout, idle_timeout=30.0)
-        self._found: dict[int, GimbalInformation] = {}
+        super().__init__("listing the gimbals of", timeout=timeout, idle_timeout=60.0)
 
-    def start(self, now: float) -> None:
-        self.begin(RequestMessage(common.GimbalManagerInformation, (ALL_DEVICES,)), now)
-
-    def receive(self, packet: Packet, now: float) -> None:
-        match packet.message:
-            case common.GimbalManagerInformation() as message if message.gimbal_device_id:
-                found = GimbalInformation.read(message)
-                self._found[found.device_id] = found
-                self.timer = now + LISTING_IDLE_TIMEOUT
-
-    def handle_timeout(self, now: float) -> None:
-        self.finish(tuple(self._found[number] for number in sorted(self._found)))
-
-    def child_ended(self, child: Operation[Any], now: float) -> None:
-        self.attempts = child.attempts
-        error = child.error
-        if error is None or self.done or self._found:
-            return
-        if isinstance(error, CommandDenied):
-            self.finish(())  # the component manages no gimbal
-        else:
-            self.time_out(now)
+    def steps(self) -> Generator[Operation[Any], Any, tuple[GimbalInformation, ...]]:
+        try:
+            found = yield ListInstances(
+                common.GimbalManagerInformation, lambda message: int(message.gimbal_device_id)
+            )
+        except CommandDenied:
+            return ()  # the component manages no gimbal
+        return tuple(GimbalInformation.read(message) for message in found.values())
 
 
 class TakeControl(Procedure[None]):

@@ -97,7 +97,7 @@ class GimbalManagerServer(Service):
     Args:
         local: The component.
         devices: The gimbals, with different device ids.
-        booted_at: When the component started, Unix seconds, for `time_boot_ms`.
+        booted_at: When the component started, Unix seconds, for `time_boot_ms`; None: with its first message.
         pose: Returns the vehicle's pose at a time, None if unknown; None: the messages of the vehicle tell.
 
     Raises:
@@ -119,7 +119,7 @@ class GimbalManagerServer(Service):
         local: Address,
         devices: Sequence[GimbalDevice],
         *,
-        booted_at: float = 0.0,
+        booted_at: float | None = None,
         pose: Callable[[float], VehiclePose | None] | None = None,
     ) -> None:
         super().__init__(local)
@@ -301,6 +301,8 @@ class GimbalManagerServer(Service):
     # Messages
 
     def _milliseconds(self, now: float) -> int:
+        if self._booted_at is None:
+            self._booted_at = now
         return max(round((now - self._booted_at) * 1e3), 0) & 0xFFFFFFFF
 
     def _informations(self, which: float, now: float) -> list[Message]:

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
-from mavstack.services.arguments import check_numbers
+from mavstack.services.arguments import check_number
 from mavstack.services.command import Command
 from mavstack.services.gimbal.rotation import angles_of, quaternion_of
 from mavstack.services.gimbal.values import frame_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from typing import Self
 
     from mavstack.services.addressing import Address
@@ -66,7 +67,7 @@ class GimbalSetpoint:
         """
         angles = {"pitch": self.pitch, "yaw": self.yaw, "roll": self.roll}
         rates = {"pitch_rate": self.pitch_rate, "yaw_rate": self.yaw_rate, "roll_rate": self.roll_rate}
-        check_numbers(**angles, **rates)
+        _check_values(angles | rates)
         for name, angle in angles.items():
             if angle is not None and abs(angle) > MAX_ANGLE:
                 raise InvalidArgumentError(f"{name} must be from -180 to 180 degrees, got {angle:g}")
@@ -214,7 +215,7 @@ class GimbalSticks:
             "pitch_rate": self.pitch_rate,
             "yaw_rate": self.yaw_rate,
         }
-        check_numbers(**sticks)
+        _check_values(sticks)
         for name, value in sticks.items():
             if value is not None and abs(value) > 1.0:
                 raise InvalidArgumentError(f"the stick {name} must be from -1 to 1, got {value:g}")
@@ -235,17 +236,31 @@ class GimbalSticks:
     @classmethod
     def from_message(cls, message: common.GimbalManagerSetManualControl) -> Self:
         """Return the stick positions of a message, limited to -1 to 1."""
-        values = (message.pitch, message.yaw, message.pitch_rate, message.yaw_rate)
-        sticks = (None if isnan(value) else min(max(value, -1.0), 1.0) for value in values)
-        return cls(*sticks, yaw_lock=bool(message.flags & _FLAGS.YAW_LOCK))
+        return cls(
+            _stick(message.pitch),
+            _stick(message.yaw),
+            _stick(message.pitch_rate),
+            _stick(message.yaw_rate),
+            bool(message.flags & _FLAGS.YAW_LOCK),
+        )
 
 
 #: The values that can be streamed to a gimbal.
 GimbalValue: TypeAlias = GimbalSetpoint | GimbalSticks
 
 
+def _check_values(values: Mapping[str, float | None]) -> None:
+    for name, value in values.items():
+        if value is not None:
+            check_number(name, value)
+
+
 def _or_nan(value: float | None) -> float:
     return nan if value is None else float(value)
+
+
+def _stick(value: float) -> float | None:
+    return None if isnan(value) else min(max(value, -1.0), 1.0)
 
 
 def _known(value: float) -> float | None:

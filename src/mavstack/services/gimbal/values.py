@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import degrees, isfinite, isnan, nan, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mavstack.dialects import common
 from mavstack.services.addressing import Address
@@ -99,7 +99,7 @@ class GimbalInformation:
             **self._limits(),
         )
 
-    def _limits(self) -> dict[str, float]:
+    def _limits(self) -> dict[str, Any]:
         ranges = {"roll": self.roll_range, "pitch": self.pitch_range, "yaw": self.yaw_range}
         return {
             f"{axis}_{end}": radians(value)

@@ -2,6 +2,7 @@
 
 from mavstack.services.message_request.client import RequestMessage
 from mavstack.services.message_request.interval import DEFAULT, OFF, Interval, group_of, stream_groups
+from mavstack.services.message_request.listing import ListInstances
 from mavstack.services.message_request.rates import GetMessageInterval, RateSet, SetMessageInterval
 from mavstack.services.message_request.server import InstanceProducer, MessageServer, Producer
 
@@ -11,6 +12,7 @@ __all__ = [
     "GetMessageInterval",
     "InstanceProducer",
     "Interval",
+    "ListInstances",
     "MessageServer",
     "Producer",
     "RateSet",

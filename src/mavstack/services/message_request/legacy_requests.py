@@ -58,6 +58,10 @@ def _table() -> dict[int, LegacyRequest]:
             _entry(common.CameraInformation, LegacyRequest(common.MavCmd.REQUEST_CAMERA_INFORMATION)),
             _entry(common.CameraSettings, LegacyRequest(common.MavCmd.REQUEST_CAMERA_SETTINGS)),
             _entry(common.CameraCaptureStatus, LegacyRequest(common.MavCmd.REQUEST_CAMERA_CAPTURE_STATUS)),
+            _entry(
+                common.CameraImageCaptured,
+                LegacyRequest(common.MavCmd.REQUEST_CAMERA_IMAGE_CAPTURE, 1, flag=None),
+            ),
             _entry(common.FlightInformation, LegacyRequest(common.MavCmd.REQUEST_FLIGHT_INFORMATION)),
             _entry(
                 common.StorageInformation, LegacyRequest(common.MavCmd.REQUEST_STORAGE_INFORMATION, 1, flag=2)
