@@ -57,12 +57,12 @@ async def test_parameters(autopilot: int) -> None:
             await ground.call("param", "set_param_float", "MIS_TAKEOFF_ALT", 200.0)
         assert vehicle.parameters["MIS_TAKEOFF_ALT"] == 2.5
         every = await ground.call("param", "get_all_params")
-        heard = {
+        update = {
             each["name"]: each["value"] for kind in ("int_params", "float_params") for each in every[kind]
         }
-        names = {name for name in heard if name != "_HASH_CHECK"}
+        names = {name for name in update if name != "_HASH_CHECK"}
         assert len(names) == 44
-        assert {name: heard[name] for name in names} == pytest.approx(
+        assert {name: update[name] for name in names} == pytest.approx(
             {name: vehicle.parameters[name] for name in names}
         )
 
@@ -126,10 +126,10 @@ async def test_a_mission_up_and_down() -> None:
         assert [without_nulls(item) for item in returned] == [without_nulls(item) for item in sent]
         assert await ground.call("mission_raw", "set_current_mission_item", 7) == "SUCCESS"
         assert vehicle.mission.current == 7
-        await progress.wait_for(lambda heard: heard == {"current": 7, "total": 120})
+        await progress.wait_for(lambda update: update == {"current": 7, "total": 120})
         vehicle.mission.set_current(8)
         vehicle.wake(vehicle.mission)
-        await progress.wait_for(lambda heard: heard == {"current": 8, "total": 120})
+        await progress.wait_for(lambda update: update == {"current": 8, "total": 120})
         assert await ground.call("mission_raw", "clear_mission") == "SUCCESS"
         assert len(vehicle.mission.plan(PlanType.MISSION)) == 0
         assert await ground.call("mission_raw", "download_mission") == []
@@ -145,7 +145,7 @@ async def test_upload_reports_progress_and_replaces_the_plan() -> None:
         vehicle.mission.replace(old)
         plan = mavsdk_object("mission_raw.MissionPlan", mission_items=raw(items(30)))
         steps = await ground.stream("mission_raw", "upload_mission_with_progress_async", plan)
-        await steps.wait_for(lambda heard: heard[0] == "SUCCESS")
+        await steps.wait_for(lambda update: update[0] == "SUCCESS")
         assert len(vehicle.mission.plan(PlanType.MISSION)) == 30
 
 
@@ -188,7 +188,7 @@ async def test_log_files(tmp_path) -> None:
             saved = tmp_path / f"{entry['id']}.bin"
             entry_object = mavsdk_object("log_files.Entry", **entry)
             steps = await ground.stream("log_files", "download_log_file_async", entry_object, str(saved))
-            result, _ = await steps.wait_for(lambda heard: heard[0] != "NEXT")
+            result, _ = await steps.wait_for(lambda update: update[0] != "NEXT")
             assert result == "SUCCESS"
             assert saved.read_bytes() == vehicle.logs.contents[entry["id"]]
         async with vehicle.stream(common.LogErase) as erased:
@@ -225,8 +225,8 @@ async def test_telemetry() -> None:
     }
     async with ground_and_vehicle() as (ground, _):
         for name, fields in expected.items():
-            heard = await ground.stream("telemetry", f"subscribe_{name}")
-            await heard.wait_for(partial(agrees, fields))
+            update = await ground.stream("telemetry", f"subscribe_{name}")
+            await update.wait_for(partial(agrees, fields))
 
 
 def agrees(expected, value) -> bool:
@@ -245,12 +245,12 @@ async def test_health_texts_and_rates() -> None:
         long = "A text of more than fifty letters is sent in chunks and received as one text: " + "x" * 60
         vehicle.send_statustext("Ready to fly", common.MavSeverity.WARNING)
         vehicle.send_statustext(long, common.MavSeverity.CRITICAL)
-        assert await texts.wait_for(lambda heard: heard["type"] == "CRITICAL") == {
+        assert await texts.wait_for(lambda update: update["type"] == "CRITICAL") == {
             "type": "CRITICAL",
             "text": long,
         }
         health = await ground.stream("telemetry", "subscribe_health")
-        await health.wait_for(lambda heard: heard["is_gyrometer_calibration_ok"])
+        await health.wait_for(lambda update: update["is_gyrometer_calibration_ok"])
         assert await ground.call("telemetry", "set_rate_position", 20.0) == "SUCCESS"
         assert vehicle.message_server.interval_of(common.GlobalPositionInt) == 50_000
 
@@ -264,20 +264,20 @@ async def test_actions() -> None:
         with pytest.raises(MavsdkError, match=r"COMMAND_DENIED"):
             await ground.call("action", "takeoff")
         assert await ground.call("action", "arm") == "SUCCESS"
-        await armed.wait_for(lambda heard: heard)
+        await armed.wait_for(lambda update: update)
         assert vehicle.is_armed
         assert await ground.call("action", "get_takeoff_altitude") == 2.5
         assert await ground.call("action", "set_takeoff_altitude", 15.0) == "SUCCESS"
         assert vehicle.parameters["MIS_TAKEOFF_ALT"] == 15.0
         assert await ground.call("action", "takeoff") == "SUCCESS"
         assert len(vehicle.takeoffs) == 1
-        await landed.wait_for(lambda heard: heard == "IN_AIR")
+        await landed.wait_for(lambda update: update == "IN_AIR")
         with pytest.raises(MavsdkError, match="COMMAND_DENIED"):
             await ground.call("action", "disarm")
         assert await ground.call("action", "return_to_launch") == "SUCCESS"
-        await modes.wait_for(lambda heard: heard == "RETURN_TO_LAUNCH")
+        await modes.wait_for(lambda update: update == "RETURN_TO_LAUNCH")
         assert await ground.call("action", "land") == "SUCCESS"
-        await landed.wait_for(lambda heard: heard == "ON_GROUND")
+        await landed.wait_for(lambda update: update == "ON_GROUND")
         assert await ground.call("action", "disarm") == "SUCCESS"
         assert not vehicle.is_armed
         assert await ground.call("action", "set_home", True, 0.0, 0.0, 0.0) == "SUCCESS"
@@ -289,7 +289,7 @@ async def test_a_shell() -> None:
     async with ground_and_vehicle() as (ground, _):
         received = await ground.stream("shell", "subscribe_receive")
         assert await ground.call("shell", "send", "ver all", 10) == "SUCCESS"
-        await received.wait_for(lambda heard: "echo: ver all" in heard["data"])
+        await received.wait_for(lambda update: "echo: ver all" in update["data"])
 
 
 async def test_any_message_direct() -> None:
@@ -303,9 +303,9 @@ async def test_any_message_direct() -> None:
             target_component_id=1,
             fields_json='{"target_system": 1, "target_component": 1, "format": 1, "tune": "MFT200L8<c"}',
         )
-        async with vehicle.stream(common.PlayTuneV2) as heard:
+        async with vehicle.stream(common.PlayTuneV2) as update:
             assert await ground.call("mavlink_direct", "send_message", tune) == "SUCCESS"
-            message = await anext(heard)
+            message = await anext(update)
         assert (message.tune, message.format) == ("MFT200L8<c", 1)
         attitudes = await ground.stream("mavlink_direct", "subscribe_message", "ATTITUDE")
         attitude = json.loads((await attitudes.get())["fields_json"])
@@ -326,15 +326,15 @@ async def test_files(tmp_path) -> None:
         ]
         for burst in (False, True):
             steps = await ground.stream("ftp", "download_async", "/logs/flight.ulg", str(local), burst)
-            assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
+            assert (await steps.wait_for(lambda update: update[0] != "NEXT"))[0] == "SUCCESS"
             assert (local / "flight.ulg").read_bytes() == content
             (local / "flight.ulg").unlink()
         steps = await ground.stream("ftp", "download_async", "/empty.txt", str(local), True)
-        assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
+        assert (await steps.wait_for(lambda update: update[0] != "NEXT"))[0] == "SUCCESS"
         assert (local / "empty.txt").read_bytes() == b""
         (local / "up.bin").write_bytes(content[::-1])
         steps = await ground.stream("ftp", "upload_async", str(local / "up.bin"), "/logs")
-        assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
+        assert (await steps.wait_for(lambda update: update[0] != "NEXT"))[0] == "SUCCESS"
         assert (root / "logs" / "up.bin").read_bytes() == content[::-1]
         assert await ground.call("ftp", "are_files_identical", str(local / "up.bin"), "/logs/up.bin")
         assert not await ground.call("ftp", "are_files_identical", str(local / "up.bin"), "/logs/flight.ulg")

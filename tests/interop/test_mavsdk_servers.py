@@ -85,10 +85,10 @@ async def test_plans(kind: int, part: str) -> None:
         cleared = await server.stream("mission_raw_server", "subscribe_clear_all")
         plans, sent = getattr(remote, part), plan(100, kind)
         await plans.upload(sent)
-        result, heard = await incoming.get()
+        result, received = await incoming.get()
         assert result == "SUCCESS"
-        assert [item["seq"] for item in heard["mission_items"]] == list(range(100))
-        assert heard["mission_items"][3]["x"] == 473_980_415
+        assert [item["seq"] for item in received["mission_items"]] == list(range(100))
+        assert received["mission_items"][3]["x"] == 473_980_415
         assert await plans.download() == sent
         await plans.clear()
         assert await cleared.get() == kind
@@ -200,9 +200,9 @@ TELEMETRY = {
 @pytest.mark.parametrize("kind", TELEMETRY, ids=lambda kind: kind.__name__)
 async def test_telemetry(kind: type) -> None:
     method, arguments, expected = TELEMETRY[kind]
-    async with remote_and_server() as (remote, server), remote.stream(kind) as heard:
+    async with remote_and_server() as (remote, server), remote.stream(kind) as received:
         assert await server.call("telemetry_server", method, *arguments) == "SUCCESS"
-        message = await anext(heard)
+        message = await anext(received)
         assert {name: getattr(message, name) for name in expected} == pytest.approx(expected)
 
 

@@ -51,7 +51,7 @@ async def check_arming_refused_without_position(flight, firmware: str) -> None:
     flight.vehicle.faults.inject("gps off")
     await flight.wait_until(lambda: not flight.vehicle.autopilot.has_position)
     await flight.call_fails(NOT_ARMED[firmware], "action", "arm")
-    await texts.wait_for(lambda heard: heard["text"].startswith(REFUSAL_TEXTS[firmware]))
+    await texts.wait_for(lambda update: update["text"].startswith(REFUSAL_TEXTS[firmware]))
     await flight.wait_for_telemetry("health_all_ok", False)
     flight.vehicle.faults.inject("gps on")
     await flight.wait_for_telemetry("health_all_ok", True)
@@ -81,16 +81,16 @@ async def fly_to_locations(flight, firmware: str) -> None:
     assert flight.speed < 9
     await flight.wait_for_telemetry(
         "position",
-        lambda heard: (
-            heard["latitude_deg"] == pytest.approx(latitude, abs=3e-5)
-            and heard["longitude_deg"] == pytest.approx(longitude, abs=3e-5)
-            and heard["relative_altitude_m"] == pytest.approx(16, abs=1.5)
+        lambda update: (
+            update["latitude_deg"] == pytest.approx(latitude, abs=3e-5)
+            and update["longitude_deg"] == pytest.approx(longitude, abs=3e-5)
+            and update["relative_altitude_m"] == pytest.approx(16, abs=1.5)
         ),
     )
     assert flight.distance(40, 10) < 6
     if firmware == "px4":  # ArduPilot ignores the yaw
         await flight.wait_until(lambda: abs(flight.vehicle.body.truth.yaw - radians(90)) < 0.1)
-        await flight.wait_for_telemetry("heading", lambda heard: abs(heard["heading_deg"] - 90) < 6)
+        await flight.wait_for_telemetry("heading", lambda update: abs(update["heading_deg"] - 90) < 6)
 
 
 async def orbit_and_hold(flight, firmware: str) -> None:
@@ -168,8 +168,8 @@ async def check_velocity_setpoints(flight) -> None:
     await flight.call_ok("offboard", "set_velocity_ned", velocity)
     await flight.wait_for_telemetry(
         "velocity_ned",
-        lambda heard: (
-            (heard["north_m_s"], heard["east_m_s"], heard["down_m_s"])
+        lambda update: (
+            (update["north_m_s"], update["east_m_s"], update["down_m_s"])
             == pytest.approx((-3, 2, -0.5), abs=0.4)
         ),
     )
@@ -180,7 +180,7 @@ async def check_velocity_setpoints(flight) -> None:
     await flight.call_ok("offboard", "set_velocity_body", forward)
     await flight.wait_for_telemetry(
         "velocity_ned",
-        lambda heard: (heard["north_m_s"], heard["east_m_s"]) == pytest.approx((0, 3), abs=0.6),
+        lambda update: (update["north_m_s"], update["east_m_s"]) == pytest.approx((0, 3), abs=0.6),
     )
 
 
@@ -199,7 +199,7 @@ async def check_position_and_attitude_setpoints(flight) -> None:
     attitude = mavsdk_object("offboard.Attitude", roll_deg=10.0, pitch_deg=0.0, yaw_deg=0.0, thrust_value=0.5)
     await flight.call_ok("offboard", "set_attitude", attitude)
     await flight.wait_for_telemetry(
-        "attitude_euler", lambda heard: heard["roll_deg"] == pytest.approx(10, abs=2)
+        "attitude_euler", lambda update: update["roll_deg"] == pytest.approx(10, abs=2)
     )
     await flight.wait_until(lambda: flight.vehicle.body.truth.velocity_east > 1)
 
@@ -214,7 +214,7 @@ async def test_px4_offboard_needs_a_setpoint_stream() -> None:
         offboard = {"command": int(common.MavCmd.DO_SET_MODE), "param1": 209.0, "param2": 6.0}
         acks = await flight.ground.stream("mavlink_direct", "subscribe_message", "COMMAND_ACK")
         await flight.call_ok("mavlink_direct", "send_message", direct_message("COMMAND_LONG", offboard))
-        ack = await acks.wait_for(lambda heard: command_id(heard) == offboard["command"])
+        ack = await acks.wait_for(lambda update: command_id(update) == offboard["command"])
         assert json.loads(ack["fields_json"])["result"] == common.MavResult.TEMPORARILY_REJECTED
         still = mavsdk_object(
             "offboard.VelocityNedYaw", north_m_s=0.0, east_m_s=0.0, down_m_s=0.0, yaw_deg=0.0
@@ -242,5 +242,5 @@ def direct_message(name: str, fields: dict) -> dict:
     )
 
 
-def command_id(heard: dict) -> int:
-    return json.loads(heard["fields_json"])["command"]
+def command_id(update: dict) -> int:
+    return json.loads(update["fields_json"])["command"]

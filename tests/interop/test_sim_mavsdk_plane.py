@@ -35,8 +35,8 @@ async def test_a_px4_plane() -> None:
 
 
 async def check_cruise(flight) -> None:
-    await flight.wait_for_telemetry("fixedwing_metrics", lambda heard: 12 < heard["airspeed_m_s"] < 25)
-    wind = await flight.wait_for_telemetry("wind", lambda heard: heard["wind_altitude_msl_m"] > 500)
+    await flight.wait_for_telemetry("fixedwing_metrics", lambda update: 12 < update["airspeed_m_s"] < 25)
+    wind = await flight.wait_for_telemetry("wind", lambda update: update["wind_altitude_msl_m"] > 500)
     assert abs(wind["wind_x_ned_m_s"]) < 3
     await flight.wait_until(lambda: abs(flight.height - 30) < 8)
 
@@ -51,7 +51,7 @@ async def fly_to_location_and_orbit(flight) -> None:
     await flight.fly(8)
     assert flight.distance(100, 0) == pytest.approx(90, abs=25)
     await flight.call_ok("action", "set_current_speed", 21.0)
-    await flight.wait_for_telemetry("fixedwing_metrics", lambda heard: heard["airspeed_m_s"] > 20)
+    await flight.wait_for_telemetry("fixedwing_metrics", lambda update: update["airspeed_m_s"] > 20)
     await flight.call_ok("action", "hold")
 
 
@@ -76,7 +76,7 @@ async def test_an_ardupilot_plane_flies_a_mission() -> None:
         await flight.wait_for_telemetry("flight_mode", "MISSION")
         for current in range(1, 5):
             await progress.wait_for({"current": current, "total": 5}.__eq__)
-        await flight.wait_for_telemetry("fixedwing_metrics", lambda heard: 12 < heard["airspeed_m_s"] < 25)
+        await flight.wait_for_telemetry("fixedwing_metrics", lambda update: 12 < update["airspeed_m_s"] < 25)
         await flight.wait_until(lambda: flight.distance(0, 250) < 90)
         await fly_guided(flight)
         await flight.call_ok("action", "return_to_launch")

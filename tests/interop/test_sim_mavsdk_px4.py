@@ -43,8 +43,8 @@ async def test_failures() -> None:
     async with simulated_flight("copter", "px4") as flight:
         await flight.wait_for_telemetry("health_all_ok", True)
         await flight.call_ok("failure", "inject", GPS, OFF, 0)
-        await flight.wait_for_telemetry("gps_info", lambda heard: heard["fix_type"] == "NO_FIX")
-        await flight.wait_for_telemetry("health", lambda heard: not heard["is_global_position_ok"])
+        await flight.wait_for_telemetry("gps_info", lambda update: update["fix_type"] == "NO_FIX")
+        await flight.wait_for_telemetry("health", lambda update: not update["is_global_position_ok"])
         await flight.wait_until(lambda: not flight.vehicle.autopilot.has_position)
         await flight.call_fails("COMMAND_DENIED", "action", "arm")
         await flight.call_ok("failure", "inject", GPS, OK, 0)

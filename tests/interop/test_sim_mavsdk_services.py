@@ -17,7 +17,7 @@ FIRMWARES = ("ardupilot", "px4")
 
 
 def near(name: str, expected: float, tolerance: float):
-    return lambda heard: heard[name] == pytest.approx(expected, abs=tolerance)
+    return lambda update: update[name] == pytest.approx(expected, abs=tolerance)
 
 
 def at_rest(imu: dict, gravity: float = 9.81) -> bool:
@@ -28,37 +28,37 @@ def at_rest(imu: dict, gravity: float = 9.81) -> bool:
 COMMON_TELEMETRY = {
     "position": near("relative_altitude_m", 0, 1),
     "home": near("absolute_altitude_m", 488, 1),
-    "in_air": lambda heard: heard is False,
-    "landed_state": lambda heard: heard == "ON_GROUND",
-    "armed": lambda heard: heard is False,
-    "vtol_state": lambda heard: heard == "UNDEFINED",
+    "in_air": lambda update: update is False,
+    "landed_state": lambda update: update == "ON_GROUND",
+    "armed": lambda update: update is False,
+    "vtol_state": lambda update: update == "UNDEFINED",
     "attitude_quaternion": near("w", 1, 0.01),
     "attitude_euler": near("roll_deg", 0, 1),
     "attitude_angular_velocity_body": near("roll_rad_s", 0, 0.1),
     "velocity_ned": near("north_m_s", 0, 0.5),
-    "gps_info": lambda heard: heard == {"num_satellites": 14, "fix_type": "FIX_3D"},
+    "gps_info": lambda update: update == {"num_satellites": 14, "fix_type": "FIX_3D"},
     "raw_gps": near("latitude_deg", 47.3977, 1e-3),
     "battery": near("remaining_percent", 100, 1),
-    "flight_mode": lambda heard: heard in ("HOLD", "STABILIZED"),
-    "health": lambda heard: all(heard.values()),
-    "health_all_ok": lambda heard: heard is True,
-    "position_velocity_ned": lambda heard: abs(heard["position"]["down_m"]) < 1,
+    "flight_mode": lambda update: update in ("HOLD", "STABILIZED"),
+    "health": lambda update: all(update.values()),
+    "health_all_ok": lambda update: update is True,
+    "position_velocity_ned": lambda update: abs(update["position"]["down_m"]) < 1,
     "fixedwing_metrics": near("groundspeed_m_s", 0, 0.5),
     "imu": at_rest,
     "scaled_imu": at_rest,
     "raw_imu": partial(at_rest, gravity=1000),
-    "unix_epoch_time": lambda heard: heard > 1_767_225_600_000_000,
+    "unix_epoch_time": lambda update: update > 1_767_225_600_000_000,
     "scaled_pressure": near("absolute_pressure_hpa", 956, 1),
     "distance_sensor": near("current_distance_m", 0, 0.2),
-    "heading": lambda heard: min(heard["heading_deg"], 360 - heard["heading_deg"]) < 3,
+    "heading": lambda update: min(update["heading_deg"], 360 - update["heading_deg"]) < 3,
 }
 FIRMWARE_TELEMETRY = {
-    "ardupilot": {"rc_status": lambda heard: heard["is_available"]},
+    "ardupilot": {"rc_status": lambda update: update["is_available"]},
     "px4": {
-        "rc_status": lambda heard: not heard["is_available"],
-        "odometry": lambda heard: abs(heard["position_body"]["z_m"]) < 1,
+        "rc_status": lambda update: not update["is_available"],
+        "odometry": lambda update: abs(update["position_body"]["z_m"]) < 1,
         "altitude": near("altitude_amsl_m", 488, 1),
-        "actuator_output_status": lambda heard: heard["actuator"][0] == -1,
+        "actuator_output_status": lambda update: update["actuator"][0] == -1,
         "ground_truth": near("absolute_altitude_m", 488, 0.1),
     },
 }
@@ -88,9 +88,9 @@ async def test_telemetry(firmware: str) -> None:
 async def check_rates(flight) -> None:
     """A rate is kept in simulated time."""
     await flight.call_ok("telemetry", "set_rate_attitude_euler", 2.0)
-    heard = await flight.ground.stream("telemetry", "subscribe_attitude_euler")
-    first = await heard.get()
-    times = [(await heard.get())["timestamp_us"] for _ in range(5)]
+    update = await flight.ground.stream("telemetry", "subscribe_attitude_euler")
+    first = await update.get()
+    times = [(await update.get())["timestamp_us"] for _ in range(5)]
     assert times[0] > first["timestamp_us"]
     assert (times[4] - times[0]) / 4e6 == pytest.approx(0.5, abs=0.05)
 
@@ -103,7 +103,9 @@ async def check_version(flight, firmware: str) -> None:
     assert int(identification["hardware_uid"].rstrip("\0"), 16)
     assert await flight.call("info", "get_product")
     flown = await flight.ground.stream("info", "subscribe_flight_information")
-    await flown.wait_for(lambda heard: heard["time_boot_ms"] > 0 and heard["duration_since_arming_ms"] == 0)
+    await flown.wait_for(
+        lambda update: update["time_boot_ms"] > 0 and update["duration_since_arming_ms"] == 0
+    )
     # MAVSDK 4.1 always reports its own speed factor as NaN.
 
 
@@ -123,11 +125,11 @@ async def test_parameters_and_files(firmware: str, tmp_path) -> None:
 async def check_parameters(flight, whole: str, real: str, value: float) -> None:
     table = flight.vehicle.parameters
     every = await flight.call("param", "get_all_params")
-    heard = {each["name"]: each["value"] for kind in ("int_params", "float_params") for each in every[kind]}
-    names = {name for name in heard if name != "_HASH_CHECK"}
+    update = {each["name"]: each["value"] for kind in ("int_params", "float_params") for each in every[kind]}
+    names = {name for name in update if name != "_HASH_CHECK"}
     assert names == {each.name for each in table.table}
     assert len(names) > 300
-    assert {name: heard[name] for name in names} == pytest.approx({name: table[name] for name in names})
+    assert {name: update[name] for name in names} == pytest.approx({name: table[name] for name in names})
     assert await flight.call("param", "get_param_int", whole) == table[whole]
     await flight.call_ok("param", "set_param_float", real, value)
     assert table[real] == value
@@ -155,7 +157,7 @@ async def check_files(flight, folder: str, local) -> None:
 
 async def transfer(flight, method: str, *arguments) -> None:
     steps = await flight.ground.stream("ftp", method, *arguments)
-    assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
+    assert (await steps.wait_for(lambda update: update[0] != "NEXT"))[0] == "SUCCESS"
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
@@ -220,16 +222,16 @@ async def fly_mission(flight, firmware: str) -> None:
         assert len((await flight.call("mission", "download_mission"))["mission_items"]) == 4
     progress = await flight.ground.stream("mission", "subscribe_mission_progress")
     await begin_mission(flight, firmware)
-    await progress.wait_for(lambda heard: heard["current"] == 1)
+    await progress.wait_for(lambda update: update["current"] == 1)
     await flight.call_ok("mission", "pause_mission")
     await flight.wait_until(lambda: flight.speed < 0.6)
     assert flight.distance(60, 0) > 5
     await flight.call_ok("mission", "start_mission")
-    await progress.wait_for(lambda heard: heard["current"] == 2)
+    await progress.wait_for(lambda update: update["current"] == 2)
     assert flight.vehicle.body.truth.north > 30
-    await progress.wait_for(lambda heard: heard["current"] == 3)
+    await progress.wait_for(lambda update: update["current"] == 3)
     await flight.wait_until(lambda: flight.distance(0, 20) < 5)
-    await progress.wait_for(lambda heard: heard["current"] == heard["total"] == 4)
+    await progress.wait_for(lambda update: update["current"] == update["total"] == 4)
     assert await flight.call("mission", "is_mission_finished")
     await flight.call_ok("action", "land")
     await flight.wait_until(lambda: not flight.vehicle.autopilot.armed)
@@ -267,7 +269,7 @@ async def check_logs(flight, local) -> None:
     for entry, each in zip(entries, logs.logs(), strict=True):
         saved, log_entry = local / f"log{entry['id']}", mavsdk_object("log_files.Entry", **entry)
         steps = await flight.ground.stream("log_files", "download_log_file_async", log_entry, str(saved))
-        assert (await steps.wait_for(lambda heard: heard[0] != "NEXT"))[0] == "SUCCESS"
+        assert (await steps.wait_for(lambda update: update[0] != "NEXT"))[0] == "SUCCESS"
         assert saved.read_bytes() == content_of(logs, each.id, each.size)
         assert saved.stat().st_size > 10_000
     await flight.call_ok("log_files", "erase_all_log_files")

@@ -76,9 +76,9 @@ async def test_a_stream_at_a_rate() -> None:
     async with mavsdk_server_vehicle() as (vehicle, _):
         # MAVSDK accepts every rate but publishes at the program's own.
         async with vehicle.stream(common.GlobalPositionInt, rate=5) as positions:
-            heard = [await anext(positions) for _ in range(3)]
-        assert {message.lat for message in heard} == {int(LATITUDE * 1e7)}
-        assert heard[0].time_boot_ms < heard[2].time_boot_ms
+            received = [await anext(positions) for _ in range(3)]
+        assert {message.lat for message in received} == {int(LATITUDE * 1e7)}
+        assert received[0].time_boot_ms < received[2].time_boot_ms
 
 
 async def test_arming_and_taking_off() -> None:

@@ -129,12 +129,12 @@ def test_closing_the_node_ends_running_operations() -> None:
             await pair.ground.wait_for_autopilot()
             silent = pair.ground.component(7)
             task = asyncio.ensure_future(silent.command(common.MavCmd.NAV_LAND))
-            heard = pair.ground.stream(common.Heartbeat)
+            messages = pair.ground.stream(common.Heartbeat)
             await asyncio.sleep(0.5)
             await pair.ground.close()
             with pytest.raises(RemoteCancelled):
                 await task
-            assert all([isinstance(message, common.Heartbeat) async for message in heard])
+            assert all([isinstance(message, common.Heartbeat) async for message in messages])
             with pytest.raises(MavstackError, match="not open"):
                 pair.ground.send(common.Heartbeat())
 
@@ -230,8 +230,8 @@ def test_status_texts_ping_and_timesync() -> None:
             vehicle = await pair.ground.wait_for_autopilot()
             async with pair.ground.events(StatusText) as texts:
                 pair.vehicle.send_statustext("propellers are on, " * 10, common.MavSeverity.WARNING)
-                heard = await anext(texts)
-            assert heard.text == "propellers are on, " * 10
+                messages = await anext(texts)
+            assert messages.text == "propellers are on, " * 10
             assert (await vehicle.ping()).received == 4
             assert vehicle.clock.estimate is None
             await asyncio.sleep(1)

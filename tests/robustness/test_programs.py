@@ -79,9 +79,9 @@ def test_a_failing_producer_is_reported_and_the_others_continue() -> None:
         async with Pair() as pair:
             pair.vehicle.publish(common.Attitude, fail, interval=0.1)
             pair.vehicle.publish(common.VfrHud, lambda _: common.VfrHud(), interval=0.1)
-            async with pair.remote.stream(common.VfrHud) as heard:
+            async with pair.remote.stream(common.VfrHud) as messages:
                 await asyncio.sleep(5)
-                assert len(heard.drain()) > 40
+                assert len(messages.drain()) > 40
             assert await pair.remote.modes.list()
         assert reported.errors
         assert all("MessageServer" in text and "ZeroDivisionError" in text for text in reported.errors)
@@ -192,17 +192,17 @@ def test_the_node_may_close_while_a_block_is_left() -> None:
 def test_several_tasks_may_read_one_subscription() -> None:
     async def work() -> None:
         async with Pair() as pair:
-            heard = pair.remote.stream(common.Attitude)
-            readers = [asyncio.ensure_future(anext(heard)) for _ in range(3)]
+            messages = pair.remote.stream(common.Attitude)
+            readers = [asyncio.ensure_future(anext(messages)) for _ in range(3)]
             await asyncio.sleep(1)
             readers[0].cancel()
             for number in range(2):
                 pair.vehicle.send(common.Attitude(time_boot_ms=number))
             answers = await asyncio.wait_for(asyncio.gather(*readers[1:]), 5)
             assert {answer.time_boot_ms for answer in answers} == {0, 1}
-            last = asyncio.ensure_future(anext(heard, None))
+            last = asyncio.ensure_future(anext(messages, None))
             await asyncio.sleep(1)
-            heard.close()
+            messages.close()
             assert await last is None
 
     run_virtually(work())
@@ -342,8 +342,8 @@ def test_a_link_that_closes_and_reopens() -> None:
                 await server.close()
                 server = Node(f"tcpin://{host}:{port}", system=1, component=1, type=2, autopilot=12)
                 await server.open()
-                async with ground.stream(common.Heartbeat, system=1) as heard:
-                    await asyncio.wait_for(anext(heard), 20)
+                async with ground.stream(common.Heartbeat, system=1) as messages:
+                    await asyncio.wait_for(anext(messages), 20)
                 assert (await asyncio.wait_for(remote.ping(1), 10)).received == 1
         await server.close()
 

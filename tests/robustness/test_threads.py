@@ -48,10 +48,10 @@ def test_threads_call_concurrently(vehicle: Node, ground: Node) -> None:
 def test_a_blocking_call_ends_when_another_thread_closes_the_node(call: str) -> None:
     node = Node("udpin://127.0.0.1:0").open()
     began, outcome = Event(), []
-    heard = node.stream(common.Attitude)
+    messages = node.stream(common.Attitude)
     calls = {
         "serve_forever": node.serve_forever,
-        "next": lambda: next(heard, None),
+        "next": lambda: next(messages, None),
         "command": lambda: node.component(1).command(common.MavCmd.NAV_LAND),
         "wait_for_autopilot": node.wait_for_autopilot,
     }
@@ -95,26 +95,26 @@ def test_a_call_during_the_close_by_another_thread_never_hangs() -> None:
 
 
 def test_a_subscription_is_closed_from_another_thread(ground: Node) -> None:
-    heard = ground.stream(common.Attitude)
-    Timer(0.05, heard.close).start()
-    assert list(heard) == []
+    messages = ground.stream(common.Attitude)
+    Timer(0.05, messages.close).start()
+    assert list(messages) == []
 
 
 def test_several_threads_read_one_subscription(vehicle: Node, ground: Node) -> None:
     ground.wait_for_autopilot(timeout=10)
-    heard = ground.stream(common.Attitude)
+    messages = ground.stream(common.Attitude)
     with ThreadPoolExecutor(3) as pool:
-        answers = [pool.submit(next, heard) for _ in range(3)]
+        answers = [pool.submit(next, messages) for _ in range(3)]
         for number in range(3):
             vehicle.send(common.Attitude(time_boot_ms=number))
         assert {answer.result(10).time_boot_ms for answer in answers} == {0, 1, 2}
 
 
 def test_blocks_may_be_left_after_the_node_was_closed() -> None:
-    with Node("udpin://127.0.0.1:0") as node, node.stream() as heard:
+    with Node("udpin://127.0.0.1:0") as node, node.stream() as messages:
         node.close()
         with pytest.raises(MavstackError, match="the node is closed"):
-            next(heard)
+            next(messages)
 
 
 def test_mappings_are_copies(vehicle: Node, ground: Node) -> None:
@@ -125,9 +125,9 @@ def test_mappings_are_copies(vehicle: Node, ground: Node) -> None:
 def test_the_node_is_usable_after_ctrl_c_in_any_call(vehicle: Node, ground: Node, call: str) -> None:
     found = ground.wait_for_autopilot(timeout=10)
     silent = ground.component(9)
-    heard = ground.stream(common.Attitude)
+    messages = ground.stream(common.Attitude)
     calls = {
-        "next": lambda: next(heard),
+        "next": lambda: next(messages),
         "ping": silent.ping,
         "parameters": silent.params.download,
         "wait_for_autopilot": lambda: ground.wait_for_autopilot(9),

@@ -51,14 +51,14 @@ def test_a_script_commands_and_receives(vehicle: Node) -> None:
 def test_errors_are_those_of_the_async_api() -> None:
     with pytest.raises(LinkURLError):
         Node("nonsense")
-    with Node("udpin://127.0.0.1:0") as lonely:
+    with Node("udpin://127.0.0.1:0") as unconnected:
         with pytest.raises(RemoteTimeout, match="waiting for an autopilot on"):
-            lonely.wait_for_autopilot(timeout=0.01)
+            unconnected.wait_for_autopilot(timeout=0.01)
         with pytest.raises(AttributeError):
-            lonely.no_such_name  # noqa: B018
-    lonely.close()
+            unconnected.no_such_name  # noqa: B018
+    unconnected.close()
     with pytest.raises(MavstackError, match="closed"):
-        lonely.send(common.Heartbeat())
+        unconnected.send(common.Heartbeat())
 
 
 def test_a_handler_calls_its_own_node(vehicle: Node) -> None:

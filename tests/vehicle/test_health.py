@@ -12,9 +12,9 @@ from mavstack.services.statustext import chunks_of
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.harness import reduce_telemetry
 from tests.vehicle.failures.scripted import play as scripted_readiness
-from tests.vehicle.telemetry.stage import ARDUPILOT as AP
-from tests.vehicle.telemetry.stage import PX4 as PX
-from tests.vehicle.telemetry.stage import on_stage
+from tests.vehicle.telemetry.harness import ARDUPILOT as AP
+from tests.vehicle.telemetry.harness import PX4 as PX
+from tests.vehicle.telemetry.harness import with_telemetry
 from tests.vehicle.world import ALL, ARDUPILOT, PX4, fly, named
 
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
@@ -160,26 +160,26 @@ def test_a_refused_arming_leaves_its_reason_as_a_problem():
     ],
 )
 def test_ready_follows_the_prearm_bit(autopilot, message, ready):
-    async def scenario(stage):
-        assert stage.vehicle.health.ready is None
-        stage.heartbeat(autopilot)
-        assert stage.vehicle.health.ready is None
-        stage.hear(message)
-        assert stage.vehicle.health.ready is ready
+    async def scenario(harness):
+        assert harness.vehicle.health.ready is None
+        harness.heartbeat(autopilot)
+        assert harness.vehicle.health.ready is None
+        harness.receive(message)
+        assert harness.vehicle.health.ready is ready
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_old_messages_do_not_count():
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(READY)
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(READY)
         for _ in range(40):
             await asyncio.sleep(1)
-            stage.heartbeat()
-        assert stage.vehicle.health.ready is None
+            harness.heartbeat()
+        assert harness.vehicle.health.ready is None
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 PROBLEMS = [
@@ -240,123 +240,123 @@ PROBLEMS = [
 
 @pytest.mark.parametrize(("message", "text", "source"), PROBLEMS, ids=[text for _, text, _ in PROBLEMS])
 def test_the_problems_of_each_message(message, text, source):
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(message)
-        problems = stage.vehicle.health.problems
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(message)
+        problems = harness.vehicle.health.problems
         assert [(problem.text, problem.source) for problem in problems] == [(text, source)]
-        assert text in str(stage.vehicle.health)
+        assert text in str(harness.vehicle.health)
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_healthy_vehicle_has_no_problems():
-    async def scenario(stage):
-        stage.heartbeat(system_status=common.MavState.STANDBY)
-        stage.hear(
+    async def scenario(harness):
+        harness.heartbeat(system_status=common.MavState.STANDBY)
+        harness.receive(
             status(BIT.PREARM_CHECK | BIT.SENSOR_GPS, BIT.PREARM_CHECK | BIT.SENSOR_GPS),
             common.GpsRawInt(fix_type=3, satellites_visible=12),
             ardupilotmega.EkfStatusReport(ESTIMATED, 0.1, 0.1, 0.1, 0.1),
             common.BatteryStatus(charge_state=1, battery_remaining=90),
             common.Statustext(text="EKF3 IMU0 is using GPS"),
         )
-        health = stage.vehicle.health
+        health = harness.vehicle.health
         assert (health.ready, health.problems, str(health)) == (True, (), "ready")
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_vehicle_without_gps_has_no_gps_problem():
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(status(BIT.PREARM_CHECK, BIT.PREARM_CHECK), common.GpsRawInt(fix_type=0))
-        assert stage.vehicle.health.problems == ()
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(status(BIT.PREARM_CHECK, BIT.PREARM_CHECK), common.GpsRawInt(fix_type=0))
+        assert harness.vehicle.health.problems == ()
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_lost_fix_is_one_problem():
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(status(BIT.SENSOR_GPS | BIT.SENSOR_3D_MAG), common.GpsRawInt(fix_type=1))
-        assert texts_of(stage.vehicle.health) == [
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(status(BIT.SENSOR_GPS | BIT.SENSOR_3D_MAG), common.GpsRawInt(fix_type=1))
+        assert texts_of(harness.vehicle.health) == [
             "GPS has no 3D fix (0 satellites)",
             "compass is not healthy",
         ]
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_failure_flags_of_high_latency():
-    async def scenario(stage):
-        stage.hear(common.HighLatency2(type=2, autopilot=PX, failure_flags=1 | 128))
-        health = stage.vehicle.health
+    async def scenario(harness):
+        harness.receive(common.HighLatency2(type=2, autopilot=PX, failure_flags=1 | 128))
+        health = harness.vehicle.health
         assert health.ready is None
         assert texts_of(health) == ["GPS is not healthy", "battery is not healthy"]
         assert {problem.source for problem in health.problems} == {"HIGH_LATENCY2"}
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 # How long words count
 
 
-def say(stage, *texts, component=1):
-    stage.hear(*(common.Statustext(text=text) for text in texts), component=component)
+def send_texts(harness, *texts, component=1):
+    harness.receive(*(common.Statustext(text=text) for text in texts), component=component)
 
 
 def test_ardupilots_failed_checks_arrive_in_one_run():
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(NOT_READY)
-        say(stage, "PreArm: one", "PreArm: two")
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(NOT_READY)
+        send_texts(harness, "PreArm: one", "PreArm: two")
         await asyncio.sleep(29)
-        stage.heartbeat()
-        stage.hear(NOT_READY)
-        assert texts_of(stage.vehicle.health) == ["one", "two"]
-        say(stage, "PreArm: two")
-        assert texts_of(stage.vehicle.health) == ["two"]
+        harness.heartbeat()
+        harness.receive(NOT_READY)
+        assert texts_of(harness.vehicle.health) == ["one", "two"]
+        send_texts(harness, "PreArm: two")
+        assert texts_of(harness.vehicle.health) == ["two"]
         await asyncio.sleep(50)
-        stage.heartbeat()
-        stage.hear(NOT_READY)
+        harness.heartbeat()
+        harness.receive(NOT_READY)
         unknown = "its checks before arming fail, and it has not reported which"
-        assert texts_of(stage.vehicle.health) == [unknown]
+        assert texts_of(harness.vehicle.health) == [unknown]
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_px4s_failed_checks_count_until_it_is_ready():
-    async def scenario(stage):
-        stage.heartbeat(PX)
-        stage.hear(NOT_READY)
-        say(stage, "Preflight Fail: one")
-        stage.hear(*chunks_of("Arming denied: Resolve system health failures first", 2, 1))
+    async def scenario(harness):
+        harness.heartbeat(PX)
+        harness.receive(NOT_READY)
+        send_texts(harness, "Preflight Fail: one")
+        harness.receive(*chunks_of("Arming denied: Resolve system health failures first", 2, 1))
         await asyncio.sleep(20)
-        say(stage, "Preflight Fail: two")
+        send_texts(harness, "Preflight Fail: two")
         await asyncio.sleep(300)
-        stage.heartbeat(PX)
-        stage.hear(NOT_READY)
-        assert texts_of(stage.vehicle.health) == ["one", "two"]
-        say(stage, "Preflight Fail: late")
+        harness.heartbeat(PX)
+        harness.receive(NOT_READY)
+        assert texts_of(harness.vehicle.health) == ["one", "two"]
+        send_texts(harness, "Preflight Fail: late")
         await asyncio.sleep(1)
-        stage.hear(READY)
-        assert stage.vehicle.health.problems == ()
+        harness.receive(READY)
+        assert harness.vehicle.health.problems == ()
         await asyncio.sleep(1)
-        stage.hear(NOT_READY)
-        say(stage, "Preflight Fail: three")
-        assert texts_of(stage.vehicle.health) == ["three"]
+        harness.receive(NOT_READY)
+        send_texts(harness, "Preflight Fail: three")
+        assert texts_of(harness.vehicle.health) == ["three"]
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_cameras_status_text_is_no_failed_check():
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(NOT_READY)
-        say(stage, "PreArm: no film", component=common.MavComponent.CAMERA)
-        assert "no film" not in texts_of(stage.vehicle.health)
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(NOT_READY)
+        send_texts(harness, "PreArm: no film", component=common.MavComponent.CAMERA)
+        assert "no film" not in texts_of(harness.vehicle.health)
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 # Readiness in the mode to be flown

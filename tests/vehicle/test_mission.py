@@ -88,7 +88,7 @@ async def flown(made, *, limit=None):
     return flying
 
 
-def tell(made, seq, state=STATE.UNKNOWN, total=None):
+def report_item(made, seq, state=STATE.UNKNOWN, total=None):
     """An older firmware's MISSION_CURRENT has no state, and counts nothing."""
     made.script.send(
         common.MissionCurrent(seq=seq, total=len(ITEMS) if total is None else total, mission_state=state)
@@ -107,7 +107,7 @@ def test_an_older_firmware_ends_with_its_last_item(autopilot):
         total = len(ITEMS) - first
         for seq in range(first, len(ITEMS)):
             assert not flying.done()
-            tell(made, seq, total=total)
+            report_item(made, seq, total=total)
             await asyncio.sleep(2)
             assert not flying.done()
             reach(made, seq)
@@ -121,7 +121,7 @@ def test_an_older_firmware_ends_with_its_last_item(autopilot):
 def test_an_older_firmware_that_lands_ends_with_its_motors(mode):
     async def scenario(made):
         flying = await flown(made)
-        tell(made, len(ITEMS) - 1)
+        report_item(made, len(ITEMS) - 1)
         reach(made, len(ITEMS) - 2)
         made.script.enter(mode)
         reach(made, len(ITEMS) - 1)
@@ -137,7 +137,7 @@ def test_a_vehicle_that_disarms_in_its_last_item_has_landed():
     async def scenario(made):
         flying = await flown(made)
         reach(made, 0)
-        tell(made, len(ITEMS) - 1)
+        report_item(made, len(ITEMS) - 1)
         await asyncio.sleep(5)
         assert not flying.done()
         made.script.arm(False)
@@ -151,7 +151,7 @@ def test_disarmed_before_the_end_is_an_interruption(state):
     async def scenario(made):
         flying = await flown(made)
         reach(made, 1)
-        tell(made, 2, state)
+        report_item(made, 2, state)
         await asyncio.sleep(5)
         made.say("Crash: disarming", 0)
         made.script.arm(False)
@@ -173,7 +173,7 @@ def test_a_landing_at_the_end_is_the_end_if_the_total_counts_the_home_item(state
         flying = asyncio.create_task(made.vehicle.mission.fly())
         await asyncio.sleep(3)
         for seq in range(1, len(items)):
-            tell(made, seq, state)
+            report_item(made, seq, state)
             await asyncio.sleep(2)
             assert not flying.done()
             reach(made, seq - 1)
@@ -192,7 +192,7 @@ def test_commands_behind_the_landing_are_not_waited_for():
         await asyncio.sleep(1.5)
         flying = asyncio.create_task(made.vehicle.mission.fly())
         await asyncio.sleep(3)
-        tell(made, 4, STATE.ACTIVE, total=len(items) - 1)
+        report_item(made, 4, STATE.ACTIVE, total=len(items) - 1)
         await asyncio.sleep(3)
         made.script.arm(False)
         await asyncio.wait_for(flying, 5)
@@ -207,7 +207,7 @@ def test_a_vehicle_that_disarms_before_its_landing_was_interrupted():
         await asyncio.sleep(1.5)
         flying = asyncio.create_task(made.vehicle.mission.fly())
         await asyncio.sleep(3)
-        tell(made, 3, STATE.ACTIVE, total=4)
+        report_item(made, 3, STATE.ACTIVE, total=4)
         await asyncio.sleep(3)
         made.script.arm(False)
         with pytest.raises(ActionInterrupted, match="it was disarmed"):
@@ -250,12 +250,12 @@ def test_a_mission_that_begins_far_away_gets_a_warning(autopilot):
 def test_the_mission_state_reports_the_end():
     async def scenario(made):
         flying = await flown(made)
-        tell(made, 3, STATE.ACTIVE)
+        report_item(made, 3, STATE.ACTIVE)
         await asyncio.sleep(3)
-        tell(made, len(ITEMS) - 1, STATE.ACTIVE)
+        report_item(made, len(ITEMS) - 1, STATE.ACTIVE)
         await asyncio.sleep(3)
         assert not flying.done()
-        tell(made, len(ITEMS) - 1, STATE.COMPLETE)
+        report_item(made, len(ITEMS) - 1, STATE.COMPLETE)
         await asyncio.wait_for(flying, 3)
 
     play(scenario)
@@ -265,14 +265,14 @@ def test_the_end_of_an_earlier_flight_does_not_count():
     async def scenario(made):
         made.script.arm()
         await made.vehicle.mission.upload(ITEMS)
-        tell(made, len(ITEMS) - 1, STATE.COMPLETE)
+        report_item(made, len(ITEMS) - 1, STATE.COMPLETE)
         await asyncio.sleep(1.5)
         flying = asyncio.create_task(made.vehicle.mission.fly())
         await asyncio.sleep(10)
         assert not flying.done()
-        tell(made, 0, STATE.ACTIVE)
+        report_item(made, 0, STATE.ACTIVE)
         await asyncio.sleep(2)
-        tell(made, len(ITEMS) - 1, STATE.COMPLETE)
+        report_item(made, len(ITEMS) - 1, STATE.COMPLETE)
         await asyncio.wait_for(flying, 3)
 
     play(scenario)
@@ -306,7 +306,7 @@ def test_it_arms_first_and_a_refused_arming_ends_the_call():
 def test_items_and_progress():
     async def scenario(made):
         async with made.vehicle.mission.reached_items() as items:
-            tell(made, 2, STATE.ACTIVE)
+            report_item(made, 2, STATE.ACTIVE)
             reach(made, 1)
             reach(made, 1)
             reach(made, 2)

@@ -119,12 +119,12 @@ def test_several_texts_of_one_reason():
 
 def test_a_capture_keeps_the_last_texts():
     async def scenario(made):
-        with StatusTextCapture(made.vehicle) as heard:
+        with StatusTextCapture(made.vehicle) as captured:
             for number in range(50):
                 made.say(f"text {number}")
                 await asyncio.sleep(0.01)
-                assert len(heard.warnings) <= MAX_TEXTS
-            assert heard.warnings == tuple(f"text {number}" for number in range(44, 50))
+                assert len(captured.warnings) <= MAX_TEXTS
+            assert captured.warnings == tuple(f"text {number}" for number in range(44, 50))
 
     play(scenario)
 
@@ -136,11 +136,11 @@ def test_texts_of_its_other_components_count_and_other_systems_do_not():
             own = Node(network.link(), system=1, component=191)
             other = Node(network.link(), system=2, component=1)
             async with own, other:
-                with StatusTextCapture(made.vehicle) as heard:
+                with StatusTextCapture(made.vehicle) as captured:
                     own.send_statustext("of its companion", SEVERITY.ERROR)
                     other.send_statustext("of another vehicle", SEVERITY.ERROR)
                     await asyncio.sleep(0.1)
-                    assert heard.warnings == ("of its companion",)
+                    assert captured.warnings == ("of its companion",)
 
     run_virtually(whole())
 

@@ -54,8 +54,8 @@ def test_selected_vehicle_is_changed_and_named(mav, simulate, files):
     assert (changed.code, changed.err) == (0, "")
     assert changed.out == "vehicle 2: RTL_ALT: 1500 -> 2700\n"
     assert (first.parameters["RTL_ALT"], second.parameters["RTL_ALT"]) == (1500, 2700)
-    told = json.loads(mav("param", "set", "RTL_ALT", "2800", "--system", 2, "--json").out)
-    assert told["system"] == 2
+    data = json.loads(mav("param", "set", "RTL_ALT", "2800", "--system", 2, "--json").out)
+    assert data["system"] == 2
     loaded = mav("param", "load", "x.param", "--system", 2)
     assert loaded.out.splitlines()[-1] == "vehicle 2: 1 set"
     assert (

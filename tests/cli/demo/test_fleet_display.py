@@ -10,7 +10,7 @@ from mavstack.wire import Encoder, Parser
 DIALECT = Dialect.load("all")
 
 
-def heard(watch: FleetState, system: int, *messages, now: float = 0.0) -> None:
+def receive(watch: FleetState, system: int, *messages, now: float = 0.0) -> None:
     encoder, parser = Encoder(system, 1), Parser(DIALECT)
     for message in messages:
         for packet in parser.feed(encoder.encode(message)):
@@ -27,9 +27,9 @@ def watch() -> FleetState:
     watch = FleetState(DIALECT)
     for system in (1, 12):
         place = common.GlobalPositionInt(lat=470_000_000 + 1000 * system, lon=80_000_000, relative_alt=12_300)
-        heard(watch, system, beat(), place, common.VfrHud(groundspeed=4.5, heading=270))
-    heard(watch, 1, common.SysStatus(battery_remaining=17), common.MissionCurrent(seq=3, total=9))
-    heard(watch, 12, common.Statustext(severity=4, text="GCS Failsafe"))
+        receive(watch, system, beat(), place, common.VfrHud(groundspeed=4.5, heading=270))
+    receive(watch, 1, common.SysStatus(battery_remaining=17), common.MissionCurrent(seq=3, total=9))
+    receive(watch, 12, common.Statustext(severity=4, text="GCS Failsafe"))
     return watch
 
 
@@ -59,7 +59,7 @@ def test_status_texts(watch):
 
 
 def test_silent_vehicle(watch):
-    heard(watch, 1, beat(), now=20.0)
+    receive(watch, 1, beat(), now=20.0)
     drawn = lines(watch, 120, 30, now=21.0)
     assert any("silent for 21 s" in line for line in drawn)
     assert sum("AUTO" in line for line in drawn) == 1
@@ -67,21 +67,21 @@ def test_silent_vehicle(watch):
 
 def test_unknown_position_is_not_on_the_map():
     watch = FleetState(DIALECT)
-    heard(watch, 1, beat(), common.GlobalPositionInt(lat=0, lon=0))
+    receive(watch, 1, beat(), common.GlobalPositionInt(lat=0, lon=0))
     assert watch.vehicles[1].latitude is None
     assert not watch.vehicles[1].track
 
 
 def test_ground_stations_are_ignored():
     watch = FleetState(DIALECT)
-    heard(watch, 255, beat(autopilot=common.MavAutopilot.INVALID, type=common.MavType.GCS))
+    receive(watch, 255, beat(autopilot=common.MavAutopilot.INVALID, type=common.MavType.GCS))
     assert not watch.vehicles
 
 
 def test_snapshot_does_not_change():
     watch = FleetState(DIALECT)
-    heard(watch, 1, beat(), common.GlobalPositionInt(lat=1000, lon=1000, relative_alt=1000))
+    receive(watch, 1, beat(), common.GlobalPositionInt(lat=1000, lon=1000, relative_alt=1000))
     moment = watch.snapshot(0.0)
-    heard(watch, 1, common.GlobalPositionInt(lat=90000, lon=1000, relative_alt=9000))
+    receive(watch, 1, common.GlobalPositionInt(lat=90000, lon=1000, relative_alt=9000))
     assert moment.vehicles[0].height == 1.0
     assert len(moment.vehicles[0].track) == 1

@@ -330,7 +330,7 @@ def test_invalid_plan_is_not_uploaded(mav, copter, files):
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "expected"),
     [
         (("show", "missing.plan"), "missing.plan: No such file or directory"),
         (("upload", "area.fen", "--mission"), "area.fen: it has no mission"),
@@ -339,10 +339,10 @@ def test_invalid_plan_is_not_uploaded(mav, copter, files):
         (("convert", "flight.waypoints", "no/where.plan"), "no/where.plan: No such file or directory"),
     ],
 )
-def test_failures_are_one_line(mav, words, says):
+def test_failures_are_one_line(mav, words, expected):
     result = mav("mission", *words)
     assert (result.code, result.out) == (1, "")
-    assert result.err.startswith(f"mav mission: {says}")
+    assert result.err.startswith(f"mav mission: {expected}")
     assert result.err.count("\n") == 1
 
 
@@ -354,7 +354,7 @@ def test_wrong_usage(mav, words):
 # A vehicle that refuses, or says nothing
 
 
-class Refuser:
+class RefusingVehicle:
     """A vehicle of a scripted mission service: it refuses what it is told to, or says nothing at all."""
 
     def __init__(self, refused: int | None, result: int, *, silent: bool = False) -> None:
@@ -378,7 +378,7 @@ class Refuser:
 
 
 def test_refused_fence_stops_the_upload(mav, monkeypatch):
-    use(monkeypatch, Refuser(PlanType.FENCE, _RESULT.NO_SPACE).run_on_vehicle)
+    use(monkeypatch, RefusingVehicle(PlanType.FENCE, _RESULT.NO_SPACE).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
     assert result.code == 1
     assert result.out == "vehicle 1: rally points: not sent\nvehicle 1: mission: not sent\n"
@@ -387,7 +387,7 @@ def test_refused_fence_stops_the_upload(mav, monkeypatch):
 
 
 def test_refused_mission_is_reported_after_uploaded_plans(mav, monkeypatch):
-    use(monkeypatch, Refuser(PlanType.MISSION, _RESULT.UNSUPPORTED).run_on_vehicle)
+    use(monkeypatch, RefusingVehicle(PlanType.MISSION, _RESULT.UNSUPPORTED).run_on_vehicle)
     result = mav("mission", "upload", "flight.plan")
     assert (result.code, result.out) == (
         1,
@@ -397,14 +397,14 @@ def test_refused_mission_is_reported_after_uploaded_plans(mav, monkeypatch):
 
 
 def test_refused_clear(mav, monkeypatch):
-    use(monkeypatch, Refuser(PlanType.RALLY, _RESULT.DENIED).run_on_vehicle)
+    use(monkeypatch, RefusingVehicle(PlanType.RALLY, _RESULT.DENIED).run_on_vehicle)
     result = mav("mission", "clear", "--all-plans")
     assert (result.code, result.out) == (1, "vehicle 1: fence: cleared\nvehicle 1: mission: not cleared\n")
     assert result.err.startswith("mav mission: clearing the rally points on 1/1 failed: DENIED")
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "expected"),
     [
         (("upload", "flight.plan"), "uploading the fence to"),
         (("download", "flight.waypoints"), "downloading the mission from"),
@@ -412,11 +412,11 @@ def test_refused_clear(mav, monkeypatch):
         (("clear",), "clearing the mission on"),
     ],
 )
-def test_silent_vehicle(mav, monkeypatch, words, says):
-    use(monkeypatch, Refuser(None, 0, silent=True).run_on_vehicle)
+def test_silent_vehicle(mav, monkeypatch, words, expected):
+    use(monkeypatch, RefusingVehicle(None, 0, silent=True).run_on_vehicle)
     result = mav("mission", *words)
     assert result.code == 1
-    assert result.err.startswith(f"mav mission: {says} 1/1 failed")
+    assert result.err.startswith(f"mav mission: {expected} 1/1 failed")
     assert "no answer" in result.err
     assert result.err.count("\n") == 1
 
@@ -428,7 +428,7 @@ def test_no_vehicle(mav):
 
 
 def test_verify_reports_a_difference(mav, monkeypatch):
-    class Forgetful(Refuser):
+    class ForgetfulVehicle(RefusingVehicle):
         def _validate(self, plan: Plan, source: Address) -> int:
             return _RESULT.ACCEPTED
 
@@ -440,7 +440,7 @@ def test_verify_reports_a_difference(mav, monkeypatch):
 
     kept = PlanStore.put
     monkeypatch.setattr(PlanStore, "put", rounded)
-    use(monkeypatch, Forgetful(None, 0).run_on_vehicle)
+    use(monkeypatch, ForgetfulVehicle(None, 0).run_on_vehicle)
     result = mav("mission", "upload", "area.fen", "--verify")
     assert result.code == 1
     assert result.out == "vehicle 1: fence: 5 items uploaded\n"

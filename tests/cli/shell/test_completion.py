@@ -100,11 +100,11 @@ def test_remote_listing_is_cached():
         files = session.vehicle.ftp
         list_directory = files.list
 
-        async def spied(path):
+        async def recorded(path):
             listed.append(path)
             return await list_directory(path)
 
-        object.__setattr__(files, "list", spied)
+        object.__setattr__(files, "list", recorded)
         assert (await complete(session, "ftp get /AP"))[0] == ["/APM/"]
         assert "/APM/LOGS/" in (await complete(session, "ftp list /APM/"))[0]
         assert (await complete(session, "ftp get /AP"))[0] == ["/APM/"]

@@ -136,8 +136,8 @@ def test_outputs_are_added_listed_and_removed(capsys):
         await session.forwarding.add(network.link())
         await asyncio.sleep(3)
         events = [await anext(station) for _ in range(20)]
-        heard = b"".join(bytes(event.data) for event in events if isinstance(event, BytesReceived))
-        assert heard.startswith(b"\xfd")
+        output = b"".join(bytes(event.data) for event in events if isinstance(event, BytesReceived))
+        assert output.startswith(b"\xfd")
         await run_line(session, "output; output remove 0; output list")
         with pytest.raises(MavstackError, match="not an output; outputs: none"):
             await run_line(session, "output remove 0")

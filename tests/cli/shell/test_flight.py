@@ -127,6 +127,6 @@ def test_wrong_usage(line):
 @pytest.mark.fast_cases(1)
 @pytest.mark.parametrize("line", ["takeoff -3", "guided 91 0", "mode 99999999999999999999", "mode gu"])
 def test_invalid_values(line):
-    with pytest.raises((LocalProtocolError, MavstackError)) as told:
+    with pytest.raises((LocalProtocolError, MavstackError)) as caught:
         type_lines(line)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(caught.value)

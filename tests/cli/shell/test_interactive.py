@@ -15,7 +15,7 @@ from tests.cli.shell.shell_session import COPTER, alone, in_shell
 from tests.waiting import wait_until
 
 
-class Typist:
+class ScriptedInput:
     """Gives lines, or raises what a key does."""
 
     def __init__(self, *lines):
@@ -39,7 +39,7 @@ class Typist:
 def test_failures_are_reported_and_the_shell_continues(capsys):
     async def scenario(session):
         await run_interactive(
-            session, Typist("bad", KeyboardInterrupt, "", "'", "set timeout 4", "set timeout")
+            session, ScriptedInput("bad", KeyboardInterrupt, "", "'", "set timeout 4", "set timeout")
         )
 
     alone(scenario)
@@ -50,15 +50,15 @@ def test_failures_are_reported_and_the_shell_continues(capsys):
 
 
 def test_exit(capsys):
-    typist = Typist("exit", "set timeout")
-    alone(lambda session: run_interactive(session, typist))
-    assert typist.lines == ["set timeout"]
+    scripted = ScriptedInput("exit", "set timeout")
+    alone(lambda session: run_interactive(session, scripted))
+    assert scripted.lines == ["set timeout"]
 
 
 def test_unexpected_error_is_reported_and_the_shell_continues(capsys):
     async def scenario(session):
         session.forwarding = None
-        await run_interactive(session, Typist("output list", "set timeout"))
+        await run_interactive(session, ScriptedInput("output list", "set timeout"))
 
     alone(scenario)
     captured = capsys.readouterr()
@@ -73,7 +73,7 @@ def test_ctrl_c_cancels_only_the_command(capsys):
         loop.call_later(5.0, signal.raise_signal, signal.SIGINT)
         before = signal.getsignal(signal.SIGINT)
         began = session.connection.now()
-        await run_interactive(session, Typist("mode guided; arm; takeoff 80", "set timeout"))
+        await run_interactive(session, ScriptedInput("mode guided; arm; takeoff 80", "set timeout"))
         assert session.connection.now() < began + 7
         assert signal.getsignal(signal.SIGINT) == before
 
@@ -86,9 +86,9 @@ def test_ctrl_c_cancels_only_the_command(capsys):
 @pytest.mark.flight
 def test_question_without_answer_is_refused(capsys):
     async def scenario(session, world):
-        typist = Typist("log erase", "set timeout")
-        session.ask = typist.ask
-        await run_interactive(session, typist)
+        scripted = ScriptedInput("log erase", "set timeout")
+        session.ask = scripted.ask
+        await run_interactive(session, scripted)
 
     in_shell(COPTER, scenario)
     assert "no answer" in capsys.readouterr().err

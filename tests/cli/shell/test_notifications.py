@@ -53,8 +53,8 @@ def test_severity_setting():
         assert notifications.line(text) == ("hello\N{REPLACEMENT CHARACTER}[2J", "")
         await run_line(session, "set severity warning")
         assert notifications.line(text) is None
-        alarm = StatusText(Address(1, 1), int(common.MavSeverity.CRITICAL), "Crash", True)
-        assert notifications.line(alarm) == ("Crash", "alarm")
+        critical_text = StatusText(Address(1, 1), int(common.MavSeverity.CRITICAL), "Crash", True)
+        assert notifications.line(critical_text) == ("Crash", "alarm")
         own = StatusText(session.connection.address, 0, "mine", True)
         assert notifications.line(own) is None
         assert notifications.line(StatusText(Address(1, 1), 0, "odd", True))[1] == "alarm"

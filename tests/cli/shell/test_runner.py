@@ -82,9 +82,9 @@ def test_any_line_on_a_vehicle_runs_or_fails_cleanly(lines, tmp_path, monkeypatc
     [("takeof 5", "did you mean takeoff?"), ("xyzzy", "try help"), ("guided2", "did you mean")],
 )
 def test_unknown_command_suggests_a_similar_one(line, hint):
-    with pytest.raises(UsageError, match="there is no command") as told:
+    with pytest.raises(UsageError, match="there is no command") as printed:
         alone(lambda session: run_line(session, line))
-    assert hint in str(told.value)
+    assert hint in str(printed.value)
 
 
 def test_command_names_ignore_case():
@@ -99,9 +99,9 @@ def test_keep_going(keep_going, limit, capsys):
         assert session.settings.timeout == limit
 
     alone(scenario)
-    told = capsys.readouterr().err.splitlines()
-    assert told[0].startswith("a.txt:1: there is no command 'bad'")
-    assert [line.split(":")[1] for line in told] == (["1", "2"] if keep_going else ["1"])
+    printed = capsys.readouterr().err.splitlines()
+    assert printed[0].startswith("a.txt:1: there is no command 'bad'")
+    assert [line.split(":")[1] for line in printed] == (["1", "2"] if keep_going else ["1"])
 
 
 def test_script_succeeds():

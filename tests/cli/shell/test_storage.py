@@ -150,10 +150,10 @@ def test_erasing_logs_asks_for_confirmation(answer, left):
     ],
 )  # fmt: skip
 def test_wrong_usage(line):
-    with pytest.raises((UsageError, MavstackError)) as told:
+    with pytest.raises((UsageError, MavstackError)) as caught:
         alone(lambda session: run_line(session, line))
-    assert str(told.value)
-    assert "\n" not in str(told.value)
+    assert str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["param", "mission", "ftp", "log", "wp", "fence"])

@@ -98,12 +98,12 @@ def test_names_in_the_wrong_case():
 
 
 def test_the_system_id_is_set_last_and_only_if_requested():
-    told = []
+    progress = []
     given = wanted(SYSID_THISMAV=9, RTL_ALT=3000, WPNAV_SPEED=700)
     results, vehicle = load_into(
-        "ardupilot", given, everything=True, on_result=lambda each: told.append(each.name)
+        "ardupilot", given, everything=True, on_result=lambda each: progress.append(each.name)
     )
-    assert told[-1] == "SYSID_THISMAV"
+    assert progress[-1] == "SYSID_THISMAV"
     assert results["SYSID_THISMAV"].outcome is SET
     assert vehicle.parameters["SYSID_THISMAV"] == 9
 
@@ -144,7 +144,7 @@ class Peer:
                 self.table.add(ParameterDefinition(name, value))
 
 
-def meet(peer, scenario, **conditions):
+def run_with(peer, scenario, **conditions):
     async def whole():
         network = MemoryNetwork()
         living = asyncio.create_task(peer.live(network))
@@ -168,7 +168,7 @@ def test_parameters_that_reveal_others_are_set_first():
     async def scenario(params):
         return await ParameterLoad(params, given).run()
 
-    results = meet(peer, scenario)
+    results = run_with(peer, scenario)
     assert [each.name for each in results] == [each.name for each in given]
     assert {each.name: each.outcome for each in results} == {
         "Q_TILT_MASK": SET,
@@ -189,7 +189,7 @@ def test_over_a_lossy_link():
     async def scenario(params):
         return await ParameterLoad(params, given).run()
 
-    results = meet(peer, scenario, loss=0.2, latency=0.1, seed=4)
+    results = run_with(peer, scenario, loss=0.2, latency=0.1, seed=4)
     assert {each.outcome for each in results} == {SET}
     assert peer.table["P59"].value == 60
 
@@ -202,7 +202,7 @@ def test_a_vehicle_that_falls_silent_has_a_result_for_each():
     async def scenario(params):
         return await ParameterLoad(params, given).run()
 
-    results = meet(peer, scenario)
+    results = run_with(peer, scenario)
     counts = Counter(each.outcome for each in results)
     assert set(counts) == {SET, UNANSWERED, UNTRIED}
     assert counts[SET] >= 4
@@ -216,7 +216,7 @@ def test_a_vehicle_that_has_no_parameters_is_an_error():
             await ParameterLoad(params, wanted(A=1)).run(timeout=5.0)
         return True
 
-    assert meet(Peer(), scenario)
+    assert run_with(Peer(), scenario)
 
 
 def test_a_cancelled_load_keeps_its_results():
@@ -233,7 +233,7 @@ def test_a_cancelled_load_keeps_its_results():
             await task
         return load.results
 
-    counts = Counter(each.outcome for each in meet(peer, scenario, latency=0.1))
+    counts = Counter(each.outcome for each in run_with(peer, scenario, latency=0.1))
     assert counts[SET] >= 1
     assert counts[UNTRIED] > 100
     assert counts.total() == 200
@@ -245,6 +245,6 @@ def test_a_value_that_the_vehicle_brings_within_its_limits_is_a_refusal():
 
     peer = Peer()
     peer.table.add(ParameterDefinition("A", 5, common.MavParamType.INT32, minimum=0, maximum=100))
-    (result,) = meet(peer, scenario)
+    (result,) = run_with(peer, scenario)
     assert result.outcome is REFUSED
     assert result.reason

@@ -102,10 +102,10 @@ def rally_points(draw: st.DrawFn, frames: st.SearchStrategy[int] = ABOVE_HOME) -
 def exactly(plan: PlanFile) -> list[object]:
     """All of a plan, with its floats as they are and NaN equal to itself."""
     kinds = (plan.mission, plan.fence, plan.rally)
-    return [plan.home, *[[told(item) for item in each.items] for each in kinds]]
+    return [plan.home, *[[stored_values(item) for item in each.items] for each in kinds]]
 
 
-def told(item: MissionItem) -> tuple[object, ...]:
+def stored_values(item: MissionItem) -> tuple[object, ...]:
     params = tuple("nan" if isnan(value) else float(value) for value in params_of(item))
     return int(item.command), plain_frame(item.frame), item.autocontinue, params
 

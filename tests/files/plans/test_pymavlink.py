@@ -121,8 +121,8 @@ def test_fence_lists_both_ways(folder, vertices, point):
     write_plan(folder / "ours.fen", PlanFile.of(fence=fence_items(areas)))
     loader = mavwp.MAVFenceLoader()
     assert loader.load(str(folder / "ours.fen")) == len(vertices) + 2
-    told = [(loader.point(index).lat, loader.point(index).lng) for index in range(loader.count())]
-    assert told == [point, *vertices, vertices[0]]
+    points = [(loader.point(index).lat, loader.point(index).lng) for index in range(loader.count())]
+    assert points == [point, *vertices, vertices[0]]
     loader.save(str(folder / "theirs.fen"))
     read = fence_areas(read_plan(folder / "theirs.fen").fence.items)
     if len(read.return_points) == 1 and len(read.polygons[0].vertices) == len(vertices):

@@ -151,7 +151,7 @@ def test_an_older_landing_pattern():
 
 
 @pytest.mark.parametrize(
-    ("item", "says"),
+    ("item", "problem"),
     [
         ({"complexItemType": "StructureScan", "version": 3}, "mission.items[1]: the StructureScan was not"),
         ({"complexItemType": "survey", "version": 3, "polygon": []}, "mission.items[1]: the survey was not"),
@@ -160,10 +160,10 @@ def test_an_older_landing_pattern():
         (landing("fwLandingPattern", useDoChangeSpeed=True), "the approach speed was not read"),
     ],
 )
-def test_a_pattern_that_cannot_be_read_is_reported_and_the_rest_is_read(item, says):
+def test_a_pattern_that_cannot_be_read_is_reported_and_the_rest_is_read(item, problem):
     plan = mission_of(simple(CMD.NAV_TAKEOFF), {**item, "type": "ComplexItem"}, simple(CMD.NAV_LAND))
     assert len(plan.problems) == 1
-    assert says in plan.problems[0]
+    assert problem in plan.problems[0]
     assert plan.mission.items[0].command == CMD.NAV_TAKEOFF
     assert plan.mission.items[-1].command == CMD.NAV_LAND
 

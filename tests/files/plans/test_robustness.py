@@ -29,7 +29,7 @@ JUNK = st.one_of(
 )
 
 
-def judged(content: str | bytes) -> None:
+def check_parsing(content: str | bytes) -> None:
     """Read, check and write it, as a program would; errors are of one kind, one line, and name the file."""
     plan, problem = attempt(lambda: parse_plan(content, "file"))
     if plan is None:
@@ -54,24 +54,26 @@ def attempt(work: Callable[[], Any]) -> tuple[Any, str]:
 
 @given(st.binary(max_size=200))
 def test_any_bytes(data):
-    judged(data)
+    check_parsing(data)
 
 
 @given(st.text(max_size=200))
 def test_any_text(text):
-    judged(text)
+    check_parsing(text)
 
 
 @given(st.sampled_from(SAMPLES), st.data())
 def test_truncated_files(text, data):
-    judged(text[: data.draw(st.integers(0, len(text)))])
+    check_parsing(text[: data.draw(st.integers(0, len(text)))])
 
 
 @given(st.sampled_from(SAMPLES), st.data())
 def test_damaged_files(text, data):
     start = data.draw(st.integers(0, len(text)))
     end = data.draw(st.integers(start, min(len(text), start + 30)))
-    judged(text[:start] + data.draw(st.text('0123456789.-+eE\t {}[],:"nulaif#\n', max_size=6)) + text[end:])
+    check_parsing(
+        text[:start] + data.draw(st.text('0123456789.-+eE\t {}[],:"nulaif#\n', max_size=6)) + text[end:]
+    )
 
 
 @given(st.sampled_from([FLIGHT, SAMPLES[-1]]), st.data())
@@ -89,7 +91,7 @@ def test_json_with_random_values(text, data):
         else:
             where[key] = data.draw(JUNK)
         break
-    judged(json.dumps(root))
+    check_parsing(json.dumps(root))
 
 
 @given(st.sampled_from([WAYPOINTS, FENCE, RALLY]), st.data())
@@ -99,11 +101,11 @@ def test_lists_with_random_values(text, data):
     words = lines[number].split()
     at = data.draw(st.integers(0, len(words) - 1))
     words[at] = data.draw(st.one_of(st.text(max_size=5), st.integers().map(str), st.floats().map(str)))
-    judged("\n".join([*lines[:number], "\t".join(words), *lines[number + 1 :]]))
+    check_parsing("\n".join([*lines[:number], "\t".join(words), *lines[number + 1 :]]))
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "problem"),
     [
         ("", "it is empty"),
         ("hello\nworld\n", "it is neither"),
@@ -136,11 +138,11 @@ def test_lists_with_random_values(text, data):
         (FLIGHT.replace("[47.396, 8.544, 25]", "[47.396]"), "rallyPoints.points[0]: has 1 values"),
     ],
 )
-def test_an_error_names_the_problem_and_the_place(text, says):
+def test_an_error_names_the_problem_and_the_place(text, problem):
     with pytest.raises(PlanFileError) as caught:
         parse_plan(text, "my.plan")
     assert str(caught.value).startswith("my.plan: ")
-    assert says in str(caught.value)
+    assert problem in str(caught.value)
 
 
 def test_an_error_can_be_pickled_and_holds_its_parts():

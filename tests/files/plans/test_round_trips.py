@@ -149,10 +149,10 @@ def test_losses_in_qgc_plans_are_reported():
 
 
 def test_losses_in_waypoint_files_are_reported():
-    told = format_plan(parse_plan(FLIGHT), "waypoints").lost
-    assert len(told) == 2
-    assert told[0].startswith("the fence")
-    assert told[1].startswith("the rally points")
+    lost_parts = format_plan(parse_plan(FLIGHT), "waypoints").lost
+    assert len(lost_parts) == 2
+    assert lost_parts[0].startswith("the fence")
+    assert lost_parts[1].startswith("the rally points")
 
 
 def test_losses_in_fence_lists_are_reported():
@@ -161,9 +161,9 @@ def test_losses_in_fence_lists_are_reported():
         [Circle(inclusion=True, center=(1.0, 2.0), radius=3)],
         [ReturnPoint((47.05, 8.05), 30.0)],
     )
-    told = lost("fence", fence=fence_items(areas), mission=[MissionItem(CMD.NAV_WAYPOINT)])
+    lost_parts = lost("fence", fence=fence_items(areas), mission=[MissionItem(CMD.NAV_WAYPOINT)])
     for part in ("the mission", "polygons to stay out of (1)", "circles (1)", "groups (1)", "altitude"):
-        assert part in told
+        assert part in lost_parts
     written = format_plan(PlanFile.of(fence=fence_items(FenceAreas(areas.polygons[:1]))), "fence")
     assert written.text.splitlines()[0] == "47.05 8.05"
     assert "no return point" in written.notes[0]
@@ -172,8 +172,10 @@ def test_losses_in_fence_lists_are_reported():
 def test_losses_in_rally_lists_are_reported():
     strange = MissionItem(CMD.NAV_RALLY_POINT, 1, param5=1, param6=2, frame=FRAME.LOCAL_NED)
     usual = MissionItem(CMD.NAV_RALLY_POINT, 1, param5=1, param6=2)
-    told = lost("rally", rally=[strange, usual], fence=fence_items(FenceAreas([Polygon(True, SQUARE)])))
-    assert told == "the fence; rally point 0, a NAV_RALLY_POINT in frame 1; params 1 to 4 of rally point 1"
+    lost_parts = lost("rally", rally=[strange, usual], fence=fence_items(FenceAreas([Polygon(True, SQUARE)])))
+    assert (
+        lost_parts == "the fence; rally point 0, a NAV_RALLY_POINT in frame 1; params 1 to 4 of rally point 1"
+    )
 
 
 @pytest.mark.parametrize("name", ["fence", "rally"])

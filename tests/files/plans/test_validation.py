@@ -16,17 +16,17 @@ GOOD = MissionItem(CMD.NAV_WAYPOINT, param5=47.0, param6=8.0, param7=20.0)
 SQUARE = ((47.0, 8.0), (47.0, 8.1), (47.1, 8.1), (47.1, 8.0))
 
 
-def said(plan: PlanFile) -> list[str]:
+def problems_of(plan: PlanFile) -> list[str]:
     return [str(problem) for problem in check(plan)]
 
 
 @pytest.mark.parametrize("text", [FLIGHT, WAYPOINTS, FENCE, RALLY])
 def test_valid_plans(text):
-    assert said(parse_plan(text)) == []
+    assert problems_of(parse_plan(text)) == []
 
 
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("change", "expected"),
     [
         ({"param5": 95.0}, "latitude 95 is not between -90 and 90"),
         ({"param6": -181.5}, "longitude -181.5 is not between -180 and 180"),
@@ -37,10 +37,10 @@ def test_valid_plans(text):
         ({"frame": 77}, "there is no frame 77"),
     ],
 )
-def test_invalid_positions(change, says):
+def test_invalid_positions(change, expected):
     plan = PlanFile.of([GOOD, replace(GOOD, **change)])
-    assert said(plan) == [f"mission item 1: NAV_WAYPOINT: {says}"]
-    assert said(replace(plan, home=Home(47, 8))) == [f"mission item 2: NAV_WAYPOINT: {says}"]
+    assert problems_of(plan) == [f"mission item 1: NAV_WAYPOINT: {expected}"]
+    assert problems_of(replace(plan, home=Home(47, 8))) == [f"mission item 2: NAV_WAYPOINT: {expected}"]
 
 
 @pytest.mark.parametrize(
@@ -54,13 +54,13 @@ def test_invalid_positions(change, says):
     ],
 )
 def test_problems_of_some_vehicles_only_are_not_reported(item):
-    assert said(PlanFile.of([item])) == []
+    assert problems_of(PlanFile.of([item])) == []
 
 
 @pytest.mark.parametrize("target", [-1.0, 2.0, 0.5, nan, inf, 1.0])
 def test_jumps_to_nowhere(target):
     jump = MissionItem(CMD.DO_JUMP, target, 2, frame=FRAME.MISSION)
-    (text,) = said(PlanFile.of([GOOD, jump]))
+    (text,) = problems_of(PlanFile.of([GOOD, jump]))
     assert text.startswith("mission item 1: DO_JUMP: it jumps to ")
 
 
@@ -68,7 +68,7 @@ def test_items_of_another_plan_type():
     vertex = MissionItem(CMD.NAV_FENCE_POLYGON_VERTEX_INCLUSION, 3, param5=1, param6=2)
     rally = MissionItem(CMD.NAV_RALLY_POINT, param5=1, param6=2)
     plan = PlanFile.of([vertex, rally], [GOOD], [GOOD])
-    assert said(plan) == [
+    assert problems_of(plan) == [
         "mission item 0: NAV_FENCE_POLYGON_VERTEX_INCLUSION: it belongs to a fence, not to a mission",
         "mission item 1: NAV_RALLY_POINT: it belongs to the rally points, not to a mission",
         "fence item 0: NAV_WAYPOINT: it belongs to a mission, not to a fence",
@@ -79,12 +79,12 @@ def test_items_of_another_plan_type():
 def test_invalid_fences():
     square = fence_items(FenceAreas([Polygon(inclusion=True, vertices=SQUARE)]))
     circle = fence_items(FenceAreas(circles=[Circle(inclusion=False, center=(47.0, 8.0), radius=-3)]))
-    assert said(PlanFile.of(fence=[*square[:3], *circle])) == [
+    assert problems_of(PlanFile.of(fence=[*square[:3], *circle])) == [
         "fence item 3: NAV_FENCE_CIRCLE_EXCLUSION: its radius is -3, which is not a positive number",
         "fence item 0: 3 vertices in a row, but param 1 says that the polygon has 4",
     ]
     far = fence_items(FenceAreas(circles=[Circle(inclusion=False, center=(97.0, 8.0), radius=3)]))
-    assert "latitude 97 is not between" in said(PlanFile.of(fence=far))[0]
+    assert "latitude 97 is not between" in problems_of(PlanFile.of(fence=far))[0]
 
 
 def test_a_problem_names_its_item():

@@ -154,5 +154,5 @@ def test_rally_points_of_the_older_kind():
     plan = parse_plan("RALLY 47.1 8.1 25 0 0 0\nrally 47.2 8.2 500 0 0 4\nRALLY 47.3 8.3 30 0 0 28\n")
     assert [item.frame for item in plan.rally.items] == [3, 0, 10]
     assert plan.problems == ()
-    told = parse_plan("RALLY 47.1 8.1 25 40 90 2\n")
-    assert told.problems == ("rally point 0: its break altitude, landing direction and flags",)
+    rally_plan = parse_plan("RALLY 47.1 8.1 25 40 90 2\n")
+    assert rally_plan.problems == ("rally point 0: its break altitude, landing direction and flags",)

@@ -249,8 +249,8 @@ def test_a_virtual_file_may_be_shorter_than_announced(client) -> None:
 def test_progress_is_that_of_the_whole_operation() -> None:
     harness = FtpHarness(store=MemoryStore({"f": DATA}))
     operation = harness.run(harness.client.download("f", harness.now))
-    told = [(event.done, event.total) for event in harness.ground.events_of(Progress)]
-    assert told[-1] == (len(DATA), len(DATA))
+    reported = [(event.done, event.total) for event in harness.ground.events_of(Progress)]
+    assert reported[-1] == (len(DATA), len(DATA))
     assert {event.operation for event in harness.ground.events_of(Progress)} == {operation}
 
 

@@ -29,7 +29,7 @@ GIMBAL = common.Heartbeat(type=TYPE.GIMBAL, autopilot=AUTOPILOT.INVALID)
 STATION = common.Heartbeat(type=TYPE.GCS, autopilot=AUTOPILOT.INVALID)
 
 
-class Watcher:
+class ConflictHarness:
     """A discovery and the channel of its packets."""
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class Watcher:
 
 
 def test_alternating_types_are_a_conflict_reported_once():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     for second in range(60):
         watcher.receive(COPTER, second, "one")
         watcher.receive(PLANE, second + 0.5, "two")
@@ -66,7 +66,7 @@ def test_alternating_types_are_a_conflict_reported_once():
 
 
 def test_conflict_of_types_ends_when_one_sender_is_gone():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     for second in range(10):
         watcher.receive(COPTER, second)
         watcher.receive(PLANE, second + 0.5)
@@ -78,7 +78,7 @@ def test_conflict_of_types_ends_when_one_sender_is_gone():
 
 
 def test_single_change_of_type_is_no_conflict():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     for second in range(10):
         watcher.receive(COPTER, second)
     for second in range(13, 30):
@@ -87,14 +87,14 @@ def test_single_change_of_type_is_no_conflict():
 
 
 def test_single_odd_heartbeat_is_no_conflict():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     for second in range(20):
         watcher.receive(PLANE if second == 9 else COPTER, second)
     assert not watcher.events(AddressConflict)
 
 
 def test_reboot_during_a_conflict_is_not_reported():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     for second in range(60):
         watcher.receive(COPTER, second)
         watcher.receive(PLANE, second + 0.5)
@@ -105,7 +105,7 @@ def test_reboot_during_a_conflict_is_not_reported():
 
 
 def test_change_of_type_is_reported():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     watcher.receive(common.Heartbeat(type=TYPE.GENERIC, autopilot=AUTOPILOT.INVALID), 0)
     watcher.receive(COPTER, 1)
     watcher.receive(COPTER, 2)
@@ -114,7 +114,7 @@ def test_change_of_type_is_reported():
 
 
 def test_two_boots_are_a_conflict_and_no_reboots():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     watcher.receive(COPTER, 0)
     for tick in range(200):
         at = tick * 0.25
@@ -129,20 +129,20 @@ def test_two_boots_are_a_conflict_and_no_reboots():
 
 @pytest.mark.parametrize(("apart", "conflicts"), [(0.2, 1), (60.0, 0)])
 def test_two_unique_ids_within_seconds_are_a_conflict(apart, conflicts):
-    watcher = Watcher()
+    watcher = ConflictHarness()
     watcher.receive(COPTER, 0)
     watcher.receive(AutopilotVersion(uid=1).to_message(), 1.0)
     watcher.receive(AutopilotVersion(uid=0).to_message(), 1.1)  # an empty id contradicts none
     watcher.receive(AutopilotVersion(uid=1).to_message(), 1.2)
     watcher.receive(AutopilotVersion(uid=2).to_message(), 1.2 + apart)
-    told = watcher.events(AddressConflict)
-    assert len(told) == conflicts
-    for conflict in told:
+    reported = watcher.events(AddressConflict)
+    assert len(reported) == conflicts
+    for conflict in reported:
         assert [sender.unique_id for sender in conflict.senders] == [f"{1:016x}", f"{2:016x}"]
 
 
 def test_payload_with_the_autopilots_address_does_not_replace_it():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     for second in range(20):
         watcher.receive(COPTER, second)
         watcher.receive(GIMBAL, second + 0.5)
@@ -154,7 +154,7 @@ def test_payload_with_the_autopilots_address_does_not_replace_it():
 
 
 def test_own_address_conflict_is_reported_once():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     for second in range(10):
         watcher.receive(STATION, second, source=GROUND)
     (conflict,) = watcher.events()
@@ -166,7 +166,7 @@ def test_own_address_conflict_is_reported_once():
 
 
 def test_echo_of_own_heartbeat_is_ignored():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     watcher.echoes = True
     watcher.receive(STATION, 0, source=GROUND)
     watcher.receive(common.Attitude(time_boot_ms=5), 0, source=GROUND)
@@ -174,7 +174,7 @@ def test_echo_of_own_heartbeat_is_ignored():
 
 
 def test_unreachable_component_is_lost_at_once():
-    watcher = Watcher()
+    watcher = ConflictHarness()
     watcher.receive(COPTER, 0)
     watcher.receive(GIMBAL, 0, source=Address(1, 154))
     watcher.discovery.unreachable([VEHICLE, Address(9, 9)], "its link is closed")

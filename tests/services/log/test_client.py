@@ -123,10 +123,10 @@ def test_cancelling_sends_log_request_end_and_the_server_stops() -> None:
 def test_progress_is_reported_of_the_download() -> None:
     harness = LogHarness()
     operation = harness.download(7)
-    told = [event for event in harness.ground.events_of(Progress) if event.operation is operation]
-    done = [event.done for event in told]
+    reported = [event for event in harness.ground.events_of(Progress) if event.operation is operation]
+    done = [event.done for event in reported]
     assert done == sorted(done)
-    assert (told[-1].done, told[-1].total) == (29_970, 30_000)
+    assert (reported[-1].done, reported[-1].total) == (29_970, 30_000)
 
 
 def test_no_client_there_is_a_typed_error_in_time() -> None:

@@ -28,7 +28,7 @@ class Autopilot(Service):
         self.receiving = self.sending = False
         self.items: list[MissionItem] = []
         self.count = self.due = 0
-        self.asked_at = self.heard_at = 0.0
+        self.requested_at = self.received_at = 0.0
 
     def receive(self, packet, now) -> None:
         source = Address(packet.system, packet.component)
@@ -39,16 +39,16 @@ class Autopilot(Service):
     def next_timeout(self) -> float | None:
         if not self.receiving:
             return None
-        return min(self.asked_at + self.ask_again, self.heard_at + self.idle_timeout)
+        return min(self.requested_at + self.ask_again, self.received_at + self.idle_timeout)
 
     def handle_timeout(self, now) -> None:
-        if self.receiving and now >= self.heard_at + self.idle_timeout:
+        if self.receiving and now >= self.received_at + self.idle_timeout:
             self.receiving = False
-        elif self.receiving and now >= self.asked_at + self.ask_again:
+        elif self.receiving and now >= self.requested_at + self.ask_again:
             self.ask(now)
 
     def ask(self, now) -> None:
-        self.asked_at = now
+        self.requested_at = now
         self.send(self.request_kind(seq=len(self.items), **self.to()), self.partner)
 
     def ack(self, result: int, source: Address | None = None, plan_id: int = 0) -> None:
@@ -61,7 +61,7 @@ class Autopilot(Service):
 
     def begin(self, count: int, source: Address, now: float) -> None:
         self.partner, self.count, self.items = source, count, []
-        self.receiving, self.heard_at = True, now
+        self.receiving, self.received_at = True, now
         self.ask(now)
 
     def item_message(self, seq: int, source: Address) -> None:
@@ -75,7 +75,7 @@ class Px4(Autopilot):
 
     def on_mission_count(self, message, source, now) -> None:
         if self.receiving and self.items:
-            self.heard_at = now
+            self.received_at = now
             self.ack(Result.ERROR, source)
         elif self.sending:
             self.ack(Result.ERROR, source)
@@ -87,7 +87,7 @@ class Px4(Autopilot):
             again = message.seq + 1 == self.done
             self.ack(Result.ACCEPTED if again else Result.ERROR, source, 7 if again else 0)
             return
-        self.heard_at = now
+        self.received_at = now
         if message.seq != len(self.items):
             return
         self.items.append(MissionItem.read(message))
@@ -138,7 +138,7 @@ class ArduPilot(Autopilot):
         elif message.seq != len(self.items):
             self.ack(Result.INVALID_SEQUENCE, source)
         else:
-            self.heard_at = now
+            self.received_at = now
             self.items.append(MissionItem.read(message))
             self.plan[message.seq : message.seq + 1] = self.items[-1:]
             if len(self.items) < self.count:

@@ -31,26 +31,27 @@ def plan_of(number: int, plan_type: int = PlanType.MISSION, *, speed: float = 0.
     return Plan.of(waypoints(number, speed=speed), plan_type)
 
 
-class Hand:
-    """Plays the other end of `service`, whose address is `other`."""
+class ScriptedPeer:
+    """The peer of `service`, with the address `other`."""
 
     def __init__(self, service: Service, other: Address) -> None:
         self.service, self.other = service, other
         self.now = START
 
-    def tell(self, message: Message, *, source: Address | None = None, version: int = 2) -> list[Message]:
-        """Give it a message; gives what it says to that."""
+    def send(self, message: Message, *, source: Address | None = None, version: int = 2) -> list[Message]:
+        """Send `message` to the service; return its replies."""
         system, component = source or self.other
         raw = mavstack.encode(
             message, system=system, component=component, sequence=next(_sequence) % 256, version=version
         )
-        return self.tell_raw(raw)
+        return self.send_raw(raw)
 
-    def tell_raw(self, raw: bytes) -> list[Message]:
+    def send_raw(self, raw: bytes) -> list[Message]:
         self.service.receive(Packet(raw, common), self.now)
-        return self.said()
+        return self.receive()
 
-    def said(self) -> list[Message]:
+    def receive(self) -> list[Message]:
+        """Return the messages that the service sends now."""
         return [outgoing.message for outgoing in self.service.messages_to_send(self.now)]
 
     def wait(self, seconds: float = 0.0) -> list[Message]:
@@ -59,67 +60,67 @@ class Hand:
         if seconds:
             self.now += seconds
         else:
-            assert due is not None, "it waits for nothing"
+            assert due is not None, "the service has no timer"
             self.now = max(self.now, due)
         self.service.handle_timeout(self.now)
-        return self.said()
+        return self.receive()
 
     def wait_for_all(self, seconds: float) -> list[Message]:
         """Advance by `seconds`, timer by timer; return all messages sent."""
-        end, messages = self.now + seconds, self.said()
+        end, messages = self.now + seconds, self.receive()
         while (due := self.service.next_timeout()) is not None and due <= end:
             messages += self.wait()
         self.now = end
         return messages
 
 
-class Vehicle(Hand):
-    """Plays a vehicle to a client."""
+class ScriptedVehicle(ScriptedPeer):
+    """A vehicle, for a client."""
 
     def __init__(self, service: Service) -> None:
         super().__init__(service, VEHICLE)
 
     def request(self, seq: int, kind: int = 0) -> list[Message]:
-        return self.tell(common.MissionRequestInt(seq=seq, mission_type=kind, **to_ground()))
+        return self.send(common.MissionRequestInt(seq=seq, mission_type=kind, **to_ground()))
 
     def ack(self, result: int, kind: int = 0, plan_id: int = 0) -> list[Message]:
         ack = common.MissionAck(type=result, mission_type=kind, opaque_id=plan_id, **to_ground())
-        return self.tell(ack)
+        return self.send(ack)
 
     def count(self, number: int, kind: int = 0, plan_id: int = 0) -> list[Message]:
         count = common.MissionCount(count=number, mission_type=kind, opaque_id=plan_id, **to_ground())
-        return self.tell(count)
+        return self.send(count)
 
     def item(self, plan: Plan, seq: int) -> list[Message]:
-        return self.tell(plan.items[seq].to_int(GROUND, seq, plan.type))
+        return self.send(plan.items[seq].to_int(GROUND, seq, plan.type))
 
 
-class Station(Hand):
-    """Plays a ground station to a server."""
+class ScriptedStation(ScriptedPeer):
+    """A ground station, for a server."""
 
     def __init__(self, service: Service) -> None:
         super().__init__(service, GROUND)
 
     def count(self, number: int, kind: int = 0, **other: object) -> list[Message]:
-        return self.tell(common.MissionCount(count=number, mission_type=kind, **to_vehicle()), **other)
+        return self.send(common.MissionCount(count=number, mission_type=kind, **to_vehicle()), **other)
 
     def item(self, plan: Plan, seq: int, **other: object) -> list[Message]:
-        return self.tell(plan.items[seq].to_int(VEHICLE, seq, plan.type), **other)
+        return self.send(plan.items[seq].to_int(VEHICLE, seq, plan.type), **other)
 
     def list(self, kind: int = 0, **other: object) -> list[Message]:
-        return self.tell(common.MissionRequestList(mission_type=kind, **to_vehicle()), **other)
+        return self.send(common.MissionRequestList(mission_type=kind, **to_vehicle()), **other)
 
     def request(self, seq: int, kind: int = 0, **other: object) -> list[Message]:
-        return self.tell(common.MissionRequestInt(seq=seq, mission_type=kind, **to_vehicle()), **other)
+        return self.send(common.MissionRequestInt(seq=seq, mission_type=kind, **to_vehicle()), **other)
 
     def clear(self, kind: int = 0, **other: object) -> list[Message]:
-        return self.tell(common.MissionClearAll(mission_type=kind, **to_vehicle()), **other)
+        return self.send(common.MissionClearAll(mission_type=kind, **to_vehicle()), **other)
 
     def upload(self, plan: Plan) -> list[Message]:
-        said = self.count(len(plan), plan.type)
+        received = self.count(len(plan), plan.type)
         for seq in range(len(plan)):
-            said = self.item(plan, seq)
-        return said
+            received = self.item(plan, seq)
+        return received
 
 
 def to_ground() -> dict[str, int]:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mavstack.dialects import common
 from mavstack.services.mission import MissionClient, MissionServer, PlanType
-from tests.services.mission.scripted_peer import Hand, plan_of
+from tests.services.mission.scripted_peer import ScriptedPeer, plan_of
 from tests.services.network import GROUND, VEHICLE
 
 CLASSES = [
@@ -32,7 +32,7 @@ MESSAGES = st.lists(
 )
 
 
-def feed(hand: Hand, messages) -> None:
+def feed(peer: ScriptedPeer, messages) -> None:
     for kind, payload, pause, small in messages:
         message = kind.from_payload(payload[: len(kind().to_payload()) or 1])
         if small:  # of a type and a number that the other end knows
@@ -41,44 +41,44 @@ def feed(hand: Hand, messages) -> None:
                     setattr(message, field, getattr(message, field) % 4)
             if hasattr(message, "mission_type"):
                 message.mission_type = PlanType.MISSION
-        said = hand.tell(message)
-        assert len(said) < 10
-        said = hand.wait_for_all(pause)
-        assert len(said) < 200
+        received = peer.send(message)
+        assert len(received) < 10
+        received = peer.wait_for_all(pause)
+        assert len(received) < 200
 
 
 @given(MESSAGES)
 def test_server_takes_anything(messages) -> None:
     server = MissionServer(VEHICLE)
     server.replace(plan_of(3))
-    feed(Hand(server, GROUND), messages)
+    feed(ScriptedPeer(server, GROUND), messages)
 
 
 @given(MESSAGES, st.integers(0, 3))
 def test_client_takes_anything(messages, what) -> None:
     client = MissionClient(GROUND, VEHICLE)
-    hand = Hand(client, VEHICLE)
+    peer = ScriptedPeer(client, VEHICLE)
     operations = [
-        client.upload(plan_of(3), hand.now),
-        client.download(hand.now),
-        client.clear(hand.now, PlanType.ALL),
-        client.set_current(1, hand.now),
+        client.upload(plan_of(3), peer.now),
+        client.download(peer.now),
+        client.clear(peer.now, PlanType.ALL),
+        client.set_current(1, peer.now),
     ][what:]
-    feed(hand, messages)
-    hand.wait_for_all(600)
+    feed(peer, messages)
+    peer.wait_for_all(600)
     assert all(operation.done for operation in operations)
 
 
 def test_random_bytes_in_every_message_for_long() -> None:
     random = Random(1)
     server, client = MissionServer(VEHICLE), MissionClient(GROUND, VEHICLE)
-    station, vehicle = Hand(server, GROUND), Hand(client, VEHICLE)
+    station, vehicle = ScriptedPeer(server, GROUND), ScriptedPeer(client, VEHICLE)
     upload = client.upload(plan_of(3), vehicle.now)
     for _ in range(3000):
         kind = random.choice(CLASSES)
         message = kind.from_payload(random.randbytes(len(kind().to_payload())))
-        station.tell(message)
-        vehicle.tell(message)
+        station.send(message)
+        vehicle.send(message)
         station.wait_for_all(0.01)
         vehicle.wait_for_all(0.01)
     assert upload.done

@@ -51,7 +51,7 @@ class Storage(PlanStore):
             self.history[plan.type].append(plan)
 
 
-class Station:
+class ScriptedStation:
     """Does one thing after the other with the vehicle's plans, and checks each end."""
 
     def __init__(self, scenario: Scenario, address: Address, weight: int) -> None:
@@ -132,7 +132,7 @@ class Scenario:
         self.vehicle = self.network.node(VEHICLE, self.setup)
         self.crowded = self.random.random() < 0.4
         addresses = [GROUND, OTHER_GROUND] if self.crowded else [GROUND]
-        self.stations = [Station(self, address, index) for index, address in enumerate(addresses)]
+        self.stations = [ScriptedStation(self, address, index) for index, address in enumerate(addresses)]
         for station in self.stations:
             impairment = random_impairment(self.random, worst_loss=worst_loss)
             with_cuts(self.network, self.network.connect(station.node, self.vehicle, impairment))

@@ -19,19 +19,19 @@ from mavstack.services.mission import (
     PlanStore,
     PlanType,
 )
-from tests.services.mission.scripted_peer import Station, kinds, plan_of, seqs, to_vehicle, waypoints
+from tests.services.mission.scripted_peer import ScriptedStation, kinds, plan_of, seqs, to_vehicle, waypoints
 from tests.services.network import GROUND, VEHICLE
 
 Result = common.MavMissionResult
 OTHER = Address(254, 190)
 
 
-def make(*, store=None, options=None, **callbacks) -> Station:
-    return Station(MissionServer(VEHICLE, store, options, **callbacks))
+def make(*, store=None, options=None, **callbacks) -> ScriptedStation:
+    return ScriptedStation(MissionServer(VEHICLE, store, options, **callbacks))
 
 
 @pytest.fixture
-def station() -> Station:
+def station() -> ScriptedStation:
     return make()
 
 
@@ -46,10 +46,10 @@ def test_plan_is_taken_when_it_is_whole(station) -> None:
     assert seqs(station.item(plan, 0)) == [1]
     assert seqs(station.item(plan, 1)) == [2]
     assert len(server.plan(PlanType.MISSION)) == 0
-    said = station.item(plan, 2)
-    assert kinds(said) == ["MissionCurrent", "MissionAck"]
+    received = station.item(plan, 2)
+    assert kinds(received) == ["MissionCurrent", "MissionAck"]
     assert server.plan(PlanType.MISSION) == plan
-    assert said[0].mission_id == said[1].opaque_id == server.plan(PlanType.MISSION).plan_id != 0
+    assert received[0].mission_id == received[1].opaque_id == server.plan(PlanType.MISSION).plan_id != 0
     assert server.events() == [PlanReplaced(plan, GROUND)]
 
 
@@ -129,9 +129,9 @@ def test_silent_uploader_is_reported_and_dropped(station) -> None:
     station.count(2)
     station.item(plan_of(2), 0)
     begin = station.now
-    said = station.wait_for_all(60)
-    assert result_of(said) == Result.OPERATION_CANCELLED
-    assert 10 < len(said) <= 20
+    received = station.wait_for_all(60)
+    assert result_of(received) == Result.OPERATION_CANCELLED
+    assert 10 < len(received) <= 20
     assert begin + 60 == station.now
     assert station.service.next_timeout() is None
     assert len(station.service.plan(PlanType.MISSION)) == 3
@@ -140,12 +140,12 @@ def test_silent_uploader_is_reported_and_dropped(station) -> None:
 
 def test_uploader_can_cancel(station) -> None:
     station.count(2)
-    station.tell(common.MissionAck(type=Result.ACCEPTED, **to_vehicle()))
+    station.send(common.MissionAck(type=Result.ACCEPTED, **to_vehicle()))
     assert station.service.next_timeout() is not None
-    station.tell(common.MissionAck(type=Result.OPERATION_CANCELLED, **to_vehicle()), source=OTHER)
+    station.send(common.MissionAck(type=Result.OPERATION_CANCELLED, **to_vehicle()), source=OTHER)
     assert station.service.next_timeout() is not None
-    said = station.tell(common.MissionAck(type=Result.OPERATION_CANCELLED, **to_vehicle()))
-    assert result_of(said) == Result.OPERATION_CANCELLED
+    received = station.send(common.MissionAck(type=Result.OPERATION_CANCELLED, **to_vehicle()))
+    assert result_of(received) == Result.OPERATION_CANCELLED
     assert station.service.next_timeout() is None
 
 
@@ -177,23 +177,23 @@ def test_last_item_again_brings_the_last_acknowledgement_again(station) -> None:
 def test_count_again_begins_again_but_a_copy_does_not(station) -> None:
     plan = plan_of(3)
     raw = mavstack.encode(common.MissionCount(count=3, **to_vehicle()), system=255, component=190, sequence=9)
-    assert seqs(station.tell_raw(raw)) == [0]
+    assert seqs(station.send_raw(raw)) == [0]
     station.item(plan, 0)
-    assert station.tell_raw(raw) == []
+    assert station.send_raw(raw) == []
     station.item(plan, 1)
     assert seqs(station.count(3)) == [0]
     for seq in range(3):
-        said = station.item(plan, seq)
-    assert result_of(said) == Result.ACCEPTED
+        received = station.item(plan, seq)
+    assert result_of(received) == Result.ACCEPTED
 
 
 def test_late_copy_of_the_count_begins_nothing(station) -> None:
     raw = mavstack.encode(common.MissionCount(count=1, **to_vehicle()), system=255, component=190, sequence=9)
-    station.tell_raw(raw)
+    station.send_raw(raw)
     station.item(plan_of(1), 0)
-    assert station.tell_raw(raw) == []
+    assert station.send_raw(raw) == []
     station.now += 10
-    assert seqs(station.tell_raw(raw)) == [0]
+    assert seqs(station.send_raw(raw)) == [0]
 
 
 def test_late_count_that_was_sent_twice_begins_nothing(station) -> None:
@@ -206,19 +206,19 @@ def test_late_count_that_was_sent_twice_begins_nothing(station) -> None:
 def test_late_copy_of_clearing_does_not_clear_again(station) -> None:
     clear = common.MissionClearAll(**to_vehicle())
     raw = mavstack.encode(clear, system=255, component=190, sequence=9)
-    assert result_of(station.tell_raw(raw)) == Result.ACCEPTED
+    assert result_of(station.send_raw(raw)) == Result.ACCEPTED
     station.upload(plan_of(1))
-    assert station.tell_raw(raw) == []
+    assert station.send_raw(raw) == []
     assert len(station.service.plan(0)) == 1
 
 
 def test_old_uploads_with_floats_are_taken(station) -> None:
     plan = plan_of(2)
     station.count(2, version=1)
-    said = station.tell(plan.items[0].to_float(VEHICLE, 0, 0), version=1)
-    assert (kinds(said), seqs(said)) == (["MissionRequest"], [1])
-    said = station.tell(plan.items[1].to_float(VEHICLE, 1, 0), version=1)
-    assert result_of(said) == Result.ACCEPTED
+    received = station.send(plan.items[0].to_float(VEHICLE, 0, 0), version=1)
+    assert (kinds(received), seqs(received)) == (["MissionRequest"], [1])
+    received = station.send(plan.items[1].to_float(VEHICLE, 1, 0), version=1)
+    assert result_of(received) == Result.ACCEPTED
     assert len(station.service.plan(0)) == 2
 
 
@@ -228,15 +228,15 @@ def test_one_who_knows_only_the_old_request_is_requested_with_it(station) -> Non
     other = make()
     other.count(1)
     other.now += 0.2
-    assert kinds(other.tell(common.MissionAck(type=Result.UNSUPPORTED, **to_vehicle()))) == ["MissionRequest"]
+    assert kinds(other.send(common.MissionAck(type=Result.UNSUPPORTED, **to_vehicle()))) == ["MissionRequest"]
 
 
 def test_old_request_is_answered_with_integers_unless_it_is_mavlink_1(station) -> None:
     station.upload(plan_of(2))
     station.list()
     request = common.MissionRequest(seq=1, **to_vehicle())
-    assert kinds(station.tell(request)) == ["MissionItemInt"]
-    assert kinds(station.tell(request, version=1)) == ["MissionItem"]
+    assert kinds(station.send(request)) == ["MissionItemInt"]
+    assert kinds(station.send(request, version=1)) == ["MissionItem"]
 
 
 def test_several_download_at_once_and_in_any_order(station) -> None:
@@ -276,18 +276,18 @@ def test_items_wait_for_room(station) -> None:
     server.receive(mavstack.wire.Packet(raw, common), station.now)
     assert list(server.messages_to_send(station.now, lambda target, priority=0: not full)) == []
     full = False
-    assert seqs(station.said()) == [0]
+    assert seqs(station.receive()) == [0]
 
 
 def test_clearing_all() -> None:
     station = make()
     for kind in (0, 1, 2):
         station.upload(plan_of(2, kind))
-    said = station.clear(PlanType.ALL)
-    assert result_of(said) == Result.ACCEPTED
+    received = station.clear(PlanType.ALL)
+    assert result_of(received) == Result.ACCEPTED
     assert [len(station.service.plan(kind)) for kind in (0, 1, 2)] == [0, 0, 0]
-    assert said[-2].total == 0xFFFF
-    assert said[-2].mission_state == common.MissionState.NO_MISSION
+    assert received[-2].total == 0xFFFF
+    assert received[-2].mission_state == common.MissionState.NO_MISSION
 
 
 def test_clearing_all_is_all_or_nothing() -> None:
@@ -311,20 +311,20 @@ def test_partial_lists_are_refused(station) -> None:
     station.upload(plan_of(4))
     write = common.MissionWritePartialList(start_index=1, end_index=2, **to_vehicle())
     read = common.MissionRequestPartialList(start_index=1, end_index=2, **to_vehicle())
-    assert result_of(station.tell(write)) == Result.UNSUPPORTED
-    assert result_of(station.tell(read)) == Result.UNSUPPORTED
+    assert result_of(station.send(write)) == Result.UNSUPPORTED
+    assert result_of(station.send(read)) == Result.UNSUPPORTED
     assert station.service.plan(0) == plan_of(4)
 
 
 def test_set_current(station) -> None:
     station.upload(plan_of(4))
     station.service.events()
-    (current,) = station.tell(common.MissionSetCurrent(seq=2, **to_vehicle()))
+    (current,) = station.send(common.MissionSetCurrent(seq=2, **to_vehicle()))
     assert (current.seq, current.total) == (2, 4)
     assert station.service.events() == [CurrentItemSet(2, GROUND)]
     station.list()
     assert [station.request(seq)[0].current for seq in range(4)] == [0, 0, 1, 0]
-    (text,) = station.tell(common.MissionSetCurrent(seq=4, **to_vehicle()))
+    (text,) = station.send(common.MissionSetCurrent(seq=4, **to_vehicle()))
     assert (type(text), text.severity) == (common.Statustext, common.MavSeverity.WARNING)
     assert station.service.current == 2
 
@@ -334,16 +334,16 @@ def test_set_current_by_command(station) -> None:
     server.answer_commands(commands, touched.append)
     station.upload(plan_of(4))
     server.events()
-    handler = Station(commands)
+    handler = ScriptedStation(commands)
 
     def ask(*params: float) -> int:
         command = Command(common.MavCmd.DO_SET_MISSION_CURRENT, *params)
-        (ack,) = handler.tell(command.to_long(VEHICLE))
+        (ack,) = handler.send(command.to_long(VEHICLE))
         return ack.result
 
     assert ask(3) == common.MavResult.ACCEPTED
     assert touched == [server]
-    assert [message.seq for message in station.said()] == [3]
+    assert [message.seq for message in station.receive()] == [3]
     assert ask(-1, 1) == common.MavResult.ACCEPTED
     assert server.events() == [CurrentItemSet(3, GROUND), CurrentItemSet(3, GROUND, restart=True)]
     for wrong in (4, -2, float("nan"), float("inf")):
@@ -356,25 +356,25 @@ def test_program_moves_the_mission(station) -> None:
     assert server.current == 2
     server.set_current(1)
     server.reached(1)
-    said = station.said()
-    assert kinds(said) == ["MissionCurrent", "MissionCurrent", "MissionItemReached"]
-    assert seqs(said) == [2, 1, 1]
+    received = station.receive()
+    assert kinds(received) == ["MissionCurrent", "MissionCurrent", "MissionItemReached"]
+    assert seqs(received) == [2, 1, 1]
     with pytest.raises(InvalidArgumentError):
         server.set_current(3)
 
 
 def test_vehicle_without_ids() -> None:
     station = make(options=MissionServerOptions(plan_ids=False))
-    said = station.upload(plan_of(2))
-    assert (said[0].mission_id, said[1].opaque_id) == (0, 0)
+    received = station.upload(plan_of(2))
+    assert (received[0].mission_id, received[1].opaque_id) == (0, 0)
 
 
 def test_home_is_item_0_where_it_is() -> None:
     station = make(options=MissionServerOptions(home_first=True))
     station.service.home = home = MissionItem(common.MavCmd.NAV_WAYPOINT, param5=1.0, param6=2.0)
     plan = plan_of(3)
-    said = station.upload(plan)
-    assert said[0].total == 2
+    received = station.upload(plan)
+    assert received[0].total == 2
     station.list()
     items = [MissionItem.read(station.request(seq)[0]) for seq in range(3)]
     assert items == [home, *plan.items[1:]]
@@ -385,12 +385,12 @@ def test_home_is_item_0_where_it_is() -> None:
 def test_home_can_be_read_while_the_mission_is_empty() -> None:
     station = make(options=MissionServerOptions(home_first=True, float_answers=True))
     request = common.MissionRequest(seq=0, **to_vehicle())
-    (unknown,) = station.tell(request)
+    (unknown,) = station.send(request)
     assert (unknown.command, unknown.x, unknown.y) == (common.MavCmd.NAV_WAYPOINT, 0.0, 0.0)
     station.service.home = MissionItem(common.MavCmd.NAV_WAYPOINT, param5=47.0, param6=8.0)
     (count,) = station.list()
     assert count.count == 0
-    (item,) = station.tell(request)
+    (item,) = station.send(request)
     assert (item.seq, item.x, item.y) == (0, 47.0, 8.0)
     assert station.request(0)[0].x == 470_000_000
     assert result_of(station.request(0, PlanType.RALLY)) == Result.ERROR
@@ -432,7 +432,7 @@ def test_tables_are_bounded(station) -> None:
             common.MissionRequestInt(seq=seq, **to_vehicle()), system=255, component=190, sequence=seq % 256
         )
         station.service.receive(mavstack.wire.Packet(raw, common), station.now)
-    assert len(station.said()) <= 256 + 2
+    assert len(station.receive()) <= 256 + 2
 
 
 def test_a_firmware_may_keep_to_the_older_messages() -> None:
@@ -440,11 +440,11 @@ def test_a_firmware_may_keep_to_the_older_messages() -> None:
     plan = plan_of(3)
     assert kinds(station.count(3)) == ["MissionRequest"]
     assert kinds(station.item(plan, 0)) == ["MissionRequest"]
-    assert kinds(station.tell(plan.items[1].to_float(VEHICLE, 1, 0))) == ["MissionRequest"]
+    assert kinds(station.send(plan.items[1].to_float(VEHICLE, 1, 0))) == ["MissionRequest"]
     assert result_of(station.item(plan, 2)) == Result.ACCEPTED
     station.list()
-    assert kinds(station.tell(common.MissionRequest(seq=1, **to_vehicle()))) == ["MissionItem"]
-    assert kinds(station.tell(common.MissionRequestInt(seq=1, **to_vehicle()))) == ["MissionItemInt"]
+    assert kinds(station.send(common.MissionRequest(seq=1, **to_vehicle()))) == ["MissionItem"]
+    assert kinds(station.send(common.MissionRequestInt(seq=1, **to_vehicle()))) == ["MissionItemInt"]
 
 
 def test_an_item_is_not_requested_again_too_soon() -> None:

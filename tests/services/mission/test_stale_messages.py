@@ -7,26 +7,26 @@ import pytest
 from mavstack.dialects import common
 from mavstack.services.mission import MissionClient, PlanType
 from mavstack.services.mission.stale_messages import QUIET, SETTLE, UPLOAD_EXPIRES_AFTER
-from tests.services.mission.scripted_peer import Vehicle, kinds, plan_of
+from tests.services.mission.scripted_peer import ScriptedVehicle, kinds, plan_of
 from tests.services.network import GROUND, VEHICLE
 
 Result = common.MavMissionResult
 
 
 @pytest.fixture
-def vehicle() -> Vehicle:
-    return Vehicle(MissionClient(GROUND, VEHICLE))
+def vehicle() -> ScriptedVehicle:
+    return ScriptedVehicle(MissionClient(GROUND, VEHICLE))
 
 
-def cancelled_upload(vehicle: Vehicle) -> None:
+def cancelled_upload(vehicle: ScriptedVehicle) -> None:
     client = vehicle.service
     upload = client.upload(plan_of(3), vehicle.now)
     vehicle.request(0)
     client.cancel(upload, vehicle.now)
-    assert kinds(vehicle.said())[-1] == "MissionAck"
+    assert kinds(vehicle.receive())[-1] == "MissionAck"
 
 
-def seconds_until_count(vehicle: Vehicle) -> float:
+def seconds_until_count(vehicle: ScriptedVehicle) -> float:
     begin = vehicle.now
     while "MissionCount" not in kinds(vehicle.wait()):
         pass
@@ -37,7 +37,7 @@ def test_upload_after_a_cancelled_one_waits_until_the_vehicle_is_quiet(vehicle) 
     """Its count may be lost, and the vehicle would take its items for those of the other."""
     cancelled_upload(vehicle)
     vehicle.service.upload(plan_of(3, speed=1.0), vehicle.now)
-    assert vehicle.said() == []
+    assert vehicle.receive() == []
     assert seconds_until_count(vehicle) == pytest.approx(QUIET)
 
 
@@ -64,13 +64,13 @@ def test_vehicle_that_confirms_need_not_be_waited_for(vehicle) -> None:
 def test_plans_of_other_types_do_not_wait(vehicle) -> None:
     cancelled_upload(vehicle)
     vehicle.service.upload(plan_of(3, PlanType.FENCE), vehicle.now)
-    assert kinds(vehicle.said()) == ["MissionCount"]
+    assert kinds(vehicle.receive()) == ["MissionCount"]
 
 
 def test_request_of_another_upload_is_not_served(vehicle) -> None:
     """A vehicle that has heard our count asks for item 0 first."""
     vehicle.service.upload(plan_of(3), vehicle.now)
-    assert kinds(vehicle.said()) == ["MissionCount"]
+    assert kinds(vehicle.receive()) == ["MissionCount"]
     assert vehicle.request(1) == []
     assert kinds(vehicle.request(0)) == ["MissionItemInt"]
     assert kinds(vehicle.request(2)) == ["MissionItemInt"]
@@ -79,7 +79,7 @@ def test_request_of_another_upload_is_not_served(vehicle) -> None:
 def test_vehicle_in_another_upload_is_reported_to_leave_it(vehicle) -> None:
     """PX4 answers ERROR to a count while it waits for a later item."""
     upload = vehicle.service.upload(plan_of(1), vehicle.now)
-    vehicle.said()
+    vehicle.receive()
     (ack,) = vehicle.ack(Result.ERROR)
     assert ack.type == Result.OPERATION_CANCELLED
     assert kinds(vehicle.wait()) == ["MissionCount"]
@@ -94,7 +94,7 @@ def test_first_answer_after_a_failure_is_passed_over(vehicle) -> None:
     vehicle.wait_for_all(30)
     assert failed.done
     download = vehicle.service.download(vehicle.now)
-    vehicle.said()
+    vehicle.receive()
     assert vehicle.count(0) == []
     assert vehicle.count(0) == []
     assert kinds(vehicle.wait()) == ["MissionRequestList"]
@@ -118,4 +118,4 @@ def test_reading_back_after_an_upload_does_not_wait(vehicle) -> None:
     vehicle.request(0)
     vehicle.ack(Result.ACCEPTED)
     vehicle.service.download(vehicle.now)
-    assert kinds(vehicle.said()) == ["MissionRequestList"]
+    assert kinds(vehicle.receive()) == ["MissionRequestList"]

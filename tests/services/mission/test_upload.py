@@ -8,7 +8,7 @@ from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError, MissionDenied, MissionTimeout, RemoteCancelled
 from mavstack.services import OperationEnded, Progress
 from mavstack.services.mission import MissionClient, MissionItem, Plan, PlanType
-from tests.services.mission.scripted_peer import Vehicle, kinds, plan_of, seqs, to_ground, waypoints
+from tests.services.mission.scripted_peer import ScriptedVehicle, kinds, plan_of, seqs, to_ground, waypoints
 from tests.services.network import GROUND, VEHICLE
 
 Result = common.MavMissionResult
@@ -20,19 +20,19 @@ def client() -> MissionClient:
 
 
 @pytest.fixture
-def vehicle(client) -> Vehicle:
-    return Vehicle(client)
+def vehicle(client) -> ScriptedVehicle:
+    return ScriptedVehicle(client)
 
 
-def begin(vehicle: Vehicle, plan: Plan, **options):
+def begin(vehicle: ScriptedVehicle, plan: Plan, **options):
     upload = vehicle.service.upload(plan, vehicle.now, **options)
-    return upload, vehicle.said()
+    return upload, vehicle.receive()
 
 
 def test_items_go_up_one_by_one_and_the_id_comes_back(vehicle, client) -> None:
     plan = plan_of(3)
-    upload, said = begin(vehicle, plan)
-    assert [(kinds(said), said[0].count, said[0].mission_type)] == [(["MissionCount"], 3, 0)]
+    upload, received = begin(vehicle, plan)
+    assert [(kinds(received), received[0].count, received[0].mission_type)] == [(["MissionCount"], 3, 0)]
     for seq in range(3):
         (item,) = vehicle.request(seq)
         assert isinstance(item, common.MissionItemInt)
@@ -47,8 +47,8 @@ def test_items_go_up_one_by_one_and_the_id_comes_back(vehicle, client) -> None:
 
 
 def test_message_type_of_each_plan_type_is_kept_apart(vehicle) -> None:
-    upload, said = begin(vehicle, plan_of(1, PlanType.RALLY))
-    assert said[0].mission_type == PlanType.RALLY
+    upload, received = begin(vehicle, plan_of(1, PlanType.RALLY))
+    assert received[0].mission_type == PlanType.RALLY
     assert vehicle.request(0, PlanType.FENCE) == []
     (item,) = vehicle.request(0, PlanType.RALLY)
     assert item.mission_type == PlanType.RALLY
@@ -60,15 +60,15 @@ def test_message_type_of_each_plan_type_is_kept_apart(vehicle) -> None:
 
 def test_mission_request_is_answered_with_integers_too(vehicle) -> None:
     begin(vehicle, plan_of(1))
-    said = vehicle.tell(common.MissionRequest(seq=0, **to_ground()))
-    assert kinds(said) == ["MissionItemInt"]
+    received = vehicle.send(common.MissionRequest(seq=0, **to_ground()))
+    assert kinds(received) == ["MissionItemInt"]
 
 
 def test_old_vehicle_that_refuses_integers_gets_floats(vehicle) -> None:
     upload, _ = begin(vehicle, plan_of(2))
-    assert kinds(vehicle.tell(common.MissionRequest(seq=0, **to_ground()))) == ["MissionItemInt"]
+    assert kinds(vehicle.send(common.MissionRequest(seq=0, **to_ground()))) == ["MissionItemInt"]
     assert kinds(vehicle.ack(Result.UNSUPPORTED)) == ["MissionItem"]
-    assert kinds(vehicle.tell(common.MissionRequest(seq=1, **to_ground()))) == ["MissionItem"]
+    assert kinds(vehicle.send(common.MissionRequest(seq=1, **to_ground()))) == ["MissionItem"]
     vehicle.ack(Result.UNSUPPORTED)
     with pytest.raises(MissionDenied):
         upload.result()
@@ -214,7 +214,7 @@ def test_vehicle_that_always_errs_is_believed_in_the_end(vehicle) -> None:
     assert caught.value.code == Result.ERROR
 
 
-def all_sent(vehicle: Vehicle, plan: Plan, **options):
+def all_sent(vehicle: ScriptedVehicle, plan: Plan, **options):
     upload, _ = begin(vehicle, plan, **options)
     for seq in range(len(plan)):
         vehicle.now += 0.04
@@ -230,11 +230,11 @@ def test_lost_final_ack_is_requested_by_the_last_item(vehicle) -> None:
     assert upload.result().plan_id == 5
 
 
-def read_back(vehicle: Vehicle, held: Plan) -> list:
+def read_back(vehicle: ScriptedVehicle, held: Plan) -> list:
     vehicle.count(len(held), plan_id=9)
     for seq in range(len(held)):
-        said = vehicle.item(held, seq)
-    return said
+        received = vehicle.item(held, seq)
+    return received
 
 
 def test_lost_final_ack_is_verified_by_reading_back(vehicle) -> None:
@@ -243,16 +243,16 @@ def test_lost_final_ack_is_verified_by_reading_back(vehicle) -> None:
     upload = all_sent(vehicle, plan)
     assert kinds(vehicle.ack(Result.ERROR)) == ["MissionRequestList"]
     assert not upload.done
-    said = read_back(vehicle, plan)
-    assert [(type(message), message.type) for message in said] == [(common.MissionAck, Result.ACCEPTED)]
+    received = read_back(vehicle, plan)
+    assert [(type(message), message.type) for message in received] == [(common.MissionAck, Result.ACCEPTED)]
     assert upload.result() == plan
     assert upload.result().plan_id == 9
 
 
 def test_silence_after_the_last_item_is_verified_too(vehicle) -> None:
     upload = all_sent(vehicle, plan_of(3))
-    said = vehicle.wait_for_all(5.0)
-    assert "MissionRequestList" in kinds(said)
+    received = vehicle.wait_for_all(5.0)
+    assert "MissionRequestList" in kinds(received)
     read_back(vehicle, plan_of(3))
     assert upload.error is None
 
@@ -260,15 +260,15 @@ def test_silence_after_the_last_item_is_verified_too(vehicle) -> None:
 def test_vehicle_that_holds_something_else_gets_the_plan_again(vehicle) -> None:
     upload = all_sent(vehicle, plan_of(3))
     vehicle.ack(Result.ERROR)
-    said = read_back(vehicle, plan_of(3, speed=1.0))
-    assert kinds(said) == ["MissionAck", "MissionCount"]
+    received = read_back(vehicle, plan_of(3, speed=1.0))
+    assert kinds(received) == ["MissionAck", "MissionCount"]
     assert not upload.done
 
 
 def test_home_takes_the_place_of_the_first_item_where_it_does() -> None:
     sent, home = waypoints(3), MissionItem(common.MavCmd.NAV_WAYPOINT, param5=1.0)
     for home_first, ends in ((True, True), (False, False)):
-        vehicle = Vehicle(MissionClient(GROUND, VEHICLE, home_first=home_first))
+        vehicle = ScriptedVehicle(MissionClient(GROUND, VEHICLE, home_first=home_first))
         upload = all_sent(vehicle, Plan.of(sent))
         vehicle.ack(Result.ERROR)
         read_back(vehicle, Plan.of([home, *sent[1:]]))
@@ -286,7 +286,7 @@ def test_cancelling_tells_the_vehicle(vehicle, client) -> None:
     upload, _ = begin(vehicle, plan_of(3))
     vehicle.request(0)
     client.cancel(upload, vehicle.now)
-    (ack,) = vehicle.said()
+    (ack,) = vehicle.receive()
     assert (type(ack), ack.type) == (common.MissionAck, Result.OPERATION_CANCELLED)
     with pytest.raises(RemoteCancelled):
         upload.result()
@@ -300,8 +300,8 @@ def test_cancelling_tells_the_vehicle(vehicle, client) -> None:
 def test_timeout_tells_the_vehicle(vehicle) -> None:
     begin(vehicle, plan_of(3))
     vehicle.request(0)
-    said = vehicle.wait_for_all(30)
-    assert (type(said[-1]), said[-1].type) == (common.MissionAck, Result.OPERATION_CANCELLED)
+    received = vehicle.wait_for_all(30)
+    assert (type(received[-1]), received[-1].type) == (common.MissionAck, Result.OPERATION_CANCELLED)
 
 
 def test_vehicle_can_cancel(vehicle) -> None:
@@ -329,17 +329,17 @@ def test_limit_holds_even_if_it_moves(vehicle) -> None:
 
 
 def test_empty_plan_needs_no_items(vehicle) -> None:
-    upload, said = begin(vehicle, plan_of(0))
-    assert said[0].count == 0
+    upload, received = begin(vehicle, plan_of(0))
+    assert received[0].count == 0
     vehicle.ack(Result.ACCEPTED)
     assert upload.result() == plan_of(0)
 
 
 def test_one_transfer_at_a_time(vehicle, client) -> None:
     """PX4 has one state for all types."""
-    first, said = begin(vehicle, plan_of(1))
+    first, received = begin(vehicle, plan_of(1))
     second, more = begin(vehicle, plan_of(1, PlanType.FENCE))
-    assert (kinds(said), more) == (["MissionCount"], [])
+    assert (kinds(received), more) == (["MissionCount"], [])
     vehicle.request(0)
     (count,) = vehicle.ack(Result.ACCEPTED)
     assert count.mission_type == PlanType.FENCE
@@ -351,8 +351,8 @@ def test_next_upload_of_the_type_waits_until_late_packets_are_gone(vehicle) -> N
     begin(vehicle, plan_of(1))
     vehicle.request(0)
     vehicle.ack(Result.ACCEPTED)
-    second, said = begin(vehicle, plan_of(1, speed=1.0))
-    assert said == []
+    second, received = begin(vehicle, plan_of(1, speed=1.0))
+    assert received == []
     vehicle.ack(Result.ACCEPTED)
     assert not second.done
     assert kinds(vehicle.wait()) == ["MissionCount"]
@@ -373,7 +373,7 @@ def test_ardupilot_refuses_an_item_that_it_does_not_support(vehicle) -> None:
     upload, _ = begin(vehicle, plan)
     for seq in range(4):
         vehicle.now += 0.05
-        vehicle.tell(common.MissionRequest(seq=seq, **to_ground()))
+        vehicle.send(common.MissionRequest(seq=seq, **to_ground()))
     assert kinds(vehicle.ack(Result.UNSUPPORTED)) == ["MissionItem"]
     vehicle.ack(Result.ERROR)
     vehicle.ack(Result.ERROR)
@@ -388,7 +388,7 @@ def test_a_refusal_is_not_forgotten_when_the_vehicle_falls_silent(vehicle, first
     upload, _ = begin(vehicle, plan_of(4))
     for seq in range(2):
         vehicle.now += 0.05
-        vehicle.tell(common.MissionRequest(seq=seq, **to_ground()))
+        vehicle.send(common.MissionRequest(seq=seq, **to_ground()))
     vehicle.ack(first)
     vehicle.wait_for_all(15)
     with pytest.raises(MissionDenied, match=rf"{first.name} at item 1 \(NAV_WAYPOINT in frame"):

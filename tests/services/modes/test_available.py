@@ -23,8 +23,8 @@ PROPERTY, STANDARD = common.MavModeProperty, common.MavStandardMode
 def test_who_may_be_offered_it(properties: int, selectable: bool, advanced: bool) -> None:
     mode = AvailableMode(4, "Hold", properties=int(properties))
     assert (mode.selectable, mode.advanced) == (selectable, advanced)
-    heard = AvailableMode.read(mode.to_message(1, 1))
-    assert (heard.selectable, heard.advanced) == (selectable, advanced)
+    received = AvailableMode.read(mode.to_message(1, 1))
+    assert (received.selectable, received.advanced) == (selectable, advanced)
 
 
 def test_a_mode_is_read_as_it_was_reported() -> None:

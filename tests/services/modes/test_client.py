@@ -46,14 +46,14 @@ class ModeHarness:
         if commands:
             self.modes.register(self.commands)
         if obeys:
-            self.network.at(0.0, self.tell)
+            self.network.at(0.0, self.send_available_modes)
         self.client = self.ground.engine.add(CommandClient(GROUND, VEHICLE))
         self.network.connect(self.vehicle, self.ground)
 
-    def tell(self):
+    def send_available_modes(self):
         self.beacon.base_mode = 129
         self.beacon.custom_mode = self.modes.current.custom_mode
-        self.network.at(0.1, self.tell)
+        self.network.at(0.1, self.send_available_modes)
 
     def run(self, operation, timeout=100.0):
         self.client.begin(operation, self.network.now)

@@ -25,7 +25,7 @@ from mavstack.services.parameters.value import NO_INDEX
 from mavstack.wire import Packet
 from tests.services.network import GROUND, VEHICLE, Network
 from tests.services.parameters.harness import ParameterHarness
-from tests.services.parameters.test_listing import ByHand
+from tests.services.parameters.test_listing import ScriptedVehicle
 
 KIND = common.MavParamType
 ERROR = common.MavParamError
@@ -139,61 +139,61 @@ def test_a_param_error_is_denied_with_its_reason() -> None:
 
 
 def test_an_unknown_name_that_gets_silence_ends_in_a_timeout() -> None:
-    hand = ByHand()
-    read = hand.client.get("NO_SUCH", hand.network.now)
-    asked = hand.run(60.0)
+    vehicle = ScriptedVehicle()
+    read = vehicle.client.get("NO_SUCH", vehicle.network.now)
+    asked = vehicle.run(60.0)
     assert isinstance(read.error, ParameterTimeout)
     assert read.error.attempts == len(asked) == 6
 
 
 @pytest.mark.parametrize(("which", "text"), [("NO_SUCH", "param: NO_SUCH"), (7, "param ID: 7")])
 def test_an_unknown_name_that_gets_a_text_is_denied(which, text) -> None:
-    hand = ByHand()
-    read = hand.client.get(which, hand.network.now)
-    hand.run(0.1)
-    hand.send(common.Statustext(severity=6, text="[pm] unknown param: NO_SUCH_OTHER"))
-    hand.run(0.1)
+    vehicle = ScriptedVehicle()
+    read = vehicle.client.get(which, vehicle.network.now)
+    vehicle.run(0.1)
+    vehicle.send(common.Statustext(severity=6, text="[pm] unknown param: NO_SUCH_OTHER"))
+    vehicle.run(0.1)
     assert not read.done
-    hand.send(common.Statustext(severity=6, text=f"[pm] unknown {text}"))
-    hand.run(0.1)
+    vehicle.send(common.Statustext(severity=6, text=f"[pm] unknown {text}"))
+    vehicle.run(0.1)
     assert isinstance(read.error, ParameterDenied)
     assert read.error.code == ERROR.DOES_NOT_EXIST
 
 
 def test_a_component_that_keeps_its_value_is_reported() -> None:
-    hand = ByHand()
-    hand.tell("X", 1.0, 0, 1)
-    hand.run(0.1)
-    operation = hand.client.set("X", 5.0, hand.network.now)
+    vehicle = ScriptedVehicle()
+    vehicle.send_value("X", 1.0, 0, 1)
+    vehicle.run(0.1)
+    operation = vehicle.client.set("X", 5.0, vehicle.network.now)
     for _ in range(60):
-        if any(isinstance(message, common.ParamSet) for message in hand.run(0.1)):
-            hand.tell("X", 3.0, 0, 1)
+        if any(isinstance(message, common.ParamSet) for message in vehicle.run(0.1)):
+            vehicle.send_value("X", 3.0, 0, 1)
     assert isinstance(operation.error, ParameterDenied)
     assert "the value stayed 3" in str(operation.error)
 
 
 def test_an_old_value_that_comes_late_is_no_refusal() -> None:
-    hand = ByHand()
-    hand.tell("X", 1.0, 0, 1)
-    hand.run(0.1)
-    operation = hand.client.set("X", 5.0, hand.network.now)
-    hand.run(0.01)
-    hand.tell("X", 1.0, 0, 1)
-    hand.run(1.5)  # it is sent again
+    vehicle = ScriptedVehicle()
+    vehicle.send_value("X", 1.0, 0, 1)
+    vehicle.run(0.1)
+    operation = vehicle.client.set("X", 5.0, vehicle.network.now)
+    vehicle.run(0.01)
+    vehicle.send_value("X", 1.0, 0, 1)
+    vehicle.run(1.5)  # it is sent again
     assert not operation.done
-    hand.tell("X", 5.0, NO_INDEX, 1)
-    hand.run(0.01)
+    vehicle.send_value("X", 5.0, NO_INDEX, 1)
+    vehicle.run(0.01)
     assert operation.result().value == 5.0
     assert operation.result().index is None
-    assert hand.client.parameters["X"].index == 0
+    assert vehicle.client.parameters["X"].index == 0
 
 
 def test_a_component_that_answers_only_changes_is_requested_the_value() -> None:
-    hand = ByHand()
-    operation = hand.client.set("X", 5.0, hand.network.now, kind=KIND.REAL32)
+    vehicle = ScriptedVehicle()
+    operation = vehicle.client.set("X", 5.0, vehicle.network.now, kind=KIND.REAL32)
     for _ in range(30):
-        if any(isinstance(message, common.ParamRequestRead) for message in hand.run(0.1)):
-            hand.tell("X", 5.0, NO_INDEX, 1)
+        if any(isinstance(message, common.ParamRequestRead) for message in vehicle.run(0.1)):
+            vehicle.send_value("X", 5.0, NO_INDEX, 1)
     assert operation.result().value == 5.0
 
 

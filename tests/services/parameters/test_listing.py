@@ -20,8 +20,8 @@ def requests_of(harness: ParameterHarness, name: str = "PARAM_REQUEST_READ") -> 
     return [packet.message for packet in harness.vehicle.received if packet.name == name]
 
 
-class ByHand:
-    """A client whose vehicle is the test: what it sends is heard, and answered by `tell`."""
+class ScriptedVehicle:
+    """The vehicle of a client, played by the test: it records requests and sends values."""
 
     def __init__(self, encoding: Encoding = Encoding.BYTEWISE) -> None:
         self.network = Network(keep_packets=True)
@@ -30,7 +30,7 @@ class ByHand:
         self.network.connect(self.ground, self.vehicle)
         self.client = self.ground.engine.add(ParameterClient(GROUND, VEHICLE, encoding))
 
-    def tell(self, name: str, value: float, index: int, count: int) -> None:
+    def send_value(self, name: str, value: float, index: int, count: int) -> None:
         message = common.ParamValue(
             param_id=name,
             param_value=value,
@@ -44,7 +44,7 @@ class ByHand:
         self.vehicle.engine.send(message, self.network.now)
 
     def run(self, seconds: float) -> list:
-        """Let time pass; gives what the vehicle heard."""
+        """Advance the time; return the messages that the vehicle received."""
         self.ground.engine.touch(self.client)
         del self.vehicle.received[:]
         self.network.run(timeout=seconds)
@@ -67,35 +67,35 @@ def test_all_parameters_come(encoding) -> None:
 
 
 def test_an_unsolicited_value_does_not_mask_a_missing_index() -> None:
-    hand = ByHand()
-    listing = hand.client.download(hand.network.now)
-    hand.run(0.1)
-    hand.tell("A", 1.0, 0, 3)
-    hand.tell("C", 3.0, 2, 3)
-    hand.run(0.01)
-    hand.tell("B", 2.0, NO_INDEX, 3)  # B is known now, but not that it is number 1
-    asked = hand.run(1.0)
+    vehicle = ScriptedVehicle()
+    listing = vehicle.client.download(vehicle.network.now)
+    vehicle.run(0.1)
+    vehicle.send_value("A", 1.0, 0, 3)
+    vehicle.send_value("C", 3.0, 2, 3)
+    vehicle.run(0.01)
+    vehicle.send_value("B", 2.0, NO_INDEX, 3)  # B is known now, but not that it is number 1
+    asked = vehicle.run(1.0)
     assert indexes(asked) == {1}
     assert not listing.done
-    hand.tell("B", 2.0, 1, 3)
-    hand.run(0.1)
+    vehicle.send_value("B", 2.0, 1, 3)
+    vehicle.run(0.1)
     assert list(listing.result()) == ["A", "B", "C"]
 
 
 def test_a_count_that_changes_while_listing_starts_it_again() -> None:
-    hand = ByHand()
-    listing = hand.client.download(hand.network.now)
-    hand.run(0.1)
-    hand.tell("A", 1.0, 0, 2)
-    hand.run(0.01)
+    vehicle = ScriptedVehicle()
+    listing = vehicle.client.download(vehicle.network.now)
+    vehicle.run(0.1)
+    vehicle.send_value("A", 1.0, 0, 2)
+    vehicle.run(0.01)
     for index, name in enumerate(["NEW", "A", "B"]):
-        hand.tell(name, 5.0, index, 3)
-    asked = hand.run(0.1)
+        vehicle.send_value(name, 5.0, index, 3)
+    asked = vehicle.run(0.1)
     assert any(isinstance(message, common.ParamRequestList) for message in asked)
     assert not listing.done
     for index, name in enumerate(["NEW", "A", "B"]):
-        hand.tell(name, 5.0, index, 3)
-    hand.run(0.1)
+        vehicle.send_value(name, 5.0, index, 3)
+    vehicle.run(0.1)
     assert list(listing.result()) == ["NEW", "A", "B"]
 
 
@@ -116,74 +116,74 @@ def test_a_count_that_shrinks_is_no_endless_wait() -> None:
 
 
 def test_a_table_that_never_stops_changing_ends_in_a_timeout() -> None:
-    hand = ByHand()
-    listing = hand.client.download(hand.network.now)
+    vehicle = ScriptedVehicle()
+    listing = vehicle.client.download(vehicle.network.now)
     for count in range(3, 40):
-        hand.run(0.05)
-        hand.tell("A", 1.0, 0, count)
-        hand.tell("B", 1.0, 1, 2)
-    hand.run(60.0)
+        vehicle.run(0.05)
+        vehicle.send_value("A", 1.0, 0, count)
+        vehicle.send_value("B", 1.0, 1, 2)
+    vehicle.run(60.0)
     assert isinstance(listing.error, ParameterTimeout)
 
 
 def test_one_name_in_two_places_is_not_believed() -> None:
-    hand = ByHand()
-    listing = hand.client.download(hand.network.now)
-    hand.run(0.1)
-    hand.tell("A", 1.0, 0, 2)
-    hand.tell("A", 1.0, 1, 2)
-    hand.run(0.1)
+    vehicle = ScriptedVehicle()
+    listing = vehicle.client.download(vehicle.network.now)
+    vehicle.run(0.1)
+    vehicle.send_value("A", 1.0, 0, 2)
+    vehicle.send_value("A", 1.0, 1, 2)
+    vehicle.run(0.1)
     assert not listing.done
-    hand.tell("NEW", 1.0, 0, 2)
-    hand.tell("A", 1.0, 1, 2)
-    hand.run(0.1)
+    vehicle.send_value("NEW", 1.0, 0, 2)
+    vehicle.send_value("A", 1.0, 1, 2)
+    vehicle.run(0.1)
     assert list(listing.result()) == ["NEW", "A"]
 
 
 def test_a_parameter_that_cannot_be_read_is_reported() -> None:
-    hand = ByHand()
-    listing = hand.client.download(hand.network.now)
-    hand.run(0.1)
-    hand.tell("A", 1.0, 0, 2)
-    hand.run(0.2)
+    vehicle = ScriptedVehicle()
+    listing = vehicle.client.download(vehicle.network.now)
+    vehicle.run(0.1)
+    vehicle.send_value("A", 1.0, 0, 2)
+    vehicle.run(0.2)
     error = common.MavParamError.READ_FAIL
-    hand.send(common.ParamError(target_system=255, target_component=190, param_index=1, error=error))
-    hand.run(1.5)
+    vehicle.send(common.ParamError(target_system=255, target_component=190, param_index=1, error=error))
+    vehicle.run(1.5)
     assert isinstance(listing.error, ParameterDenied)
     assert listing.error.code == error
 
 
 def test_silence_ends_in_a_timeout_that_says_how_many_came() -> None:
-    hand = ByHand()
-    listing = hand.client.download(hand.network.now, idle_timeout=5.0)
-    asked = hand.run(4.0)
+    vehicle = ScriptedVehicle()
+    listing = vehicle.client.download(vehicle.network.now, idle_timeout=5.0)
+    asked = vehicle.run(4.0)
     assert len([message for message in asked if isinstance(message, common.ParamRequestList)]) > 1
-    hand.tell("A", 1.0, 0, 2)
-    hand.run(20.0)
+    vehicle.send_value("A", 1.0, 0, 2)
+    vehicle.run(20.0)
     assert isinstance(listing.error, ParameterTimeout)
     assert "1 of 2 entries arrived" in str(listing.error)
-    assert hand.client.parameters["A"].value == 1.0
+    assert vehicle.client.parameters["A"].value == 1.0
 
 
 def test_gaps_are_not_requested_all_at_once() -> None:
-    hand = ByHand()
-    hand.client.download(hand.network.now)
-    hand.run(0.1)
-    hand.tell("A", 1.0, 0, 500)
-    hand.tell("Z", 1.0, 499, 500)
-    hand.run(0.01)
-    hand.run(1.0)
-    assert len(indexes(hand.run(0.05))) <= 20
+    vehicle = ScriptedVehicle()
+    vehicle.client.download(vehicle.network.now)
+    vehicle.run(0.1)
+    vehicle.send_value("A", 1.0, 0, 500)
+    vehicle.send_value("Z", 1.0, 499, 500)
+    vehicle.run(0.01)
+    vehicle.run(1.0)
+    assert len(indexes(vehicle.run(0.05))) <= 20
 
 
 @pytest.mark.parametrize("count", [32768, 65535])
 def test_a_count_that_cannot_be_harms_nothing(count) -> None:
-    hand = ByHand()
-    listing = hand.client.download(hand.network.now, idle_timeout=5.0)
-    hand.run(0.1)
+    vehicle = ScriptedVehicle()
+    listing = vehicle.client.download(vehicle.network.now, idle_timeout=5.0)
+    vehicle.run(0.1)
     for index in (0, count - 2, count - 1):
-        hand.tell("A", 1.0, index, count)
-    hand.run(60.0)
+        vehicle.send_value("A", 1.0, index, count)
+    vehicle.run(60.0)
     assert isinstance(listing.error, ParameterTimeout)
 
 
@@ -265,9 +265,9 @@ def test_cancelling_stops_the_list() -> None:
     harness.ground.engine.touch(harness.client)
     harness.network.run(timeout=0.5)
     assert isinstance(listing.error, RemoteCancelled)
-    heard = len(harness.ground.received)
+    count_before = len(harness.ground.received)
     harness.network.run(timeout=5.0)
-    assert len(harness.ground.received) == heard
+    assert len(harness.ground.received) == count_before
 
 
 # How long it takes

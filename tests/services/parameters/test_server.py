@@ -37,7 +37,7 @@ class Wire:
         self.now = 1000.0
         self.sequence = 0
 
-    def say(
+    def send(
         self, message, source: Address = GROUND, *, sequence: int | None = None, version: int = 2
     ) -> None:
         self.sequence = self.sequence + 1 if sequence is None else sequence
@@ -51,18 +51,18 @@ class Wire:
         self.server.receive(Packet(data, common), self.now)
 
     def list(self, source: Address = GROUND) -> None:
-        self.say(common.ParamRequestList(target_system=1, target_component=1), source)
+        self.send(common.ParamRequestList(target_system=1, target_component=1), source)
 
     def read(self, which: str | int, source: Address = GROUND, **how) -> None:
         name, index = (which, -1) if isinstance(which, str) else ("", which)
         message = common.ParamRequestRead(
             target_system=1, target_component=1, param_id=name, param_index=index
         )
-        self.say(message, source, **how)
+        self.send(message, source, **how)
 
     def set(self, name: str, data: bytes, kind: int, source: Address = GROUND, **how) -> None:
         payload = data + pack("<BB16sB", 1, 1, name.encode(), kind)
-        self.say(common.ParamSet.from_payload(payload), source, **how)
+        self.send(common.ParamSet.from_payload(payload), source, **how)
 
     def sent(self, has_room=lambda *_: True) -> list:
         return list(self.server.messages_to_send(self.now, has_room))

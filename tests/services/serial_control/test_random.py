@@ -80,20 +80,20 @@ def scenario(seed: int) -> None:
     assert restarts or len({event.data for event in inputs}) == len(inputs)
     in_turn = [lines.index(event.data) for event in inputs if not event.late]
     assert restarts or in_turn == sorted(in_turn)
-    heard = b"".join(event.data for event in outputs if not event.late)
+    received = b"".join(event.data for event in outputs if not event.late)
     clean = not (
         impairment.loss or impairment.corrupt or impairment.reorder or impairment.jitter or cuts or restarts
     )
     if clean and not impairment.bandwidth:
         assert [event.data for event in inputs] == lines
-        assert heard == b"nsh> " + b"".join(b"did " + line for line in lines)
+        assert received == b"nsh> " + b"".join(b"did " + line for line in lines)
         assert echo.shell.owner is None
     other = network.node(OTHER)
     network.connect(other, echo.node)
-    late_comer = other.engine.add(ShellClient(OTHER, VEHICLE))
+    second_client = other.engine.add(ShellClient(OTHER, VEHICLE))
     network.run(timeout=31.0)  # the first one's closing may have been lost, but it does not stay for ever
-    late_comer.open(network.now)
-    other.engine.touch(late_comer)
+    second_client.open(network.now)
+    other.engine.touch(second_client)
     assert network.run(lambda: bool(other.events_of(ShellOutput)), timeout=3.0)
     assert echo.shell.owner == OTHER
 

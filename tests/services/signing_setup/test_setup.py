@@ -128,7 +128,7 @@ def test_a_vehicle_that_answers_no_timesync_is_believed_after_its_trial():
 
 
 def test_a_vehicle_without_a_trial_as_ardupilot_is_confirmed_too():
-    class AtOnce(Service):
+    class SendsImmediately(Service):
         handles = message_ids(common.SetupSigning)
 
         def receive(self, packet, now):
@@ -138,15 +138,15 @@ def test_a_vehicle_without_a_trial_as_ardupilot_is_confirmed_too():
 
     harness = SigningHarness(key=OLD)
     harness.vehicle.engine.remove(harness.server)
-    harness.vehicle.engine.add(AtOnce(VEHICLE))
+    harness.vehicle.engine.add(SendsImmediately(VEHICLE))
     assert harness.run(harness.install(NEW)).error is None
     harness.assert_heartbeats_arrive()
 
 
 def test_nothing_is_sent_before_the_target_is_received_nor_to_others():
     harness = SigningHarness()
-    stranger = harness.network.node(Address(9, 9))
-    harness.network.connect(harness.ground, stranger)
+    other_vehicle = harness.network.node(Address(9, 9))
+    harness.network.connect(harness.ground, other_vehicle)
     there, back = harness.pipes
     there.cut = back.cut = True
     operation = harness.install(NEW)
@@ -155,7 +155,7 @@ def test_nothing_is_sent_before_the_target_is_received_nor_to_others():
     there.cut = back.cut = False
     assert harness.run(operation).error is None
     assert [p for p in harness.vehicle.received if p.name == "SETUP_SIGNING"]
-    assert not [p for p in stranger.received if p.name == "SETUP_SIGNING"]
+    assert not [p for p in other_vehicle.received if p.name == "SETUP_SIGNING"]
 
 
 def test_silence_is_a_timeout_and_changes_nothing():

@@ -33,21 +33,21 @@ def scenario(seed: int) -> None:
         starting_until[0] = network.now + 3.0  # no sender starts faster
         vehicle.restart()
 
-    def say(text: str) -> None:
+    def send(text: str) -> None:
         if not network.now < starting_until[0]:
             senders[-1].send_text(text)
             vehicle.engine.touch(senders[-1])
 
     for number, text in enumerate(texts):
-        network.at(0.4 * number, lambda text=text: say(text))
+        network.at(0.4 * number, lambda text=text: send(text))
     if random.random() < 0.3:
         network.at(random.uniform(0, 8), restart)
     network.run(timeout=60)
-    told: list[StatusText] = ground.events_of(StatusText)
-    whole = [event.text for event in told if event.complete]
+    received: list[StatusText] = ground.events_of(StatusText)
+    whole = [event.text for event in received if event.complete]
     assert len(set(whole)) == len(whole)
     assert set(whole) <= set(texts)
-    for event in told:
+    for event in received:
         assert event.complete != (GAP in event.text)
         if not event.complete:
             parts = [part.strip("\N{REPLACEMENT CHARACTER}") for part in event.text.split(GAP)]

@@ -117,7 +117,7 @@ def test_any_message_can_be_read() -> None:
 
 
 @pytest.mark.parametrize(
-    ("protocol", "speaks"),
+    ("protocol", "expected"),
     [
         (ProtocolVersion(), [1, 2]),
         (ProtocolVersion(200, 200, 200), [2]),
@@ -125,8 +125,8 @@ def test_any_message_can_be_read() -> None:
         (ProtocolVersion.read(common.ProtocolVersion(version=200, min_version=100)), [1, 2]),
     ],
 )
-def test_which_protocols_are_spoken(protocol: ProtocolVersion, speaks: list[int]) -> None:
-    assert [major for major in (1, 2, 3) if protocol.supports(major)] == speaks
+def test_which_protocols_are_spoken(protocol: ProtocolVersion, expected: list[int]) -> None:
+    assert [major for major in (1, 2, 3) if protocol.supports(major)] == expected
 
 
 def test_a_camera_is_requested_like_an_autopilot() -> None:

@@ -146,7 +146,7 @@ class StubVehicle:
     def on_event(self, kind: Any, reaction: Any) -> None:
         self.reactions[kind].append(reaction)
 
-    def tell(self, event: Event) -> None:
+    def handle_event(self, event: Event) -> None:
         """Deliver an event of a service to the handlers of its type."""
         for reaction in self.reactions[type(event)]:
             reaction(event)

@@ -31,14 +31,14 @@ def guided(
     return flight
 
 
-def tell(flight: AutopilotHarness, setpoint: object) -> None:
-    flight.vehicle.tell(SetpointReceived(GROUND, setpoint))
+def send_setpoint(flight: AutopilotHarness, setpoint: object) -> None:
+    flight.vehicle.handle_event(SetpointReceived(GROUND, setpoint))
 
 
 def stream(flight: AutopilotHarness, setpoint: object, seconds: float, rate: float = 10.0) -> None:
     """Repeat a setpoint."""
     for _ in range(round(seconds * rate)):
-        tell(flight, setpoint)
+        send_setpoint(flight, setpoint)
         flight.run(1 / rate)
 
 
@@ -56,7 +56,7 @@ def face(flight: AutopilotHarness, yaw: float) -> None:
 @pytest.mark.flight
 def test_a_local_position_counts_from_the_origin() -> None:
     flight = guided()
-    tell(flight, LocalSetpoint(position=(12.0, -8.0, -20.0), yaw=pi / 2))
+    send_setpoint(flight, LocalSetpoint(position=(12.0, -8.0, -20.0), yaw=pi / 2))
     flight.run(15)
     assert flight.distance((12.0, -8.0)) < 1.0
     assert flight.height == pytest.approx(20.0, abs=1.0)
@@ -68,7 +68,7 @@ def test_an_offset_counts_from_where_it_is_when_it_comes() -> None:
     flight = guided()
     flight.autopilot.guided.go_to((20.0, 10.0, -15.0))
     flight.run(12)
-    tell(flight, LocalSetpoint(position=(5.0, 5.0, -3.0), frame=F.LOCAL_OFFSET_NED))
+    send_setpoint(flight, LocalSetpoint(position=(5.0, 5.0, -3.0), frame=F.LOCAL_OFFSET_NED))
     flight.run(10)
     assert flight.distance((25.0, 15.0)) < 1.5
     assert flight.height == pytest.approx(18.0, abs=1.0)
@@ -79,7 +79,7 @@ def test_an_offset_counts_from_where_it_is_when_it_comes() -> None:
 def test_forward_and_right_count_from_its_heading(frame: int) -> None:
     flight = guided()
     face(flight, pi / 2)
-    tell(flight, LocalSetpoint(position=(10.0, 4.0, 0.0), frame=frame))
+    send_setpoint(flight, LocalSetpoint(position=(10.0, 4.0, 0.0), frame=frame))
     flight.run(12)
     assert flight.distance((-4.0, 10.0)) < 1.5
 
@@ -88,7 +88,7 @@ def test_forward_and_right_count_from_its_heading(frame: int) -> None:
 def test_a_yaw_of_a_turned_frame_counts_from_its_heading() -> None:
     flight = guided()
     face(flight, 1.0)
-    tell(flight, LocalSetpoint(position=(0.0, 0.0, 0.0), yaw=0.5, frame=F.BODY_OFFSET_NED))
+    send_setpoint(flight, LocalSetpoint(position=(0.0, 0.0, 0.0), yaw=0.5, frame=F.BODY_OFFSET_NED))
     flight.run(5)
     assert flight.body.truth.yaw == pytest.approx(1.5, abs=0.1)
 
@@ -108,7 +108,7 @@ def test_frames_that_the_firmware_ignores_change_nothing() -> None:
 def test_a_global_position_counts_its_altitude_as_its_frame_says(frame: int, altitude: float) -> None:
     flight = guided()
     latitude, longitude, _ = flight.body.frame.to_global(15.0, 20.0, 0.0)
-    tell(flight, GlobalSetpoint(latitude, longitude, altitude, frame=frame))
+    send_setpoint(flight, GlobalSetpoint(latitude, longitude, altitude, frame=frame))
     flight.run(15)
     assert flight.distance((15.0, 20.0)) < 1.0
     assert flight.height == pytest.approx(22.0, abs=1.0)
@@ -119,7 +119,7 @@ def test_a_relative_altitude_counts_from_home_wherever_that_is() -> None:
     flight = guided()
     latitude, longitude, _ = flight.body.frame.to_global(0.0, 0.0, 0.0)
     flight.autopilot.set_home(latitude, longitude, 488.0 + 8.0)
-    tell(flight, GlobalSetpoint(latitude, longitude, 15.0))
+    send_setpoint(flight, GlobalSetpoint(latitude, longitude, 15.0))
     flight.run(10)
     assert flight.height == pytest.approx(23.0, abs=1.0)
 
@@ -128,7 +128,7 @@ def test_a_relative_altitude_counts_from_home_wherever_that_is() -> None:
 @pytest.mark.parametrize("kind", [VehicleType.ROVER, VehicleType.BOAT, VehicleType.SUB])
 def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:
     flight = guided(kind)
-    tell(flight, LocalSetpoint(position=(12.0, -6.0, 4.0)))
+    send_setpoint(flight, LocalSetpoint(position=(12.0, -6.0, 4.0)))
     flight.run(40)
     assert flight.distance((12.0, -6.0)) < 2.5
     if kind is VehicleType.SUB:
@@ -140,10 +140,10 @@ def test_what_does_not_fly_gets_there_as_well(kind: VehicleType) -> None:
 def test_a_wing_flies_there_and_circles(repeated: bool) -> None:
     flight = guided(VehicleType.PLANE, 40.0)
     setpoint = LocalSetpoint(position=(400.0, 300.0, -60.0))
-    tell(flight, setpoint)
+    send_setpoint(flight, setpoint)
     for _ in range(45):
         if repeated:
-            tell(flight, setpoint)
+            send_setpoint(flight, setpoint)
         flight.run(1)
     for _ in range(10):
         flight.run(1)
@@ -171,7 +171,7 @@ def test_a_vtol_flies_far_on_its_wing_and_hovers_there() -> None:
 @pytest.mark.flight
 def test_a_velocity_is_flown_until_it_is_too_old() -> None:
     flight = guided(setpoint_timeout=3.0)
-    tell(flight, LocalSetpoint(velocity=(3.0, -2.0, -0.5)))
+    send_setpoint(flight, LocalSetpoint(velocity=(3.0, -2.0, -0.5)))
     flight.run(2.8)
     motion = flight.body.truth
     assert motion.velocity_north == pytest.approx(3.0, abs=0.6)
@@ -346,7 +346,7 @@ def test_guided_takes_off_then_follows_the_target() -> None:
 def test_flown_into_the_ground_it_stays_there_and_disarms() -> None:
     flight = guided(height=5.0)
     for _ in range(20):
-        tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 1.0)))
+        send_setpoint(flight, LocalSetpoint(velocity=(0.0, 0.0, 1.0)))
         flight.run(0.5)
     assert flight.height == 0.0
     flight.run_until(lambda: not flight.autopilot.armed, timeout=15)
@@ -364,16 +364,16 @@ def test_a_stream_lives_from_its_second_setpoint_while_it_is_quick() -> None:
     flight = guided(setpoint_timeout=1.0)
     target = flight.autopilot.guided
     assert not target.stream_alive
-    tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
+    send_setpoint(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
     assert not target.stream_alive
     flight.run(0.1)
-    tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
+    send_setpoint(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
     assert target.stream_alive
     flight.run(0.9)
     assert target.stream_alive
     flight.run(0.3)
     assert not target.stream_alive
-    tell(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
+    send_setpoint(flight, LocalSetpoint(velocity=(0.0, 0.0, 0.0)))
     assert not target.stream_alive, "one a second is no stream"
 
 

@@ -94,12 +94,12 @@ def test_with_the_transmitter_off_overridden_channels_are_all_there_is() -> None
 
 def test_an_ardupilot_listens_only_to_the_station_of_sysid_mygcs() -> None:
     one = grounded(seconds=0.2)
-    stranger = Address(200, 1)
-    override(one, stranger, c1=1900)
-    sticks(one, stranger, y=900)
+    other_station = Address(200, 1)
+    override(one, other_station, c1=1900)
+    sticks(one, other_station, y=900)
     assert one.autopilot.radio.sticks.roll == 0
     one.set(SYSID_MYGCS=200)
-    sticks(one, stranger, y=900)
+    sticks(one, other_station, y=900)
     assert one.autopilot.radio.sticks.roll == pytest.approx(0.9)
 
 

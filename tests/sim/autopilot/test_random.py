@@ -92,7 +92,7 @@ def happen(flight: AutopilotHarness, event: Any) -> None:
                 event.check()
             except SetpointError:
                 return  # the receiver refuses it
-            flight.vehicle.tell(SetpointReceived(Address(255, 190), event))
+            flight.vehicle.handle_event(SetpointReceived(Address(255, 190), event))
         case Sticks():
             flight.radio.sticks = event
         case (name, given_values):

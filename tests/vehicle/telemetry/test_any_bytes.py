@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mavstack.dialects import ardupilotmega, common
-from tests.vehicle.telemetry.stage import on_stage
+from tests.vehicle.telemetry.harness import with_telemetry
 from tests.vehicle.telemetry.test_readers import VALUES
 
 READ = (
@@ -24,11 +24,11 @@ payloads = st.binary(max_size=255) | st.binary(min_size=1, max_size=1).map(lambd
 @pytest.mark.flight
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(READ), payloads), min_size=1, max_size=8))
-def test_no_reader_raises(told):
-    async def scenario(stage):
-        for kind, payload in told:
-            stage.hear(kind.from_payload(payload))
-        vehicle = stage.vehicle
+def test_no_reader_raises(received):
+    async def scenario(harness):
+        for kind, payload in received:
+            harness.receive(kind.from_payload(payload))
+        vehicle = harness.vehicle
         for name in VALUES:
             repr(getattr(vehicle, name))
         for number, battery in vehicle.batteries.items():
@@ -39,4 +39,4 @@ def test_no_reader_raises(told):
         assert str(vehicle.health)
         assert all(isinstance(text.text, str) for text in vehicle.status_texts)
 
-    on_stage(scenario)
+    with_telemetry(scenario)

@@ -10,7 +10,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.harness import reduce_telemetry
-from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
+from tests.vehicle.telemetry.harness import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
 from tests.vehicle.world import PX4 as SIMULATED_PX4
 
@@ -55,17 +55,17 @@ def test_rates_are_requested_again_after_a_reboot_during_a_link_outage(kind):
 
 def test_all_rates_are_requested_when_a_reboot_shows():
     async def scenario(peer):
-        peer.say(boot_time(100))
+        peer.send(boot_time(100))
         await peer.vehicle.set_message_rate(common.HighresImu, 10)
         await peer.vehicle.set_message_rate(common.Vibration, 1)
         for second in range(5):
-            peer.say(common.HighresImu(), common.Vibration(), boot_time(100 + second))
+            peer.send(common.HighresImu(), common.Vibration(), boot_time(100 + second))
             await asyncio.sleep(1)
-        assert len(peer.asked) == 2
+        assert len(peer.requested_rates) == 2
         for second in range(6):  # they still come, at whatever rate is usual
-            peer.say(common.HighresImu(), common.Vibration(), boot_time(1 + second))
+            peer.send(common.HighresImu(), common.Vibration(), boot_time(1 + second))
             await asyncio.sleep(1)
-        assert sorted(peer.asked[2:]) == sorted(peer.asked[:2])
+        assert sorted(peer.requested_rates[2:]) == sorted(peer.requested_rates[:2])
 
     with_peer(scenario)
 
@@ -74,14 +74,14 @@ def test_a_rate_that_was_forgotten_silently_is_requested_again():
     async def scenario(peer):
         await peer.vehicle.set_message_rate(common.Attitude, 10)
         for _ in range(100):
-            peer.say(common.Attitude())
+            peer.send(common.Attitude())
             await asyncio.sleep(0.1)
-        assert len(peer.asked) == 1
+        assert len(peer.requested_rates) == 1
         await asyncio.sleep(30)
-        times = len(peer.asked)
+        times = len(peer.requested_rates)
         assert 2 <= times <= 4
         await asyncio.sleep(600)
-        assert times + 5 <= len(peer.asked) <= times + 15, "again, but not for ever as often"
+        assert times + 5 <= len(peer.requested_rates) <= times + 15, "again, but not for ever as often"
 
     with_peer(scenario)
 
@@ -89,13 +89,15 @@ def test_a_rate_that_was_forgotten_silently_is_requested_again():
 def test_a_lost_vehicle_gets_no_requests():
     async def scenario(peer):
         await peer.vehicle.set_message_rate(common.Attitude, 10)
-        asked = []
+        requested_rates = []
         component = peer.vehicle.component
-        object.__setattr__(component, "set_message_rate", lambda *arguments: asked.append(arguments))
+        object.__setattr__(
+            component, "set_message_rate", lambda *arguments: requested_rates.append(arguments)
+        )
         await peer.node.close()
         await asyncio.sleep(60)
         assert not peer.vehicle.alive
-        assert asked == []
+        assert requested_rates == []
 
     with_peer(scenario)
 
@@ -108,7 +110,7 @@ def test_a_rate_released_and_requested_again():
         await peer.vehicle.set_message_rate(common.Attitude, 20)
         await asyncio.sleep(1)
         assert rates.held == {common.Attitude: 20}
-        assert peer.asked[-1] == (ATTITUDE, 50_000)
+        assert peer.requested_rates[-1] == (ATTITUDE, 50_000)
 
     with_peer(scenario)
 
@@ -116,21 +118,21 @@ def test_a_rate_released_and_requested_again():
 def test_a_refused_rate_is_not_requested_again_before_a_reboot():
     async def scenario(peer):
         peer.answer = RESULT.DENIED
-        peer.say(boot_time(100))
+        peer.send(boot_time(100))
         with pytest.raises(CommandDenied, match="DENIED"):
             await peer.vehicle.set_message_rate(common.Odometry, 5)
         assert peer.vehicle.telemetry.rates.denied(common.Odometry).code == RESULT.DENIED
         with pytest.raises(CommandDenied):
             await peer.vehicle.telemetry.rates.ask(common.Odometry)
         for second in range(60):
-            peer.say(boot_time(100 + second))
+            peer.send(boot_time(100 + second))
             await asyncio.sleep(1)
-        assert len(peer.asked) == 1
+        assert len(peer.requested_rates) == 1
         peer.answer = RESULT.ACCEPTED
         for second in range(10):
-            peer.say(boot_time(1 + second))
+            peer.send(boot_time(1 + second))
             await asyncio.sleep(1)
-        assert len(peer.asked) >= 2
+        assert len(peer.requested_rates) >= 2
         assert peer.vehicle.telemetry.rates.denied(common.Odometry) is None
 
     with_peer(scenario)
@@ -145,9 +147,9 @@ def test_a_rate_can_be_changed_and_taken_back():
         await peer.vehicle.set_message_rate(common.Attitude, None)
         await asyncio.sleep(1)
         assert rates.held == {}
-        assert [interval for _, interval in peer.asked] == [100_000, 200_000, 0]
+        assert [interval for _, interval in peer.requested_rates] == [100_000, 200_000, 0]
         await asyncio.sleep(30)
-        assert len(peer.asked) == 3
+        assert len(peer.requested_rates) == 3
         assert not rates._tasks, "nothing is left to watch"
 
     with_peer(scenario)
@@ -158,16 +160,16 @@ def test_a_rate_is_requested_once():
         rates = peer.vehicle.telemetry.rates
         first, second = rates.hold(common.Attitude, 5), rates.hold(common.Attitude, 4)
         await asyncio.gather(*(rates.ask(common.Attitude) for _ in range(3)))
-        assert len(peer.asked) == 1
+        assert len(peer.requested_rates) == 1
         rates.release(second)
         rates.release(second)
         await asyncio.sleep(1)
-        assert len(peer.asked) == 1, "the faster one is still wanted"
+        assert len(peer.requested_rates) == 1, "the faster one is still wanted"
         rates.release(first)
         await asyncio.sleep(1)
-        assert peer.asked[1:] == [(ATTITUDE, 0)]
+        assert peer.requested_rates[1:] == [(ATTITUDE, 0)]
         await rates.ask(common.Attitude)  # no request holds it
-        assert len(peer.asked) == 2
+        assert len(peer.requested_rates) == 2
 
     with_peer(scenario)
 
@@ -177,10 +179,10 @@ def test_a_rate_is_requested_once():
 
 def test_a_message_that_arrives_often_enough_is_not_requested():
     async def scenario(peer):
-        peer.say(common.Attitude())
+        peer.send(common.Attitude())
         await asyncio.sleep(0.1)
         assert await peer.vehicle.telemetry.ensure(common.Attitude, 4) is True
-        assert peer.asked == []
+        assert peer.requested_rates == []
 
     with_peer(scenario)
 
@@ -191,7 +193,7 @@ def test_a_missing_message_is_requested_once(answer, comes):
         peer.answer = answer
         for _ in range(3):
             assert await peer.vehicle.telemetry.ensure(common.Odometry, 4) is comes
-        assert peer.asked == [(ODOMETRY, 250_000)]
+        assert peer.requested_rates == [(ODOMETRY, 250_000)]
 
     with_peer(scenario, autopilot=PX4)
 

@@ -9,7 +9,7 @@ from math import inf, nan, pi, radians
 import pytest
 
 from mavstack.dialects import ardupilotmega, common
-from tests.vehicle.telemetry.stage import ARDUPILOT, PX4, on_stage
+from tests.vehicle.telemetry.harness import ARDUPILOT, PX4, with_telemetry
 
 U8, I16, U16, I32 = 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF
 NO_CELLS = (U16,) * 10
@@ -150,10 +150,10 @@ def shown(value, name):
     ("message", "name", "expected"), KNOWN, ids=[f"{type(m).__name__}-{n}" for m, n, _ in KNOWN]
 )
 def test_reported_values(message, name, expected):
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(message)
-        value = getattr(stage.vehicle, name)
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(message)
+        value = getattr(harness.vehicle, name)
         for field, wanted in expected.items():
             found = shown(value, field)
             if isinstance(found, list):
@@ -163,7 +163,7 @@ def test_reported_values(message, name, expected):
             else:
                 assert found == wanted, field
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 UNKNOWN = [
@@ -227,17 +227,17 @@ UNKNOWN = [
     ids=[f"{type(m).__name__}-{n}-{i}" for i, (m, n, _) in enumerate(UNKNOWN)],
 )
 def test_values_reported_as_unknown(message, name, unknown):
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(message)
-        value = getattr(stage.vehicle, name)
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(message)
+        value = getattr(harness.vehicle, name)
         if unknown is None:
             assert value is None
         else:
             assert is_dataclass(value)
             assert {each.name for each in fields(value) if getattr(value, each.name) is None} == unknown
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 NOT_SHOWN = {"energy_consumed", "var_horiz", "var_vert", "wind_alt", "horiz_accuracy", "vert_accuracy", "q"}
@@ -283,91 +283,93 @@ VALUES = [
 
 @pytest.mark.parametrize("name", VALUES)
 def test_every_value_is_none_before_the_first_message(name):
-    async def scenario(stage):
-        assert getattr(stage.vehicle, name) is None
-        assert stage.vehicle.batteries == {}
-        assert stage.vehicle.status_texts == []
+    async def scenario(harness):
+        assert getattr(harness.vehicle, name) is None
+        assert harness.vehicle.batteries == {}
+        assert harness.vehicle.status_texts == []
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_raw_units_are_not_guessed():
-    async def scenario(stage):
-        stage.heartbeat(PX4)
-        stage.hear(common.RawImu(zacc=-1000))
-        assert stage.vehicle.imu is None
+    async def scenario(harness):
+        harness.heartbeat(PX4)
+        harness.receive(common.RawImu(zacc=-1000))
+        assert harness.vehicle.imu is None
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_the_newer_attitude_counts():
-    async def scenario(stage):
-        stage.hear(common.Attitude(yaw=pi / 2))
+    async def scenario(harness):
+        harness.receive(common.Attitude(yaw=pi / 2))
         await asyncio.sleep(0.1)
-        stage.hear(common.AttitudeQuaternion(0, 1, 0, 0, 0))
-        assert stage.vehicle.attitude.yaw == pytest.approx(0)
+        harness.receive(common.AttitudeQuaternion(0, 1, 0, 0, 0))
+        assert harness.vehicle.attitude.yaw == pytest.approx(0)
         await asyncio.sleep(0.1)
-        stage.hear(common.Attitude(yaw=pi / 2))
-        assert stage.vehicle.attitude.yaw == pytest.approx(90)
+        harness.receive(common.Attitude(yaw=pi / 2))
+        assert harness.vehicle.attitude.yaw == pytest.approx(90)
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_several_batteries():
-    async def scenario(stage):
-        stage.hear(common.BatteryStatus(id=1, voltages=(12_000, *NO_CELLS[1:]), battery_remaining=50))
-        stage.hear(common.BatteryStatus(id=0, voltages=NO_CELLS, battery_remaining=-1, current_battery=-1))
-        stage.hear(common.SysStatus(voltage_battery=16_000, current_battery=100, battery_remaining=80))
-        assert [(each.id, each.voltage, each.remaining) for each in stage.vehicle.batteries.values()] == [
+    async def scenario(harness):
+        harness.receive(common.BatteryStatus(id=1, voltages=(12_000, *NO_CELLS[1:]), battery_remaining=50))
+        harness.receive(
+            common.BatteryStatus(id=0, voltages=NO_CELLS, battery_remaining=-1, current_battery=-1)
+        )
+        harness.receive(common.SysStatus(voltage_battery=16_000, current_battery=100, battery_remaining=80))
+        assert [(each.id, each.voltage, each.remaining) for each in harness.vehicle.batteries.values()] == [
             (0, 16.0, 80),  # what its own message leaves open the summary tells
             (1, 12.0, 50),
         ]
-        assert stage.vehicle.battery.id == 0
+        assert harness.vehicle.battery.id == 0
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_battery_may_be_a_component_but_a_camera_has_its_own():
-    async def scenario(stage):
-        told = common.BatteryStatus(id=3, voltages=(12_000, *NO_CELLS[1:]))
-        stage.hear(told, component=common.MavComponent.CAMERA)
-        assert stage.vehicle.batteries == {}
-        stage.hear(told, component=common.MavComponent.BATTERY)
-        assert list(stage.vehicle.batteries) == [3]
-        stage.hear(told.replace(voltages=(11_000, *NO_CELLS[1:])))
-        assert stage.vehicle.batteries[3].voltage == 11.0, "the autopilot knows better"
+    async def scenario(harness):
+        received = common.BatteryStatus(id=3, voltages=(12_000, *NO_CELLS[1:]))
+        harness.receive(received, component=common.MavComponent.CAMERA)
+        assert harness.vehicle.batteries == {}
+        harness.receive(received, component=common.MavComponent.BATTERY)
+        assert list(harness.vehicle.batteries) == [3]
+        harness.receive(received.replace(voltages=(11_000, *NO_CELLS[1:])))
+        assert harness.vehicle.batteries[3].voltage == 11.0, "the autopilot knows better"
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 # The heartbeat
 
 
 def test_values_of_the_heartbeat():
-    async def scenario(stage):
-        stage.heartbeat(base_mode=common.MavModeFlag.SAFETY_ARMED, custom_mode=4, system_status=4)
-        vehicle = stage.vehicle
+    async def scenario(harness):
+        harness.heartbeat(base_mode=common.MavModeFlag.SAFETY_ARMED, custom_mode=4, system_status=4)
+        vehicle = harness.vehicle
         assert vehicle.armed is True
         assert vehicle.mode == "GUIDED"
         assert vehicle.mav_type is common.MavType.QUADROTOR
         assert vehicle.system_status is common.MavState.ACTIVE
-        stage.heartbeat(custom_mode=12345)
+        harness.heartbeat(custom_mode=12345)
         assert vehicle.mode is None
         assert vehicle.armed is False
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 @pytest.mark.parametrize(("landed_state", "in_air"), [(0, None), (1, False), (2, True), (3, True), (4, True)])
 def test_in_the_air_by_extended_sys_state(landed_state, in_air):
-    async def scenario(stage):
-        stage.heartbeat(PX4)
-        stage.hear(common.ExtendedSysState(landed_state=landed_state, vtol_state=4))
-        assert stage.vehicle.in_air is in_air
-        assert stage.vehicle.landed_state == (landed_state or None)
-        assert stage.vehicle.vtol_state is common.MavVtolState.FW
+    async def scenario(harness):
+        harness.heartbeat(PX4)
+        harness.receive(common.ExtendedSysState(landed_state=landed_state, vtol_state=4))
+        assert harness.vehicle.in_air is in_air
+        assert harness.vehicle.landed_state == (landed_state or None)
+        assert harness.vehicle.vtol_state is common.MavVtolState.FW
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 @pytest.mark.parametrize(
@@ -375,30 +377,30 @@ def test_in_the_air_by_extended_sys_state(landed_state, in_air):
     [(False, 4, False), (True, 3, False), (True, 4, True), (True, 5, None)],
 )
 def test_in_the_air_by_ardupilots_heartbeat(armed, status, in_air):
-    async def scenario(stage):
-        stage.heartbeat(base_mode=armed * common.MavModeFlag.SAFETY_ARMED, system_status=status)
-        assert stage.vehicle.in_air is in_air
+    async def scenario(harness):
+        harness.heartbeat(base_mode=armed * common.MavModeFlag.SAFETY_ARMED, system_status=status)
+        assert harness.vehicle.in_air is in_air
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_an_old_landed_state_gives_way_to_the_heartbeat():
-    async def scenario(stage):
-        stage.heartbeat(base_mode=common.MavModeFlag.SAFETY_ARMED, system_status=4)
-        stage.hear(common.ExtendedSysState(landed_state=1))
-        assert stage.vehicle.in_air is False
+    async def scenario(harness):
+        harness.heartbeat(base_mode=common.MavModeFlag.SAFETY_ARMED, system_status=4)
+        harness.receive(common.ExtendedSysState(landed_state=1))
+        assert harness.vehicle.in_air is False
         await asyncio.sleep(60)
-        assert stage.vehicle.in_air is True
+        assert harness.vehicle.in_air is True
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_rover_is_never_in_the_air():
-    async def scenario(stage):
-        stage.heartbeat(type=common.MavType.GROUND_ROVER, base_mode=128, system_status=4)
-        assert stage.vehicle.in_air is False
+    async def scenario(harness):
+        harness.heartbeat(type=common.MavType.GROUND_ROVER, base_mode=128, system_status=4)
+        assert harness.vehicle.in_air is False
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 # A vehicle that sends HIGH_LATENCY2 and nothing else
@@ -414,9 +416,9 @@ def summary(autopilot=PX4, **fields_of_it):
 
 
 def test_values_of_high_latency():
-    async def scenario(stage):
-        stage.hear(summary(custom_mode=0x0304))
-        vehicle = stage.vehicle
+    async def scenario(harness):
+        harness.receive(summary(custom_mode=0x0304))
+        vehicle = harness.vehicle
         assert (vehicle.position.latitude, vehicle.position.heading) == (47.3977418, 90)
         assert (vehicle.position.altitude, vehicle.position.relative_altitude) == (488, None)
         assert vehicle.vfr_hud.airspeed == 12
@@ -426,48 +428,48 @@ def test_values_of_high_latency():
         assert vehicle.mode == "LOITER"
         assert (vehicle.armed, vehicle.system_status, vehicle.in_air, vehicle.velocity) == (None,) * 4
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 @pytest.mark.parametrize(("autopilot", "direction"), [(PX4, 270), (ARDUPILOT, 90)])
 def test_high_latency_wind_depends_on_the_firmware(autopilot, direction):
-    async def scenario(stage):
-        stage.hear(summary(autopilot))
-        assert stage.vehicle.wind.speed == pytest.approx(5)
-        assert stage.vehicle.wind.direction == pytest.approx(direction)
+    async def scenario(harness):
+        harness.receive(summary(autopilot))
+        assert harness.vehicle.wind.speed == pytest.approx(5)
+        assert harness.vehicle.wind.direction == pytest.approx(direction)
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 @pytest.mark.parametrize(("base_mode", "armed"), [(-128 + 1, True), (81, False)])
 def test_ardupilots_base_mode_in_high_latency(base_mode, armed):
-    async def scenario(stage):
-        stage.hear(summary(ARDUPILOT, custom0=base_mode, custom_mode=5))
-        assert stage.vehicle.armed is armed
-        assert stage.vehicle.mode == "LOITER"
+    async def scenario(harness):
+        harness.receive(summary(ARDUPILOT, custom0=base_mode, custom_mode=5))
+        assert harness.vehicle.armed is armed
+        assert harness.vehicle.mode == "LOITER"
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_the_coarse_message_counts_only_when_the_fine_one_is_old():
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(common.GlobalPositionInt(**HERE, relative_alt=10_000))
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(common.GlobalPositionInt(**HERE, relative_alt=10_000))
         await asyncio.sleep(5)
-        stage.hear(summary(ARDUPILOT))
-        assert stage.vehicle.position.relative_altitude == 10
+        harness.receive(summary(ARDUPILOT))
+        assert harness.vehicle.position.relative_altitude == 10
         await asyncio.sleep(30)
-        stage.hear(summary(ARDUPILOT))
-        assert stage.vehicle.position.relative_altitude is None
+        harness.receive(summary(ARDUPILOT))
+        assert harness.vehicle.position.relative_altitude is None
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 @pytest.mark.parametrize("unknown", [summary(latitude=0, longitude=0)])
 def test_high_latency_without_a_position(unknown):
-    async def scenario(stage):
-        stage.hear(unknown.replace(battery=-1))
-        assert stage.vehicle.position is None
-        assert stage.vehicle.battery is None
+    async def scenario(harness):
+        harness.receive(unknown.replace(battery=-1))
+        assert harness.vehicle.position is None
+        assert harness.vehicle.battery is None
 
-    on_stage(scenario)
+    with_telemetry(scenario)

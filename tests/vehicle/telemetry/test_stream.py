@@ -11,7 +11,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied, LocalProtocolError
 from mavstack.sim.vehicle_types import VehicleType
 from tests.sim.harness import reduce_telemetry
-from tests.vehicle.telemetry.stage import PX4, RESULT, with_peer
+from tests.vehicle.telemetry.harness import PX4, RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, fly
 from tests.vehicle.world import PX4 as SIMULATED_PX4
 
@@ -21,7 +21,7 @@ ATTITUDE, ODOMETRY = 30, 331
 
 async def sending(peer, message, interval=0.1):
     while True:
-        peer.say(message)
+        peer.send(message)
         await asyncio.sleep(interval)
 
 
@@ -79,7 +79,7 @@ def test_a_message_that_arrives_by_itself_is_not_requested():
         async with peer.vehicle.stream(common.Attitude) as messages:
             await asyncio.sleep(5)
             assert len(messages.drain()) > 40
-        assert peer.asked == []
+        assert peer.requested_rates == []
         task.cancel()
 
     with_peer(scenario)
@@ -89,12 +89,12 @@ def test_the_rate_is_requested_at_first_use_and_released_at_the_end():
     async def scenario(peer):
         stream = peer.vehicle.stream(common.Attitude, rate=5)
         await asyncio.sleep(3)
-        assert peer.asked == []
+        assert peer.requested_rates == []
         async with stream:
             await asyncio.sleep(1)
-            assert peer.asked == [(ATTITUDE, 200_000)]
+            assert peer.requested_rates == [(ATTITUDE, 200_000)]
         await asyncio.sleep(1)
-        assert peer.asked == [(ATTITUDE, 200_000), (ATTITUDE, 0)]
+        assert peer.requested_rates == [(ATTITUDE, 200_000), (ATTITUDE, 0)]
         stream.close()
         assert [message async for message in stream] == []
 
@@ -110,7 +110,7 @@ def test_the_fastest_of_several_streams_counts():
             async with peer.vehicle.stream(common.Attitude, rate=2):
                 await asyncio.sleep(1)
         await asyncio.sleep(1)
-        assert [interval for _, interval in peer.asked] == [200_000, 50_000, 200_000, 0]
+        assert [interval for _, interval in peer.requested_rates] == [200_000, 50_000, 200_000, 0]
 
     with_peer(scenario)
 
@@ -156,10 +156,10 @@ def test_one_of_several_messages_may_be_refused():
 def test_messages_that_are_not_periodic_are_not_requested():
     async def scenario(peer):
         peer.answer = RESULT.UNSUPPORTED
-        asyncio.get_running_loop().call_later(60, peer.say, common.Statustext(text="at last"))
+        asyncio.get_running_loop().call_later(60, peer.send, common.Statustext(text="at last"))
         message = await anext(peer.vehicle.stream(common.Statustext))
         assert message.text == "at last"
-        assert peer.asked == []
+        assert peer.requested_rates == []
 
     with_peer(scenario)
 
@@ -187,7 +187,7 @@ def test_a_stream_without_references_ends():
         gc.collect()
         await asyncio.sleep(1)
         assert not peer.vehicle.connection._host.packet_dispatch._open
-        assert peer.asked[-1] == (ATTITUDE, 0)
+        assert peer.requested_rates[-1] == (ATTITUDE, 0)
         peer.vehicle.stream(common.Attitude)  # never used
         gc.collect()
         assert not peer.vehicle.connection._host.packet_dispatch._open
@@ -200,7 +200,7 @@ def test_a_slow_reader_loses_the_oldest():
     async def scenario(peer):
         async with peer.vehicle.stream(common.SystemTime, queue=3) as messages:
             for number in range(10):
-                peer.say(common.SystemTime(time_boot_ms=number))
+                peer.send(common.SystemTime(time_boot_ms=number))
             await asyncio.sleep(1)
             assert [message.time_boot_ms for message in messages.drain()] == [7, 8, 9]
             assert messages.dropped == 7
@@ -215,7 +215,7 @@ def test_it_ends_with_the_connection():
 
         reading = asyncio.create_task(read())
         await asyncio.sleep(1)
-        peer.say(common.Attitude(roll=1))
+        peer.send(common.Attitude(roll=1))
         await asyncio.sleep(0.1)
         await peer.vehicle.connection.close()
         assert await reading == [common.Attitude(roll=1)]

@@ -11,110 +11,110 @@ import pytest
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied, MavstackError, MessageTimeout, RemoteCancelled
 from mavstack.vehicle.telemetry.telemetry import MAX_MESSAGES
-from tests.vehicle.telemetry.stage import RESULT, on_stage, with_peer
+from tests.vehicle.telemetry.harness import RESULT, with_peer, with_telemetry
 
 CAMERA = common.MavComponent.CAMERA
 
 
 def test_the_latest_message_of_a_class_and_its_age():
-    async def scenario(stage):
-        vehicle = stage.vehicle
+    async def scenario(harness):
+        vehicle = harness.vehicle
         assert vehicle.latest(common.Attitude) is None
         assert vehicle.age(common.Attitude) is None
-        stage.hear(common.Attitude(roll=1), common.Attitude(roll=2))
+        harness.receive(common.Attitude(roll=1), common.Attitude(roll=2))
         await asyncio.sleep(2.5)
         message = vehicle.latest(common.Attitude)
         assert isinstance(message, common.Attitude)
         assert message.roll == 2
         assert vehicle.age(common.Attitude) == pytest.approx(2.5)
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_component_of_the_vehicle_is_not_mistaken_for_its_autopilot():
-    async def scenario(stage):
-        vehicle = stage.vehicle
-        stage.hear(common.Attitude(yaw=pi / 2), component=CAMERA)
+    async def scenario(harness):
+        vehicle = harness.vehicle
+        harness.receive(common.Attitude(yaw=pi / 2), component=CAMERA)
         assert vehicle.latest(common.Attitude) is None
         assert vehicle.attitude is None
-        stage.hear(common.Attitude(yaw=0.0))
-        stage.hear(common.Attitude(yaw=pi / 2), component=CAMERA)
+        harness.receive(common.Attitude(yaw=0.0))
+        harness.receive(common.Attitude(yaw=pi / 2), component=CAMERA)
         assert vehicle.attitude.yaw == 0
         assert vehicle.latest(common.Attitude, CAMERA).yaw == pytest.approx(pi / 2)
         assert vehicle.age(common.Attitude, CAMERA) == 0
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_messages_of_another_vehicle_do_not_count():
-    async def scenario(stage):
-        stage.hear(common.Attitude(yaw=1), system=2)
-        assert stage.vehicle.attitude is None
+    async def scenario(harness):
+        harness.receive(common.Attitude(yaw=1), system=2)
+        assert harness.vehicle.attitude is None
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_limited_number_of_messages_is_kept_the_newest_ones():
-    async def scenario(stage):
-        stage.hear(common.SystemTime())
+    async def scenario(harness):
+        harness.receive(common.SystemTime())
         for number in range(MAX_MESSAGES):
             await asyncio.sleep(0.001)
-            stage.hear(common.Attitude(), component=number % 250 + 2)
+            harness.receive(common.Attitude(), component=number % 250 + 2)
             odd = SimpleNamespace(system=1, component=1, message_id=60_000 + number, message=None)
-            stage.node._host.packet_dispatch.deliver(odd)
-        assert len(stage.telemetry._latest) <= MAX_MESSAGES
-        assert stage.vehicle.latest(common.Attitude, 249) is not None
-        assert stage.vehicle.latest(common.SystemTime) is None
+            harness.node._host.packet_dispatch.deliver(odd)
+        assert len(harness.telemetry._latest) <= MAX_MESSAGES
+        assert harness.vehicle.latest(common.Attitude, 249) is not None
+        assert harness.vehicle.latest(common.SystemTime) is None
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_listener_is_called_with_each_message_until_closed():
-    async def scenario(stage):
-        heard, from_camera = [], []
-        listening = stage.vehicle.add_listener(common.Attitude, heard.append)
-        stage.vehicle.add_listener(common.Attitude, from_camera.append, component=CAMERA)
-        stage.hear(common.Attitude(roll=1), common.Heartbeat())
-        stage.hear(common.Attitude(roll=2), component=CAMERA)
-        assert heard == [common.Attitude(roll=1)]
+    async def scenario(harness):
+        received_status, from_camera = [], []
+        listening = harness.vehicle.add_listener(common.Attitude, received_status.append)
+        harness.vehicle.add_listener(common.Attitude, from_camera.append, component=CAMERA)
+        harness.receive(common.Attitude(roll=1), common.Heartbeat())
+        harness.receive(common.Attitude(roll=2), component=CAMERA)
+        assert received_status == [common.Attitude(roll=1)]
         assert from_camera == [common.Attitude(roll=2)]
         listening.close()
-        stage.hear(common.Attitude(roll=3))
-        assert len(heard) == 1
+        harness.receive(common.Attitude(roll=3))
+        assert len(received_status) == 1
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_listener_sees_the_latest_value():
-    async def scenario(stage):
+    async def scenario(harness):
         seen = []
-        stage.vehicle.add_listener(common.Attitude, lambda _: seen.append(stage.vehicle.attitude.yaw))
-        stage.hear(common.Attitude(yaw=pi))
+        harness.vehicle.add_listener(common.Attitude, lambda _: seen.append(harness.vehicle.attitude.yaw))
+        harness.receive(common.Attitude(yaw=pi))
         assert seen == [pytest.approx(180)]
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_a_failing_listener_is_reported_and_stops_nothing():
-    async def scenario(stage):
-        told, heard = [], []
-        asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
-        stage.vehicle.add_listener(common.Attitude, lambda message: 1 / 0)
-        stage.vehicle.add_listener(common.Attitude, heard.append)
-        stage.hear(common.Attitude())
-        assert len(heard) == 1
-        assert "ATTITUDE" in told[0]["message"]
-        assert isinstance(told[0]["exception"], ZeroDivisionError)
+    async def scenario(harness):
+        received, received_status = [], []
+        asyncio.get_running_loop().set_exception_handler(lambda _, context: received.append(context))
+        harness.vehicle.add_listener(common.Attitude, lambda message: 1 / 0)
+        harness.vehicle.add_listener(common.Attitude, received_status.append)
+        harness.receive(common.Attitude())
+        assert len(received_status) == 1
+        assert "ATTITUDE" in received[0]["message"]
+        assert isinstance(received[0]["exception"], ZeroDivisionError)
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_values_stay_after_the_connection_was_closed():
-    async def scenario(stage):
-        stage.heartbeat()
-        stage.hear(common.ExtendedSysState(landed_state=2), common.Attitude())
-        await stage.node.close()
-        vehicle = stage.vehicle
+    async def scenario(harness):
+        harness.heartbeat()
+        harness.receive(common.ExtendedSysState(landed_state=2), common.Attitude())
+        await harness.node.close()
+        vehicle = harness.vehicle
         assert vehicle.attitude is not None
         assert vehicle.in_air is True
         assert vehicle.health.ready is None
@@ -122,17 +122,17 @@ def test_values_stay_after_the_connection_was_closed():
         with pytest.raises(MavstackError, match="not open"):
             await vehicle.wait_for_message(common.Attitude, timeout=1)
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 def test_closed_telemetry_receives_nothing():
-    async def scenario(stage):
-        await stage.telemetry.close()
-        stage.hear(common.Attitude(), common.Statustext(text="late"))
-        assert stage.vehicle.attitude is None
-        assert stage.vehicle.status_texts == []
+    async def scenario(harness):
+        await harness.telemetry.close()
+        harness.receive(common.Attitude(), common.Statustext(text="late"))
+        assert harness.vehicle.attitude is None
+        assert harness.vehicle.status_texts == []
 
-    on_stage(scenario)
+    with_telemetry(scenario)
 
 
 # The next message
@@ -140,12 +140,12 @@ def test_closed_telemetry_receives_nothing():
 
 def test_waiting_for_a_message_returns_a_new_one():
     async def scenario(peer):
-        peer.say(common.Attitude(roll=1))
+        peer.send(common.Attitude(roll=1))
         await asyncio.sleep(0.1)
-        asyncio.get_running_loop().call_later(1, peer.say, common.Attitude(roll=2))
+        asyncio.get_running_loop().call_later(1, peer.send, common.Attitude(roll=2))
         message = await peer.vehicle.wait_for_message(common.Attitude)
         assert message.roll == 2
-        assert peer.asked == [], "it comes by itself"
+        assert peer.requested_rates == [], "it comes by itself"
 
     with_peer(scenario)
 
@@ -154,7 +154,7 @@ def test_waiting_for_a_message_that_does_not_arrive():
     async def scenario(peer):
         with pytest.raises(MessageTimeout, match="waiting for ATTITUDE from 1/1 failed: none arrived in 3 s"):
             await peer.vehicle.wait_for_message(common.Attitude, timeout=3)
-        assert peer.asked == [(30, 250_000)]
+        assert peer.requested_rates == [(30, 250_000)]
 
     with_peer(scenario)
 
@@ -189,6 +189,6 @@ def test_a_cancelled_wait_leaves_nothing_registered():
         await asyncio.gather(waiting, return_exceptions=True)
         assert not peer.vehicle.connection._host.packet_dispatch._open
         await asyncio.sleep(10)
-        assert peer.asked == []
+        assert peer.requested_rates == []
 
     with_peer(scenario)

@@ -11,7 +11,7 @@ from mavstack.errors import CommandDenied, InvalidArgumentError, MessageTimeout
 from mavstack.sim.vehicle_types import VehicleType
 from mavstack.vehicle.telemetry.values import Battery, HomePosition
 from tests.sim.harness import reduce_telemetry
-from tests.vehicle.telemetry.stage import RESULT, with_peer
+from tests.vehicle.telemetry.harness import RESULT, with_peer
 from tests.vehicle.world import ARDUPILOT, PX4, fly, named
 
 COPTERS = [(VehicleType.COPTER, ARDUPILOT), (VehicleType.COPTER, PX4)]
@@ -83,9 +83,9 @@ def test_another_message_is_requested_if_the_first_one_is_refused():
         stream = peer.vehicle.stream_attitude(rate=5)
         reading = asyncio.create_task(anext(stream))
         await asyncio.sleep(8)
-        peer.say(common.AttitudeQuaternion(q1=1.0))
+        peer.send(common.AttitudeQuaternion(q1=1.0))
         assert (await asyncio.wait_for(reading, 2)).yaw == 0
-        assert [number for number, _ in peer.asked][:2] == [ATTITUDE, QUATERNION]
+        assert [number for number, _ in peer.requested_rates][:2] == [ATTITUDE, QUATERNION]
         stream.close()
 
     with_peer(scenario)
@@ -93,15 +93,15 @@ def test_another_message_is_requested_if_the_first_one_is_refused():
 
 def test_what_arrives_is_not_requested():
     async def scenario(peer):
-        peer.say(common.AttitudeQuaternion(q1=1.0))
+        peer.send(common.AttitudeQuaternion(q1=1.0))
         await asyncio.sleep(0.2)
         stream = peer.vehicle.stream_attitude()
         reading = asyncio.create_task(anext(stream))
         for _ in range(8):
             await asyncio.sleep(0.5)
-            peer.say(common.AttitudeQuaternion(q1=1.0))
+            peer.send(common.AttitudeQuaternion(q1=1.0))
         assert (await reading).roll == 0
-        assert peer.asked == []
+        assert peer.requested_rates == []
         stream.close()
 
     with_peer(scenario)

@@ -98,15 +98,15 @@ class MissionHarness(AutopilotHarness):
     @property
     def reached(self) -> list[int]:
         """The numbers of MISSION_ITEM_REACHED in order; of PX4's repetitions, the first."""
-        told = [message.seq for message in self.sent if isinstance(message, common.MissionItemReached)]
+        reported = [message.seq for message in self.sent if isinstance(message, common.MissionItemReached)]
         again = self.vehicle.firmware is Firmware.PX4
-        return [seq for at, seq in enumerate(told) if not again or at == 0 or told[at - 1] != seq]
+        return [seq for at, seq in enumerate(reported) if not again or at == 0 or reported[at - 1] != seq]
 
     @property
     def currents(self) -> list[int]:
         """The current items that were told, each change once."""
-        told = [message.seq for message in self.sent if isinstance(message, common.MissionCurrent)]
-        return [seq for at, seq in enumerate(told) if at == 0 or told[at - 1] != seq]
+        reported = [message.seq for message in self.sent if isinstance(message, common.MissionCurrent)]
+        return [seq for at, seq in enumerate(reported) if at == 0 or reported[at - 1] != seq]
 
     # Plans
 
@@ -131,7 +131,7 @@ class MissionHarness(AutopilotHarness):
 
     def _settle(self) -> None:
         for event in self.server.events():
-            self.vehicle.tell(event)
+            self.vehicle.handle_event(event)
         self._touched(self.server)
 
     # Flying

@@ -216,10 +216,10 @@ def test_disarming_ends_it() -> None:
 @pytest.mark.flight
 def test_what_changes_is_told() -> None:
     flight = flying(PX4)
-    told = [
+    reported = [
         (message.seq, message.mission_state)
         for message in flight.sent
         if isinstance(message, common.MissionCurrent)
     ]
-    assert told[0] == (0, STATE.NOT_STARTED)
-    assert told[-1] == (1, STATE.ACTIVE)
+    assert reported[0] == (0, STATE.NOT_STARTED)
+    assert reported[-1] == (1, STATE.ACTIVE)

@@ -379,7 +379,7 @@ def test_being_guided_until_a_limit() -> None:
     flight = fly(item(CMD.DO_GUIDED_LIMITS, 0, 0, 0, 15), item(CMD.NAV_GUIDED_ENABLE, 1), waypoint(0, 0, 10))
     flight.reach(3)
     flight.run(1)
-    flight.vehicle.tell(SetpointReceived(GROUND, LocalSetpoint(position=(0.0, 40.0, -10.0))))
+    flight.vehicle.handle_event(SetpointReceived(GROUND, LocalSetpoint(position=(0.0, 40.0, -10.0))))
     flight.reach(4, timeout=30)
     assert flight.distance() == pytest.approx(15, abs=3)
 

@@ -1,4 +1,4 @@
-"""A vehicle that hears what a test lets it hear, and a peer that answers as a test has it answer."""
+"""A vehicle that receives only the messages of a test, and a scripted autopilot that answers as the test says."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ RESULT = common.MavResult
 DIALECT = Dialect.load("all")
 
 
-class Stage:
-    """A connection without links, and a vehicle on it; `hear` is all that it ever hears."""
+class TelemetryHarness:
+    """A connection without links, and a vehicle on it, which receive the messages of `receive` only."""
 
     def __init__(self, node) -> None:
         self.node = node
@@ -36,40 +36,40 @@ class Stage:
     def telemetry(self):
         return self.vehicle.telemetry
 
-    def hear(self, *messages: Message, system: int = 1, component: int = 1) -> None:
+    def receive(self, *messages: Message, system: int = 1, component: int = 1) -> None:
         for message in messages:
             raw = mavstack.encode(message, system=system, component=component, sequence=0)
-            self.hear_packet(Packet(raw, DIALECT))
+            self.receive_packet(Packet(raw, DIALECT))
 
-    def hear_packet(self, packet: Packet) -> None:
+    def receive_packet(self, packet: Packet) -> None:
         if packet.message_id in self.node._host.discovery.handles:
             self.node._host.discovery.receive(packet, self.node.now())
         self.node._host.packet_dispatch.deliver(packet)
 
     def heartbeat(self, autopilot=ARDUPILOT, type=QUADROTOR, **fields) -> None:  # noqa: A002
-        self.hear(common.Heartbeat(type=type, autopilot=autopilot, **fields))
+        self.receive(common.Heartbeat(type=type, autopilot=autopilot, **fields))
 
 
-def on_stage(scenario: Callable[[Stage], Awaitable[None]]) -> None:
+def with_telemetry(scenario: Callable[[TelemetryHarness], Awaitable[None]]) -> None:
     """Run a scenario in virtual time."""
 
     async def whole() -> None:
         async with connect() as node:
-            await scenario(Stage(node))
+            await scenario(TelemetryHarness(node))
 
     run_virtually(whole())
 
 
 @dataclass
 class Peer:
-    """A scripted autopilot: sends what `say` is given, and answers SET_MESSAGE_INTERVAL with `answer`."""
+    """A scripted autopilot: sends the messages of `send`, and answers SET_MESSAGE_INTERVAL with `answer`."""
 
     node: Node
-    asked: list[tuple[int, float]] = field(default_factory=list)
+    requested_rates: list[tuple[int, float]] = field(default_factory=list)
     answer: int = RESULT.ACCEPTED
     vehicle: Vehicle = None
 
-    def say(self, *messages: Message) -> None:
+    def send(self, *messages: Message) -> None:
         for message in messages:
             self.node.send(message)
 
@@ -78,28 +78,28 @@ class Peer:
 async def peer(
     autopilot: int = ARDUPILOT, others: Callable[[MemoryNetwork], Node] | None = None
 ) -> AsyncIterator[Peer]:
-    """A scripted autopilot and a connection that has heard it, over a memory link."""
+    """A scripted autopilot and a connection that has received its heartbeat, over a memory link."""
     network = MemoryNetwork()
     async with Node(
         network.link(), system=1, component=1, type=QUADROTOR, autopilot=autopilot, heartbeat=True
     ) as node:
-        here = Peer(node)
+        scripted = Peer(node)
 
         @node.on_command(common.MavCmd.SET_MESSAGE_INTERVAL)
         def set_interval(request) -> int:
-            here.asked.append((int(request.command.param1), request.command.param2))
-            return here.answer
+            scripted.requested_rates.append((int(request.command.param1), request.command.param2))
+            return scripted.answer
 
         async with connect(network.link()) as ground:
-            here.vehicle = await ground.wait_for_vehicle()
-            yield here
+            scripted.vehicle = await ground.wait_for_vehicle()
+            yield scripted
 
 
 def with_peer(scenario: Callable[[Peer], Awaitable[None]], **options) -> None:
     """Run a scenario with a scripted autopilot in virtual time."""
 
     async def whole() -> None:
-        async with peer(**options) as here:
-            await scenario(here)
+        async with peer(**options) as scripted:
+            await scenario(scripted)
 
     run_virtually(whole())
