@@ -150,11 +150,16 @@ class RemoteError(MavstackError):
         attempts: The number of requests that were sent.
         answer: The remote component's answer, or the reason for the failure.
         status_texts: The status texts (STATUSTEXT) that the vehicle sent meanwhile, oldest first.
+        limit: The argument whose limit was exceeded and which can raise it: "max_size", "max_entries" or
+            "timeout"; empty for any other failure. The text then says `<limit>= allows more`.
     """
 
     status_texts: tuple[str, ...] = ()
 
-    def __init__(self, operation: str, target: str, *, attempts: int = 1, answer: str = "no answer") -> None:
+    def __init__(
+        self, operation: str, target: str, *, attempts: int = 1, answer: str = "no answer", limit: str = ""
+    ) -> None:
+        self.limit = limit
         self.operation = operation
         self.target = target
         self.attempts = attempts

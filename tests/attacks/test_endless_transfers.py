@@ -23,8 +23,9 @@ def test_a_file_of_unknown_size_is_bounded() -> None:
     (burst,) = asked(client)
     for number, offset in enumerate(range(0, 4000, 239)):
         reply(client, burst, bytes(239), offset=offset, ahead=number + 1)
-    with pytest.raises(RemoteProtocolError, match="more than the 1000 bytes allowed"):
+    with pytest.raises(RemoteProtocolError, match="more than the 1000 bytes allowed; max_size=") as raised:
         operation.result()
+    assert raised.value.limit == "max_size"
 
 
 def test_an_endless_directory_is_bounded() -> None:
@@ -35,8 +36,11 @@ def test_an_endless_directory_is_bounded() -> None:
         if operation.done:
             break
         reply(client, requests[0], b"Dx\0" * 20)
-    with pytest.raises(RemoteProtocolError, match="more than the 100 entries allowed"):
+    with pytest.raises(
+        RemoteProtocolError, match="more than the 100 entries allowed; max_entries="
+    ) as raised:
         operation.result()
+    assert raised.value.limit == "max_entries"
 
 
 def test_a_log_that_outgrows_its_entry_is_bounded() -> None:
@@ -56,7 +60,10 @@ def test_a_log_that_outgrows_its_entry_is_bounded() -> None:
         client.handle_timeout(now)
         if operation.done:
             break
-    with pytest.raises(RemoteProtocolError, match="more than the 5000 bytes allowed; its entry says 100"):
+    with pytest.raises(
+        RemoteProtocolError,
+        match="more than the 5000 bytes allowed, its entry says 100; max_size= allows more",
+    ):
         operation.result()
 
 
@@ -83,8 +90,11 @@ def test_parameters_that_arrive_one_by_one_for_ever() -> None:
         )
 
     took = drip(client, operation, value)
-    with pytest.raises(ParameterTimeout, match=r"too slow, only \d+ arrived; pass a timeout to wait longer"):
+    with pytest.raises(
+        ParameterTimeout, match=r"too slow, only \d+ arrived in \d+ s; timeout= allows"
+    ) as raised:
         operation.result()
+    assert raised.value.limit == "timeout"
     assert took <= 3 * SLOW_START
 
 
@@ -99,6 +109,8 @@ def test_a_timeout_replaces_the_minimum_rate() -> None:
 
     took = drip(client, operation, value)
     assert 1990 <= took <= 2010
+    with pytest.raises(ParameterTimeout, match=r"only \d+ arrived in 2000 s; timeout= allows more time"):
+        operation.result()
 
 
 def test_a_file_that_arrives_packet_by_packet_for_ever() -> None:

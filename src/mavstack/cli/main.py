@@ -13,7 +13,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
 from mavstack import __version__
-from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.errors import UsageError, failure_text
 from mavstack.cli.common.log_output import logging_to_outputs
 from mavstack.cli.common.output import echo, echo_text
 from mavstack.cli.registry import COMMANDS, command_parser, load_command
@@ -66,12 +66,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         _abandon_stdout()
         code = 0
     except (UsageError, LinkURLError, UnknownDialectError) as error:
-        code = _fail(words, str(error), 2)
+        code = _fail(words, failure_text(error), 2)
     except MavstackError as error:
-        code = _fail(words, str(error), 1)
+        code = _fail(words, failure_text(error), 1)
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        code = _fail(words, f"{where}{error.strerror or error}", 1)
+        code = _fail(words, f"{where}{error.strerror or failure_text(error)}", 1)
     return code
 
 
@@ -114,7 +114,7 @@ def _unknown(name: str) -> str:
 
 def _fail(words: Sequence[str], problem: str, code: int) -> int:
     name = f"mav {words[0]}" if words and words[0] in COMMANDS else "mav"
-    echo(f"{name}: {' '.join(problem.split())}", error=True)
+    echo(f"{name}: {problem}", error=True)
     return code
 
 

@@ -209,8 +209,9 @@ class Operation(Generic[Result]):
         """Handle the timers that are due."""
         too_slow_at = self._too_slow_at()
         if too_slow_at is not None and now >= too_slow_at:
-            answer = f"too slow, only {self._progress} arrived; pass a timeout to wait longer"
-            Operation.time_out(self, now, answer)
+            self._run_out_of_time(now, "too slow, ", now - (self._launched_at or now))
+        elif self._timeout_at is not None and now >= self._timeout_at and self._progress:
+            self._run_out_of_time(now, "", self._timeout or 0.0)
         elif self.deadline is not None and now >= self.deadline:
             self.time_out(now)
         elif self.timer is not None and now >= self.timer:
@@ -222,23 +223,25 @@ class Operation(Generic[Result]):
 
     def time_out(self, now: float, answer: str = "no answer") -> None:
         """Fail with `timeout_error` after `clean_up`."""
-        if not self.done:
-            self._clean_up_if_started(now)
-            self.fail(
-                self.timeout_error(self.description, str(self.target), attempts=self.attempts, answer=answer)
-            )
+        self._give_up(self.timeout_error, now, answer)
 
     def cancel(self, now: float, answer: str = "cancelled by the caller") -> None:
         """Fail with `RemoteCancelled` after `clean_up`."""
-        if not self.done:
-            self._clean_up_if_started(now)
-            self.fail(
-                RemoteCancelled(self.description, str(self.target), attempts=self.attempts, answer=answer)
-            )
+        self._give_up(RemoteCancelled, now, answer)
 
-    def _clean_up_if_started(self, now: float) -> None:
+    def _run_out_of_time(self, now: float, reason: str, elapsed: float) -> None:
+        answer = (
+            f"{reason}only {self._progress} arrived in {round(elapsed, 1):g} s; timeout= allows more time"
+        )
+        self._give_up(self.timeout_error, now, answer, limit="timeout")
+
+    def _give_up(self, error: type[RemoteError], now: float, answer: str, limit: str = "") -> None:
+        if self.done:
+            return
         if self._idle_timeout_at is not None:  # else the remote component does not know the operation
             self.clean_up(now)
+        target, attempts = str(self.target), self.attempts
+        self.fail(error(self.description, target, attempts=attempts, answer=answer, limit=limit))
 
 
 class Client(Service):

@@ -3,11 +3,13 @@ from __future__ import annotations
 import json
 import random
 import re
+from dataclasses import replace
 
 import pytest
 
 from mavstack.cli.ftp.command import EXAMPLES
 from mavstack.services.ftp import file_crc32
+from mavstack.services.ftp.stores import MemoryStore
 from mavstack.sim.vehicle_types import VehicleType
 from tests.cli.harness import CliHarness, examples_of
 
@@ -225,7 +227,62 @@ def test_tree_without_end_makes_no_local_directories(mav, harness, tmp_path, mon
         harness.put(f"/many/{number}/x", b"x")
     result = mav("ftp", "get", "-r", "/many", "--max-entries", 20)
     assert result.code == 1
-    assert result.err == "mav ftp: /many has more than 20 entries; --max-entries sets the limit\n"
+    assert result.err == (
+        "mav ftp: listing /many on 1/1 failed: "
+        "the directory has more than the 20 entries allowed; --max-entries allows more\n"
+    )
+    result = mav("ftp", "get", "-r", "/many", "--max-entries", 40)
+    assert result.code == 1
+    assert result.err == "mav ftp: /many has more than the 40 entries allowed; --max-entries allows more\n"
     assert list(tmp_path.iterdir()) == []
     assert mav("ftp", "get", "-r", "/many").code == 0
     assert len(list(tmp_path.rglob("x"))) == 30
+
+
+def test_files_larger_than_the_limit_are_not_downloaded(mav, harness, tmp_path):
+    harness.put(LOG, noise(5000))
+    harness.put("/APM/LOGS/00000002.BIN", noise(5000))
+    result = mav("ftp", "get", LOG, "--max-size", "2k")
+    assert result.code == 1
+    assert result.err == f"mav ftp: {LOG} has 5.0 kB, more than the 2.0 kB allowed; --max-size allows more\n"
+    result = mav("ftp", "get", "-r", "/APM/LOGS", "--max-size", "6k")
+    assert "/APM/LOGS has 10.0 kB, more than the 6.0 kB allowed" in result.err
+    assert list(tmp_path.iterdir()) == []
+    assert mav("ftp", "get", "-r", "/APM/LOGS", "--max-size", "10000").code == 0
+
+
+def test_a_file_that_outgrows_its_listed_size_ends_with_the_option_that_allows_it(
+    mav, harness, tmp_path, monkeypatch
+):
+    """Before: 334 MB of a file that was listed with 100 bytes."""
+    listed = MemoryStore.list_directory
+
+    def lying(store, path):
+        return [replace(each, size=min(each.size, 100)) for each in listed(store, path)]
+
+    monkeypatch.setattr(MemoryStore, "list_directory", lying)
+    harness.put(LOG, noise(1_200_000))
+    result = mav("ftp", "get", LOG)
+    assert result.code == 1
+    assert result.err.endswith(
+        "the file has 1200000 bytes, more than the 1048776 allowed; --max-size allows more\n"
+    )
+    assert list(tmp_path.iterdir()) == []
+    assert mav("ftp", "get", LOG, "--max-size", "2M").code == 0
+    assert (tmp_path / "00000001.BIN").read_bytes() == noise(1_200_000)
+
+
+def test_a_download_that_takes_too_long_ends_with_the_option_that_allows_it(mav, harness):
+    harness.put(LOG, noise(60_000))
+    result = mav("ftp", "get", LOG, "--action-timeout", 0.05)
+    assert result.code == 1
+    assert re.fullmatch(
+        rf"mav ftp: downloading {LOG} from 1/1 failed: .*; --action-timeout allows more time\n", result.err
+    )
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "x", "1T", "", "k"])
+def test_sizes_that_are_none(mav, text):
+    result = mav("ftp", "get", LOG, f"--max-size={text}")
+    assert result.code == 2
+    assert "is not a number of bytes such as 500k, 20M or 2G" in result.err

@@ -173,3 +173,18 @@ def test_files_of_equal_size_are_not_matched():
     logs = [LogEntry(1, 0, 1), LogEntry(2, 0, 2), LogEntry(3, 0, 0), LogEntry(4, 0, 9)]
     assert {number: found.path for number, found in match_files(logs, files).items()} == {2: "/c"}
     assert match_files([LogEntry(1, 0, 2), LogEntry(2, 0, 2)], files) == {}
+
+
+def test_a_log_larger_than_the_limit_is_not_downloaded(mav, harness, tmp_path):
+    result = mav("log", "get", "1", "--max-size", "20k")
+    assert result.code == 1
+    assert result.err == "mav log: log 1 has 90.0 kB, more than the 20.0 kB allowed; --max-size allows more\n"
+    assert list(tmp_path.iterdir()) == []
+    assert mav("log", "get", "1", "--max-size", "90k").code == 0
+
+
+@pytest.mark.parametrize("via", ["log", "ftp"])
+def test_a_log_that_takes_too_long_ends_with_the_option_that_allows_it(mav, harness, via):
+    result = mav("log", "get", "1", "--via", via, "--action-timeout", 0.3)
+    assert result.code == 1
+    assert "--action-timeout allows more time" in result.err

@@ -2,13 +2,14 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 
 import pytest
 
 from mavstack.cli.param.command import EXAMPLES
 from mavstack.files.parameters import read_parameters
 from mavstack.sim.vehicle_types import VehicleType
-from tests.cli.harness import CliHarness, examples_of
+from tests.cli.harness import PX4_COPTER, CliHarness, examples_of
 
 
 @pytest.fixture
@@ -323,3 +324,17 @@ def test_vehicle_falls_silent_during_set(mav, harness):
     assert result.err.startswith("mav param: vehicle 1: reading parameter RTL_SPEED of 1/1 failed ")
     assert result.err.endswith(" attempts: no answer\n")
     assert result.err.count("\n") == 1
+
+
+def test_parameters_that_take_too_long_end_with_the_option_that_allows_it(mav, simulate, monkeypatch):
+
+    monkeypatch.setattr("mavstack.services.parameters.listing.Listing.min_rate", 1e9)
+    monkeypatch.setattr("mavstack.services.operation.SLOW_START", 0.2)
+    simulate(PX4_COPTER)
+    result = mav("param", "list")
+    assert result.code == 1
+    assert re.fullmatch(
+        r"mav param: .* failed: too slow, only \d+ arrived in [0-9.]+ s; --action-timeout allows more time\n",
+        result.err,
+    )
+    assert mav("param", "list", "--action-timeout", 600).code == 0

@@ -14,6 +14,7 @@ import asyncio
 import os
 from typing import TYPE_CHECKING, Final
 
+from mavstack.cli.common.errors import failure_text
 from mavstack.cli.common.exposure import announce_exposure
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import echo
@@ -122,7 +123,7 @@ async def _run_on_each(group: Group, arguments: Namespace, work: Callable[[Vehic
     for vehicle, error in outcomes.errors.items():
         if not isinstance(error, MavstackError | OSError):
             raise error
-        text = of_vehicle(vehicle, " ".join(str(error).split()))
+        text = of_vehicle(vehicle, failure_text(error))
         echo(f"mav {arguments.command}: {text}", error=True)
     return 1 if outcomes.errors or any(outcomes.succeeded.values()) else 0
 

@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from mavstack.errors import LocalProtocolError, MavstackError
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from mavstack.errors import LocalProtocolError, MavstackError, RemoteError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+#: The options that raise the limits of the API.
+_OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
+    {"max_size": "--max-size", "max_entries": "--max-entries", "timeout": "--action-timeout"}
+)
 
 
 class UsageError(LocalProtocolError):
@@ -11,3 +22,11 @@ class UsageError(LocalProtocolError):
 
 class CommandError(MavstackError):
     """A command cannot do what was asked; the text says why. The exit code is 1."""
+
+
+def failure_text(error: BaseException) -> str:
+    """Return an error in one line; a limit that was exceeded is named by the option that raises it."""
+    text = " ".join(str(error).split())
+    if isinstance(error, RemoteError) and error.limit in _OPTIONS:
+        return text.replace(f"{error.limit}= allows", f"{_OPTIONS[error.limit]} allows")
+    return text

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from argparse import ArgumentTypeError
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.dialects import Dialect
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser
+    from collections.abc import Mapping
 
     from mavstack.dialects import Message
+
+_SIZE: Final = re.compile(r"(\d{1,15}(?:\.\d+)?)\s*([kMG]?)B?", re.IGNORECASE)
+_UNITS: Final[Mapping[str, int]] = MappingProxyType({"": 1, "k": 10**3, "m": 10**6, "g": 10**9})
 
 
 def add_dialect_option(parser: ArgumentParser) -> None:
@@ -62,6 +68,15 @@ def seconds(text: str) -> float:
     if not 0 < value < float("inf"):
         raise ArgumentTypeError(f"{text!r} is not a positive number of seconds")
     return value
+
+
+def byte_size(text: str) -> int:
+    """Parse a positive number of bytes such as 500k or 2G, for argparse."""
+    match = _SIZE.fullmatch(text.strip())
+    size = int(float(match[1]) * _UNITS[match[2].lower()]) if match else 0
+    if size < 1:
+        raise ArgumentTypeError(f"{text!r} is not a number of bytes such as 500k, 20M or 2G")
+    return size
 
 
 def system_id(text: str) -> int:

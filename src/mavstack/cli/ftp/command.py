@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
-from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.errors import CommandError, UsageError, failure_text
 from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle
 from mavstack.cli.common.text import size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download, target_for
+from mavstack.cli.ftp.limited import LimitedFtp, add_entries_option, add_size_option, add_timeout_option
 from mavstack.cli.ftp.paths import (
-    DEFAULT_MAX_ENTRIES,
     RemotePath,
     find,
     is_pattern,
@@ -29,7 +29,6 @@ from mavstack.errors import FileDenied, MavstackError, RemoteTimeout
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
-    from mavstack.node.ftp import Ftp
     from mavstack.vehicle import Vehicle
 
 EXAMPLES = """\
@@ -55,15 +54,13 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument(
         "path", nargs="?", default="/", metavar="PATH", help="directory, file or pattern (default: /)"
     )
-    action = add_vehicle_action(actions, "get", "download files", get)
-    action.add_argument("path", metavar="REMOTE", help="file or pattern; with -r also a directory")
-    action.add_argument(
-        "local", nargs="?", metavar="LOCAL", help="file or directory (default: the current directory)"
-    )
-    _add_recursive(action, "download directories with their contents")
+    add_entries_option(action)
+    add_timeout_option(action)
+    _add_get(actions)
     action = add_vehicle_action(actions, "put", "upload a file, and compare checksums", put, changes=True)
     action.add_argument("local", metavar="LOCAL", help="file on this machine")
     action.add_argument("path", metavar="REMOTE", help="file or directory on the vehicle")
+    add_timeout_option(action)
     action = add_vehicle_action(actions, "rm", "remove files", remove, changes=True)
     action.add_argument("paths", nargs="+", metavar="PATH", help="file or pattern; with -r also a directory")
     _add_recursive(action, "remove directories with their contents")
@@ -76,17 +73,27 @@ def add_arguments(parser: ArgumentParser) -> None:
     action.add_argument("to", metavar="TO", help="new path on the vehicle")
     action = add_vehicle_action(actions, "crc", "show checksums of files (CRC-32 of MAVLink FTP)", checksum)
     action.add_argument("paths", nargs="+", metavar="PATH", help="file on the vehicle")
+    add_timeout_option(action)
+
+
+def _add_get(actions: Actions) -> None:
+    action = add_vehicle_action(actions, "get", "download files", get)
+    action.add_argument("path", metavar="REMOTE", help="file or pattern; with -r also a directory")
+    action.add_argument(
+        "local", nargs="?", metavar="LOCAL", help="file or directory (default: the current directory)"
+    )
+    _add_recursive(action, "download directories with their contents")
+    add_size_option(
+        action,
+        "fail if the files have more bytes together, such as 500k or 2G, whatever their listed sizes "
+        "(default: about 1 GB, and for each file about twice its listed size)",
+    )
 
 
 def _add_recursive(parser: ArgumentParser, text: str) -> None:
     parser.add_argument("-r", "--recursive", action="store_true", help=text)
-    parser.add_argument(
-        "--max-entries",
-        type=int,
-        default=DEFAULT_MAX_ENTRIES,
-        metavar="N",
-        help=f"fail at a tree of more files and directories (default: {DEFAULT_MAX_ENTRIES})",
-    )
+    add_entries_option(parser)
+    add_timeout_option(parser)
 
 
 def run(arguments: Namespace) -> int:
@@ -100,7 +107,7 @@ def list_files(arguments: Namespace) -> int:
 
     async def work(vehicle: Vehicle) -> int:
         path = arguments.path
-        found = await (find if is_pattern(path) else _entries)(vehicle.ftp, path)
+        found = await (find if is_pattern(path) else _entries)(LimitedFtp(vehicle, arguments), path)
         found.sort(key=lambda each: (not each.entry.is_directory, each.path))
         if is_pattern(path) and not found:
             raise CommandError(f"no file on the vehicle matches {path}")
@@ -114,17 +121,18 @@ def get(arguments: Namespace) -> int:
     """Run `mav ftp get`; a file that fails does not stop the others."""
 
     async def work(vehicle: Vehicle) -> int:
-        jobs = await _downloads(vehicle.ftp, arguments)
+        ftp = LimitedFtp(vehicle, arguments)
+        jobs = await _downloads(ftp, arguments)
         failed = False
         for number, (found, target) in enumerate(jobs, 1):
             name = found.path if len(jobs) == 1 else f"{found.path} ({number} of {len(jobs)})"
             try:
-                size = await _download(vehicle.ftp, found, target, name)
+                size = await _download(ftp, found, target, name)
             except RemoteTimeout:
                 raise
             except (MavstackError, OSError) as error:
                 failed = True
-                echo(f"mav ftp: {error}", error=True)
+                echo(f"mav ftp: {failure_text(error)}", error=True)
             else:
                 text = f"{found.path} -> {target} ({size_text(size)})"
                 _report(arguments, {"remote": found.path, "local": str(target), "size": size}, text)
@@ -139,11 +147,11 @@ def put(arguments: Namespace) -> int:
     data = local.read_bytes()
 
     async def work(vehicle: Vehicle) -> int:
-        path = arguments.path
-        if path.endswith("/") or await _is_directory(vehicle.ftp, path):
+        path, ftp = arguments.path, LimitedFtp(vehicle, arguments)
+        if path.endswith("/") or await _is_directory(ftp, path):
             path = join(path, local.name)
         with TransferProgress(f"{local} -> {path}") as progress:
-            await vehicle.ftp.upload(path, data, progress=progress)
+            await vehicle.ftp.upload(path, data, timeout=ftp.remaining_time(), progress=progress)
         text = f"{local} -> {path} ({size_text(len(data))})"
         _report_change(arguments, vehicle, {"local": str(local), "remote": path, "size": len(data)}, text)
         return 0
@@ -157,12 +165,13 @@ def remove(arguments: Namespace) -> int:
         raise UsageError("the root directory cannot be removed; name its entries")
 
     async def work(vehicle: Vehicle) -> int:
+        ftp = LimitedFtp(vehicle, arguments)
         for pattern in arguments.paths:
-            chosen = await find(vehicle.ftp, pattern)
+            chosen = await find(ftp, pattern)
             if not chosen:
                 raise CommandError(f"no file on the vehicle matches {pattern}")
             for found in chosen:
-                await _remove(vehicle, found, arguments)
+                await _remove(vehicle, ftp, found, arguments)
         return 0
 
     return run_on_vehicle(arguments, work)
@@ -196,15 +205,16 @@ def checksum(arguments: Namespace) -> int:
     """Run `mav ftp crc`."""
 
     async def work(vehicle: Vehicle) -> int:
+        ftp = LimitedFtp(vehicle, arguments)
         for path in arguments.paths:
-            crc = await vehicle.ftp.checksum(path)
+            crc = await ftp.checksum(path)
             _report(arguments, {"path": path, "crc": crc}, f"{crc:08x}  {path}")
         return 0
 
     return run_on_vehicle(arguments, work)
 
 
-async def _entries(ftp: Ftp, path: str) -> list[RemotePath]:
+async def _entries(ftp: LimitedFtp, path: str) -> list[RemotePath]:
     """List the entries of a directory, or a file itself."""
     try:
         return [RemotePath(join(path, each.name), each) for each in await ftp.list(path)]
@@ -212,14 +222,14 @@ async def _entries(ftp: Ftp, path: str) -> list[RemotePath]:
         return [RemotePath(path, await look_up(ftp, path))]
 
 
-async def _is_directory(ftp: Ftp, path: str) -> bool:
+async def _is_directory(ftp: LimitedFtp, path: str) -> bool:
     try:
         return (await look_up(ftp, path)).is_directory
     except FileDenied:
         return False
 
 
-async def _downloads(ftp: Ftp, arguments: Namespace) -> list[tuple[RemotePath, Path]]:
+async def _downloads(ftp: LimitedFtp, arguments: Namespace) -> list[tuple[RemotePath, Path]]:
     """Return the files to download with their local paths; local directories are made."""
     chosen = await find(ftp, arguments.path)
     if not chosen:
@@ -241,43 +251,43 @@ async def _downloads(ftp: Ftp, arguments: Namespace) -> list[tuple[RemotePath, P
                 ftp,
                 found,
                 top / local_name(split(found.path)[1] or "root") if into_directory else top,
-                arguments.max_entries,
             )
+    ftp.check_sizes((found.entry for found, _ in jobs), arguments.path)
     return jobs
 
 
-async def _tree(ftp: Ftp, top: RemotePath, target: Path, max_entries: int) -> list[tuple[RemotePath, Path]]:
+async def _tree(ftp: LimitedFtp, top: RemotePath, target: Path) -> list[tuple[RemotePath, Path]]:
     """Return the files below a directory with their local paths; local directories are made."""
     jobs, directories = [], []
-    async for found in walk(ftp, top, max_entries):
+    async for found in walk(ftp, top):
         below = found.path[len(top.path.rstrip("/")) :].strip("/")
         place = target.joinpath(*map(local_name, below.split("/"))) if below else target
         if found.entry.is_directory:
             directories.append(place)
         else:
             jobs.append((found, place))
+    ftp.check_sizes((found.entry for found, _ in jobs), top.path)
     for place in directories:  # made only when the whole tree is known and not too large
         place.mkdir(parents=True, exist_ok=True)
     return jobs
 
 
-async def _download(ftp: Ftp, found: RemotePath, target: Path, name: str) -> int:
+async def _download(ftp: LimitedFtp, found: RemotePath, target: Path, name: str) -> int:
     target.parent.mkdir(parents=True, exist_ok=True)
     with TransferProgress(name) as progress:
         return await Download(ftp, found.path, target, found.entry.size, progress).run()
 
 
-async def _remove(vehicle: Vehicle, found: RemotePath, arguments: Namespace) -> None:
+async def _remove(vehicle: Vehicle, ftp: LimitedFtp, found: RemotePath, arguments: Namespace) -> None:
     """Remove a file, or a directory with its contents."""
     if found.entry.is_directory and not arguments.recursive:
         raise UsageError(f"{found.path} is a directory; add -r to remove it with its contents")
-    ftp = vehicle.ftp
-    everything = [each async for each in walk(ftp, found, arguments.max_entries)]
+    everything = [each async for each in walk(ftp, found)]
     for each in reversed(everything):
         if each.entry.is_directory:
-            await ftp.remove_directory(each.path)
+            await vehicle.ftp.remove_directory(each.path)
         else:
-            await ftp.remove(each.path)
+            await vehicle.ftp.remove(each.path)
         _report_change(arguments, vehicle, {"removed": each.path}, f"{each.path} removed")
 
 

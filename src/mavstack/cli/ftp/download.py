@@ -13,7 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from mavstack.atomic_file import write_file_atomically
-from mavstack.cli.common.errors import CommandError
+from mavstack.cli.common.errors import CommandError, failure_text
 from mavstack.cli.common.text import size_text
 from mavstack.errors import FileDenied, RemoteError, RemoteProtocolError, RemoteTimeout
 from mavstack.services.ftp import file_crc32
@@ -21,7 +21,7 @@ from mavstack.services.ftp import file_crc32
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mavstack.node.ftp import Ftp
+    from mavstack.cli.ftp.limited import LimitedFtp
 
 #: Sizes of the first and the largest piece in bytes.
 MIN_PIECE, MAX_PIECE = 1 << 16, 1 << 23
@@ -35,7 +35,7 @@ class Download:
 
     def __init__(
         self,
-        ftp: Ftp,
+        ftp: LimitedFtp,
         path: str,
         target: Path,
         size: int = 0,
@@ -57,7 +57,7 @@ class Download:
         """
         if self._size <= MIN_PIECE:
             self._part.unlink(missing_ok=True)
-            data = await self._ftp.download(self._path, progress=self._progress)
+            data = await self._ftp.download(self._path, self._size, self._progress)
             write_file_atomically(self._target, data)
             return len(data)
         resumed = self._kept() > 0
@@ -93,11 +93,13 @@ class Download:
 
         report_progress(0, 0)
         try:
-            data = await self._ftp.download(self._path, offset=offset, size=size, progress=report_progress)
+            data = await self._ftp.download_piece(self._path, offset, size, report_progress)
         except RemoteError as error:
             if offset == 0:
                 raise
-            raise CommandError(f"{error}; run it again to resume at {size_text(offset)}") from error
+            raise CommandError(
+                f"{failure_text(error)}; run it again to resume at {size_text(offset)}"
+            ) from error
         if len(data) != size:
             self._part.unlink()
             raise self._changed("it became shorter")

@@ -16,12 +16,10 @@ from mavstack.services.ftp import Entry
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from mavstack.node.ftp import Ftp
+    from mavstack.cli.ftp.limited import LimitedFtp
 
 #: Depth of a directory tree; only a directory that contains itself is deeper.
 MAX_DEPTH = 32
-#: Files and directories of a tree; a hostile vehicle could list them without end.
-DEFAULT_MAX_ENTRIES = 10_000
 _WILD = frozenset("*?[")
 _FORBIDDEN = frozenset('/\\:*?"<>|')
 
@@ -49,7 +47,7 @@ def is_pattern(path: str) -> bool:
     return not path.startswith("@") and not _WILD.isdisjoint(path)
 
 
-async def find(ftp: Ftp, path: str) -> list[RemotePath]:
+async def find(ftp: LimitedFtp, path: str) -> list[RemotePath]:
     """List the files and directories that a path or a pattern matches; a pattern may match none."""
     if not is_pattern(path):
         return [RemotePath(path, await look_up(ftp, path))]
@@ -66,7 +64,7 @@ async def find(ftp: Ftp, path: str) -> list[RemotePath]:
     return found
 
 
-async def look_up(ftp: Ftp, path: str) -> Entry:
+async def look_up(ftp: LimitedFtp, path: str) -> Entry:
     """Return the entry of a path. A virtual file (@…) has no size yet.
 
     Raises:
@@ -88,21 +86,19 @@ async def look_up(ftp: Ftp, path: str) -> Entry:
     return Entry(name, is_directory=True)
 
 
-async def walk(
-    ftp: Ftp, top: RemotePath, max_entries: int = DEFAULT_MAX_ENTRIES
-) -> AsyncIterator[RemotePath]:
+async def walk(ftp: LimitedFtp, top: RemotePath) -> AsyncIterator[RemotePath]:
     """Yield an entry and all entries below it, each directory before its contents.
 
     Raises:
-        CommandError: There are more entries than `max_entries`, or the directories are nested too deeply.
+        CommandError: There are more entries than `--max-entries`, or the directories are nested too deeply.
     """
     waiting, count = [(top, 0)], 0
     while waiting:
         found, depth = waiting.pop()
         count += 1
-        if count > max_entries:
+        if count > ftp.max_entries:
             raise CommandError(
-                f"{top.path} has more than {max_entries} entries; --max-entries sets the limit"
+                f"{top.path} has more than the {ftp.max_entries} entries allowed; --max-entries allows more"
             )
         yield found
         if found.entry.is_directory:

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 from mavstack.atomic_file import write_file_atomically
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
-from mavstack.cli.common.errors import CommandError, UsageError
+from mavstack.cli.common.errors import CommandError, UsageError, failure_text
 from mavstack.cli.common.output import align_columns, echo, echo_json, echo_question
 from mavstack.cli.common.selection import of_vehicle
 from mavstack.cli.common.text import size_text
 from mavstack.cli.common.transfer_progress import TransferProgress
 from mavstack.cli.ftp.download import Download
+from mavstack.cli.ftp.limited import LimitedFtp, add_size_option, add_timeout_option
 from mavstack.cli.log.files import local_file_name, log_files, log_location, match_files, time_text
 from mavstack.errors import MavstackError, RemoteError, RemoteTimeout
 
@@ -45,7 +46,8 @@ _MAX_ID = 0xFFFF
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "log", EXAMPLES)
-    add_vehicle_action(actions, "list", "list the logs: number, start time (UTC), size", list_logs)
+    summary = "list the logs: number, start time (UTC), size"
+    add_timeout_option(add_vehicle_action(actions, "list", summary, list_logs))
     get_parser = add_vehicle_action(actions, "get", "download logs", get)
     get_parser.add_argument(
         "which", nargs="+", type=_log_number, metavar="NUMBER", help="number of a log, last, or all"
@@ -60,6 +62,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         default="auto",
         help="MAVLink FTP, which is faster, or log messages (default: FTP if the file of the log is known)",
     )
+    add_size_option(
+        get_parser,
+        "fail if a log has more bytes, such as 500k or 2G (default: about twice its listed size)",
+    )
+    add_timeout_option(get_parser)
     erase_parser = add_vehicle_action(actions, "erase", "erase all logs", erase, changes=True)
     erase_parser.add_argument("-y", "--yes", action="store_true", help="do not ask for confirmation")
 
@@ -74,7 +81,7 @@ def list_logs(arguments: Namespace) -> int:
     """Run `mav log list`."""
 
     async def work(vehicle: Vehicle) -> int:
-        logs = await vehicle.logs.list()
+        logs = await vehicle.logs.list(timeout=arguments.action_timeout)
         if arguments.json:
             echo_json([{"id": log.id, "time_utc": log.time_utc or None, "size": log.size} for log in logs])
         elif logs:
@@ -91,20 +98,21 @@ def get(arguments: Namespace) -> int:
     """Run `mav log get`; a log that fails does not stop the others."""
 
     async def work(vehicle: Vehicle) -> int:
-        logs = await vehicle.logs.list()
+        ftp = LimitedFtp(vehicle, arguments)
+        logs = await vehicle.logs.list(timeout=ftp.remaining_time())
         chosen = _chosen(logs, arguments.which)
         several = len(chosen) > 1 or ALL in arguments.which
-        files = {} if arguments.via == "log" else match_files(logs, await log_files(vehicle))
+        files = {} if arguments.via == "log" else match_files(logs, await log_files(vehicle, ftp))
         failed = False
         for log in chosen:
             try:
                 target = _target(log, log_location(vehicle).suffix, arguments.output, several=several)
-                await _download(vehicle, log, files.get(log.id), target, arguments)
+                await _download(vehicle, ftp, log, files.get(log.id), target, arguments)
             except RemoteTimeout:
                 raise
             except (MavstackError, OSError) as error:
                 failed = True
-                echo(f"mav log: {error}", error=True)
+                echo(f"mav log: {failure_text(error)}", error=True)
         return 1 if failed else 0
 
     return run_on_vehicle(arguments, work)
@@ -161,20 +169,28 @@ def _target(log: LogEntry, suffix: str, output: str | None, *, several: bool) ->
 
 
 async def _download(
-    vehicle: Vehicle, log: LogEntry, file: RemotePath | None, target: Path, arguments: Namespace
+    vehicle: Vehicle,
+    ftp: LimitedFtp,
+    log: LogEntry,
+    file: RemotePath | None,
+    target: Path,
+    arguments: Namespace,
 ) -> None:
     """Download a log, by MAVLink FTP if its file is known, unless it was downloaded before."""
     if not arguments.force and _is_downloaded(target, log):
         _report(arguments, log, target, "already downloaded")
         return
+    if arguments.max_size is not None and log.size > arguments.max_size:
+        sizes = f"{size_text(log.size)}, more than the {size_text(arguments.max_size)} allowed"
+        raise CommandError(f"log {log.id} has {sizes}; --max-size allows more")
     if arguments.via == "ftp" and file is None:
         raise CommandError(f"the file of log {log.id} is not known; download the log with --via log")
     started = vehicle.connection.now()
     size, way = 0, "ftp"
     if file is not None:
-        size = await _download_file(vehicle, log, file, target, required=arguments.via == "ftp")
+        size = await _download_file(ftp, log, file, target, required=arguments.via == "ftp")
     if not size:
-        size, way = await _download_log_data(vehicle, log, target), "log"
+        size, way = await _download_log_data(vehicle, ftp, log, target, arguments.max_size), "log"
     elapsed = max(vehicle.connection.now() - started, 1e-3)
     _report(arguments, log, target, f"{size_text(size)}, {size_text(size / elapsed)}/s", way)
 
@@ -189,12 +205,12 @@ def _is_downloaded(target: Path, log: LogEntry) -> bool:
 
 
 async def _download_file(
-    vehicle: Vehicle, log: LogEntry, file: RemotePath, target: Path, *, required: bool
+    ftp: LimitedFtp, log: LogEntry, file: RemotePath, target: Path, *, required: bool
 ) -> int:
     """Download a log by MAVLink FTP; 0 if the vehicle refuses and FTP is not required."""
     with TransferProgress(f"log {log.id}") as progress:
         try:
-            return await Download(vehicle.ftp, file.path, target, file.entry.size, progress).run()
+            return await Download(ftp, file.path, target, file.entry.size, progress).run()
         except RemoteTimeout:
             raise
         except RemoteError:
@@ -203,10 +219,14 @@ async def _download_file(
             return 0
 
 
-async def _download_log_data(vehicle: Vehicle, log: LogEntry, target: Path) -> int:
+async def _download_log_data(
+    vehicle: Vehicle, ftp: LimitedFtp, log: LogEntry, target: Path, max_size: int | None
+) -> int:
     """Download a log by LOG_REQUEST_DATA."""
     with TransferProgress(f"log {log.id}") as progress:
-        data = await vehicle.logs.download(log, progress=progress)
+        data = await vehicle.logs.download(
+            log, max_size=max_size, timeout=ftp.remaining_time(), progress=progress
+        )
     write_file_atomically(target, data)
     return len(data)
 

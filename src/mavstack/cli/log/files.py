@@ -20,6 +20,7 @@ from mavstack.services.ftp import Entry
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from mavstack.cli.ftp.limited import LimitedFtp
     from mavstack.services.log import LogEntry
     from mavstack.vehicle import Vehicle
 
@@ -44,12 +45,12 @@ def log_location(vehicle: Vehicle) -> LogLocation:
     return PX4_LOGS if px4 else ARDUPILOT_LOGS
 
 
-async def log_files(vehicle: Vehicle) -> list[RemotePath]:
+async def log_files(vehicle: Vehicle, ftp: LimitedFtp) -> list[RemotePath]:
     """List the files of the logs on a vehicle; empty if it refuses."""
     directory, suffix = log_location(vehicle)
     top = RemotePath(directory, Entry(directory, is_directory=True))
     try:
-        return [each async for each in walk(vehicle.ftp, top) if each.path.lower().endswith(suffix.lower())]
+        return [each async for each in walk(ftp, top) if each.path.lower().endswith(suffix.lower())]
     except (RemoteError, CommandError):
         return []
 

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 from mavstack.cli.common.actions import Actions
 from mavstack.cli.common.connection import add_vehicle_action, run_on_vehicle
+from mavstack.cli.common.errors import failure_text
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import align_columns, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle, selects_several
-from mavstack.cli.common.transfer_progress import TransferProgress
+from mavstack.cli.ftp.limited import add_timeout_option
 from mavstack.cli.param.diff import diff
+from mavstack.cli.param.download import download_parameters
 from mavstack.cli.param.load import load
 from mavstack.cli.param.save import save
 from mavstack.cli.param.text import (
@@ -28,7 +30,6 @@ from mavstack.vehicle.status_text_capture import with_status_texts
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Mapping
 
     from mavstack.services.parameters import Parameter, Value
     from mavstack.vehicle import Vehicle
@@ -56,9 +57,9 @@ examples:
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the actions."""
     actions = Actions(parser, "param", EXAMPLES)
-    _add_patterns(
-        add_vehicle_action(actions, "list", "list the parameters of the vehicle", list_all, fleet=True)
-    )
+    action = add_vehicle_action(actions, "list", "list the parameters of the vehicle", list_all, fleet=True)
+    _add_patterns(action)
+    add_timeout_option(action)
     action = add_vehicle_action(actions, "get", "read parameters from the vehicle", get, fleet=True)
     action.add_argument("names", nargs="+", metavar="NAME", help="name of a parameter")
     action = add_vehicle_action(
@@ -98,7 +99,7 @@ def list_all(arguments: Namespace) -> int:
     """Run `mav param list`."""
 
     async def work(vehicle: Vehicle) -> int:
-        found = matching(arguments.patterns, await download_parameters(vehicle))
+        found = matching(arguments.patterns, await download_parameters(vehicle, arguments))
         show(vehicle, [found[name] for name in sorted(found)], arguments)
         return 0
 
@@ -145,7 +146,7 @@ def watch(arguments: Namespace) -> int:
     """Run `mav param watch`."""
 
     async def work(vehicle: Vehicle) -> int:
-        known = await download_parameters(vehicle)
+        known = await download_parameters(vehicle, arguments)
         matching(arguments.patterns, known)  # raises for a pattern that matches no parameter
         async with vehicle.params.changes() as changes, asyncio.timeout(arguments.duration):
             async for change in changes:
@@ -163,12 +164,6 @@ def watch(arguments: Namespace) -> int:
             return 0
 
     return run_on_vehicle(arguments, until_time_is_up)
-
-
-async def download_parameters(vehicle: Vehicle) -> Mapping[str, Parameter]:
-    """Download all parameters of a vehicle, with progress on a terminal."""
-    with TransferProgress("downloading parameters", in_bytes=False) as progress:
-        return dict(await vehicle.params.download(progress=progress))
 
 
 def show(vehicle: Vehicle, parameters: list[Parameter], arguments: Namespace) -> None:
@@ -211,7 +206,7 @@ def _show_change(vehicle: Vehicle, before: Parameter | None, after: Parameter, a
 def _report_failures(vehicle: Vehicle, failures: list[RemoteError]) -> int:
     """Print a line for each failure and return the exit code."""
     for error in failures:
-        echo(f"mav param: {of_vehicle(vehicle, str(error))}", error=True)
+        echo(f"mav param: {of_vehicle(vehicle, failure_text(error))}", error=True)
     return 1 if failures else 0
 
 
@@ -229,6 +224,7 @@ def _add_save_arguments(parser: ArgumentParser) -> None:
     )
     _add_patterns(parser)
     _add_format(parser, "format of the file (default: by its suffix)")
+    add_timeout_option(parser)
 
 
 def _add_load_arguments(parser: ArgumentParser) -> None:
@@ -241,6 +237,7 @@ def _add_load_arguments(parser: ArgumentParser) -> None:
         help="also set what belongs to one vehicle: its id, calibration and counters",
     )
     _add_format(parser, "format of the file (default: by its content)")
+    add_timeout_option(parser)
 
 
 def _add_diff_arguments(parser: ArgumentParser) -> None:
@@ -253,6 +250,7 @@ def _add_diff_arguments(parser: ArgumentParser) -> None:
         help="also show counters, and parameters that only the vehicle has",
     )
     parser.add_argument("--exit-code", action="store_true", help="exit with 1 if there are differences")
+    add_timeout_option(parser)
 
 
 def _add_format(parser: ArgumentParser, text: str) -> None:

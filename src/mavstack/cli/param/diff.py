@@ -9,7 +9,7 @@ from mavstack.cli.common.connection import run_on_vehicle
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.output import align_columns, coloured, echo, echo_json
 from mavstack.cli.common.selection import of_vehicle
-from mavstack.cli.common.transfer_progress import TransferProgress
+from mavstack.cli.param.download import download_parameters
 from mavstack.cli.param.text import json_value, parameters_for
 from mavstack.files.parameters import Owner, compare, owner_of, read_parameters, value_text
 
@@ -35,8 +35,7 @@ def diff(arguments: Namespace) -> int:
         return _show(found, (arguments.files[0], arguments.files[1]), arguments)
 
     async def work(vehicle: Vehicle) -> int:
-        with TransferProgress("downloading parameters", in_bytes=False) as progress:
-            theirs = await vehicle.params.download(progress=progress)
+        theirs = await download_parameters(vehicle, arguments)
         found = compare(parameters_for(ours, arguments.files[0], vehicle), theirs)
         heads = (arguments.files[0], f"vehicle {vehicle.system}")
         return _show(found, heads, arguments, vehicle)

@@ -35,7 +35,7 @@ def load(arguments: Namespace) -> int:
         )
         with TransferProgress("downloading parameters", in_bytes=False) as progress:
             try:
-                await task.run(progress=progress)
+                await task.run(timeout=arguments.action_timeout, progress=progress)
             finally:
                 if any(each.outcome is not Outcome.UNTRIED for each in task.results):
                     _show(vehicle, task.results, arguments)

@@ -9,7 +9,7 @@ from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.identity import entry_words
 from mavstack.cli.common.output import echo, echo_json, echo_text
 from mavstack.cli.common.selection import of_vehicle, selects_several
-from mavstack.cli.common.transfer_progress import TransferProgress
+from mavstack.cli.param.download import download_parameters
 from mavstack.cli.param.text import matching
 from mavstack.dialects import common
 from mavstack.errors import ParameterFileError, RemoteError
@@ -34,8 +34,7 @@ def save(arguments: Namespace) -> int:
         raise UsageError(f"several vehicles need a file each: put {_SYSTEM} into its name")
 
     async def work(vehicle: Vehicle) -> int:
-        with TransferProgress("downloading parameters", in_bytes=False) as progress:
-            known = await vehicle.params.download(progress=progress)
+        known = await download_parameters(vehicle, arguments)
         found = matching(arguments.patterns, known)
         system, component = vehicle.address
         file = ParameterFile.of(

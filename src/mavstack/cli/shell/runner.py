@@ -9,7 +9,7 @@ import shlex
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
-from mavstack.cli.common.errors import UsageError
+from mavstack.cli.common.errors import UsageError, failure_text
 from mavstack.cli.common.output import coloured, echo
 from mavstack.cli.shell.console_command import AlreadyReported
 from mavstack.cli.shell.parsing import split_commands
@@ -95,9 +95,11 @@ def report_failure(error: MavstackError | OSError, location: str = "") -> None:
     """Print on stderr why a command failed, unless the command has printed it."""
     if not isinstance(error, AlreadyReported):
         text = (
-            f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else error
+            f"{error.filename}: {error.strerror}"
+            if isinstance(error, OSError) and error.filename
+            else failure_text(error)
         )
-        echo(coloured(f"{location}{' '.join(str(text).split())}", "red"), error=True)
+        echo(coloured(f"{location}{text}", "red"), error=True)
 
 
 def known_modes(session: Session) -> frozenset[str]:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import CommandError, UsageError
-from mavstack.cli.common.transfer_progress import TransferProgress
+from mavstack.cli.param.download import download_parameters
 from mavstack.cli.shell import completion
 from mavstack.cli.shell.console_command import expect_words, parse_integer
 from mavstack.cli.shell.session import Command
@@ -53,8 +53,7 @@ async def param(session: Session, words: list[str]) -> None:
     verb = _verb(words, _PARAM, "param")
     rest = words[1:]
     if verb == "fetch" and not rest:
-        with TransferProgress("downloading parameters", in_bytes=False) as progress:
-            found = await session.vehicle.params.download(progress=progress)
+        found = await download_parameters(session.vehicle)
         session.print(f"{len(found)} parameters")
         return
     await run_subcommand(session, "param", [{"show": "list", "fetch": "get"}.get(verb, verb), *rest])

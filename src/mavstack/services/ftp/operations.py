@@ -88,9 +88,10 @@ class _FtpProcedure(Procedure[Result]):
             return None
         return int.from_bytes(reply.data[:4], "little") if reply.size >= 4 else None
 
-    def protocol_error(self, answer: str) -> RemoteProtocolError:
-        """Return the error for a file that differs from the transferred data."""
-        return RemoteProtocolError(self.description, str(self.target), answer=answer)
+    def protocol_error(self, answer: str, *, limit: str = "") -> RemoteProtocolError:
+        """Return the error for a file that differs from the transferred data, or exceeds a limit."""
+        answer = f"{answer}; {limit}= allows more" if limit else answer
+        return RemoteProtocolError(self.description, str(self.target), answer=answer, limit=limit)
 
 
 class _SessionProcedure(_FtpProcedure[Result]):
@@ -177,7 +178,8 @@ class DownloadFile(_SessionProcedure[bytes]):
                 if self.path.startswith("@"):  # generated again for each session
                     self._file, received = None, 0
         if len(data) > self._max_size:
-            raise self.protocol_error(f"the file has more than the {self._max_size} bytes allowed")
+            answer = f"the file has more than the {self._max_size} bytes allowed"
+            raise self.protocol_error(answer, limit="max_size")
         if self._verify:
             yield from self._compare(data)
         start, end = self._bounds(announced)
@@ -212,9 +214,8 @@ class DownloadFile(_SessionProcedure[bytes]):
         if announced == ALL_ONES:  # not known: one byte more shows that the file is too large
             return offset, min(end, offset + self._max_size + 1)
         if end - offset > self._max_size:
-            raise self.protocol_error(
-                f"the file has {end - offset} bytes, more than the {self._max_size} allowed"
-            )
+            answer = f"the file has {end - offset} bytes, more than the {self._max_size} allowed"
+            raise self.protocol_error(answer, limit="max_size")
         return offset, max(end, offset)
 
     def _compare(self, data: bytes) -> Generator[Operation[Any], Any, None]:
@@ -296,9 +297,8 @@ class ListDirectory(_FtpProcedure[tuple[Entry, ...]]):
             found += entries
             index += count
             if index > self._max_entries:
-                raise self.protocol_error(
-                    f"the directory has more than the {self._max_entries} entries allowed"
-                )
+                answer = f"the directory has more than the {self._max_entries} entries allowed"
+                raise self.protocol_error(answer, limit="max_entries")
             self.report_progress(self.now, index)
         return tuple(found)
 

@@ -158,10 +158,10 @@ class _Transfer(LogOperation[bytes]):
             self.fail(RemoteProtocolError(self.description, str(self.target), answer=answer))
             return
         if self._collector.size > self._max_size:
-            answer = (
-                f"the log has more than the {self._max_size} bytes allowed; its entry says {self._log.size}"
-            )
-            self.fail(RemoteProtocolError(self.description, str(self.target), answer=answer))
+            allowed = f"the log has more than the {self._max_size} bytes allowed"
+            answer = f"{allowed}, its entry says {self._log.size}; max_size= allows more"
+            target, limit = str(self.target), "max_size"
+            self.fail(RemoteProtocolError(self.description, target, answer=answer, limit=limit))
             return
         if is_new:
             self._measure(now, in_range)
