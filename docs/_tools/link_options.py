@@ -8,7 +8,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from mavstack.errors import MavstackError
 from mavstack.links import LinkURL
@@ -18,7 +18,9 @@ from mavstack.links.registry import BACKENDS
 from mavstack.links.url import EXAMPLES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
+
+Value = TypeVar("Value")
 
 PURPOSES = {
     "udpin": "Listens on a UDP port; each sender is a channel. A multicast group as host is joined.",
@@ -41,24 +43,33 @@ DESCRIPTIONS = {
     "baud": "baud rate",
     "ca": "file with the authorities to trust; on a server: clients must show a certificate of theirs",
     "cert": "file with the own certificate",
+    "framing": "length: each chunk of packets is preceded by its length, 4 bytes in big-endian order",
+    "header.NAME": "a header to send, such as `header.X-Vehicle=7`",
     "flow": "flow control",
+    "heartbeat_rate": "heartbeats of the node per second; 0: none",
+    "id": "ids of the node: system or system/component",
     "half_duplex": "both directions share the bandwidth given by `pace`",
     "idle": "a peer that is silent for this long is closed; 0: never",
     "insecure": "do not verify the server's certificate (tests only)",
     "key": "file with the private key of `cert`",
+    "mavlink": "MAVLink version to send; auto: 1 to peers that are heard only in version 1",
     "max_peers": "peers at the same time; a new one replaces the idlest that sent no valid packet",
     "origin": "the Origin header to send, or, on a server, to require",
     "pace": "bandwidth of the link in bytes/s; transfers are paced to it",
+    "query.NAME": "a field of the query string to send, such as `query.room=7`",
     "receive_queue": "received bytes that wait to be read; beyond it datagrams are dropped, streams wait",
     "reconnect": "connect again after the connection is lost",
     "retry": "delay before the first new attempt",
     "retry_limit": "longest delay between attempts",
     "send_queue": "bytes that wait to be sent; packets beyond it are dropped and counted",
     "server_name": "name that the server's certificate must have",
+    "signing_key": "file or name of the key that signs and verifies",
     "socket_buffer": "size of the operating system's socket buffers",
     "speed": "1: as recorded, 10: ten times as fast, max: at once",
+    "subprotocol": "subprotocols to offer, or, on a server, to accept: one or several, with commas",
     "threads": "read and write in threads instead of by the event loop",
     "timeout": "time limit of one attempt to connect",
+    "token": "the bearer token to show, or, on a server, to require",
     "wait": "let `open` wait until the first attempt succeeds, instead of raising",
     # impairments
     "bandwidth": "bytes/s that the impaired link carries; 0: unlimited",
@@ -94,12 +105,22 @@ class RecordingOptions(Options):
         self.read.setdefault(name, Option(name, kind, str(default)))
 
     def text(self, name: str, default: str = "") -> str:
-        self._note(name, "text", "the host" if name == "server_name" else default or "none")
+        defaults = {"server_name": "the host", "signing_key": "that of the node"}
+        self._note(name, "text", defaults.get(name, default or "none"))
         return super().text(name, default)
 
     def choice(self, name: str, choices: Sequence[str]) -> str:
         self._note(name, " or ".join(choices), choices[0])
         return super().choice(name, choices)
+
+    def parsed(self, name: str, parse: Callable[[str], Value], expected: str) -> Value | None:
+        kinds = {"id": "ids", "mavlink": "1, 2 or auto", "heartbeat_rate": "hertz"}
+        self._note(name, kinds[name], "that of the node")
+        return super().parsed(name, parse, expected)
+
+    def prefixed(self, prefix: str) -> dict[str, str]:
+        self._note(f"{prefix}NAME", "text", "none")
+        return super().prefixed(prefix)
 
     def flag(self, name: str, *, default: bool) -> bool:
         self._note(name, "yes or no", "yes" if default else "no")

@@ -84,3 +84,69 @@ async def test_unix_sockets_raise_on_windows(monkeypatch):
     monkeypatch.setattr(sys, "platform", "win32")
     with pytest.raises(LinkError, match="not available on Windows; use tcpin"):
         await open_link("unix:///tmp/x")
+
+
+@posix_only
+async def test_frames_keep_the_boundaries_of_chunks(tmp_path):
+    path = tmp_path / "link.sock"
+    acceptor = Acceptor()
+    await acceptor.listen_unix(path)
+    async with open_link(f"unix://{path}?framing=length") as client:
+        peer = await acceptor.accepted.get()
+        channel = (await anext(client)).channel
+        channel.write(b"abc")
+        channel.write(b"defg")
+        assert await peer.receive(15) == b"\0\0\0\3abc\0\0\0\4defg"
+        await peer.send(b"\0\0\0\2hi\0\0\0\0\0\0\0\3you")
+        assert [(await anext(client)).data for _ in range(2)] == [b"hi", b"you"]
+        assert channel.counters.bytes_in == 5
+    await acceptor.close()
+
+
+@posix_only
+async def test_a_peer_without_frames_is_disconnected_with_the_reason(tmp_path):
+    path = tmp_path / "link.sock"
+    async with open_link(f"unixin://{path}?framing=length") as server, open_link(f"unix://{path}") as client:
+        (await anext(client)).channel.write(b"\xfd\x09\x00\x00 a plain packet")
+        assert isinstance(await anext(server), ChannelOpened)
+        closed = await anext(server)
+        assert isinstance(closed, ChannelClosed)
+        assert "does not use framing=length" in closed.reason
+
+
+@posix_only
+class TestFramedUnix(Conformance):
+    """Both ends of a framed link."""
+
+    @asynccontextmanager
+    async def pair(self, query=""):
+        path = self.path
+
+        class FramedPeer:
+            """The other end, whose frames the test does not see."""
+
+            def __init__(self, link, channel) -> None:
+                self.link, self.channel, self.rest = link, channel, b""
+
+            async def send(self, data: bytes) -> None:
+                self.channel.write(data)
+                await self.channel.drain()
+
+            async def receive(self, count: int) -> bytes:
+                while len(self.rest) < count:
+                    self.rest += (await anext(self.link)).data
+                data, self.rest = self.rest[:count], self.rest[count:]
+                return data
+
+            async def close(self) -> None:
+                await self.link.close()
+
+        async def peer():
+            link = await open_link(f"unix://{path}?framing=length&reconnect=no")
+            return FramedPeer(link, (await anext(link)).channel)
+
+        yield open_link(f"unixin://{path}?framing=length&{query}"), peer
+
+    @pytest.fixture(autouse=True)
+    def _path(self, tmp_path):
+        self.path = tmp_path / "link.sock"

@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from mavstack.errors import LinkError, MissingExtraError
+from mavstack.errors import LinkError, LinkURLError, MissingExtraError
 from mavstack.links import ChannelClosed, ChannelOpened, LinkDown, open_link
 
 from .certificates import certificates  # noqa: F401 - a fixture
@@ -17,6 +17,8 @@ pytest.importorskip("websockets")
 from websockets.asyncio.client import connect
 from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from mavstack.links.ws import WsServer
 
 
 class WsPeer:
@@ -163,3 +165,91 @@ def test_a_missing_extra_raises(monkeypatch):
     monkeypatch.delitem(sys.modules, "mavstack.links.ws", raising=False)
     with pytest.raises(MissingExtraError, match=r"pip install 'mavstack\[web\]'"):
         open_link("ws://127.0.0.1:5770")
+
+
+# requests: headers, query, subprotocols and tokens
+
+
+async def test_the_request_of_a_client_reaches_the_server():
+    async with open_link("wsin://127.0.0.1:0?subprotocol=mavlink,raw") as server:
+        port = server.address[1]
+        url = f"ws://127.0.0.1:{port}/fleet%20one?query.vehicle=7&query.room=a%26b&header.X-Team=red"
+        async with open_link(f"{url}&subprotocol=other,mavlink&origin="):
+            request = (await anext(server)).channel.request
+    assert request.path == "/fleet one"
+    assert request.query == {"vehicle": "7", "room": "a&b"}
+    assert request.headers["x-team"] == "red"
+    assert request.subprotocol == "mavlink"
+    assert "red" not in repr(request)
+
+
+async def test_other_channels_have_no_request():
+    server = await open_link("wsin://127.0.0.1:0")
+    async with server, open_link(f"ws://127.0.0.1:{server.address[1]}") as client:
+        assert (await anext(client)).channel.request is None
+
+
+async def test_a_client_sends_its_token_and_its_origin():
+    acceptor = WsAcceptor()
+    port = await acceptor.listen()
+    url = f"ws://127.0.0.1:{port}/?token=abc%20def&origin=https://ground.example"
+    async with open_link(url) as client:
+        headers = (await acceptor.accepted.get()).socket.request.headers
+        assert (headers["Authorization"], headers["Origin"]) == ("Bearer abc def", "https://ground.example")
+        assert "abc" not in client.url.redacted
+    await acceptor.close()
+
+
+@pytest.mark.parametrize(
+    ("headers", "path"),
+    [
+        ({"Authorization": "Bearer right"}, "/"),
+        ({"authorization": "bearer right"}, "/"),
+        ({}, "/?access_token=right"),
+    ],
+)
+async def test_a_server_accepts_its_token(headers, path):
+    async with open_link("wsin://127.0.0.1:0?token=right") as server:
+        url = f"ws://127.0.0.1:{server.address[1]}{path}"
+        socket = await connect(url, additional_headers=headers, proxy=None)
+        assert isinstance(await anext(server), ChannelOpened)
+        await socket.close()
+
+
+@pytest.mark.parametrize(
+    "query", ["", "&token=wrong", "&query.access_token=", "&header.Authorization=Basic%20x"]
+)
+async def test_a_server_refuses_clients_without_its_token(query):
+    async with open_link("wsin://127.0.0.1:0?token=right") as server:
+        with pytest.raises(LinkError, match="401") as refused:
+            await open_link(f"ws://127.0.0.1:{server.address[1]}?reconnect=no{query}")
+        assert "wrong" not in str(refused.value)
+        assert not server.channels
+
+
+async def test_a_program_decides_by_the_request():
+    server = WsServer.of("wsin://127.0.0.1:0")
+    server.accept = lambda request: None if "vehicle" in request.query else "name your vehicle"
+    async with server:
+        url = f"ws://127.0.0.1:{server.address[1]}"
+        with pytest.raises(LinkError, match="403"):
+            await open_link(url)
+        async with open_link(f"{url}?query.vehicle=7"):
+            assert (await anext(server)).channel.request.query == {"vehicle": "7"}
+
+
+async def test_a_server_with_subprotocols_needs_one_of_them():
+    async with open_link("wsin://127.0.0.1:0?subprotocol=mavlink") as server:
+        with pytest.raises(LinkError, match="refused the WebSocket"):
+            await open_link(f"ws://127.0.0.1:{server.address[1]}?subprotocol=other")
+
+
+@pytest.mark.parametrize("option", ["header.A%20B=x", "header.A=x%0d%0aB:%20y", "token=a%0ab", "header.=x"])
+def test_a_header_that_http_does_not_allow_is_refused(option):
+    with pytest.raises(LinkURLError, match="HTTP does not allow the header"):
+        open_link(f"ws://127.0.0.1:1?{option}")
+
+
+def test_only_a_websocket_server_has_an_accept_callback():
+    with pytest.raises(LinkURLError, match="is not a WebSocket server"):
+        WsServer.of("ws://127.0.0.1:1")

@@ -15,7 +15,8 @@ transport bytes without interpreting them.
 Every backend reads its options from the query of the URL. These options are common to all, in bytes (`64k`,
 `4M`): `receive_queue` bounds the received bytes that are not read yet; `send_queue` bounds the unsent bytes
 of each channel; `pace` is the bandwidth to the peer in bytes per second, by which the node paces its
-transfers (0: unknown; with `half_duplex=yes` both directions share it).
+transfers (0: unknown; with `half_duplex=yes` both directions share it). The options for the node (signing
+key, ids, MAVLink version, heartbeats) are in `settings`.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from typing import TYPE_CHECKING, Self
 from mavstack.errors import InvalidStateError, LinkClosedError
 from mavstack.links.inbox import Inbox
 from mavstack.links.link_log import LinkLog
+from mavstack.links.settings import LinkSettings
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Coroutine, Generator, Sequence
@@ -55,6 +57,8 @@ class Link(ABC):
         self._send_queue = options.size("send_queue", DEFAULT_SEND_QUEUE)
         self.pace = options.size("pace", 0)
         self.half_duplex = options.flag("half_duplex", default=False)
+        #: The options of the URL for the MAVLink layer, which the node of the link applies.
+        self.settings = LinkSettings.from_options(options)
         self._tasks: set[asyncio.Task[None]] = set()
         self._opened = False
         self._closed = False

@@ -8,14 +8,14 @@ A chunk that exceeds the queue is dropped as a whole, so that no packet is trunc
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import time
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.errors import LinkClosedError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
 Data: TypeAlias = bytes | bytearray | memoryview
 
@@ -52,6 +52,23 @@ class Counters:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Request:
+    """The HTTP request with which the client of a WebSocket server came.
+
+    Attributes:
+        path: The path, such as `/mavlink`.
+        query: The fields of the query string; of a repeated one the last.
+        headers: The headers by their names in lower case.
+        subprotocol: The subprotocol that both ends agreed on; empty: none.
+    """
+
+    path: str
+    query: Mapping[str, str]
+    headers: Mapping[str, str] = field(repr=False)  # they may have tokens and cookies
+    subprotocol: str = ""
+
+
 class Channel(ABC):
     """One live peer of a link: `write` sends bytes; received bytes are events of the link.
 
@@ -60,6 +77,7 @@ class Channel(ABC):
         peer: Address of the peer as text.
         counters: Counters of this channel.
         closed: True after the channel is closed by either side.
+        request: The request with which the client of a WebSocket server came; None on all other channels.
         last_received: Unix time of the last received bytes in seconds; before any, of the opening.
         last_valid: Unix time of the last valid packet in seconds, set by the node of the link; 0: none yet.
             A full link closes peers without one first, to make room for new peers.
@@ -69,6 +87,7 @@ class Channel(ABC):
         self.name = name
         self.peer = peer
         self.counters = Counters()
+        self.request: Request | None = None
         self.closed = False
         self.last_received = time()
         self.last_valid = 0.0

@@ -10,15 +10,17 @@ import re
 from difflib import get_close_matches
 from math import isfinite
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, NoReturn
+from typing import TYPE_CHECKING, Final, NoReturn, TypeVar
 
 from mavstack.errors import LinkURLError
 from mavstack.links.url import redact_options
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from mavstack.links.url import LinkURL
+
+Value = TypeVar("Value")
 
 _TIMES: Final[Mapping[str, float]] = MappingProxyType(
     {"us": 1e-6, "ms": 1e-3, "": 1.0, "s": 1.0, "min": 60.0}
@@ -82,6 +84,25 @@ class Options:
         if value > 1:
             self._refuse(name, "between 0 and 1, such as 0.1 or 10%")
         return value
+
+    def parsed(self, name: str, parse: Callable[[str], Value], expected: str) -> Value | None:
+        """Return the option as `parse` reads it, None if it is not given; `expected` describes valid values.
+
+        `parse` raises ValueError or KeyError for any other text.
+        """
+        text = self.text(name)
+        if not self.has(name):
+            return None
+        try:
+            return parse(text)
+        except (KeyError, ValueError):
+            self._refuse(name, expected)
+
+    def prefixed(self, prefix: str) -> dict[str, str]:
+        """Return the options whose names begin with a prefix, by the rest of their names."""
+        found = {name: text for name, text in self._url.options.items() if name.startswith(prefix)}
+        self._known.update(dict.fromkeys([f"{prefix}NAME", *found]))
+        return {name.removeprefix(prefix): text for name, text in found.items()}
 
     def refuse_unknown(self) -> None:
         """Raise `LinkURLError` if an option was not read by any of the other methods."""

@@ -12,8 +12,9 @@ from contextlib import suppress
 from time import time
 from typing import TYPE_CHECKING
 
-from mavstack.errors import LinkClosedError
+from mavstack.errors import LinkClosedError, LinkError
 from mavstack.links.connection import ConnectionChannel
+from mavstack.links.framing import FrameReader, frame
 
 if TYPE_CHECKING:
     from asyncio.trsock import TransportSocket
@@ -35,8 +36,11 @@ class StreamChannel(ConnectionChannel):
         on_closed: Callable[[Channel, str], None],
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
         send_queue: int,
+        *,
+        framed: bool = False,
     ) -> None:
         super().__init__(name, peer, on_closed)
+        self._frames = FrameReader() if framed else None
         self._reader, self._writer = streams
         self._send_queue = send_queue
         self._writer.transport.set_write_buffer_limits(high=send_queue // 2)
@@ -47,10 +51,13 @@ class StreamChannel(ConnectionChannel):
             while data := await self._reader.read(MAX_READ):
                 if not self.closed:
                     self.last_received = now = time()
-                    inbox.put(self, data, now)
+                    for chunk in (data,) if self._frames is None else self._frames.feed(data):
+                        inbox.put(self, chunk, now)
                     await inbox.wait_for_room()
         except OSError as error:
             return error.strerror or str(error)
+        except LinkError as error:
+            return str(error)
         return "closed by the peer"
 
     async def drain(self) -> None:
@@ -71,6 +78,8 @@ class StreamChannel(ConnectionChannel):
 
     def _send(self, data: Data) -> bool:
         transport = self._writer.transport
+        if self._frames is not None:
+            data = frame(data)
         if transport.is_closing() or transport.get_write_buffer_size() + len(data) > self._send_queue:
             return False
         self._writer.write(data)

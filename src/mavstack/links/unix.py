@@ -1,4 +1,8 @@
-"""Unix socket links: `unix://path` connects, `unixin://path` listens. Not available on Windows."""
+"""Unix socket links: `unix://path` connects, `unixin://path` listens. Not available on Windows.
+
+The bytes are a plain stream of packets, or frames with `framing=length` (see `framing`); both ends must
+agree.
+"""
 
 from __future__ import annotations
 
@@ -34,6 +38,7 @@ class UnixServer(ServerLink):
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self._server: asyncio.Server | None = None
+        self._framed = _is_framed(options)
         self._numbers = count(1)
 
     async def _open(self) -> None:
@@ -48,7 +53,10 @@ class UnixServer(ServerLink):
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         peer = f"{self.url.path}#{next(self._numbers)}"
         name = f"unixin {peer}"
-        connection = StreamChannel(name, peer, self._inbox.remove_channel, (reader, writer), self._send_queue)
+        streams = reader, writer
+        connection = StreamChannel(
+            name, peer, self._inbox.remove_channel, streams, self._send_queue, framed=self._framed
+        )
         if self._admit(connection):
             self._spawn(self._serve_task(connection))
 
@@ -69,11 +77,21 @@ class UnixServer(ServerLink):
 class UnixClient(ClientLink):
     """A link that connects to a listening path."""
 
+    def __init__(self, url: LinkURL, options: Options) -> None:
+        super().__init__(url, options)
+        self._framed = _is_framed(options)
+
     async def _connect(self) -> ConnectionChannel:
         _require_posix(self.url)
         streams = await asyncio.open_unix_connection(self.url.path)
-        name = f"unix {self.url.path}"
-        return StreamChannel(name, self.url.path, self._inbox.remove_channel, streams, self._send_queue)
+        name, path = f"unix {self.url.path}", self.url.path
+        return StreamChannel(
+            name, path, self._inbox.remove_channel, streams, self._send_queue, framed=self._framed
+        )
+
+
+def _is_framed(options: Options) -> bool:
+    return options.choice("framing", ("none", "length")) == "length"
 
 
 def _remove_stale(path: Path) -> None:

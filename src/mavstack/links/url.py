@@ -108,7 +108,7 @@ class LinkURL:
 
 
 _PATH_SAFE = "/:\\,.~@+=&"
-_SECRET_OPTION = re.compile(r"([?&][^=&]*(?:pass|secret|token|key)[^=&]*=)[^&]+", re.IGNORECASE)
+_SECRET_OPTION = re.compile(r"([?&][^=&]*(?:pass|secret|token|key|header\.)[^=&]*=)[^&]+", re.IGNORECASE)
 
 
 def redact_options(text: str) -> str:

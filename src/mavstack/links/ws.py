@@ -3,18 +3,31 @@
 They need the extra `web`. Each binary message is a chunk; text messages are dropped and counted. The server
 refuses connections from web pages, because any page open in the user's browser could connect, unless the
 origin of the page is given by `origin=https://…`; `origin=*` accepts all origins.
+
+A client sends the headers `header.NAME=VALUE`, the query `query.NAME=VALUE`, the subprotocols that it
+offers (`subprotocol=a,b`) and a token (`token=…`, as `Authorization: Bearer …`). A server with a token
+accepts only clients that show it; a web page, which cannot send headers, shows it as `?access_token=…`. The
+request of each client is `channel.request`; a program that sets `accept` of the `WsServer` decides by it:
+
+    link = WsServer.of("wsin://0.0.0.0:5770")
+    link.accept = lambda request: None if request.query.get("vehicle") else "name your vehicle"
 """
 
 from __future__ import annotations
 
 import asyncio
+import re
 from contextlib import suppress
+from dataclasses import replace
+from hmac import compare_digest
+from http import HTTPStatus
 from time import time
-from typing import TYPE_CHECKING, Any
-from urllib.parse import quote
+from typing import TYPE_CHECKING, Any, Final, cast
+from urllib.parse import parse_qsl, quote, unquote, urlencode, urlsplit
 
-from mavstack.errors import LinkError, MissingExtraError
+from mavstack.errors import LinkError, LinkURLError, MissingExtraError
 from mavstack.links.address import format_address
+from mavstack.links.channel import Request
 from mavstack.links.connection import ClientLink, ConnectionChannel, ServerLink
 from mavstack.links.os_errors import open_error
 from mavstack.links.queued import QueuedChannel
@@ -25,16 +38,19 @@ try:
     from websockets.asyncio.client import connect
     from websockets.asyncio.server import serve
     from websockets.exceptions import ConnectionClosed, InvalidHandshake, WebSocketException
+    from websockets.protocol import Side
 except ImportError as missing:
     raise MissingExtraError("a WebSocket link", "web") from missing
 
 if TYPE_CHECKING:
     import ssl
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from websockets.asyncio.connection import Connection as WebSocket
     from websockets.asyncio.server import Server, ServerConnection
-    from websockets.typing import Origin
+    from websockets.http11 import Request as HttpRequest
+    from websockets.http11 import Response
+    from websockets.typing import Origin, Subprotocol
 
     from mavstack.links.channel import Channel
     from mavstack.links.inbox import Inbox
@@ -42,6 +58,7 @@ if TYPE_CHECKING:
     from mavstack.links.url import LinkURL
 
 MAX_MESSAGE = 1 << 20
+_HEADER_NAME: Final = re.compile(r"[A-Za-z0-9!#$%&'*+.^_`|~-]+")
 
 
 class WsChannel(QueuedChannel):
@@ -53,6 +70,7 @@ class WsChannel(QueuedChannel):
         peer = format_address(socket.remote_address)
         super().__init__(f"{scheme} {peer}", peer, on_closed, send_queue)
         self._socket = socket
+        self.request = _request(socket)
 
     def abort(self) -> None:
         """Drop the connection without a closing handshake."""
@@ -86,7 +104,31 @@ class WsServer(ServerLink):
         super().__init__(url, options)
         self._ssl: ssl.SSLContext | None = server_context(url, options) if url.scheme == "wssin" else None
         self._origin = options.text("origin")
+        self._token = options.text("token")
+        self._subprotocols = _words(options, "subprotocol")
+        #: Decides on each client: returns None to accept it, or the reason to refuse it; None accepts all.
+        self.accept: Callable[[Request], str | None] | None = None
         self._server: Server | None = None
+
+    @classmethod
+    def of(cls, url: str) -> WsServer:
+        """Create the server of a URL.
+
+        Args:
+            url: A URL with the scheme `wsin` or `wssin`, without impairments.
+
+        Returns:
+            The link, not open yet.
+
+        Raises:
+            LinkURLError: The URL has another scheme, is malformed, or has an unknown option.
+        """
+        from mavstack.links.registry import open_link
+
+        link = open_link(url)
+        if not isinstance(link, cls):
+            raise LinkURLError(f"{link.url.redacted} is not a WebSocket server without impairments")
+        return link
 
     @property
     def address(self) -> tuple[str, int] | None:
@@ -99,6 +141,7 @@ class WsServer(ServerLink):
             self._server = await serve(
                 self._accept, self.url.host, self.url.port,
                 origins=self._origins(), ssl=self._ssl,
+                process_request=self._check, subprotocols=self._subprotocols or None,
                 compression=None, max_size=MAX_MESSAGE, close_timeout=1,
             )  # fmt: skip
         except OSError as error:
@@ -108,6 +151,16 @@ class WsServer(ServerLink):
         if self._origin == "*":
             return None
         return [None, self._origin] if self._origin else [None]  # type: ignore[list-item]
+
+    def _check(self, socket: ServerConnection, received: HttpRequest) -> Response | None:
+        """Return the response that refuses a client; None to accept it."""
+        request = _parse_request(received.path, received.headers.raw_items())
+        if self._token and not compare_digest(_token(request).encode(), self._token.encode()):
+            response = socket.respond(HTTPStatus.UNAUTHORIZED, "a valid token is needed\n")
+            response.headers["WWW-Authenticate"] = "Bearer"
+            return response
+        reason = self.accept(request) if self.accept is not None else None
+        return None if reason is None else socket.respond(HTTPStatus.FORBIDDEN, f"{reason}\n")
 
     async def _accept(self, socket: ServerConnection) -> None:
         connection = WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
@@ -130,13 +183,22 @@ class WsClient(ClientLink):
     def __init__(self, url: LinkURL, options: Options) -> None:
         super().__init__(url, options)
         self._timeout = options.seconds("timeout", 5.0)
-        self._settings: dict[str, Any] = {"compression": None, "max_size": MAX_MESSAGE, "close_timeout": 1}
+        self._settings: dict[str, Any] = {
+            "compression": None,
+            "max_size": MAX_MESSAGE,
+            "close_timeout": 1,
+            "additional_headers": _headers(url, options),
+            "subprotocols": _words(options, "subprotocol") or None,
+            "origin": options.text("origin") or None,
+        }
+        query = urlencode(options.prefixed("query."))
+        self._target = quote(url.path) + (f"?{query}" if query else "")
         if url.scheme == "wss":
             self._settings["ssl"] = client_context(url, options)
 
     async def _connect(self) -> ConnectionChannel:
         host = f"[{self.url.host}]" if ":" in self.url.host else self.url.host
-        address = f"{self.url.scheme}://{host}:{self.url.port}{quote(self.url.path)}"
+        address = f"{self.url.scheme}://{host}:{self.url.port}{self._target}"
         try:
             socket = await connect(address, open_timeout=self._timeout, **self._settings)
         except InvalidHandshake as error:
@@ -146,3 +208,38 @@ class WsClient(ClientLink):
         except WebSocketException as error:
             raise LinkError(f"cannot open {self.url.redacted}: {error}") from error
         return WsChannel(self.url.scheme, self._inbox.remove_channel, self._send_queue, socket)
+
+
+def _headers(url: LinkURL, options: Options) -> dict[str, str]:
+    """Return the headers that a client sends; raises `LinkURLError` for one that HTTP does not allow."""
+    headers = options.prefixed("header.")
+    token = options.text("token")
+    if token:
+        headers["Authorization"] = f"Bearer {token}"
+    for name, value in headers.items():
+        if not _HEADER_NAME.fullmatch(name) or not (value.isascii() and value.isprintable()):
+            raise LinkURLError(f"{url.redacted}: HTTP does not allow the header {name!r} or its value")
+    return headers
+
+
+def _words(options: Options, name: str) -> list[Subprotocol]:
+    return [cast("Subprotocol", word.strip()) for word in options.text(name).split(",") if word.strip()]
+
+
+def _request(socket: WebSocket) -> Request | None:
+    """Return the request with which a client of a server came; None at the client itself."""
+    if socket.protocol.side is not Side.SERVER or socket.request is None:
+        return None
+    request = _parse_request(socket.request.path, socket.request.headers.raw_items())
+    return replace(request, subprotocol=socket.subprotocol or "")
+
+
+def _parse_request(target: str, headers: Iterable[tuple[str, str]]) -> Request:
+    parts = urlsplit(target)
+    query = dict(parse_qsl(parts.query, keep_blank_values=True))
+    return Request(unquote(parts.path), query, {name.lower(): value for name, value in headers})
+
+
+def _token(request: Request) -> str:
+    scheme, _, token = request.headers.get("authorization", "").partition(" ")
+    return token.strip() if scheme.lower() == "bearer" else request.query.get("access_token", "")

@@ -1,17 +1,25 @@
-"""The state of a channel in the engine: parser, encoders, signing and pacing."""
+"""The state of a channel in the engine: parser, encoders, MAVLink version, signing and pacing.
+
+With the version "auto" a channel sends MAVLink 2, unless its peer has only been heard speaking MAVLink 1.
+It returns to MAVLink 2, for good, with the first packet of that version, and with an AUTOPILOT_VERSION that
+has the capability MAVLINK2. A signed channel always sends MAVLink 2, the only version with signatures.
+"""
 
 from __future__ import annotations
 
 import logging
 from typing import TYPE_CHECKING
 
-from mavstack.node.pacing import Pacer
+from mavstack.dialects import common
+from mavstack.node.pacing import Pacer, is_radio
 from mavstack.security.timestamps import time_if_set
+from mavstack.services import message_ids
 from mavstack.wire import Encoder, Parser
 
 if TYPE_CHECKING:
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
+    from mavstack.links.settings import Version
     from mavstack.services import Address, Priority
     from mavstack.wire import Packet, Signing
 
@@ -19,6 +27,7 @@ _logger = logging.getLogger("mavstack.node")
 
 #: Seconds between two log records about refused packets of a channel.
 REFUSAL_LOG_INTERVAL = 10.0
+_AUTOPILOT_VERSION = next(iter(message_ids(common.AutopilotVersion)))
 
 
 class ChannelState:
@@ -29,7 +38,7 @@ class ChannelState:
         name: str,
         dialect: HasCoreDialect,
         *,
-        version: int = 2,
+        version: Version = 2,
         signing: Signing | None = None,
         bandwidth: float | None = None,
         half_duplex: bool = False,
@@ -50,7 +59,9 @@ class ChannelState:
         #: Packets refused because another channel verifies their sender.
         self.unverified = 0
         self._dialect = dialect
-        self._version = version
+        #: True if the version of sent packets follows the peer; False once it is known to speak MAVLink 2.
+        self.negotiates = version == "auto"
+        self._version: int = 2 if version == "auto" else version
         self._signing = signing
         self._parser = Parser(dialect, signing=signing)
         self._encoders: dict[Address, Encoder] = {}
@@ -63,6 +74,11 @@ class ChannelState:
     def parser(self) -> Parser:
         """The parser of received bytes; see its `statistics`."""
         return self._parser
+
+    @property
+    def version(self) -> int:
+        """The MAVLink version of sent packets."""
+        return self._version if self._signing is None else 2
 
     @property
     def signing(self) -> Signing | None:
@@ -100,6 +116,10 @@ class ChannelState:
     def _sign_with(self, signing: Signing | None, parser: Parser) -> None:
         self._signing, self._parser = signing, parser
         self._logged_refusals = signing.refusals.total if signing is not None else 0
+        self._renew_encoders()
+
+    def _renew_encoders(self) -> None:
+        """Replace the encoders after a change of version or signing; the sequence numbers go on."""
         sequences = {source: encoder.sequence for source, encoder in self._encoders.items()}
         self._encoders.clear()
         for source, sequence in sequences.items():
@@ -109,6 +129,12 @@ class ChannelState:
         """Return the packets that the bytes complete."""
         if self.pacer.half_duplex:
             self.pacer.received(len(data), now)
+        packets = self._parse(data, now)
+        if self.negotiates and packets:
+            self._negotiate(packets)
+        return packets
+
+    def _parse(self, data: bytes, now: float) -> list[Packet]:
         if self._signing is None and self._other is None:
             return self._parser.feed(data)
         time = time_if_set(now)
@@ -119,6 +145,23 @@ class ChannelState:
             accepted = {packet.raw for packet in packets}
             packets += [packet for packet in self._other[1].feed(data, time) if packet.raw not in accepted]
         return packets
+
+    def _negotiate(self, packets: list[Packet]) -> None:
+        """Follow the version that the peer speaks; a radio on the way is not the peer."""
+        versions = {packet.version for packet in packets if not is_radio(packet.component)}
+        if not versions:
+            return
+        if 2 in versions or any(_announces_version_2(packet) for packet in packets):
+            self.negotiates = False
+            self._send_version(2)
+        else:
+            self._send_version(1)
+
+    def _send_version(self, version: int) -> None:
+        if version != self._version:
+            self._version = version
+            self._renew_encoders()
+            _logger.info("channel %s: MAVLink %d", self.name, self.version)
 
     def proves_validity(self, packets: list[Packet]) -> bool:
         """Return whether received packets prove a valid peer: with signing, only signed ones do."""
@@ -145,6 +188,13 @@ class ChannelState:
     def _encoder(self, source: Address) -> Encoder:
         encoder = self._encoders.get(source)
         if encoder is None:
-            encoder = Encoder(source.system, source.component, version=self._version, signing=self._signing)
+            encoder = Encoder(source.system, source.component, version=self.version, signing=self._signing)
             self._encoders[source] = encoder
         return encoder
+
+
+def _announces_version_2(packet: Packet) -> bool:
+    """Return whether a packet is an AUTOPILOT_VERSION of a component that can speak MAVLink 2."""
+    if packet.message_id != _AUTOPILOT_VERSION or packet.message is None:
+        return False
+    return bool(packet.message.capabilities & common.MavProtocolCapability.MAVLINK2)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from mavstack.links import LinkEvent
+    from mavstack.links.settings import Version
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.engine import Engine
     from mavstack.services import Service
@@ -41,8 +42,8 @@ class Driver:
         *,
         on_packet: Callable[[Packet], None],
         on_event: Callable[[object, Service | None], None],
-        on_channel: Callable[[ChannelState], None],
-        version: int = 2,
+        on_channel: Callable[[ChannelState, Link], None],
+        version: Version = 2,
         on_error: Callable[[Operation[Any], float], None] = lambda operation, started_at: None,
     ) -> None:
         self.engine = engine
@@ -208,12 +209,12 @@ class Driver:
             case ChannelOpened(channel):
                 state = self.engine.open_channel(
                     channel.name,
-                    version=self._version,
+                    version=link.settings.version or self._version,
                     bandwidth=link.pace or None,
                     half_duplex=link.half_duplex,
                 )
                 self.channels[channel], self._by_state[state] = state, channel
-                self._on_channel(state)
+                self._on_channel(state, link)
             case ChannelClosed(channel):
                 state = self.channels.pop(channel)
                 del self._by_state[state]

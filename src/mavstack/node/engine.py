@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 
     from mavstack._core import HasCoreDialect
     from mavstack.dialects import Message
+    from mavstack.links.settings import Version
     from mavstack.wire import Signing
 
 AnyService = TypeVar("AnyService", bound=Service)
@@ -59,7 +60,6 @@ AnyService = TypeVar("AnyService", bound=Service)
 FAILURE_INTERVAL = 0.05
 #: Outdated entries of the timer heap that are kept before the heap is rebuilt.
 MAX_OUTDATED_TIMERS = 1000
-
 #: Seconds for which own heartbeats are kept, to recognise their echoes over looped links, and their number.
 ECHO_TIMEOUT = 10.0
 MAX_HEARTBEATS = 256
@@ -105,7 +105,7 @@ class Engine:
         self,
         name: str,
         *,
-        version: int = 2,
+        version: Version = 2,
         signing: Signing | None = None,
         bandwidth: float | None = None,
         half_duplex: bool = False,

@@ -16,7 +16,7 @@ import asyncio
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError
+from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError, LinkURLError
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, Link, open_link
 from mavstack.security import carries_signing_key
 from mavstack.wire import Parser
@@ -76,8 +76,14 @@ class Forwarding:
 
         Raises:
             LinkError: The link cannot be opened, or is an output already.
+            LinkURLError: The URL is invalid, or has options that would change packets.
         """
         output = Output(open_link(link) if isinstance(link, str) else link)
+        if given := output.link.settings.given:
+            raise LinkURLError(
+                f"{output.link.url.redacted}: packets are forwarded unchanged, "
+                f"so that the option {given[0]} has no effect; remove it"
+            )
         if any(output.url == other.url for other in self._outputs):
             raise LinkError(f"{output.url} is an output already")
         await output.link.open()

@@ -1,5 +1,7 @@
 """The signing keys of a node: the key of each new channel, and the signing timestamp between two runs.
 
+A channel signs with the key that the URL of its link names, or else with the key of the node.
+
 A key that was set up over a channel (see `services.signing_setup`) is used again when that channel reopens,
 as after a reconnect; a key that a remote component installed on this node applies to all its channels from
 then on. A channel that opens during a change of keys takes part in it. A channel without a key that receives
@@ -27,8 +29,9 @@ from mavstack.services.signing_setup import KeySettled, ListenForKey, SigningSet
 from mavstack.services.signing_setup.key_change import signed_with
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
+    from mavstack.links import Link
     from mavstack.node.channel_state import ChannelState
     from mavstack.node.engine import Engine
     from mavstack.security import SigningKey, TimestampStore
@@ -59,9 +62,16 @@ class _Change:
 class Keys:
     """The signing keys and the stored signing timestamp of one node."""
 
-    def __init__(self, engine: Engine, key: SigningKey | None, timestamps: TimestampStore | None) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        key: SigningKey | None,
+        timestamps: TimestampStore | None,
+        link_keys: Mapping[Link, SigningKey],
+    ) -> None:
         self._engine = engine
         self._key = key
+        self._link_keys = dict(link_keys)
         self._timestamps = timestamps
         self._stored = 0
         self._by_channel: dict[str, SigningKey | None] = {}
@@ -70,9 +80,9 @@ class Keys:
         engine.adopt_key = self._adopt
         self._task: asyncio.Task[None] | None = None
 
-    def on_channel_opened(self, channel: ChannelState) -> None:
+    def on_channel_opened(self, channel: ChannelState, link: Link) -> None:
         """Set the key of a channel that opened; during a change of keys of its name, it joins that change."""
-        self._sign(channel, self._by_channel.get(channel.name, self._key))
+        self._sign(channel, self._by_channel.get(channel.name, self._link_keys.get(link, self._key)))
         for change in self._changes.values():
             if any(channel.name == known.name for known in change.channels):
                 change.reopened[channel.name] = channel
@@ -103,6 +113,7 @@ class Keys:
         if is_own:
             self._key = event.key
             self._by_channel.clear()
+            self._link_keys.clear()
         else:
             self._by_channel.update((channel.name, event.key) for channel in (*change.channels, *heard_on))
         for channel in self._engine.channels if is_own else heard_on:
@@ -138,7 +149,7 @@ class Keys:
             elif last_run.interrupted:
                 floor = self._stored = self._stored + int(STORE_INTERVAL * UNITS_PER_SECOND)
             self._engine.signing_states.restore(last_run, floor)
-            if self._key is not None:
+            if self._key is not None or self._link_keys:
                 self._call_store(self._timestamps.mark_running)
             self._task = asyncio.get_running_loop().create_task(self._store_periodically())
 

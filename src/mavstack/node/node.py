@@ -20,16 +20,19 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from mavstack.dialects import Dialect, Message, common
 from mavstack.errors import InvalidArgumentError, RemoteTimeout
 from mavstack.links import ChannelClosed, ChannelOpened, Link, open_link
+from mavstack.links.settings import VERSIONS
 from mavstack.node.component import RemoteComponent
 from mavstack.node.diagnostics import describe_traffic
 from mavstack.node.driver import Driver
 from mavstack.node.engine import Engine
 from mavstack.node.host import NodeHost
 from mavstack.node.keys import Keys
+from mavstack.node.link_settings import heartbeat_interval, link_keys, local_address
 from mavstack.node.log_events import log_event
 from mavstack.node.messaging import Messaging
 from mavstack.node.read_only import ReadOnly
 from mavstack.node.serving import Serving
+from mavstack.node.version_query import VersionQueries
 from mavstack.services import DEFAULT_WAIT_TIMEOUT, Address
 from mavstack.services.heartbeat import (
     ComponentChanged,
@@ -39,6 +42,7 @@ from mavstack.services.heartbeat import (
     Discovery,
     HeartbeatSender,
 )
+from mavstack.services.heartbeat.sender import DEFAULT_INTERVAL
 from mavstack.services.ping import PingServer
 from mavstack.services.signing_setup import KeyEvent
 from mavstack.services.statustext import StatustextReceiver
@@ -50,6 +54,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack._core import HasCoreDialect
+    from mavstack.links.settings import Version
     from mavstack.security import SigningKey, TimestampStore
     from mavstack.services import Operation, Service
     from mavstack.services.heartbeat import ComponentInfo
@@ -71,14 +76,20 @@ class Node(Messaging, Serving, ReadOnly):
         type: The MAV_TYPE in the node's HEARTBEAT.
         autopilot: The MAV_AUTOPILOT in the node's HEARTBEAT; INVALID for everything but flight controllers.
         dialect: The dialect of the messages; None: "all".
-        version: The MAVLink version of sent packets, 1 or 2; both are received.
+        version: The MAVLink version of sent packets, 1 or 2; both are received. "auto": 1 on the channels of
+            peers that have only been heard speaking version 1, 2 on all others.
         signing: The key that new channels sign with; None: unsigned.
         timestamps: The store of the signing timestamp between two runs of the program; None: not stored.
-        heartbeat: Send HEARTBEAT once a second.
+        heartbeat: Send HEARTBEAT.
+        heartbeat_rate: Heartbeats per second; 0: none.
+
+    The options `id`, `mavlink`, `signing_key` and `heartbeat_rate` of a link's URL win over the arguments.
 
     Raises:
-        InvalidArgumentError: `system` or `component` is not in 1 to 255.
+        InvalidArgumentError: `system` or `component` is not in 1 to 255, `version` or `heartbeat_rate` is
+            invalid, or the URLs contradict each other.
         LinkURLError: A URL is invalid.
+        SigningError: The key that a URL names cannot be read.
     """
 
     _constructed = frozenset({"links"})
@@ -91,14 +102,18 @@ class Node(Messaging, Serving, ReadOnly):
         type: int = common.MavType.GCS,  # noqa: A002 (HEARTBEAT's name for it)
         autopilot: int = common.MavAutopilot.INVALID,
         dialect: HasCoreDialect | None = None,
-        version: int = 2,
+        version: Version = 2,
         signing: SigningKey | None = None,
         timestamps: TimestampStore | None = None,
         heartbeat: bool = True,
+        heartbeat_rate: float = 1.0,
     ) -> None:
-        local = Address(system, int(component))
-        if not (0 < local.system < 256 and 0 < local.component < 256):
-            raise InvalidArgumentError(f"invalid address {local}: system and component must be 1 to 255")
+        if version not in VERSIONS.values():
+            raise InvalidArgumentError(f"version must be 1, 2 or 'auto', got {version!r}")
+        #: The node's links, in the order in which they were given.
+        self.links: list[Link] = [open_link(link) if isinstance(link, str) else link for link in links]
+        local = local_address(self.links, system, int(component))
+        interval = heartbeat_interval(self.links, heartbeat_rate if heartbeat else 0.0)
         engine = Engine(local, dialect or Dialect.load("all"))
         self._host = NodeHost(
             engine,
@@ -109,14 +124,13 @@ class Node(Messaging, Serving, ReadOnly):
                 is_verified=engine.routes.is_verified,
             ),
         )
-        self._heartbeat = HeartbeatSender(local, type, autopilot)
-        #: The node's links, in the order in which they were given.
-        self.links: list[Link] = [open_link(link) if isinstance(link, str) else link for link in links]
+        self._heartbeat = HeartbeatSender(local, type, autopilot, interval=interval or DEFAULT_INTERVAL)
         #: The services of every node: it receives status texts, and answers PING and TIMESYNC.
         self._common_services = (StatustextReceiver(local), PingServer(local), TimesyncServer(local))
         self._version = version
-        self._keys = Keys(engine, signing, timestamps)
-        self._sends_heartbeat = heartbeat
+        self._keys = Keys(engine, signing, timestamps, link_keys(self.links))
+        self._version_queries = VersionQueries(engine.routes, self.component)
+        self._sends_heartbeat = interval is not None
         self._remotes: dict[Address, RemoteComponent] = {}
 
     @property
@@ -193,6 +207,7 @@ class Node(Messaging, Serving, ReadOnly):
                 steps.push_async_callback(link.close)
             steps.push_async_callback(self._keys.close)
             steps.push_async_callback(driver.stop)
+            steps.push_async_callback(self._version_queries.close)
             if "commands" in self.__dict__:
                 steps.push_async_callback(self.commands.stop)
 
@@ -287,6 +302,7 @@ class Node(Messaging, Serving, ReadOnly):
     def _on_event(self, event: object, service: Service | None = None) -> None:
         """Handle an event of a link or a service, then deliver it to subscriptions."""
         log_event(event)
+        self._version_queries.on_event(event)
         match event:
             case ChannelOpened() if self._sends_heartbeat:
                 self._heartbeat.send_now(self.now())  # a new peer learns of this node at once

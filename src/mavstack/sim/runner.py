@@ -14,13 +14,17 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import defaultdict
 from dataclasses import dataclass
+from itertools import count
 from math import ceil, inf, isinf
 from typing import TYPE_CHECKING
 
 from mavstack.dialects import Dialect
-from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError
+from mavstack.errors import InvalidArgumentError, LinkClosedError, LinkError, LinkURLError
 from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened, Link, LinkDown, open_link
+from mavstack.node.link_settings import link_keys
+from mavstack.node.signing_states import SigningStates
 from mavstack.services.addressing import target_of
 from mavstack.sim.simulation import ROUNDING
 from mavstack.wire import Parser
@@ -31,6 +35,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from mavstack.links import LinkEvent
+    from mavstack.security import SigningKey
     from mavstack.sim.port import Port
     from mavstack.sim.simulation import Simulation
     from mavstack.sim.vehicle import SimulatedVehicle
@@ -87,6 +92,10 @@ class Runner:
         self._on_link_down = on_link_down
         self._dialect = Dialect.load("all")
         self._channels: dict[Port, Channel] = {}
+        self._keys: dict[Link, SigningKey] = {}
+        self._link_ids = count()
+        #: The signing states outlive a reboot of the vehicle, so that no packet is accepted twice.
+        self._signing_states: defaultdict[SimulatedVehicle, SigningStates] = defaultdict(SigningStates)
         self._tasks: set[asyncio.Task[None]] = set()
 
     @property
@@ -121,8 +130,13 @@ class Runner:
 
         Raises:
             LinkError: The link cannot be opened.
+            LinkURLError: The URL is invalid, or gives ids or heartbeats, which the vehicles have themselves.
+            SigningError: The key that the URL names cannot be read.
         """
         opened = open_link(link) if isinstance(link, str) else link
+        if own := {"id", "heartbeat_rate"}.intersection(opened.settings.given):
+            raise LinkURLError(f"{opened.url.redacted}: simulated vehicles do not use the option {min(own)}")
+        self._keys |= link_keys([opened])
         await opened.open()
         self.links.append(opened)
         _LOG.info("link %s open", opened.url.redacted)
@@ -229,14 +243,7 @@ class Runner:
             case BytesReceived(channel, data):
                 self._received(self._channel_ports[channel], data)
             case ChannelOpened(channel):
-                bandwidth, bulk_rate = self._limits(link.pace)
-                ports = {
-                    vehicle: vehicle.open_port(channel.name, bandwidth=bandwidth, bulk_rate=bulk_rate)
-                    for vehicle in vehicles
-                }
-                parser = Parser(self._dialect) if len(vehicles) > 1 else None
-                self._channel_ports[channel] = _ChannelPorts(channel, link.pace, ports, parser)
-                self._channels.update(dict.fromkeys(ports.values(), channel))
+                self._open_channel(link, vehicles, channel)
                 _LOG.info("channel %s up", channel.name)
             case ChannelClosed(channel):
                 _LOG.info("channel %s down", channel.name)
@@ -245,6 +252,24 @@ class Runner:
                 _LOG.warning("link %s down: %s", link.url.redacted, reason)
                 if self._on_link_down is not None:
                     self._on_link_down(link, reason)
+
+    def _open_channel(self, link: Link, vehicles: Sequence[SimulatedVehicle], channel: Channel) -> None:
+        """Open the port of each vehicle on a channel."""
+        bandwidth, bulk_rate = self._limits(link.pace)
+        key, number = self._keys.get(link), next(self._link_ids) % 256
+        ports = {
+            vehicle: vehicle.open_port(
+                channel.name,
+                signing=self._signing_states[vehicle].create(key, number, 0),
+                version=link.settings.version or 2,
+                bandwidth=bandwidth,
+                bulk_rate=bulk_rate,
+            )
+            for vehicle in vehicles
+        }
+        parser = Parser(self._dialect) if len(vehicles) > 1 else None
+        self._channel_ports[channel] = _ChannelPorts(channel, link.pace, ports, parser)
+        self._channels.update(dict.fromkeys(ports.values(), channel))
 
     def _close_channel(self, channel: Channel) -> None:
         """Close the ports of a channel."""

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from mavstack.links.settings import Version
     from mavstack.services import Address, Event, Service
     from mavstack.sim.autopilot.interfaces import FirmwareProfile, Mode
     from mavstack.sim.motion import Body
@@ -117,6 +118,7 @@ class SimulatedVehicle:
         name: str,
         *,
         signing: Signing | None = None,
+        version: Version = 2,
         bandwidth: float | None = None,
         bulk_rate: float | None = None,
     ) -> Port:
@@ -125,13 +127,15 @@ class SimulatedVehicle:
         Args:
             name: The name of the peer, for logs.
             signing: The signing state of the port; None for no signing.
+            version: The MAVLink version of sent packets, 1, 2 or "auto".
             bandwidth: Bytes per second; None if unknown.
             bulk_rate: Packets of logs and files per second; None for no limit.
 
         Returns:
             The port.
         """
-        port = Port(name, {"signing": signing, "bandwidth": bandwidth, "bulk_rate": bulk_rate})
+        capacity = {"bandwidth": bandwidth, "bulk_rate": bulk_rate}
+        port = Port(name, {"signing": signing, "version": version} | capacity)
         self.ports.append(port)
         self._connect(port)
         self.services.beacon.send_now(self.now)

@@ -12,6 +12,7 @@ from mavstack.dialects import common
 from mavstack.errors import CommandDenied
 from mavstack.links import Channel
 from mavstack.links import Link
+from mavstack.links.settings import Version
 from mavstack.node.channel_state import ChannelState
 from mavstack.security import SigningKey
 from mavstack.security import TimestampStore
@@ -1626,14 +1627,20 @@ class Node:
         type: The MAV_TYPE in the node's HEARTBEAT.
         autopilot: The MAV_AUTOPILOT in the node's HEARTBEAT; INVALID for everything but flight controllers.
         dialect: The dialect of the messages; None: "all".
-        version: The MAVLink version of sent packets, 1 or 2; both are received.
+        version: The MAVLink version of sent packets, 1 or 2; both are received. "auto": 1 on the channels of
+            peers that have only been heard speaking version 1, 2 on all others.
         signing: The key that new channels sign with; None: unsigned.
         timestamps: The store of the signing timestamp between two runs of the program; None: not stored.
-        heartbeat: Send HEARTBEAT once a second.
+        heartbeat: Send HEARTBEAT.
+        heartbeat_rate: Heartbeats per second; 0: none.
+
+    The options `id`, `mavlink`, `signing_key` and `heartbeat_rate` of a link's URL win over the arguments.
 
     Raises:
-        InvalidArgumentError: `system` or `component` is not in 1 to 255.
+        InvalidArgumentError: `system` or `component` is not in 1 to 255, `version` or `heartbeat_rate` is
+            invalid, or the URLs contradict each other.
         LinkURLError: A URL is invalid.
+        SigningError: The key that a URL names cannot be read.
     """
 
     def stream(self, *messages: type[AnyMessage], system: int=0, component: int=0, queue: int=..., keep_all: bool=False) -> Subscription[AnyMessage]:
@@ -1854,7 +1861,7 @@ class Node:
         """
     links: list[Link]
 
-    def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: int=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True) -> None:
+    def __init__(self, *links: str | Link, system: int=255, component: int=..., type: int=..., autopilot: int=..., dialect: HasCoreDialect | None=None, version: Version=2, signing: SigningKey | None=None, timestamps: TimestampStore | None=None, heartbeat: bool=True, heartbeat_rate: float=1.0) -> None:
         ...
 
     @property

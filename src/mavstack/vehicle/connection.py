@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
     from mavstack._core import HasCoreDialect
     from mavstack.links import Link
+    from mavstack.links.settings import Version
     from mavstack.security import SigningKey, TimestampStore
     from mavstack.services import Address, Operation, Service
     from mavstack.services.heartbeat import ComponentInfo
@@ -55,10 +56,11 @@ class NodeOptions(TypedDict, total=False):
     type: int
     autopilot: int
     dialect: HasCoreDialect | None
-    version: int
+    version: Version
     signing: SigningKey | None
     timestamps: TimestampStore | None
     heartbeat: bool
+    heartbeat_rate: float
 
 
 class Connection(Node):

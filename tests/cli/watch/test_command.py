@@ -1,22 +1,23 @@
 from __future__ import annotations
 
-import asyncio
 import io
 import json
 import socket
 import sys
 import threading
+import time
 from contextlib import contextmanager
 
 import pytest
 
-from mavstack.cli.watch.command import recording_path
-from mavstack.cli.watch.follower import Follower, send_heartbeats
+from mavstack.cli.watch.follower import Follower
 from mavstack.cli.watch.observer import Observer
+from mavstack.cli.watch.sources import recording_path
 from mavstack.dialects import Dialect, common
 from mavstack.errors import LogError
 from mavstack.links import open_link
-from mavstack.wire import Parser
+from mavstack.security import SigningKey
+from mavstack.wire import Encoder
 from tests.cli.conftest import START, flight, stamped
 
 # files
@@ -257,16 +258,33 @@ async def test_link_is_followed_to_its_end(tlog):
     assert follower.note.endswith("end of file")
 
 
-async def test_heartbeats_are_those_of_a_ground_station():
-    async with open_link("udpin://127.0.0.1:0") as here:
-        host, port = here.address
-        async with open_link(f"udpout://{host}:{port}") as there:
-            task = asyncio.create_task(send_heartbeats(there))
-            observer = Observer(Dialect.load("all"))
-            heard = []
-            follower = Follower(observer, lambda packets, _time: heard.extend(packets))
-            await follower.follow(here, 0.1)
-            task.cancel()
-    assert heard[0].message.type == common.MavType.GCS
-    assert (heard[0].system, heard[0].component) == (255, 190)
-    assert Parser(common).feed(heard[0].raw)
+# keys
+
+
+@contextmanager
+def signed_sender(key: SigningKey):
+    """Send signed packets and unsigned ones; yield the URL on which they arrive."""
+    signed = Encoder(1, 1, signing=key.signing()).encode(common.Attitude(), time.time())
+    with sender(signed + flight(0)[0]) as url:
+        yield url
+
+
+def test_with_a_key_only_packets_signed_with_it_are_shown(mav, tmp_path):
+    key, other = SigningKey.generate(), SigningKey.generate()
+    key.save(tmp_path / "fleet.key")
+    other.save(tmp_path / "other.key")
+    with signed_sender(key) as url:
+        result = mav("watch", url, "--once", "--json", "--for", "0.4", "--key", tmp_path / "fleet.key")
+    summary = json.loads(result.out)
+    assert summary["messages"] == {"ATTITUDE": 1}
+    assert summary["refused"] > 0
+    with signed_sender(key) as url:
+        result = mav("watch", url, "--once", "--for", "0.4", "--key", tmp_path / "other.key")
+    assert result.code == 1
+    assert "are unsigned or signed with another key" in result.err
+
+
+def test_an_unknown_key_is_told(mav):
+    result = mav("watch", "udpin://127.0.0.1:0", "--once", "--key", "nokey")
+    assert result.code == 1
+    assert "there is no signing key 'nokey'" in result.err

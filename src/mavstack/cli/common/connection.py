@@ -1,4 +1,4 @@
-"""The connection of a command to a vehicle: `--url`, `--system`, `--timeout`.
+"""The connection of a command to a vehicle: `--url`, `--system`, `--timeout`, and the options of links.
 
 The URL comes from MAVSTACK_URL if it is not given, so that a session of commands names it once. A command
 waits for the vehicle's first heartbeat, does its work, and closes the connection. A failure is told in one
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.errors import failure_text
 from mavstack.cli.common.exposure import announce_exposure
+from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import echo
 from mavstack.cli.common.selection import (
@@ -61,6 +62,7 @@ def add_connection_options(parser: ArgumentParser, *, fleet: bool = False, chang
     )
     add_system_option(group, fleet=fleet, changes=changes)
     add_heartbeat_timeout(group)
+    add_link_options(parser.add_argument_group("links"))
 
 
 def add_heartbeat_timeout(group: _ActionsContainer) -> None:
@@ -91,8 +93,9 @@ def add_vehicle_action(
 
 
 def connection_urls(arguments: Namespace) -> list[str]:
-    """Return the URLs to connect to."""
-    return arguments.url or [os.environ.get("MAVSTACK_URL") or DEFAULT_URL]
+    """Return the URLs to connect to, with the options of links that the command line gives."""
+    urls = arguments.url or [os.environ.get("MAVSTACK_URL") or DEFAULT_URL]
+    return with_link_options(urls, arguments)
 
 
 def run_on_vehicle(arguments: Namespace, work: Callable[[Vehicle], Awaitable[int]]) -> int:

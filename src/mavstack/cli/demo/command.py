@@ -6,6 +6,7 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING, Any, Final
 
+from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.errors import MissingExtraError
@@ -47,6 +48,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="link on which other programs can reach the vehicles",
     )
     add("--seed", type=int, default=1, metavar="N", help="seed of all random numbers (default: 1)")
+    add_link_options(parser.add_argument_group("links"), identity=False)
 
 
 def run(arguments: Namespace) -> int:
@@ -74,7 +76,7 @@ async def _demo(arguments: Namespace) -> int:
     vehicles = add_vehicles(simulation)
     async with Runner(simulation, speed=arguments.speed) as runner:
         await runner.connect(network.link(), vehicles)
-        for url in arguments.out:
+        for url in with_link_options(arguments.out, arguments):
             await runner.connect(url, vehicles)
         async with (
             Node(network.link(), dialect=dialect) as ground,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.cli.common.connection import DEFAULT_URL, add_heartbeat_timeout, connection_urls
 from mavstack.cli.common.exposure import announce_exposure
+from mavstack.cli.common.link_options import add_link_options
 from mavstack.cli.common.options import system_id
 from mavstack.cli.common.selection import require_one_vehicle
 from mavstack.cli.common.stdin_lines import stdin_lines
@@ -31,7 +32,7 @@ EXAMPLES: Final = """\
 examples:
   mav shell                                       # vehicles on UDP port 14550
   mav shell udpin://0.0.0.0:14550 --out udpout://127.0.0.1:14551   # and a ground station
-  mav shell /dev/ttyACM0,57600
+  mav shell /dev/ttyACM0,57600 --key fleet        # signed
   mav shell --command "mode guided; arm throttle; takeoff 10"
   mav shell --script flight.txt
   echo "param show RTL*" | mav shell
@@ -59,6 +60,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     group.add_argument("--command", metavar="LINE", help="run a line, and exit")
     add("--keep-going", action="store_true", help="go on with a script after a failure")
     add_heartbeat_timeout(parser)
+    add_link_options(parser.add_argument_group("links"))
 
 
 def run(arguments: Namespace) -> int:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from mavstack.cli.common.errors import UsageError
 from mavstack.cli.common.exposure import announce_exposure
+from mavstack.cli.common.link_options import add_link_options, with_link_options
 from mavstack.cli.common.options import seconds, system_id
 from mavstack.cli.common.output import echo, echo_json
 from mavstack.errors import MavstackError
@@ -87,13 +88,15 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def _add_link_options(parser: ArgumentParser) -> None:
-    add = parser.add_argument_group("links").add_argument
+    group = parser.add_argument_group("links")
+    add = group.add_argument
     default = " and ".join(DEFAULT_OUT)
     add("--out", action="append", metavar="URL", help=f"link; may be repeated (default: {default})")
     add("--each", action="store_true", help="one port per vehicle, counting up from the port of the link")
     add("--loss", type=_share, default=0.0, metavar="F", help="share of packets lost per direction, 0 to 1")
     add("--latency", type=_milliseconds, default=0.0, metavar="MS", help="delay per direction, milliseconds")
     add("--bandwidth", metavar="BYTES", help="bytes per second in each direction, such as 5760 or 64k")
+    add_link_options(group, identity=False)
 
 
 def _add_disturbances(parser: ArgumentParser) -> None:
@@ -157,7 +160,8 @@ def _start_time() -> float:
 async def _connect(runner: Runner, vehicles: Sequence[SimulatedVehicle], arguments: Namespace) -> list[Link]:
     from mavstack.sim.fleet import link_per_vehicle
 
-    urls = [_impaired(url, arguments) for url in arguments.out or DEFAULT_OUT]
+    urls = with_link_options(arguments.out or DEFAULT_OUT, arguments)
+    urls = [_impaired(url, arguments) for url in urls]
     if not arguments.each:
         return [await runner.connect(url, vehicles) for url in urls]
     return [

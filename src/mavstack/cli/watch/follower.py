@@ -8,19 +8,17 @@ from contextlib import asynccontextmanager
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from mavstack.dialects import common
 from mavstack.links import BytesReceived, ChannelClosed, ChannelOpened, LinkDown
-from mavstack.wire import encode
+from mavstack.node.link_settings import link_keys
+from mavstack.node.signing_states import SigningStates
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
+    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
 
     from mavstack.cli.watch.observer import Observer
     from mavstack.links import Link
-    from mavstack.wire import Packet
-
-GROUND_STATION = 255
-MISSION_PLANNER = 190
+    from mavstack.security import SigningKey
+    from mavstack.wire import Packet, Signing
 
 
 class Follower:
@@ -34,7 +32,15 @@ class Follower:
         self.note = ""
         self.bytes = 0
         self.started = monotonic()
-        self._show = show
+        #: The signing state of each open channel; None: unsigned.
+        self.signings: dict[str, Signing | None] = {}
+        self._key: SigningKey | None = None
+        self._signing_states = SigningStates()
+        self._closed_refusals = 0
+        #: Called with the selected packets and their Unix time.
+        self.show = show
+        #: Awaited after each batch of events; it may slow down the link.
+        self.after_batch: Callable[[], Awaitable[None]] | None = None
         self._shown = False
 
     @property
@@ -42,9 +48,16 @@ class Follower:
         """Seconds since the link is followed."""
         return monotonic() - self.started
 
+    @property
+    def refused(self) -> int:
+        """Packets that were refused because the key of the link did not sign them."""
+        open_channels = sum(signing.refusals.total for signing in self.signings.values() if signing)
+        return self._closed_refusals + open_channels
+
     async def follow(self, link: Link, seconds: float | None = None) -> None:
         """Follow an open link until it ends, at most for `seconds`."""
         self.started = monotonic()
+        self._key = link_keys([link]).get(link)
         try:
             async with asyncio.timeout(seconds) as deadline:
                 async for events in link.batches():
@@ -54,6 +67,7 @@ class Follower:
                     if self._shown:  # once per batch of events, not once per packet
                         self._shown = False
                         sys.stdout.flush()
+                    await self._after_batch()
         except TimeoutError:
             if not deadline.expired():
                 raise
@@ -61,36 +75,38 @@ class Follower:
     def _event(self, event: object, now: float) -> None:
         if type(event) is BytesReceived:
             self.bytes += len(event.data)
-            packets = self.observer.receive(event.channel.name, event.data, now)
-            if self._show is not None and packets:
-                self._show(packets, event.time)
-                self._shown = True
+            self._print(
+                self.observer.receive(event.channel.name, event.data, now, time=event.time), event.time
+            )
         elif isinstance(event, ChannelOpened):
             self.note = ""
-            self.observer.open(event.channel.name)
+            self._open(event.channel.name)
         elif isinstance(event, ChannelClosed):
-            self.observer.flush(event.channel.name, now)
-            self.observer.close(event.channel.name)
+            time = event.channel.last_received
+            self._print(self.observer.flush(event.channel.name, now, time=time), time)
+            self._close(event.channel.name)
             self.note = f"{event.channel.name}: {event.reason}"
         elif isinstance(event, LinkDown):
             self.note = f"no connection: {event.reason}; next try in {event.retry_in:.0f} s"
 
+    async def _after_batch(self) -> None:
+        if self.after_batch is not None:
+            await self.after_batch()
 
-async def send_heartbeats(link: Link) -> None:
-    """Send the HEARTBEAT of a ground station at 1 Hz; many vehicles send no telemetry without one."""
-    message = common.Heartbeat(
-        type=common.MavType.GCS,
-        autopilot=common.MavAutopilot.INVALID,
-        system_status=common.MavState.ACTIVE,
-        mavlink_version=3,
-    )
-    sequence = 0
-    while True:
-        data = encode(message, system=GROUND_STATION, component=MISSION_PLANNER, sequence=sequence)
-        sequence = (sequence + 1) & 0xFF
-        for channel in link.channels:
-            channel.write(data)
-        await asyncio.sleep(1)
+    def _print(self, packets: Sequence[Packet], time: float) -> None:
+        if self.show is not None and packets:
+            self.show(packets, time)
+            self._shown = True
+
+    def _open(self, name: str) -> None:
+        signing = self._signing_states.create(self._key, len(self.signings) % 256, 0)
+        self.signings[name] = signing
+        self.observer.open(name, signing=signing)
+
+    def _close(self, name: str) -> None:
+        self.observer.close(name)
+        signing = self.signings.pop(name, None)
+        self._closed_refusals += signing.refusals.total if signing else 0
 
 
 @asynccontextmanager

@@ -6,17 +6,18 @@ ids, not by the amount of data.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.cli.watch.traffic import Traffic
+from mavstack.security.timestamps import time_if_set
 from mavstack.wire import Parser
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from mavstack.dialects import Dialect
-    from mavstack.wire import Packet
+    from mavstack.wire import Packet, Signing
 
 Source: TypeAlias = tuple[int, int]
 
@@ -84,6 +85,16 @@ class Totals:
         for source, counts in parser.sources.items():
             self.sources.setdefault(source, SourceCounts()).add(counts.received, counts.lost)
 
+    def plus(self, other: Totals) -> Totals:
+        """Return the sum with other counts."""
+        total = Totals()
+        for name in _COUNTS:
+            setattr(total, name, getattr(self, name) + getattr(other, name))
+        for counts in (self, other):
+            for source, each in counts.sources.items():
+                total.sources.setdefault(source, SourceCounts()).add(each.received, each.lost)
+        return total
+
     @property
     def all_sources(self) -> SourceCounts:
         """Sum of the counts of all sources."""
@@ -93,12 +104,17 @@ class Totals:
         return total
 
 
+_COUNTS = tuple(each.name for each in fields(Totals) if each.name != "sources")
+
+
 class Observer:
     """Parses and counts the bytes of the channels of a link or of a file."""
 
     def __init__(self, dialect: Dialect, selection: Selection | None = None) -> None:
         self.dialect = dialect
         self.selection = selection or Selection()
+        #: Called with all received packets, selected or not, and their Unix time (0: not known).
+        self.tap: Callable[[Sequence[Packet], float], None] = lambda packets, time: None
         self.traffic = Traffic()
         self.channels: dict[str, Parser] = {}
         self.first_recorded: float | None = None
@@ -107,13 +123,19 @@ class Observer:
         self.beyond_duration = False
         self._closed = Totals()
 
-    def open(self, channel: str, *, timestamped: bool = False) -> None:
-        """Begin a stream of bytes."""
+    def open(self, channel: str, *, timestamped: bool = False, signing: Signing | None = None) -> None:
+        """Begin a stream of bytes; with `signing`, only packets signed with its key count."""
         self.close(channel)
-        self.channels[channel] = Parser(self.dialect, timestamped=timestamped)
+        self.channels[channel] = Parser(self.dialect, timestamped=timestamped, signing=signing)
 
     def receive(
-        self, channel: str, data: bytes, now: float, duration: float | None = None
+        self,
+        channel: str,
+        data: bytes,
+        now: float,
+        duration: float | None = None,
+        *,
+        time: float | None = None,
     ) -> Sequence[Packet]:
         """Parse and count data; return the selected packets.
 
@@ -122,13 +144,17 @@ class Observer:
             data: Received bytes.
             now: Time of the reception, in seconds of a monotonic clock.
             duration: Seconds of a recording after which packets are ignored; None reads all.
+            time: Unix time of the reception, which signatures are checked against; None: not known.
         """
-        packets: Sequence[Packet] = self.channels[channel].feed(data)
+        packets: Sequence[Packet] = self.channels[channel].feed(data, time_if_set(time or 0.0))
+        self.tap(packets, time or 0.0)
         return self._count(packets if duration is None else self._within(packets, duration), now)
 
-    def flush(self, channel: str, now: float) -> Sequence[Packet]:
+    def flush(self, channel: str, now: float, *, time: float | None = None) -> Sequence[Packet]:
         """Count and return the last selected packets of a stream that ends."""
-        return self._count(self.channels[channel].flush(), now)
+        packets = self.channels[channel].flush(time_if_set(time or 0.0))
+        self.tap(packets, time or 0.0)
+        return self._count(packets, now)
 
     def close(self, channel: str) -> None:
         """End a stream; its counts are kept."""
@@ -141,7 +167,7 @@ class Observer:
         totals = Totals()
         for parser in self.channels.values():
             totals.add(parser)
-        return _sum(self._closed, totals)
+        return self._closed.plus(totals)
 
     @property
     def recorded_seconds(self) -> float | None:
@@ -176,21 +202,3 @@ class Observer:
 def recorded_time(packet: Packet) -> float:
     """Return the recorded Unix time of a packet in seconds, 0 if it has none."""
     return (packet.timestamp or 0) / 1e6
-
-
-def _sum(first: Totals, second: Totals) -> Totals:
-    """Add the first totals to the second and return them."""
-    for name in (
-        "packets",
-        "bytes",
-        "version_1",
-        "version_2",
-        "signed",
-        "unknown",
-        "bad_bytes",
-        "bad_checksum",
-    ):
-        setattr(second, name, getattr(first, name) + getattr(second, name))
-    for source, counts in first.sources.items():
-        second.sources.setdefault(source, SourceCounts()).add(counts.received, counts.lost)
-    return second

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from datetime import datetime
 from typing import TYPE_CHECKING
 
@@ -13,17 +14,24 @@ if TYPE_CHECKING:
 _NO_CLOCK = "--:--:--.---"
 
 
-def json_line(packet: Packet, time: float | None) -> str:
-    """Return a packet as one JSON object without secrets; `time` is Unix time in seconds."""
+def json_line(packet: Packet, time: float | None, source: str = "") -> str:
+    """Return a packet as one JSON object without secrets; `time` is Unix time in seconds.
+
+    `source` is the link or file of the packet, if there are several.
+    """
     message = packet.message
     # Formatted directly: the json module takes several times as long, and numbers need no escapes.
     head = (
-        f'{{"time": {"null" if time is None else repr(time)}, "system": {packet.system}, '
+        f'{{"time": {"null" if time is None else repr(time)}, {_source(source)}"system": {packet.system}, '
         f'"component": {packet.component}, "id": {packet.message_id}, "message": '
     )
     if message is None:
         return f'{head}null, "raw": "{raw_hex(packet)}"}}'
     return f'{head}"{packet.name}", "fields": {message.to_json()}}}'
+
+
+def _source(source: str) -> str:
+    return f'"source": {json.dumps(source)}, ' if source else ""
 
 
 def _clock(time: float | None) -> str:
@@ -34,9 +42,12 @@ def _clock(time: float | None) -> str:
         return _NO_CLOCK
 
 
-def text_line(packet: Packet, time: float | None) -> str:
-    """Return a packet as text without secrets; `time` is Unix time in seconds."""
-    clock = _clock(time)
+def text_line(packet: Packet, time: float | None, label: str = "") -> str:
+    """Return a packet as text without secrets; `time` is Unix time in seconds.
+
+    `label` is the letter of the link or file, if there are several.
+    """
+    clock = _clock(time) + (f" {label}" if label else "")
     source = f"{packet.system}/{packet.component}"
     message = packet.message
     if message is None:

@@ -6,7 +6,7 @@ observer goes on counting.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mavstack.cli.common.field_values import UNKNOWN, FieldText, field_texts, raw_hex
@@ -15,10 +15,11 @@ from mavstack.cli.watch.observer import SourceCounts, Totals
 from mavstack.cli.watch.traffic import Rate
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping, Sequence
 
     from mavstack.cli.watch.observer import Observer
     from mavstack.cli.watch.traffic import Meter
+    from mavstack.cli.watch.trend import TrendRow
     from mavstack.wire import Packet, Parser
 
 HEARTBEAT = 0
@@ -38,11 +39,12 @@ class MessageRow:
     count: int
     rate: Rate
     packet: Packet
+    label: str = ""
 
     @property
     def source(self) -> str:
-        """System and component: `1/1`."""
-        return f"{self.system}/{self.component}"
+        """System and component: `1/1`, after the letter of the link if there are several: `A 1/1`."""
+        return f"{self.label} {self.system}/{self.component}".lstrip()
 
     def values(self) -> list[FieldText]:
         """Return the known values of the last packet without times; flags and targets come last."""
@@ -62,11 +64,12 @@ class ComponentRow:
     component: int
     identity: Identity
     counts: SourceCounts
+    label: str = ""
 
     @property
     def source(self) -> str:
-        """System and component: `1/1`."""
-        return f"{self.system}/{self.component}"
+        """System and component: `1/1`, after the letter of the link if there are several: `A 1/1`."""
+        return f"{self.label} {self.system}/{self.component}".lstrip()
 
     @property
     def state(self) -> str:
@@ -100,10 +103,17 @@ class Snapshot:
     messages: list[MessageRow]
     texts: list[str]
     note: str = ""
+    #: Packets that the key of the link did not sign.
+    refused: int = 0
+    #: Several links or files are shown together; `channels` has one entry for each.
+    several: bool = False
+    trends: Sequence[TrendRow] = ()
+    #: The running recording and replay, in words; empty: none.
+    activity: str = ""
 
 
 def take_snapshot(
-    observer: Observer, title: str, now: float, seconds: float | None, note: str = ""
+    observer: Observer, title: str, now: float, seconds: float | None, note: str = "", refused: int = 0
 ) -> Snapshot:
     """Return a snapshot of an observer.
 
@@ -113,6 +123,7 @@ def take_snapshot(
         now: Time of the snapshot, on the clock of the observer.
         seconds: Duration of the observation; None if it is not known.
         note: Problem of the link, shown below the title.
+        refused: Packets that the key of the link did not sign.
     """
     totals = observer.totals()
     messages = _message_rows(observer, now)
@@ -128,7 +139,39 @@ def take_snapshot(
         messages=messages,
         texts=[_status_text(packet) for packet in observer.traffic.texts if packet.name == "STATUSTEXT"],
         note=note,
+        refused=refused,
     )
+
+
+def merge_snapshots(snapshots: Mapping[str, Snapshot]) -> Snapshot:
+    """Return one snapshot of several links or files by their letters; the rows have these letters."""
+    if len(snapshots) == 1:
+        return next(iter(snapshots.values()))
+    totals = Totals()
+    labelled, parts = snapshots.items(), snapshots.values()
+    for each in parts:
+        totals = totals.plus(each.totals)
+    notes = (f"{label}: {part.note}" for label, part in labelled if part.note)
+    return Snapshot(
+        title=f"{len(snapshots)} sources",
+        seconds=max((each.seconds for each in parts if each.seconds is not None), default=None),
+        selected=sum(each.selected for each in parts),
+        untracked=sum(each.untracked for each in parts),
+        rate=Rate(sum(each.rate.packets for each in parts), sum(each.rate.bytes for each in parts)),
+        totals=totals,
+        channels=[_part_quality(label, part) for label, part in labelled],
+        components=[replace(row, label=label) for label, part in labelled for row in part.components],
+        messages=[replace(row, label=label) for label, part in labelled for row in part.messages],
+        texts=[f"{label} {text}" for label, part in labelled for text in part.texts],
+        note="  ".join(notes),
+        refused=sum(each.refused for each in parts),
+        several=True,
+    )
+
+
+def _part_quality(label: str, part: Snapshot) -> ChannelQuality:
+    totals = part.totals
+    return ChannelQuality(f"{label} {part.title}", totals.packets, totals.bad_bytes, totals.all_sources)
 
 
 def shorten(line: str, width: int) -> str:

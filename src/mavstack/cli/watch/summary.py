@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +19,14 @@ _PIPE_WIDTH = 160
 _LEFT = frozenset({"MESSAGE", "SOURCE", "SYSTEM", "TYPE", "AUTOPILOT", "STATE", "LAST VALUES"})
 
 
-def summary_object(observer: Observer, seconds: float | None) -> dict[str, Any]:
-    """Return the counts as values for JSON; `seconds` is the duration, None if it is not known."""
+def summary_object(observer: Observer, seconds: float | None, refused: int = 0) -> dict[str, Any]:
+    """Return the counts as values for JSON.
+
+    Args:
+        observer: Observer of the link or file.
+        seconds: Duration of the observation; None if it is not known.
+        refused: Packets that the key of the link did not sign.
+    """
     messages: Counter[str] = Counter()
     unknown: Counter[int] = Counter()
     for (_, _, message_id), stream in observer.traffic.streams.items():
@@ -41,6 +46,7 @@ def summary_object(observer: Observer, seconds: float | None) -> dict[str, Any]:
         "bad_bytes": totals.bad_bytes,
         "bad_checksum": totals.bad_checksum,
         "signed": totals.signed,
+        "refused": refused,
         "mavlink_1": totals.version_1,
         "mavlink_2": totals.version_2,
         "lost": totals.all_sources.lost,
@@ -49,9 +55,23 @@ def summary_object(observer: Observer, seconds: float | None) -> dict[str, Any]:
     }
 
 
-def summary_json(observer: Observer, seconds: float | None) -> str:
-    """Return the counts as one line of JSON."""
-    return json.dumps(summary_object(observer, seconds), allow_nan=False)
+def merge_summaries(titles: Sequence[str], parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the sum of several links or files, with each of them and its title in `by_source`."""
+    if len(parts) == 1:
+        return parts[0]
+    merged: dict[str, Any] = {}
+    for name, first in parts[0].items():
+        values = [part[name] for part in parts]
+        if isinstance(first, dict):
+            merged[name] = dict(sorted(sum(map(Counter, values), Counter()).items()))
+        elif isinstance(first, list):
+            merged[name] = list(dict.fromkeys(each for value in values for each in value))
+        elif name == "duration_s":
+            merged[name] = max((value for value in values if value is not None), default=None)
+        else:
+            merged[name] = sum(values)
+    by_source = [{"source": title, **part} for title, part in zip(titles, parts, strict=True)]
+    return {**merged, "by_source": by_source}
 
 
 def summary_text(snapshot: Snapshot, width: int | None = None) -> str:
@@ -78,6 +98,7 @@ def quality(snapshot: Snapshot) -> str:
         f"bad {size_text(totals.bad_bytes)}",
         f"unknown {totals.unknown}",
         f"signed {totals.signed}",
+        f"refused {snapshot.refused}" if snapshot.refused else "",
         " and ".join(
             f"MAVLink {version}" for version, count in ((1, totals.version_1), (2, totals.version_2)) if count
         ),
@@ -88,14 +109,21 @@ def quality(snapshot: Snapshot) -> str:
 def message_order(rows: Sequence[MessageRow], sort: str = "name") -> list[MessageRow]:
     """Return rows sorted by name, rate or count; by name, unknown ids come last."""
     if sort == "rate":
-        return sorted(rows, key=lambda row: (-row.rate.packets, row.name, row.system, row.component))
+        return sorted(rows, key=lambda row: (-row.rate.packets, *_name_order(row)))
     if sort == "count":
-        return sorted(rows, key=lambda row: (-row.count, row.name, row.system, row.component))
-    return sorted(rows, key=lambda row: (row.packet.name is None, row.name, row.system, row.component))
+        return sorted(rows, key=lambda row: (-row.count, *_name_order(row)))
+    return sorted(rows, key=lambda row: (row.packet.name is None, *_name_order(row)))
+
+
+def _name_order(row: MessageRow) -> tuple[str, int, int, str]:
+    return row.name, row.system, row.component, row.label
 
 
 def _head(snapshot: Snapshot) -> Iterator[str]:
     yield snapshot.title
+    if snapshot.several:
+        for part in snapshot.channels:
+            yield f"  {part.name}: {part.packets} packets, lost {loss_text(part.counts)}"
     yield headline(snapshot)
     yield quality(snapshot)
     if snapshot.note:

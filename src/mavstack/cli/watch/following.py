@@ -1,0 +1,194 @@
+"""Following links until they end or the time is up: displayed, recorded, replayed onto another link."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import AsyncExitStack
+from typing import TYPE_CHECKING, Final
+
+from mavstack.cli.common.exposure import announce_exposure
+from mavstack.cli.common.link_options import with_link_options
+from mavstack.cli.common.output import echo
+from mavstack.cli.watch.follower import background_tasks
+from mavstack.cli.watch.heartbeats import send_heartbeats
+from mavstack.cli.watch.relay import Relay
+from mavstack.errors import LinkError
+from mavstack.links import open_link
+from mavstack.links.registry import resolve_url
+from mavstack.logs.tlog_writer import TlogWriter
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+    from collections.abc import Callable, Coroutine, Sequence
+    from typing import Any, Self
+
+    from mavstack.cli.watch.live_table import LiveTable
+    from mavstack.cli.watch.sources import Source
+    from mavstack.links import Link
+    from mavstack.wire import Packet
+
+#: Seconds between two waits for the disk; a loss of power loses at most the packets in between.
+SYNC_INTERVAL: Final = 1.0
+
+
+async def follow_sources(
+    sources: Sequence[Source],
+    arguments: Namespace,
+    duration: float | None,
+    display: Callable[[Following], LiveTable] | None,
+    at_end: Callable[[], None] | None,
+) -> None:
+    """Follow the links of the sources together.
+
+    Args:
+        sources: The sources; those that are files are replayed.
+        arguments: The options of the command.
+        duration: Seconds; None: until all links have ended.
+        display: Makes the live display; None for none.
+        at_end: Called when the links have ended, before problems are told; None for nothing.
+
+    Raises:
+        LinkError: A link cannot be opened, or nothing was received.
+        LogError: The recording cannot be written.
+    """
+    async with Following(sources, arguments) as following:
+        jobs = following.jobs()
+        if display is None:
+            async with background_tasks(*jobs):
+                await following.run(duration)
+        else:
+            with display(following) as table:
+                async with background_tasks(*jobs, table.run()):
+                    await following.run(duration)
+        if at_end is not None:
+            at_end()
+    following.report()
+
+
+class Following:
+    """The open links of the sources, with the recording and the output; an async context manager."""
+
+    def __init__(self, sources: Sequence[Source], arguments: Namespace) -> None:
+        self._sources = sources
+        self._arguments = arguments
+        self._links: list[Link] = []
+        self._stack = AsyncExitStack()
+        self._writer: TlogWriter | None = None
+        self._relay: Relay | None = None
+
+    @property
+    def activity(self) -> str:
+        """The running recording and replay, in words; empty: none."""
+        parts = []
+        if self._writer is not None:
+            parts.append(f"recorded {self._writer.packets} packets to {self._writer.path}")
+        if self._relay is not None:
+            dropped = f", {self._relay.dropped} dropped" if self._relay.dropped else ""
+            parts.append(f"replayed {self._relay.sent} packets{dropped} to {self._relay.link.url.redacted}")
+        return ", ".join(parts)
+
+    def jobs(self) -> list[Coroutine[Any, Any, None]]:
+        """Return the coroutines that run beside the links."""
+        wants_heartbeats = self._arguments.heartbeat or self._arguments.heartbeat_rate
+        jobs: list[Coroutine[Any, Any, None]] = []
+        if wants_heartbeats:
+            jobs += [send_heartbeats(link, source.follower) for link, source in self._pairs()]
+        if self._writer is not None:
+            jobs.append(_sync_periodically(self._writer))
+        return jobs
+
+    async def run(self, duration: float | None) -> None:
+        """Follow all links for `duration` seconds, None until they end."""
+        await asyncio.gather(*(source.follower.follow(link, duration) for link, source in self._pairs()))
+
+    def report(self) -> None:
+        """Tell what was recorded and replayed, and which links were silent; raise if all of them were."""
+        if self.activity:
+            echo(f"mav watch: {self.activity}", error=True)
+        silent = [error for source in self._sources if (error := silence(source)) is not None]
+        if len(silent) == len(self._sources):
+            raise silent[0]
+        for error in silent:
+            echo(f"mav watch: {error}", error=True)
+
+    def _pairs(self) -> list[tuple[Link, Source]]:
+        return list(zip(self._links, self._sources, strict=True))
+
+    async def __aenter__(self) -> Self:
+        try:
+            await self._open()
+        except BaseException:
+            await self._stack.aclose()
+            raise
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self._stack.aclose()
+
+    async def _open(self) -> None:
+        arguments = self._arguments
+        if arguments.to is not None:
+            self._relay = await self._stack.enter_async_context(Relay(arguments.to))
+            announce_exposure("watch", [self._relay.link])
+            await _wait_for_peer(self._relay)
+        for url in with_link_options([source.text for source in self._sources], arguments):
+            self._links.append(await self._stack.enter_async_context(self._link(url)))
+        announce_exposure("watch", self._links)
+        if arguments.record is not None:
+            self._writer = self._stack.enter_context(TlogWriter(arguments.record))
+        for source in self._sources:
+            self._connect(source)
+
+    def _link(self, url: str) -> Link:
+        """Return the link of a source; among several sources, a speed applies to recordings only."""
+        speed = self._arguments.speed
+        if speed is None or (len(self._sources) > 1 and resolve_url(url).scheme != "file"):
+            return open_link(url)
+        return open_link(url, speed=speed)
+
+    def _connect(self, source: Source) -> None:
+        """Pass the packets of a source to the recording and to the output."""
+        if self._writer is not None:
+            source.observer.tap = self._writer.write
+        relay, show = self._relay, source.follower.show
+        if relay is None:
+            return
+
+        def send(packets: Sequence[Packet], time: float) -> None:
+            relay.send(packets)
+            if show is not None:
+                show(packets, time)
+
+        source.follower.show = send
+        source.follower.after_batch = relay.drain
+
+
+def silence(source: Source) -> LinkError | None:
+    """Return why a source has shown no packet; None if it has."""
+    follower = source.follower
+    if source.observer.totals().packets > follower.refused:
+        return None
+    waited = f"in {follower.seconds:.1f} s"
+    if follower.refused:
+        problem = f"all {follower.refused} packets received {waited} are unsigned or signed with another key"
+    elif follower.bytes:
+        problem = (
+            f"{follower.bytes} bytes received {waited}, but no MAVLink packet; "
+            "check that the sender uses MAVLink, and the baud rate"
+        )
+    else:
+        problem = f"no data received {waited}; {follower.note or 'some vehicles send only after --heartbeat'}"
+    return LinkError(f"{source.title}: {problem}")
+
+
+async def _wait_for_peer(relay: Relay) -> None:
+    await asyncio.sleep(0)  # a channel that is open from the start is reported now
+    if not relay.link.channels:
+        echo(f"mav watch: waiting for a peer on {relay.link.url.redacted}", error=True)
+    await relay.wait_for_peer()
+
+
+async def _sync_periodically(writer: TlogWriter) -> None:
+    while True:
+        await asyncio.sleep(SYNC_INTERVAL)
+        await asyncio.to_thread(writer.sync)
