@@ -15,6 +15,10 @@ settings.register_profile("mavstack", deadline=None)
 settings.load_profile("mavstack")
 
 
+#: The tier of the cases of a matrix beyond the first ones, by the marker that says how many these are.
+TIERS_OF_MATRICES = {"fast_cases": pytest.mark.flight, "flight_cases": pytest.mark.nightly}
+
+
 def pytest_configure() -> None:
     """Handle SIGINT, also in a background job of a shell, whose programs would inherit that it is ignored."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -33,13 +37,14 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    counts: Counter[str] = Counter()
+    counts: Counter[tuple[str, str]] = Counter()
     for item in items:
-        if marker := item.get_closest_marker("fast_cases"):
-            test = item.nodeid.partition("[")[0]
-            counts[test] += 1
-            if counts[test] > marker.args[0]:
-                item.add_marker(pytest.mark.flight)
+        for name, later in TIERS_OF_MATRICES.items():
+            if marker := item.get_closest_marker(name):
+                test = item.nodeid.partition("[")[0]
+                counts[name, test] += 1
+                if counts[name, test] > marker.args[0]:
+                    item.add_marker(later)
         if "seeds" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.seeds)
         if item.get_closest_marker("interop"):

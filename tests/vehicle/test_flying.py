@@ -38,6 +38,7 @@ def height(world):
 
 
 @pytest.mark.fast_cases(1)
+@pytest.mark.flight_cases(2)
 @pytest.mark.parametrize("kind", FLYING, ids=named)
 def test_up_there_and_back(kind):
     wing = kind[0] is not VehicleType.COPTER
@@ -63,6 +64,7 @@ def test_up_there_and_back(kind):
 
 
 @pytest.mark.fast_cases(1)
+@pytest.mark.flight_cases(2)
 @pytest.mark.parametrize("kind", [kind for kind in ALL if kind not in FLYING], ids=named)
 def test_vehicles_that_do_not_fly_go_and_return(kind):
     async def scenario(world, vehicle):

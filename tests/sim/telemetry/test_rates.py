@@ -115,6 +115,7 @@ def test_ardupilot_follows_request_data_stream():
 
 
 @pytest.mark.fast_cases(1)
+@pytest.mark.flight_cases(3)
 @pytest.mark.parametrize("link", LinkMode)
 @pytest.mark.parametrize("vehicle_type", [VehicleType.COPTER, VehicleType.PLANE])
 def test_px4_rates_follow_the_link_mode(vehicle_type, link):

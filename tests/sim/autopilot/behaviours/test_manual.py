@@ -132,6 +132,7 @@ def test_lowered_to_the_ground_by_hand_it_rests() -> None:
 
 
 @pytest.mark.fast_cases(1)
+@pytest.mark.flight_cases(2)
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])
 @pytest.mark.parametrize("behaviour", [Stabilize, AltitudeHold, PositionHold])
 def test_a_wing_banks_into_a_turn(kind: VehicleType, behaviour: type[Manual]) -> None:
