@@ -11,11 +11,14 @@ import pytest
 
 import mavstack
 from mavstack.dialects import common
+from mavstack.errors import RemoteCancelled
 from mavstack.links import MemoryNetwork
 from mavstack.node import Node
 from mavstack.services.command import Command
 from mavstack.sim.background import BackgroundSimulator
+from mavstack.sim.virtual import run_virtually
 from mavstack.wire import Encoder
+from tests.node.vehicle import Pair
 
 VEHICLES = 5
 
@@ -166,3 +169,20 @@ async def test_no_timer_runs_and_nothing_is_sent_after_closing():
             node.wake(node._heartbeat)
             await asyncio.sleep(1.2)
             assert [packet for packet in packets.drain() if packet.system == 1] == []
+
+
+@pytest.mark.parametrize("autopilot", [common.MavAutopilot.PX4, common.MavAutopilot.ARDUPILOTMEGA])
+def test_a_call_of_several_requests_is_cancelled_between_two_of_them(autopilot) -> None:
+    """The node closes in the turn of the event loop in which an answer ends the first request."""
+
+    async def main() -> None:
+        async with Pair(autopilot=autopilot) as pair:
+            closing = []
+            pair.ground.add_packet_listener(
+                common.AutopilotVersion, lambda _: closing.append(asyncio.create_task(pair.ground.close()))
+            )
+            with pytest.raises(RemoteCancelled, match="closed"):
+                await pair.remote.params.download(timeout=30.0)
+            await closing[0]
+
+    run_virtually(main())

@@ -16,7 +16,7 @@ from functools import partial
 from time import time
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from mavstack.errors import InvalidStateError, LinkClosedError, LinkError
+from mavstack.errors import InvalidStateError, LinkClosedError, LinkError, RemoteCancelled
 from mavstack.links import BytesReceived, Channel, ChannelClosed, ChannelOpened, Link, LinkDown
 from mavstack.services import Client, Operation, OperationEnded, Progress
 
@@ -91,7 +91,11 @@ class Driver:
         operation: Operation[Result],
         progress: Callable[[int, int], None] | None = None,
     ) -> Result:
-        """Wait for the result of an operation that was just started."""
+        """Wait for the result of an operation that was just started.
+
+        If the node closes in the turn of the loop in which the operation ends, the call is cancelled too: a
+        call of several operations could not begin the next one.
+        """
         started_at = self.now()
         self._waiting[operation] = future = self._loop.create_future()
         if progress is not None:
@@ -108,6 +112,11 @@ class Driver:
         finally:
             self._waiting.pop(operation, None)
             self._progress.pop(operation, None)
+        if not self._receiving and not isinstance(operation.error, RemoteCancelled):
+            answer, attempts = "the node was closed", operation.attempts
+            raise RemoteCancelled(
+                operation.description, str(operation.target), attempts=attempts, answer=answer
+            )
         if operation.error is not None:
             self._on_error(operation, started_at)
         return operation.result()
