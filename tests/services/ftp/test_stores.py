@@ -133,6 +133,33 @@ def test_both_stores_do_the_same(either) -> None:
             operation("/")
 
 
+def test_both_stores_rename_directories_with_their_content(either) -> None:
+    for path in ("empty", "full", "full/inner", "fuller"):
+        either.make_directory(path)
+    either.open_file("full/inner/f", write=True).close()
+    either.rename("empty", "renamed")
+    either.rename("full", "renamed/moved")
+    assert [entry.name for entry in either.list_directory("/")] == ["fuller", "renamed"]
+    assert [entry.name for entry in either.list_directory("renamed/moved/inner")] == ["f"]
+    for path, to in (
+        ("renamed", "renamed/moved/deeper"),
+        ("renamed", "fuller"),
+        ("renamed", "none/x"),
+        ("/", "x"),
+    ):
+        with pytest.raises((OSError, ValueError)):
+            either.rename(path, to)
+    with pytest.raises(FileNotFoundError):
+        either.rename("empty", "again")
+    assert [entry.name for entry in either.list_directory("renamed/moved/inner")] == ["f"]
+
+
+def test_a_directory_with_virtual_files_is_not_renamed() -> None:
+    store = MemoryStore(virtual={"@PARAM/param.pck": lambda: b"packed"})
+    with pytest.raises(PermissionError):
+        store.rename("@PARAM", "other")
+
+
 def test_virtual_files_are_made_when_opened() -> None:
     made = []
     store = MemoryStore(virtual={"@PARAM/param.pck": lambda: made.append(1) or b"packed"})

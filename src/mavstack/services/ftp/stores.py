@@ -186,10 +186,26 @@ class MemoryStore:
         source, destination = parts_of(path), parts_of(to)
         if destination in self._files or destination in self._directories or destination in self._virtual:
             raise FileExistsError
-        if source in self._directories or destination[:-1] not in self._directories:
-            raise OSError(EINVAL if source in self._directories else ENOENT, "cannot be moved")
-        self._file(source)
-        self._files[destination] = self._files.pop(source)
+        if destination[:-1] not in self._directories:
+            raise FileNotFoundError
+        if source in self._directories:
+            self._rename_directory(source, destination)
+        else:
+            self._file(source)
+            self._files[destination] = self._files.pop(source)
+
+    def _rename_directory(self, source: tuple[str, ...], destination: tuple[str, ...]) -> None:
+        depth = len(source)
+        if not depth or any(location[:depth] == source for location in self._virtual):
+            raise PermissionError
+        if destination[:depth] == source:
+            raise OSError(EINVAL, "a directory cannot be moved into itself")
+        inside = [location for location in self._files if location[:depth] == source]
+        self._files.update({(*destination, *known[depth:]): self._files.pop(known) for known in inside})
+        self._directories = {
+            (*destination, *known[depth:]) if known[:depth] == source else known
+            for known in self._directories
+        }
 
     def truncate(self, path: str, size: int) -> None:
         data = self._file(parts_of(path))
