@@ -73,14 +73,14 @@ class CommandHandlers(ReadOnly):
 
         def decorate(handler: AnyHandler) -> AnyHandler:
             if iscoroutinefunction(handler):
-                self.run_as_task(command, handler)
+                self._run_as_task(command, handler)
             else:
                 self.server.support(command, lambda request: self._call(handler, request))
             return handler
 
         return decorate
 
-    def run_as_task(
+    def _run_as_task(
         self, command: int, handler: Callable[..., Coroutine[Any, Any, Any]], *, none_is_pending: bool = False
     ) -> None:
         """Register an async function as the handler of a command.

@@ -167,16 +167,6 @@ class CommandHandlers:
             or a tuple of a MAV_RESULT and the `result_param2` of COMMAND_ACK.
         """
 
-    def run_as_task(self, command: int, handler: Callable[..., Any], *, none_is_pending: bool=False) -> None:
-        """Register a function as the handler of a command.
-
-        Args:
-            command: The MAV_CMD.
-            handler: The function; `register` describes its argument and its result.
-            none_is_pending: True if a handler that returns None leaves the command running, until the program
-                ends it by `server.complete`; otherwise None is an error.
-        """
-
     def progress(self, request: CommandRequest, percent: int) -> None:
         """Report the progress of a long command to its sender.
 

@@ -174,9 +174,9 @@ class BlockingCommandHandlers(Blocking):
                 return await _run_in_thread(portal, lambda: handler(request))
 
             if iscoroutinefunction(handler):
-                portal.call(lambda: inner.run_as_task(command, handler))
+                portal.call(lambda: inner.register(command)(handler))
             else:
-                portal.call(lambda: inner.run_as_task(command, run, none_is_pending=True))
+                portal.call(lambda: inner._run_as_task(command, run, none_is_pending=True))  # noqa: SLF001 (its proxy)
             return handler
 
         return decorate

@@ -195,8 +195,8 @@ def test_garbage_never_raises(seed: int) -> None:
 
 
 def test_a_producer_may_make_several_messages() -> None:
-    peers = Peers()
+    harness = RequestHarness()
     both = [common.GimbalManagerStatus(gimbal_device_id=1), common.GimbalManagerStatus(gimbal_device_id=2)]
-    peers.messages.provide(common.GimbalManagerStatus, lambda now: both, interval=1.0, now=START)
-    peers.let_pass(3.1)
-    assert [each.gimbal_device_id for each in peers.heard(common.GimbalManagerStatus)] == [1, 2] * 4
+    harness.messages.provide(common.GimbalManagerStatus, lambda now: both, interval=1.0, now=START)
+    harness.run_for(3.1)
+    assert [each.gimbal_device_id for each in harness.received(common.GimbalManagerStatus)] == [1, 2] * 4

@@ -1,4 +1,4 @@
-"""A vehicle that receives only the messages of a test, and a scripted autopilot that answers as the test says."""
+"""A vehicle that receives only a test's messages, and a scripted autopilot that answers as the test says."""
 
 from __future__ import annotations
 
