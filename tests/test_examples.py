@@ -48,6 +48,7 @@ def simulated(url):
             vehicle.terminate()
 
 
+@pytest.mark.xdist_group("programs of the README, on their ports")
 @pytest.mark.parametrize("number", range(len(PROGRAMS)))
 def test_the_programs_of_the_readme_run(number):
     with vehicle_for(PROGRAMS[number]):

@@ -37,7 +37,7 @@ def height(world):
     return -world.simulated.body.truth.down
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.flight_cases(2)
 @pytest.mark.parametrize("kind", FLYING, ids=named)
 def test_up_there_and_back(kind):

@@ -171,6 +171,7 @@ def test_failsafe_action_and_status_texts(results, case) -> None:
     assert harness.critical == (case.armed and case.name not in WITHOUT_FAILSAFE), harness.autopilot.failsafes
 
 
+@pytest.mark.flight
 @pytest.mark.parametrize("name", ["sticks-5", "station-5", "emergency-4"])
 def test_termination_is_final(results, name) -> None:
     harness = results[name]

@@ -48,7 +48,7 @@ def test_follows_a_line_with_its_slope_and_flies_on():
     assert motions[-1].north > start[0] + 520
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.parametrize("wind", [0.0, 8.0])
 def test_circles_in_both_directions(wind):
     world, bodies = several_bodies(VehicleType.PLANE, 2, wind=wind)

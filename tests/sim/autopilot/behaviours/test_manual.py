@@ -131,7 +131,7 @@ def test_lowered_to_the_ground_by_hand_it_rests() -> None:
     flight.run_until(lambda: not flight.autopilot.armed, timeout=12)
 
 
-@pytest.mark.fast_cases(1)
+@pytest.mark.flight
 @pytest.mark.flight_cases(2)
 @pytest.mark.parametrize("kind", [VehicleType.PLANE, VehicleType.VTOL])
 @pytest.mark.parametrize("behaviour", [Stabilize, AltitudeHold, PositionHold])
