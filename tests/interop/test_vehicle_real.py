@@ -91,16 +91,10 @@ async def ready(autopilot: Autopilot) -> AsyncIterator[Vehicle]:
 
 
 async def wait_until_ready(vehicle: Vehicle) -> None:
-    """Wait until the vehicle can arm; ArduPilot before 4.0 does not report it, so wait for its home."""
-    if (await vehicle.component.get_version()).flight.major >= 4 or not is_ardupilot(vehicle):
-        assert (await vehicle.wait_until_ready(timeout=150)).ready
-        return
-    async with asyncio.timeout(150):
-        while not (
-            vehicle.gps and vehicle.gps.has_fix and vehicle.telemetry.received_at(common.HomePosition)
-        ):
-            await vehicle.telemetry.request_home()
-            await vehicle.wait_for_message(common.GpsRawInt)
+    """Wait until the vehicle can arm and navigate; ArduPilot before 4.1 does not report that it is ready."""
+    mode = "GUIDED" if vehicle.vehicle_type is VehicleType.SUB else None
+    health = await vehicle.wait_until_ready(mode=mode, timeout=150)
+    assert health.ready or (health.ready is None and is_ardupilot(vehicle))
 
 
 async def get_home(vehicle: Vehicle):

@@ -6,6 +6,7 @@ import pytest
 
 from mavstack.dialects import common
 from mavstack.errors import CommandDenied
+from mavstack.services.message_request.interval import message_id_of
 from mavstack.sim.vehicle_types import VehicleType as SimulatedType
 from mavstack.vehicle import VehicleType
 from tests.vehicle.world import ARDUPILOT, fly
@@ -35,3 +36,25 @@ def test_first_action_lands_a_plane_by_its_mission() -> None:
         assert vehicle.vehicle_type is VehicleType.PLANE
 
     fly((SimulatedType.PLANE, ARDUPILOT), flight)
+
+
+@pytest.mark.parametrize("state", ["unknown", "undefined"])
+def test_a_parameter_tells_a_quadplane_that_does_not_report_its_vtol_state(state) -> None:
+    """ArduPlane 4.0.7 and 4.1 send EXTENDED_SYS_STATE with an undefined VTOL state."""
+
+    def hide_vtol_state(simulated) -> None:
+        stream = simulated.messages._streams.pop(message_id_of(common.ExtendedSysState))
+        if state == "undefined":
+            simulated.messages._streams[message_id_of(common.ExtendedSysState)] = stream
+            stream.produce = lambda now: common.ExtendedSysState()
+
+    async def flight(world, vehicle):
+        airborne(world.simulated)
+        assert vehicle.vehicle_type is VehicleType.PLANE
+        await vehicle.hold()
+        assert vehicle.vtol_state is None
+        assert vehicle.vehicle_type is VehicleType.VTOL
+        await vehicle.land(wait=False)
+        assert world.simulated.autopilot.mode.name == "QLAND"
+
+    fly((SimulatedType.VTOL, ARDUPILOT), flight, prepare=hide_vtol_state)

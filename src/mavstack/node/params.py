@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
 
-from mavstack.errors import RemoteCancelled, RemoteDenied, RemoteError, RemoteTimeout
+from mavstack.dialects import common
+from mavstack.errors import (
+    ParameterDenied,
+    ParameterTimeout,
+    RemoteCancelled,
+    RemoteDenied,
+    RemoteError,
+    RemoteTimeout,
+)
 from mavstack.node.firmware import has_packed_params, param_encoding
 from mavstack.node.read_only import ReadOnly
 from mavstack.node.subscription import DEFAULT_QUEUE
 from mavstack.node.time_budget import TimeBudget
 from mavstack.services.arguments import check_number, check_text
-from mavstack.services.parameters import PACKED_NAME, Encoding, ParameterChanged
+from mavstack.services.parameters import PACKED_NAME, Encoding, ParameterChanged, renaming_of
 from mavstack.services.version import RequestAutopilotVersion
 
 if TYPE_CHECKING:
@@ -23,6 +32,8 @@ if TYPE_CHECKING:
 
 #: Seconds to wait for a component's capabilities before its parameter encoding follows from its heartbeat.
 CAPABILITIES_TIMEOUT = 3.0
+_ARDUPILOT: Final = common.MavAutopilot.ARDUPILOTMEGA
+_NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
 
 
 class Params(ReadOnly):
@@ -86,7 +97,8 @@ class Params(ReadOnly):
         check_text("name", name)
         host, client, budget = self._start(timeout)
         await self._find_encoding(budget)
-        return await host.finish(client, client.get(name, host.now(), timeout=budget.remaining()))
+        with self._naming(name):
+            return await host.finish(client, client.get(name, host.now(), timeout=budget.remaining()))
 
     async def set(self, name: str, value: Value, *, timeout: float | None = None) -> Parameter:
         """Set one parameter (PARAM_SET), and wait until the component reports its value.
@@ -111,7 +123,8 @@ class Params(ReadOnly):
         host, client, budget = self._start(timeout)
         await self._find_encoding(budget)
         operation = client.set(name, value, host.now(), timeout=budget.remaining())
-        return await host.finish(client, operation)
+        with self._naming(name):
+            return await host.finish(client, operation)
 
     async def download(
         self,
@@ -151,6 +164,18 @@ class Params(ReadOnly):
     def clear_cache(self) -> None:
         """Discard the capabilities that were cached before a reboot."""
         self._capabilities = None
+
+    @contextmanager
+    def _naming(self, name: str) -> Iterator[None]:
+        """Add to the error for an unknown name that ArduPilot 4.7 renamed the parameter."""
+        try:
+            yield
+        except (ParameterDenied, ParameterTimeout) as error:
+            info, renamed = self._clients.info, renaming_of(name)
+            unknown = not isinstance(error, ParameterDenied) or error.code == _NO_SUCH_PARAMETER
+            if renamed is not None and unknown and info is not None and info.autopilot == _ARDUPILOT:
+                error.status_texts = (*error.status_texts, renamed.hint)
+            raise
 
     def _start(self, timeout: float | None) -> tuple[NodeHost, ParameterClient, TimeBudget]:
         host = self._clients.host

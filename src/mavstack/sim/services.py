@@ -67,6 +67,7 @@ class Services:
                 vehicle.plans,
                 MissionServerOptions(
                     home_first=vehicle.firmware is Firmware.ARDUPILOT,
+                    frames_of_locations=vehicle.firmware is Firmware.ARDUPILOT,
                     plain_requests=vehicle.firmware is Firmware.ARDUPILOT,
                     float_answers=True,
                     request_interval=_REQUEST_INTERVALS[vehicle.firmware],

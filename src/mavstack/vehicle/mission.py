@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 #: The time in which no item is reached, in seconds: a long leg, or a wait that the mission contains.
 STALL_TIMEOUT: Final = 1800.0
+#: The rate of MISSION_CURRENT while a mission is flown, in hertz.
+PROGRESS_RATE: Final = 1.0
 #: A mission that begins farther from the vehicle gets a warning, in metres.
 MAX_FIRST_DISTANCE: Final = 10_000.0
 _CMD: Final = common.MavCmd
@@ -287,6 +289,7 @@ class Mission(VehiclePlan):
         async with ActionMonitor(vehicle, "flying the mission of", timeout) as monitor:
             if self.count is None and (self._plans.home_first or not (self.progress and self.progress.total)):
                 await self.download()  # MISSION_CURRENT does not tell the last item of older firmwares
+            await vehicle.telemetry.ensure(common.MissionCurrent, PROGRESS_RATE)
             async with self.reached_items() as reached:
                 if not vehicle.armed:
                     await with_status_texts(vehicle, firmware.prepare_arming())

@@ -1,4 +1,8 @@
-"""Detects the end of a mission, whatever parts of it a firmware reports."""
+"""Detects the end of a mission, whatever parts of it a firmware reports.
+
+ArduPilot sends MISSION_CURRENT only if its rate is requested, and an older version may refuse that. Without
+it the current item is the one after the last that was reached.
+"""
 
 from __future__ import annotations
 
@@ -61,33 +65,34 @@ class MissionCompletion:
         self._reached: set[int] = set()
 
     def __contains__(self, mode: object) -> bool:
-        progress = self._mission.progress
         at_end = self._ended_at is not None or (
-            progress is not None and progress.seq >= self._mission.last_seq
+            (seq := self._seq) is not None and seq >= self._mission.last_seq
         )
         return self._modes is None or mode in self._modes or (at_end and mode in self._modes_at_end)
 
     def remaining(self) -> float | None:
         """Return the number of items that are left; None if it is not known."""
-        progress = self._mission.progress
-        return None if progress is None else float(progress.total - progress.seq)
+        progress, seq = self._mission.progress, self._seq
+        if progress is not None:
+            return float(progress.total - progress.seq)
+        return None if seq is None else float(self._mission.last_seq + 1 - seq)
 
     def update(self, reached: list[int]) -> bool:
         """Take in the items that were reached since the last call; return whether the mission has ended."""
         self._reached.update(reached)
-        progress = self._mission.progress
-        if progress is None:
+        progress, seq = self._mission.progress, self._seq
+        if seq is None:
             return False
-        self._running = self._running or progress.state == _STATE.ACTIVE or bool(self._reached)
+        state = _STATE.UNKNOWN if progress is None else progress.state
+        self._running = self._running or state == _STATE.ACTIVE or bool(self._reached)
         if self._running:
             last = self._mission.last_seq
             landing = self._mission.landing_seq
-            left_by_landing = progress.seq >= landing and self._lands  # a return that is a mode of its own
-            reported = progress.state != _STATE.UNKNOWN
-            finished = progress.state == _STATE.COMPLETE if reported else last in self._reached
+            left_by_landing = seq >= landing and self._lands  # a return that is a mode of its own
+            finished = state == _STATE.COMPLETE if state != _STATE.UNKNOWN else last in self._reached
             done = finished or left_by_landing
             # A firmware may report the first item again before it reports that it was disarmed.
-            self._max_seq = max(self._max_seq, progress.seq)
+            self._max_seq = max(self._max_seq, seq)
             if done or (self._vehicle.armed is False and self._max_seq >= landing):
                 self._ended_at = self._ended_at or self._vehicle.connection.now()
         return self._ended_at is not None and self._is_at_rest(self._ended_at)
@@ -106,6 +111,14 @@ class MissionCompletion:
         velocity = self._vehicle.velocity
         slow = velocity is not None and velocity.ground_speed < STANDING_SPEED
         return self._standing.update(slow)
+
+    @property
+    def _seq(self) -> int | None:
+        """The sequence number of the current item; None if nothing tells it."""
+        progress = self._mission.progress
+        if progress is not None:
+            return progress.seq
+        return max(self._reached) + 1 if self._reached else None
 
     @property
     def _lands(self) -> bool:

@@ -14,7 +14,7 @@ from mavstack.vehicle.health import Health, health_of
 from mavstack.vehicle.payloads import VehiclePayloads
 from mavstack.vehicle.status_text_capture import with_status_texts
 from mavstack.vehicle.telemetry import Telemetry, TelemetryStreams
-from mavstack.vehicle.vehicle_type import VehicleType
+from mavstack.vehicle.vehicle_type import QUADPLANE_PARAMETER, VehicleType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -87,9 +87,15 @@ class VehicleState(VehiclePayloads, TelemetryStreams, ReadOnly):
         """The way the vehicle moves; `mav_type` is the MAV_TYPE of its heartbeat."""
         info = self.component.info
         found = VehicleType.OTHER if info is None else VehicleType.of(info.type)
-        # A quadplane may call itself a plane; its EXTENDED_SYS_STATE has a VTOL state.
-        hovers = found is VehicleType.PLANE and self.vtol_state
-        return VehicleType.VTOL if hovers else found
+        # A quadplane may call itself a plane; its EXTENDED_SYS_STATE has a VTOL state, or a parameter tells.
+        if found is VehicleType.PLANE and (self.vtol_state or self._is_enabled_quadplane):
+            return VehicleType.VTOL
+        return found
+
+    @property
+    def _is_enabled_quadplane(self) -> bool:
+        enabled = self.params.cached.get(QUADPLANE_PARAMETER)
+        return enabled is not None and enabled.value > 0
 
     @property
     def health(self) -> Health:

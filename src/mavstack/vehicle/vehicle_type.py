@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
 _T: Final = common.MavType
 
+#: The parameter of ArduPlane that turns a plane into a quadplane.
+QUADPLANE_PARAMETER: Final = "Q_ENABLE"
+
 
 class VehicleType(StrEnum):
     """The way a vehicle moves, from its MAV_TYPE; the value is its name in texts."""

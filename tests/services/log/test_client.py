@@ -398,3 +398,17 @@ def test_a_larger_log_in_its_place_is_not_taken_for_it() -> None:
     growing(harness, replace=True)
     with pytest.raises(RemoteProtocolError, match="another log"):
         harness.download(max(harness.store.contents)).result()
+
+
+def test_a_log_that_is_closed_while_it_is_read_may_be_dated_back() -> None:
+    """ArduPilot dates a log by its clock while it writes it, then by its file."""
+    harness = LogHarness(impairment=Impairment(latency=0.02, bandwidth=20_000.0, queue=1 << 20))
+    number = max(harness.store.contents)
+
+    def close() -> None:
+        harness.store.times[number] = 1_500_000_000
+        harness.store.contents[number + 1] = bytes(100)
+        harness.store.times[number + 1] = 1_700_000_000
+
+    harness.network.at(0.2, close)
+    assert harness.download(number).result() == harness.store.contents[number]

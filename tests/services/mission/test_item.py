@@ -63,6 +63,15 @@ def test_equality_is_that_of_the_wire() -> None:
     assert MissionItem(WAYPOINT) != "waypoint"
 
 
+def test_a_frame_without_a_location_means_nothing() -> None:
+    """ArduPilot returns GLOBAL for every command without a location."""
+    sent = MissionItem(common.MavCmd.NAV_RETURN_TO_LAUNCH)
+    held = MissionItem(common.MavCmd.NAV_RETURN_TO_LAUNCH, frame=FRAME.GLOBAL)
+    assert (sent.frame, sent) == (FRAME.MISSION, held)
+    assert hash(sent) == hash(held)
+    assert MissionItem(WAYPOINT, frame=FRAME.GLOBAL) != MissionItem(WAYPOINT, frame=FRAME.GLOBAL_TERRAIN_ALT)
+
+
 def test_names() -> None:
     assert MissionItem(WAYPOINT).name == "NAV_WAYPOINT"
     assert MissionItem(64999).name == "MAV_CMD 64999"

@@ -114,10 +114,13 @@ def test_an_old_autopilot_gets_the_message_set_mode():
 
 
 def test_one_that_takes_neither_is_denied():
+    """ArduCopter 4.1 says UNSUPPORTED of every mode that it refuses."""
     harness = ModeHarness(commands=False, obeys=False)
+    began = harness.network.now
     error = harness.run(SetMode("GUIDED")).error
     assert isinstance(error, CommandDenied)
     assert error.code == common.MavResult.UNSUPPORTED
+    assert harness.network.now - began < 5.0
 
 
 def test_a_name_that_only_the_vehicle_knows_is_found_in_its_list():

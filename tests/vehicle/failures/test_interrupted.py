@@ -59,6 +59,7 @@ def test_another_mode(call):
 @pytest.mark.parametrize("call", ARDUPILOT_CALLS, ids=named)
 def test_another_mode_of_ardupilots(call):
     async def scenario(made):
+        made.script.parameters.add("CIRCLE_OPTIONS", 1)
         error = await interrupted(made, call, lambda: made.script.enter("STABILIZE"))
         operation = OPERATIONS["Vehicle.goto"] if call.name == "Vehicle.orbit" else OPERATIONS[call.name]
         assert str(error) == f"{operation} 1/1 failed: it changed to STABILIZE (Failsafe: battery)"

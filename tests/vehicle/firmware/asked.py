@@ -5,13 +5,15 @@ from __future__ import annotations
 from math import isnan
 
 from mavstack.dialects import common
+from mavstack.services.message_request.interval import message_id_of
 from tests.vehicle.failures.scripted import CMD, Scene
 
 LONG, INT = "long", "int"
 HERE = (47.397742, 8.545594)
 THERE = (47.3990, 8.5470)
 #: Commands that do not depend on the firmware.
-_RATES = (CMD.SET_MESSAGE_INTERVAL,)
+_RATES = (CMD.SET_MESSAGE_INTERVAL, CMD.REQUEST_AUTOPILOT_CAPABILITIES)
+_VERSION = message_id_of(common.AutopilotVersion)
 NAN = "nan"
 
 
@@ -24,6 +26,8 @@ def asked_of(made: Scene) -> list[tuple]:
     found: list[tuple] = []
     for message in made.script.heard:
         match message:
+            case common.CommandLong(command=CMD.REQUEST_MESSAGE, param1=param) if param == _VERSION:
+                continue  # for the encoding of parameters
             case common.CommandLong(command=command) if command not in _RATES:
                 params = [getattr(message, f"param{number}") for number in range(1, 8)]
                 found.append((LONG, command.name, *map(plain, params)))

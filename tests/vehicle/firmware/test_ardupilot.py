@@ -8,8 +8,9 @@ from math import degrees
 import pytest
 
 from mavstack.dialects import common
-from mavstack.errors import ActionUnsupported, CommandDenied
+from mavstack.errors import ActionUnsupported, CommandDenied, RemoteError
 from mavstack.vehicle.firmware.ardupilot import ArduPilot
+from mavstack.vehicle.geography import offset_location
 from tests.vehicle.failures.scripted import ARDUPILOT, CMD, RESULT, play
 from tests.vehicle.firmware.asked import HERE, INT, LONG, NAN, THERE, asked_of, mode
 
@@ -166,7 +167,9 @@ def test_a_copter_circles_in_a_mode_of_its_own(radius, speed, rate, older):
             parameters.add(name, value)
         if not older:
             parameters.add("CIRCLE_OPTIONS", 1)
-        made.script.latitude, made.script.longitude = THERE  # it is there already
+        # It is there already; an older version circles a position that lies ahead of it by the radius.
+        made.script.latitude, made.script.longitude = offset_location(*THERE, 0, -15 if older else 0)
+        made.script.heading = 90.0
         made.script.arm()
         await asyncio.sleep(1)
         await made.vehicle.orbit(*THERE, 20, radius=radius, speed=speed, wait=False)
@@ -174,6 +177,8 @@ def test_a_copter_circles_in_a_mode_of_its_own(radius, speed, rate, older):
         assert parameters["CIRCLE_RATE"] == pytest.approx(rate, abs=0.01)
         if not older:
             assert parameters["CIRCLE_OPTIONS"] == 5
+        else:
+            assert (LONG, "CONDITION_YAW", 90, 0, 0, 0, 0, 0, 0) in asked_of(made)
         assert asked_of(made)[-1][1::2][:2] == ("DO_SET_MODE", 7)
 
     play(scenario, autopilot=ARDUPILOT)
@@ -195,6 +200,16 @@ def test_the_circle_of_copter_4_7_is_set_in_metres(cached):
         assert parameters["CIRCLE_RATE"] == -20
         asked = {each[1] for each in asked_of(made) if each[0] == "set"}
         assert asked == {"CIRCLE_RADIUS_M", "CIRCLE_RATE", "CIRCLE_OPTIONS"}
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+@pytest.mark.parametrize("name", ["RTL_ALT", "RTL_ALT_M"])
+def test_the_error_for_a_renamed_parameter_tells_the_other_name(name):
+    async def scenario(made):
+        for call in (made.vehicle.params.get(name), made.vehicle.params.set(name, 30)):
+            with pytest.raises(RemoteError, match=r"\(RTL_ALT is RTL_ALT_M since ArduPilot 4\.7"):
+                await call
 
     play(scenario, autopilot=ARDUPILOT)
 

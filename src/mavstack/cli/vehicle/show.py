@@ -60,7 +60,8 @@ def health(arguments: Namespace) -> int:
             facts = health_facts(vehicle)
         else:
             facts = (await gather_facts(vehicle))["health"]
-        ready.append(bool(facts["ready"]))
+        # After a wait, readiness that the vehicle does not report follows from its other reports.
+        ready.append(facts["ready"] if facts["ready"] is not None else bool(arguments.wait))
         if arguments.json:
             echo_json({"system": vehicle.system, **facts})
             return

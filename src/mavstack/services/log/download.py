@@ -81,7 +81,7 @@ class DownloadLog(Procedure[bytes]):
             content: bytes = yield transfer
             after: LogEntry | None = yield ReadLogEntry(self._number)
             if after is None or not after.may_be(before):
-                self._require(after is not None and after.may_have_been(before))
+                self._require(after is not None and after.may_continue(before))
                 same: bool = yield VerifyUnchanged(self._number, content, transfer.earliest)
                 self._require(same)
             return content

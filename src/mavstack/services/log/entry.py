@@ -40,8 +40,15 @@ class LogEntry:
 
     def may_have_been(self, earlier: LogEntry) -> bool:
         """Return whether this may be the log of an earlier entry, written since: its time moves too."""
-        both_last = self.is_last and earlier.is_last
-        return both_last and self.size > earlier.size and self.time_utc >= earlier.time_utc
+        return self.may_continue(earlier) and self.time_utc >= earlier.time_utc
+
+    def may_continue(self, earlier: LogEntry) -> bool:
+        """Return whether this may be a log that was written at an earlier entry; its content has to prove it.
+
+        ArduPilot dates the log that it writes by its clock, and a closed one by its file: the time of a log
+        that was closed in between may go back.
+        """
+        return earlier.is_last and self.size >= earlier.size
 
     @classmethod
     def read(cls, message: common.LogEntry) -> Self:

@@ -2,8 +2,9 @@
 
 MISSION_ITEM_INT carries params 5 and 6 as integers, degrees times 1e7 or metres times 1e4; the older
 MISSION_ITEM carries them as float32, which for a longitude is precise to about a metre. The global frames
-with and without `_INT` mean the same: autopilots accept both and return the one they prefer, so two items are
-equal if their MISSION_ITEM_INT are equal apart from that. `current` is not part of the plan: in a download it
+with and without `_INT` mean the same, and the frame of a command without a location means nothing: autopilots
+return the one they prefer, ArduPilot GLOBAL, so two items are equal if their MISSION_ITEM_INT are equal apart
+from that. `current` is not part of the plan: in a download it
 marks the vehicle's current item.
 
 The default frame depends on the command, since PX4 refuses a command without a location in a global frame:
@@ -141,7 +142,8 @@ class MissionItem(ItemFactories):
     def to_bytes(self) -> bytes:
         """Return the bytes by which items are compared."""
         message = self.to_int(BROADCAST, 0, 0, current=False)
-        message.frame = _SYNONYMS.get(self.frame, self.frame)
+        frameless = is_known_command(self.command) and self.command not in commands_with_location()
+        message.frame = common.MavFrame.MISSION if frameless else _SYNONYMS.get(self.frame, self.frame)
         return message.to_payload()
 
     def _default_frame(self) -> int:

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from mavstack.dialects import common
 from mavstack.errors import InvalidArgumentError
 from mavstack.services.addressing import BROADCAST, Address, message_ids
+from mavstack.services.frames import commands_with_location
 from mavstack.services.mission.download_server import DownloadServer
 from mavstack.services.mission.item import MissionItem
 from mavstack.services.mission.plan import MAX_ITEMS, PLAN_TYPES, Plan, PlanStore, PlanType
@@ -75,6 +76,7 @@ class MissionServerOptions:
         plan_ids: Send plan ids.
         home_first: Item 0 of a mission is the vehicle's home, whatever was uploaded there, and can be read
             while the mission is empty (ArduPilot).
+        frames_of_locations: Keep the frames of items with a location only; others have GLOBAL (ArduPilot).
         plain_requests: Request items by MISSION_REQUEST, and accept either form of item (ArduPilot).
         float_answers: Answer MISSION_REQUEST with MISSION_ITEM to all clients.
         request_interval: The smallest time between two requests for an item, seconds: some clients count
@@ -84,6 +86,7 @@ class MissionServerOptions:
     limits: Mapping[int, int] = field(default_factory=lambda: DEFAULT_LIMITS)
     plan_ids: bool = True
     home_first: bool = False
+    frames_of_locations: bool = False
     plain_requests: bool = False
     float_answers: bool = False
     request_interval: float = MIN_TIMEOUT
@@ -262,8 +265,10 @@ class MissionServer(Service):
 
     def _with_home_and_id(self, held: Plan) -> Plan:
         plan = held
+        if self.options.frames_of_locations:
+            plan = Plan(held.type, tuple(map(_without_frame, held.items)))
         if self.options.home_first and held.type == PlanType.MISSION and self.home is not None and held.items:
-            plan = Plan(held.type, (self.home, *held.items[1:]))
+            plan = Plan(held.type, (self.home, *plan.items[1:]))
         return plan.with_id(held.checksum() if self.options.plan_ids else 0)
 
     def _first_item(self) -> MissionItem:
@@ -360,3 +365,10 @@ class MissionServer(Service):
 
     def _reply(self, message: Message, target: Address = BROADCAST) -> None:
         self.send(message, target)
+
+
+def _without_frame(item: MissionItem) -> MissionItem:
+    """Return an item as ArduPilot stores it: the frame belongs to the location, and is GLOBAL without one."""
+    if item.command in commands_with_location():
+        return item
+    return replace(item, frame=int(common.MavFrame.GLOBAL))

@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 HEARTBEAT_TIMEOUT = 5.0
 MODE_CHANGE_TIMEOUT = 10.0
 COMMAND_TIMEOUT = 30.0
+#: Seconds to wait for the effect of SET_MODE after UNSUPPORTED: ArduPilot 4.1 says this of every mode that
+#: it does not have or does not enter now, not only of the command.
+UNSUPPORTED_TIMEOUT = 3.0
 #: Seconds between two SET_MODE without confirmation, and between two requests for CURRENT_MODE.
 REPEAT_INTERVAL = 1.0
 #: Seconds after the last AVAILABLE_MODES after which missing ones are requested.
@@ -222,8 +225,11 @@ class SetMode(_ModeProcedure[int]):
         message = common.SetMode(
             target_system=self.target.system, base_mode=_base_mode(heartbeat), custom_mode=wanted
         )
+        idle_timeout = UNSUPPORTED_TIMEOUT if isinstance(error, CommandDenied) else MODE_CHANGE_TIMEOUT
         try:
-            yield self.wait_until(lambda: self.entered(wanted), repeat=lambda: self.send(message))
+            yield self.wait_until(
+                lambda: self.entered(wanted), idle_timeout=idle_timeout, repeat=lambda: self.send(message)
+            )
         except ModeTimeout:
             raise error from None
 

@@ -5,6 +5,7 @@ from mavstack.services.parameters.client import ParameterChanged, ParameterClien
 from mavstack.services.parameters.hashing import HASH_NAME, hash_of
 from mavstack.services.parameters.operations import DownloadParameters, GetParameter, ReadHash, SetParameter
 from mavstack.services.parameters.packed import PACKED_NAME, PackedFile, unpack, write, write_upload
+from mavstack.services.parameters.renamed import RENAMED, RenamedParameter, renaming_of
 from mavstack.services.parameters.server import ParameterServer, ParameterWritten
 from mavstack.services.parameters.table import ParameterDefinition, ParameterTable
 from mavstack.services.parameters.value import Encoding, Parameter, Value, encoding_of
@@ -12,6 +13,7 @@ from mavstack.services.parameters.value import Encoding, Parameter, Value, encod
 __all__ = [
     "HASH_NAME",
     "PACKED_NAME",
+    "RENAMED",
     "DownloadParameters",
     "Encoding",
     "GetParameter",
@@ -25,11 +27,13 @@ __all__ = [
     "ParameterTable",
     "ParameterWritten",
     "ReadHash",
+    "RenamedParameter",
     "SetParameter",
     "Snapshot",
     "Value",
     "encoding_of",
     "hash_of",
+    "renaming_of",
     "unpack",
     "write",
     "write_upload",

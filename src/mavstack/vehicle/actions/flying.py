@@ -244,9 +244,14 @@ async def orbit(
     tolerance = max(ORBIT_TOLERANCE, abs(radius) / 4)
 
     async def request() -> None:
-        start = await firmware.prepare_orbit(center)
-        if start is not None:
-            await goto(vehicle, start, yaw=None, radius=None, override_limits=True, wait=True, timeout=None)
+        entry = await firmware.prepare_orbit(center, radius)
+        if entry is not None:
+            await goto(
+                vehicle, entry.location, yaw=entry.heading, radius=None,
+                override_limits=True, wait=True, timeout=None,
+            )  # fmt: skip
+            if entry.heading is not None:
+                await turn(vehicle, entry.heading, wait=True, timeout=None)
         await firmware.orbit(center, radius=radius, speed=speed)
 
     def remaining() -> float | None:

@@ -2,7 +2,8 @@
 
 EXTENDED_SYS_STATE has the VTOL state, but ArduPilot sends it on request only. Actions that differ between
 planes and quadplanes therefore request it first. It is then sent once per second, because the VTOL state also
-tells whether a quadplane hovers.
+tells whether a quadplane hovers. ArduPlane 4.0 and 4.1 leave the VTOL state undefined: there the parameter
+Q_ENABLE tells a quadplane.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from mavstack.dialects import common
 from mavstack.errors import MavstackError
-from mavstack.vehicle.vehicle_type import VehicleType
+from mavstack.vehicle.vehicle_type import QUADPLANE_PARAMETER, VehicleType
 
 if TYPE_CHECKING:
     from mavstack.vehicle.vehicle_state import VehicleState
@@ -32,9 +33,12 @@ async def detect_quadplane(vehicle: VehicleState) -> None:
         or vehicle.vehicle_type is not VehicleType.PLANE
     ):
         return
-    if telemetry.latest(common.ExtendedSysState) is not None:
-        return
     with suppress(MavstackError, TimeoutError):
         async with asyncio.timeout(_DETECTION_TIMEOUT):
-            if await telemetry.ensure(common.ExtendedSysState, _RATE):
+            if telemetry.latest(common.ExtendedSysState) is None and await telemetry.ensure(
+                common.ExtendedSysState, _RATE
+            ):
                 await vehicle.component.request_message(common.ExtendedSysState)
+    if vehicle.vtol_state is None and QUADPLANE_PARAMETER not in vehicle.params.cached:
+        with suppress(MavstackError):
+            await vehicle.params.get(QUADPLANE_PARAMETER, timeout=_DETECTION_TIMEOUT)

@@ -2,6 +2,8 @@
 
 ArduPilot's pre-arm bit speaks of the present mode, such as STABILIZE, which needs no position; it would
 refuse arming in GUIDED. So the estimate of the position counts too, unless the mode to be flown needs none.
+ArduPilot before 4.1 reports no such bit and does not run its checks on request: it sends the failed ones as
+status texts twice per minute. Such a vehicle is ready when it has reported no problem for a while.
 PX4's bit speaks of the present mode as well: after a reboot without radio control that may be one that needs
 sticks. Then the disarmed vehicle is put into its hold mode, in which it can be armed.
 
@@ -18,6 +20,7 @@ from typing import TYPE_CHECKING, Final
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import HealthTimeout, MavstackError, RemoteCancelled
 from mavstack.services.arguments import check_timeout
+from mavstack.vehicle.actions.conditions import SustainedCondition
 from mavstack.vehicle.firmware import firmware_of
 from mavstack.vehicle.telemetry.problems import recent
 
@@ -44,6 +47,12 @@ _RADIO_TIMEOUT = 5.0
 _EKF: Final = ardupilotmega.EkfStatusFlags
 #: One of these is the position that ArduPilot needs; it accepts the predicted one before arming.
 _POSITION: Final = _EKF.POS_HORIZ_ABS | _EKF.POS_HORIZ_REL | _EKF.PRED_POS_HORIZ_ABS | _EKF.PRED_POS_HORIZ_REL
+#: The messages whose problems keep a vehicle from being armed that does not report its checks.
+_DECISIVE: Final = frozenset({"STATUSTEXT", "HEARTBEAT", "GPS_RAW_INT"})
+#: Those that count as well unless the mode needs no position.
+_DECISIVE_FOR_POSITION: Final = frozenset({"EKF_STATUS_REPORT", "ESTIMATOR_STATUS"})
+#: The time without such a problem after which it counts as ready, in seconds.
+_TROUBLE_FREE_TIME: Final = 3.0
 _RADIO: Final = common.MavSysStatusSensor.SENSOR_RC_RECEIVER
 _OPERATION = "waiting for the readiness of"
 
@@ -54,28 +63,52 @@ async def wait_until_ready(vehicle: VehicleState, mode: str | None, timeout: flo
     if (health := vehicle.health).ready and (not needs_position or _is_estimated(vehicle)):
         return health
     check_timeout(timeout)
-    began = vehicle.connection.now()
-
-    def position_known() -> bool:
-        estimated = _is_estimated(vehicle) if needs_position else True
-        late = vehicle.connection.now() >= began + _ESTIMATOR_TIMEOUT
-        return late if estimated is None else estimated
-
+    readiness = _Readiness(vehicle, mode, needs_position)
     requests = asyncio.get_running_loop().create_task(_request_reports(vehicle))
     try:
         async with asyncio.timeout(timeout):
-            while not ((health := vehicle.health).ready and position_known()):
+            while not readiness.reached():
                 await asyncio.sleep(_READ_INTERVAL)
                 if not vehicle.connection.is_open:
                     answer = "the connection was closed"
                     raise RemoteCancelled(_OPERATION, str(vehicle.address), answer=answer)
-            return health
+            return vehicle.health
     except TimeoutError:
         answer = f"not in {timeout:g} s: {vehicle.health}"
         raise HealthTimeout(_OPERATION, str(vehicle.address), answer=answer) from None
     finally:
         requests.cancel()
         await asyncio.gather(requests, return_exceptions=True)
+
+
+class _Readiness:
+    """Tells when a vehicle will accept arming, from all that it reports."""
+
+    def __init__(self, vehicle: VehicleState, mode: str | None, needs_position: bool) -> None:
+        self._vehicle = vehicle
+        self._needs_position = needs_position
+        self._began = vehicle.connection.now()
+        self._decisive = _DECISIVE
+        if mode is None or needs_position:
+            self._decisive |= _DECISIVE_FOR_POSITION
+        self._trouble_free = SustainedCondition(vehicle, _TROUBLE_FREE_TIME)
+
+    def reached(self) -> bool:
+        """Return whether the vehicle is ready to arm."""
+        health = self._vehicle.health
+        trouble_free = self._trouble_free.update(self._is_trouble_free(health))
+        return bool(health.ready or trouble_free) and self._position_known()
+
+    def _is_trouble_free(self, health: Health) -> bool:
+        """Return whether a vehicle that does not report its checks reports no decisive problem."""
+        reports = recent(self._vehicle.telemetry, common.SysStatus) is not None
+        troubled = any(problem.source in self._decisive for problem in health.problems)
+        return reports and self._vehicle.alive and health.ready is None and not troubled
+
+    def _position_known(self) -> bool:
+        estimated = _is_estimated(self._vehicle) if self._needs_position else True
+        late = self._vehicle.connection.now() >= self._began + _ESTIMATOR_TIMEOUT
+        return late if estimated is None else estimated
 
 
 def _is_estimated(vehicle: VehicleState) -> bool | None:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from math import degrees
+from math import cos, degrees, radians, sin
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from mavstack.dialects import ardupilotmega, common
 from mavstack.errors import CommandDenied, ParameterDenied, ParameterTimeout, RemoteDenied, RemoteTimeout
+from mavstack.services.parameters import RENAMED
 from mavstack.services.setpoints import GlobalSetpoint
-from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware
+from mavstack.vehicle.firmware.firmware import CHANGE_MODE, CMD, FRAME, Firmware, OrbitEntry
+from mavstack.vehicle.geography import Location, offset_location
 from mavstack.vehicle.vehicle_type import VehicleType
 
 if TYPE_CHECKING:
@@ -17,7 +19,6 @@ if TYPE_CHECKING:
 
     from mavstack.dialects import Message
     from mavstack.services.heartbeat import ComponentInfo
-    from mavstack.vehicle.geography import Location
 
 _GUIDED: Final = frozenset({"guided"})
 #: The mode in which each vehicle type stays where it is; it needs no throttle stick where there is a choice.
@@ -36,7 +37,7 @@ _NO_ARMING_MODES: Final = frozenset({"rtl", "smart_rtl", "land", "brake", "circl
 #: Modes in which arming needs no position.
 _NO_POSITION_MODES: Final = frozenset(
     {"stabilize", "acro", "alt_hold", "sport", "flip", "autotune", "manual", "hold", "steering", "flowhold"}
-    | {"systemid", "turtle", "guided_nogps"}
+    | {"systemid", "turtle", "guided_nogps", "surface", "motordetect"}
 )
 _LAND_MODES: Final[Mapping[VehicleType, str]] = MappingProxyType(
     {VehicleType.COPTER: "LAND", VehicleType.VTOL: "QLAND"}
@@ -47,7 +48,7 @@ _NO_LANDING: Final = (
     "its mission has no landing sequence and it has no AUTOLAND mode: "
     "upload a mission with DO_LAND_START and NAV_LAND, or let it circle home by rtl()"
 )
-_CENTIMETRES: Final = 100.0
+_RADIUS: Final = RENAMED["CIRCLE_RADIUS"]
 _NO_SUCH_PARAMETER: Final = common.MavParamError.DOES_NOT_EXIST
 #: The throttle channel if RCMAP_THROTTLE is not known, its middle and its dead zone in microseconds.
 _DEFAULT_THROTTLE_CHANNEL: Final = 3
@@ -155,14 +156,33 @@ class ArduPilot(Firmware):
         if yaw is not None and self._type is VehicleType.COPTER:
             await self.turn(yaw)
 
-    async def prepare_orbit(self, center: Location) -> Location | None:
-        """Return the centre for a copter, which circles the position where it enters CIRCLE."""
+    async def prepare_orbit(self, center: Location, radius: float) -> OrbitEntry | None:
+        """Return the centre for a copter, which circles the position where it enters CIRCLE.
+
+        Without CIRCLE_OPTIONS, which 4.1 introduced, the centre lies ahead of it by the radius.
+        """
         if self._type in (VehicleType.PLANE, VehicleType.VTOL):
             return None
         if self._type is not VehicleType.COPTER:
             raise self.unsupported("orbit")
         self._check_throttle()
-        return center
+        if await self._circle_around_entry():
+            return OrbitEntry(center)
+        heading = self.vehicle.heading or 0.0
+        behind = -abs(radius)
+        north, east = behind * cos(radians(heading)), behind * sin(radians(heading))
+        start = offset_location(center.latitude, center.longitude, north, east)
+        return OrbitEntry(Location(*start, center.altitude), heading)
+
+    async def _circle_around_entry(self) -> bool:
+        """Make the position of entry the centre of the circle; return False if the version cannot do that."""
+        params = self.vehicle.params
+        try:
+            options = int((await params.get("CIRCLE_OPTIONS")).value)
+            await params.set("CIRCLE_OPTIONS", options | _CENTER_AT_ENTRY)
+        except (ParameterDenied, ParameterTimeout):
+            return False
+        return True
 
     async def orbit(self, center: Location, *, radius: float, speed: float | None) -> None:
         """Send a wing to the location, which it circles; let a copter circle its position in CIRCLE."""
@@ -181,7 +201,12 @@ class ArduPilot(Firmware):
         await self.command(CMD.CONDITION_YAW, heading % 360.0, 0, 0, 0)
 
     def needs_position(self, mode: str | None) -> bool:
-        """Return True for copters, rovers and boats, except in modes that are flown without a position."""
+        """Return True for copters, rovers and boats, except in modes that are flown without a position.
+
+        A submarine often has no position at all: for it the mode has to be named.
+        """
+        if self._type is VehicleType.SUB:
+            return mode is not None and mode.lower() not in _NO_POSITION_MODES
         navigates = self._type in (VehicleType.COPTER, VehicleType.ROVER, VehicleType.BOAT)
         return navigates and (mode or "guided").lower() not in _NO_POSITION_MODES
 
@@ -226,23 +251,18 @@ class ArduPilot(Firmware):
         else:
             rate = degrees(speed / abs(radius))
         await params.set("CIRCLE_RATE", clockwise * rate)
-        try:
-            options = int((await params.get("CIRCLE_OPTIONS")).value)
-            await params.set("CIRCLE_OPTIONS", options | _CENTER_AT_ENTRY)
-        except (ParameterDenied, ParameterTimeout):
-            return  # versions without that parameter always circle the position of entry
 
     async def _set_circle_radius(self, metres: float) -> None:
-        """Set the radius: Copter 4.7 renamed the parameter and counts in metres.
+        """Set the radius by the name and in the unit of the version.
 
-        The old name goes first: 4.7 refuses it at once, while older versions leave the new one unanswered.
+        The earlier name goes first: 4.7 refuses it at once, older versions leave the new one unanswered.
         """
         params = self.vehicle.params
         try:
-            if "CIRCLE_RADIUS_M" not in params.cached:
-                await params.set("CIRCLE_RADIUS", metres * _CENTIMETRES)
+            if _RADIUS.name not in params.cached:
+                await params.set(_RADIUS.earlier, metres / _RADIUS.factor)
                 return
         except (ParameterDenied, ParameterTimeout) as error:
             if isinstance(error, ParameterDenied) and error.code != _NO_SUCH_PARAMETER:
                 raise
-        await params.set("CIRCLE_RADIUS_M", metres)
+        await params.set(_RADIUS.name, metres)

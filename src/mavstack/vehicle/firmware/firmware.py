@@ -11,6 +11,7 @@ The methods raise `CommandDenied`, `CommandTimeout` or `ModeTimeout` as the comm
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf, nan
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
@@ -33,6 +34,14 @@ _STANDARD: Final = common.MavStandardMode
 _PREARM: Final = common.MavSysStatusSensor.PREARM_CHECK
 #: Param 2 of DO_REPOSITION: change the mode for it.
 CHANGE_MODE: Final = float(common.MavDoRepositionFlags.CHANGE_MODE)
+
+
+@dataclass(frozen=True, slots=True)
+class OrbitEntry:
+    """Where an orbit begins, and the heading in degrees that the vehicle needs there; None: any."""
+
+    location: Location
+    heading: float | None = None
 
 
 class Firmware:
@@ -132,9 +141,9 @@ class Firmware:
             location.latitude, location.longitude, altitude, frame=FRAME.GLOBAL,
         )  # fmt: skip
 
-    async def prepare_orbit(self, center: Location) -> Location | None:
+    async def prepare_orbit(self, center: Location, radius: float) -> OrbitEntry | None:
         """Return where the vehicle has to be before `orbit` is called; None if it may be anywhere."""
-        del center
+        del center, radius
         return None
 
     async def orbit(self, center: Location, *, radius: float, speed: float | None) -> None:

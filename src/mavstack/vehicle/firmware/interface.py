@@ -44,6 +44,11 @@ class FirmwareVehicle(Protocol):
         """The name of its flight mode; None if it is not known."""
         ...
 
+    @property
+    def heading(self) -> float | None:
+        """The heading in degrees clockwise from north; None if it is not known."""
+        ...
+
     def rc_pulse(self, channel: int) -> int | None:
         """Return the pulse of a radio control channel in microseconds; None if there is none."""
         ...

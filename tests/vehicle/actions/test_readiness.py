@@ -1,0 +1,70 @@
+"""Readiness of vehicles that do not report their checks, as ArduCopter 4.0.5 reported it in SITL."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from mavstack.dialects import ardupilotmega, common
+from mavstack.errors import HealthTimeout
+from tests.vehicle.failures.scripted import ARDUPILOT, play
+
+EKF = ardupilotmega.EkfStatusFlags
+#: The flags that ArduCopter 4.0.5 reports until its estimator uses GPS, and from then on.
+WAITING_FOR_GPS = EKF.ATTITUDE | EKF.VELOCITY_VERT | EKF.POS_VERT_ABS | EKF.CONST_POS_MODE
+USING_GPS = EKF(0b1100111111)
+
+
+def report_like_4_0(script, flags):
+    """Let a scripted vehicle report its sensors, but no pre-arm check, and the flags in a list."""
+    script._status = lambda now: common.SysStatus(
+        onboard_control_sensors_present=common.MavSysStatusSensor.SENSOR_3D_GYRO,
+        onboard_control_sensors_enabled=common.MavSysStatusSensor.SENSOR_3D_GYRO,
+        onboard_control_sensors_health=common.MavSysStatusSensor.SENSOR_3D_GYRO,
+    )
+    script.publish(common.SysStatus, script._status, interval=0.5)
+    script.publish(
+        ardupilotmega.EkfStatusReport,
+        lambda now: ardupilotmega.EkfStatusReport(flags=flags[-1]),
+        interval=1,
+    )
+
+
+def test_a_vehicle_without_a_pre_arm_bit_is_ready_once_it_reports_no_problem():
+    async def scenario(made):
+        flags = [WAITING_FOR_GPS]
+        report_like_4_0(made.script, flags)
+        await asyncio.sleep(2)
+        waiting = asyncio.create_task(made.vehicle.wait_until_ready(timeout=120))
+        await asyncio.sleep(20)
+        assert not waiting.done()
+        flags.append(USING_GPS)
+        made.say("PreArm: Compass not calibrated")
+        await asyncio.sleep(30)
+        assert not waiting.done()
+        assert "Compass not calibrated" in str(made.vehicle.health)
+        health = await asyncio.wait_for(waiting, 20)
+        assert health.ready is None
+        assert str(health) == "readiness not reported"
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+def test_its_timeout_tells_the_problem():
+    async def scenario(made):
+        report_like_4_0(made.script, [WAITING_FOR_GPS])
+        await asyncio.sleep(2)
+        with pytest.raises(HealthTimeout, match="horizontal position is not estimated"):
+            await made.vehicle.wait_until_ready(timeout=15)
+
+    play(scenario, autopilot=ARDUPILOT)
+
+
+def test_a_mode_without_a_position_does_not_wait_for_the_estimator():
+    async def scenario(made):
+        report_like_4_0(made.script, [WAITING_FOR_GPS])
+        await asyncio.sleep(2)
+        assert (await made.vehicle.wait_until_ready(mode="STABILIZE", timeout=15)).ready is None
+
+    play(scenario, autopilot=ARDUPILOT)
